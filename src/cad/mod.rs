@@ -1,0 +1,3 @@
+//! cad
+
+#![deny(clippy::disallowed_methods, clippy::disallowed_types)]

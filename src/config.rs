@@ -1,0 +1,70 @@
+//! `station.toml` → [`Config`].
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use regex::Regex;
+
+use crate::leg::Method;
+
+/// The whole configuration of a station, checked.
+#[derive(Debug, Clone)]
+pub struct Config {
+    /// `[station]`
+    pub station: StationConfig,
+    /// `[scanner]`
+    pub scanner: ScannerConfig,
+    /// `[patient]`
+    pub patient: PatientConfig,
+    /// `[method]` and the export's declarations of `[scanner]`: unit, up, facing.
+    pub method: Method,
+    /// `[store]`
+    pub store: StoreConfig,
+}
+
+/// `[station]`: who this station is and where it keeps its state.
+#[derive(Debug, Clone)]
+pub struct StationConfig {
+    /// The station's name in records and folders: letters, digits, `-` and `_`.
+    pub id: String,
+    /// Journal, spool and quarantine; a local disk, this station's alone.
+    pub state_dir: PathBuf,
+}
+
+/// `[scanner]`: where and how the scanner exports.
+#[derive(Debug, Clone)]
+pub struct ScannerConfig {
+    /// Folders watched for exports.
+    pub export_dirs: Vec<PathBuf>,
+    /// A file unchanged this long has settled.
+    pub quiet: Duration,
+    /// Every folder is looked at this often, whatever the watch says.
+    pub rescan: Duration,
+    /// A settled file that its own format shows to be cut short is awaited this long.
+    pub short_wait: Duration,
+    /// A larger file is refused before it is read, bytes.
+    pub max_scan_bytes: u64,
+    /// Expression on the file name; its group `patient` is the patient's id.
+    pub file_name: Option<Regex>,
+}
+
+/// `[patient]`: what an id may be.
+#[derive(Debug, Clone)]
+pub struct PatientConfig {
+    /// What a patient id may be, from any source; matched against the whole id.
+    pub pattern: Regex,
+}
+
+/// `[store]`: where records go.
+#[derive(Debug, Clone)]
+pub struct StoreConfig {
+    /// `[store.folder]`
+    pub folder: FolderStoreConfig,
+}
+
+/// `[store.folder]`: records as folders.
+#[derive(Debug, Clone)]
+pub struct FolderStoreConfig {
+    /// The folder that holds a folder per patient.
+    pub path: PathBuf,
+}

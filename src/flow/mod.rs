@@ -1,0 +1,3 @@
+//! flow
+
+#![deny(clippy::disallowed_methods, clippy::disallowed_types)]

@@ -1,0 +1,111 @@
+//! The choices of the method: what the export declares, and which of the paper's steps are used.
+
+/// How to read and measure a scan. `Default` is what gaiter does when nobody chooses.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Method {
+    /// The unit of the export's coordinates.
+    pub unit: UnitChoice,
+    /// The export's axis that points up.
+    pub up: Up,
+    /// Where the toes are declared to point, if anybody declared it.
+    pub facing: FacingChoice,
+    /// The curve that is fitted to each section.
+    pub fit: SectionFit,
+}
+
+/// The unit of the export's coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum UnitChoice {
+    /// The one unit that alone gives a plausible stature.
+    #[default]
+    Auto,
+    /// Declared; still checked against a plausible stature.
+    Declared(Unit),
+}
+
+/// A unit of length that scanners export in.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// Millimetre.
+    Mm,
+    /// Centimetre.
+    Cm,
+    /// Metre.
+    M,
+    /// Inch, 25.4 mm.
+    In,
+}
+
+impl Unit {
+    /// All units, smallest first.
+    pub const ALL: [Unit; 4] = [Unit::Mm, Unit::Cm, Unit::In, Unit::M];
+
+    /// Millimetres in one of this unit.
+    pub fn in_mm(self) -> f64 {
+        match self {
+            Unit::Mm => 1.0,
+            Unit::Cm => 10.0,
+            Unit::In => 25.4,
+            Unit::M => 1000.0,
+        }
+    }
+
+    /// The word used on the command line, in the configuration and in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Unit::Mm => "mm",
+            Unit::Cm => "cm",
+            Unit::In => "in",
+            Unit::M => "m",
+        }
+    }
+}
+
+/// The export's axis that points up.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Up {
+    /// +y, as [TC]2 exports it.
+    #[default]
+    Y,
+    /// +z.
+    Z,
+    /// +x.
+    X,
+}
+
+/// Where the toes point in the export's own axes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum FacingChoice {
+    /// Found from the feet.
+    #[default]
+    Auto,
+    /// Declared; feet that contradict it refuse the scan.
+    Declared(Axis),
+}
+
+/// A signed axis of the export.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Axis {
+    /// +x.
+    PlusX,
+    /// −x.
+    MinusX,
+    /// +y.
+    PlusY,
+    /// −y.
+    MinusY,
+    /// +z.
+    PlusZ,
+    /// −z.
+    MinusZ,
+}
+
+/// The closed curve fitted to the points of a section.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SectionFit {
+    /// Radius over angle as a periodic smoothing spline, C2 across the seam.
+    #[default]
+    Periodic,
+    /// The paper's: radius over angle in (−π, π] as a polynomial of order 15, orthogonal basis.
+    Polynomial,
+}

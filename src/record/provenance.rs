@@ -1,0 +1,62 @@
+//! Where a record comes from: station, patient, time, scan. Known to the station, not to the leg.
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+/// What the station knows about a scan before it is measured.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Provenance {
+    /// The station's id; none for a bare `extract`.
+    pub station: Option<String>,
+    /// Whose legs these are; none while nobody said so.
+    pub patient: Option<Patient>,
+    /// When the scan was taken, as well as it is known.
+    pub acquired: Option<Acquired>,
+    /// SHA-256 of the scan's bytes, lower-case hexadecimal.
+    pub sha256: String,
+}
+
+/// A patient's id and who named it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Patient {
+    /// The id, matching the configured pattern.
+    pub id: String,
+    /// Every source that named this id.
+    pub sources: Vec<Source>,
+}
+
+/// One source of a patient id.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Source {
+    /// What kind of source.
+    pub kind: SourceKind,
+}
+
+/// The kinds of sources of a patient id.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SourceKind {
+    /// The scan's file name, by the configured expression.
+    FileName,
+}
+
+/// A time of acquisition and where it is from.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Acquired {
+    /// UTC.
+    pub at: Timestamp,
+    /// What the time was taken from.
+    pub from: AcquiredFrom,
+}
+
+/// What a time of acquisition was taken from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum AcquiredFrom {
+    /// The button.
+    Press,
+    /// The export's modification time.
+    FileTime,
+    /// Nothing reliable.
+    Unknown,
+}
