@@ -1,5 +1,7 @@
 //! `station.toml` → [`Config`].
 
+pub mod words;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
