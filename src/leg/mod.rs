@@ -2,10 +2,13 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+pub mod axis;
 pub mod body;
 mod cluster;
 mod hull;
 pub mod method;
+pub mod polynomial;
+pub mod section;
 pub mod segment;
 mod shell;
 pub mod slice;

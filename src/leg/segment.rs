@@ -201,7 +201,7 @@ fn seeds(body: &Body, start_mm: f64) -> Result<Sides<Footprint>, SegmentFault> {
 
 fn slices(mesh: &Mesh, heights_mm: &[f64]) -> Vec<Vec<Point2<f64>>> {
     let slices = mesh.slices(&Vector3::z_axis(), heights_mm);
-    slices.iter().map(|slice| slice.iter().map(|p| p.xy()).collect()).collect()
+    slices.iter().map(|slice| slice.iter().map(|c| c.position.xy()).collect()).collect()
 }
 
 /// The footprints passed and why following ended.

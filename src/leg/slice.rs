@@ -20,6 +20,15 @@ pub struct Mesh {
     normals: Vec<Vector3<f64>>,
 }
 
+/// Where an edge of the mesh crosses a plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// The edge's two points, smaller index first.
+    pub edge: [u32; 2],
+    /// The place.
+    pub position: Point3<f64>,
+}
+
 impl Mesh {
     /// A mesh; every index must be within `points`, as a scan promises.
     pub fn new(points: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Mesh {
@@ -53,9 +62,9 @@ impl Mesh {
 
     /// Crossings of the mesh's edges with the planes `direction · p = offset`, one list an offset,
     /// each edge once, in the order of the edges' indices. `offsets` must ascend.
-    pub fn slices(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Point3<f64>>> {
+    pub fn slices(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
         let heights: Vec<f64> = self.points.iter().map(|p| direction.dot(&p.coords)).collect();
-        let mut edges: Vec<Vec<(u32, u32)>> = vec![Vec::new(); offsets.len()];
+        let mut edges: Vec<Vec<[u32; 2]>> = vec![Vec::new(); offsets.len()];
         for &[a, b, c] in &self.triangles {
             for (from, to) in [(a, b), (b, c), (c, a)] {
                 let (low, high) = match heights[from as usize] <= heights[to as usize] {
@@ -64,13 +73,17 @@ impl Mesh {
                 };
                 let first = offsets.partition_point(|&offset| offset <= low);
                 let last = first + offsets[first..].partition_point(|&offset| offset <= high);
-                edges[first..last].iter_mut().for_each(|e| e.push((from.min(to), from.max(to))));
+                edges[first..last].iter_mut().for_each(|e| e.push([from.min(to), from.max(to)]));
             }
         }
-        let crossing = |offset: f64, mut edges: Vec<(u32, u32)>| {
+        let crossing = |offset: f64, mut edges: Vec<[u32; 2]>| {
             edges.sort_unstable();
             edges.dedup();
-            edges.into_iter().map(|e| self.crossing(e, &heights, direction, offset)).collect()
+            let at = |edge| {
+                let position = self.crossing(edge, &heights, direction, offset);
+                Crossing { edge, position }
+            };
+            edges.into_iter().map(at).collect()
         };
         offsets.iter().zip(edges).map(|(&offset, edges)| crossing(offset, edges)).collect()
     }
@@ -78,7 +91,7 @@ impl Mesh {
     /// Where one edge crosses a plane, on the curved skin above the edge.
     fn crossing(
         &self,
-        (from, to): (u32, u32),
+        [from, to]: [u32; 2],
         heights: &[f64],
         direction: &Unit<Vector3<f64>>,
         offset: f64,
@@ -128,7 +141,7 @@ mod tests {
         assert!(sagitta_mm > 0.15, "the facets must differ from the cylinder: {sagitta_mm}");
         for points in mesh.slices(&Vector3::z_axis(), &[7.0, 22.5, 31.0]) {
             assert_eq!(points.len(), 60);
-            for p in points {
+            for p in points.iter().map(|crossing| crossing.position) {
                 assert!((p.x.hypot(p.y) - radius_mm).abs() < 0.002, "{p}");
             }
         }
@@ -138,7 +151,7 @@ mod tests {
     fn a_plane_through_points_and_edges_crosses_each_edge_once() {
         let mesh = tube(28.0, 30);
         let at_ring = &mesh.slices(&Vector3::z_axis(), &[20.0])[0];
-        let rings: Vec<f64> = at_ring.iter().map(|p| p.z).collect();
+        let rings: Vec<f64> = at_ring.iter().map(|crossing| crossing.position.z).collect();
         assert!(rings.iter().all(|z| *z == 20.0));
         assert_eq!(at_ring.len(), 60);
     }

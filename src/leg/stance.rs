@@ -3,7 +3,7 @@
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
 use super::cluster::clusters;
-use super::slice::Mesh;
+use super::slice::{Crossing, Mesh};
 
 /// Heights at which the shanks are looked for, as shares of stature: above the malleoli (0.045),
 /// below the calf's belly (0.20), where no hand hangs and legs hardly ever touch.
@@ -103,8 +103,8 @@ pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, usize> {
 }
 
 /// Middles of the rings in a slice that can be shanks.
-fn shank_middles(slice: &[nalgebra::Point3<f64>]) -> Vec<Point2<f64>> {
-    let points: Vec<Point2<f64>> = slice.iter().map(nalgebra::Point3::xy).collect();
+fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
+    let points: Vec<Point2<f64>> = slice.iter().map(|crossing| crossing.position.xy()).collect();
     let rings = clusters(&points, SHANK_LINK_MM);
     rings.iter().filter_map(|ring| shank_middle(ring)).collect()
 }
