@@ -97,13 +97,17 @@ pub enum ConfigError {
         source: io::Error,
     },
     /// The file was read and is wrong; every fault in the order of its lines, at least one.
-    #[error("{} has {} fault(s)", path.display(), faults.len())]
+    #[error("{} has {}", path.display(), counted(faults.len()))]
     Faults {
         /// The file as it was named.
         path: PathBuf,
         /// What is wrong.
         faults: Vec<ConfigFault>,
     },
+}
+
+fn counted(faults: usize) -> String {
+    if faults == 1 { "1 fault".into() } else { format!("{faults} faults") }
 }
 
 /// Reads a configuration file.

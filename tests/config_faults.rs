@@ -9,6 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use gaiter::config;
+use proptest::prelude::*;
 
 fn cases() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/cases/config");
@@ -72,4 +73,28 @@ fn every_fault_shows_its_place_and_has_a_caret_within_its_line() {
         }
     }
     assert!(faults_seen > 20);
+}
+
+proptest! {
+    // A case found here is kept as a file among the fixtures, by name.
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// The shipped file with a stroke of an eraser and a few wrong keys: whatever comes of it, it
+    /// is answered, and every fault has a place that exists.
+    #[test]
+    fn a_mangled_file_is_answered_with_faults_that_have_a_place(
+        from in 0..5000_usize, length in 0..40_usize, typed in "[\\[\\]\"'=.#\\\\ü\u{feff}\u{1b}\n\r a0-]{0,12}",
+    ) {
+        let shipped = include_str!("../config/station.toml");
+        let from = shipped.floor_char_boundary(from);
+        let to = shipped.floor_char_boundary(from + length);
+        let text = [&shipped[..from], &typed, &shipped[to..]].concat();
+        for fault in config::load(&text).err().into_iter().flatten() {
+            let lines = text.matches('\n').count() + 1;
+            prop_assert!((1..=lines).contains(&fault.line), "{fault}");
+            let end = fault.source_line.chars().count() + 2;
+            prop_assert!(fault.column >= 1 && fault.column + fault.width <= end, "{fault}");
+            prop_assert!(!fault.to_string().contains('\u{1b}'), "{fault}");
+        }
+    }
 }

@@ -103,7 +103,7 @@ pub enum What {
     #[error("\"{0}\" contains \"..\"")]
     ClimbingPath(String),
     /// A path with a control character, mostly a `\r` or `\t` that was meant as a folder's name.
-    #[error("{0:?} holds a control character")]
+    #[error("\"{0}\" holds a control character")]
     ControlInPath(String),
     /// A list that needs an entry.
     #[error("is an empty list")]
@@ -198,7 +198,7 @@ impl fmt::Display for ConfigFault {
         if !key.is_empty() {
             write!(f, "{key}: ")?;
         }
-        writeln!(f, "{what}")?;
+        writeln!(f, "{}", printable(&what.to_string()))?;
         // A tab stays a tab under a tab, so that the caret stands right whatever its width is.
         let before: String = source_line
             .chars()
@@ -209,13 +209,22 @@ impl fmt::Display for ConfigFault {
         writeln!(f, "{}", format!("  {line} | {source_line}").trim_end())?;
         write!(f, "  {margin} | {before}{}", "^".repeat(*width))?;
         if let Some(hint) = what.hint() {
-            write!(f, "\n  {margin} hint: {hint}")?;
+            write!(f, "\n  {margin} hint: {}", printable(&hint))?;
         }
         Ok(())
     }
 }
 
 impl std::error::Error for ConfigFault {}
+
+/// Control characters by their escapes: a value may hold them, and they do not go to a terminal.
+fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() { shown.extend(c.escape_default()) } else { shown.push(c) }
+    }
+    shown
+}
 
 fn quoted(words: &[&str]) -> String {
     words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")

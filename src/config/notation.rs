@@ -19,7 +19,8 @@ pub(super) fn findings(text: &str, errors: &[Error]) -> (Vec<Finding>, usize) {
         if found.iter().any(|earlier| line_of(text, earlier.at.start) == line) {
             continue;
         }
-        let (what, ends_with_its_line) = in_words(error.message(), &text[at.clone()]);
+        let (what, ends_with_its_line) =
+            in_words(error.message(), text.get(at.clone()).unwrap_or_default());
         let start = at.start;
         found.push(Finding { at, key: String::new(), what });
         if !ends_with_its_line {
@@ -34,6 +35,7 @@ pub(super) fn findings(text: &str, errors: &[Error]) -> (Vec<Finding>, usize) {
 fn in_words(message: &str, found: &str) -> (What, bool) {
     let known = [
         ("missing escaped value", "\\ begins a special character here", true),
+        ("too few unicode value digits", "\\ begins a special character here", true),
         ("invalid basic string", "the text has no closing quote", true),
         ("invalid literal string", "the text has no closing quote", true),
         ("duplicate key", "this name stands here for the second time", true),
@@ -51,7 +53,9 @@ fn in_words(message: &str, found: &str) -> (What, bool) {
         return (What::Notation { said: message.into(), hint: None }, false);
     };
     let hint = match *start {
-        "missing escaped value" => r"write the text in single quotes: 'C:\scans'",
+        "missing escaped value" | "too few unicode value digits" => {
+            r"write the text in single quotes: 'C:\scans'"
+        }
         "duplicate key" => "remove one of the two",
         "key with no value" => r#"write: name = "value""#,
         "unexpected key or value" => "begin a new line for a new key, and a remark with #",

@@ -28,23 +28,27 @@ pub(super) fn fault(text: &str, finding: Finding) -> ConfigFault {
     let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
     let line_end = text[start..].find('\n').map_or(text.len(), |newline| start + newline);
     // A byte-order mark stands before the first column; no editor shows or counts it.
-    let marked = text[line_start..start].starts_with(BOM);
-    let line_start = if marked { line_start + BOM.len_utf8() } else { line_start };
+    let marked = line_start == 0 && text.starts_with(BOM);
+    let line_start = if marked { BOM.len_utf8() } else { line_start };
+    let line = &text[line_start..line_end];
+    let line_end = line_start + line.strip_suffix('\r').unwrap_or(line).len();
+    let start = start.clamp(line_start, line_end);
     let end = floor(text, at.end).clamp(start, line_end);
     ConfigFault {
         file: "station.toml".into(),
         line: line_of(text, start) + 1,
         column: text[line_start..start].chars().count() + 1,
         key,
-        source_line: shown(text[line_start..line_end].trim_matches([BOM, '\r'])),
+        source_line: shown(&text[line_start..line_end]),
         width: text[start..end].trim_end().chars().count().max(1),
         what,
     }
 }
 
-/// The line as it may go to a terminal: control characters but tabs as a sign of the same width.
+/// The line as it may go to a terminal: what cannot be seen, tabs aside, as a sign that can.
 fn shown(line: &str) -> String {
-    line.chars().map(|c| if c.is_control() && c != '\t' { '\u{fffd}' } else { c }).collect()
+    let hidden = |c: char| c == BOM || (c.is_control() && c != '\t');
+    line.chars().map(|c| if hidden(c) { '\u{fffd}' } else { c }).collect()
 }
 
 /// The fault of a file that is not text: the place of the first byte that is wrong.
