@@ -178,6 +178,10 @@ fn spelt(bytes: u64) -> String {
 /// The journal relies on locks and syncs that network file systems only promise.
 fn local(state: &Path) -> Row {
     match network(state) {
+        _ if magic(state).is_some_and(|found| MEMORY.contains(&found)) => {
+            let detail = "held in memory; all that is not delivered is lost with the power";
+            Row::new("local disk", state, Verdict::Warn, detail)
+        }
         Some(kind) => {
             let detail = format!("on {kind}; the journal is only safe on a local disk");
             Row::new("local disk", state, Verdict::Warn, detail)
@@ -199,12 +203,19 @@ const NETWORKS: [(u32, &str); 9] = [
     (0x7375_7245, "Coda"),
 ];
 
+/// `f_type` of tmpfs and ramfs.
+const MEMORY: [u32; 2] = [0x0102_1994, 0x8584_58F6];
+
 /// The kind of network file system a folder is or would be on; `None` for a local one, and where
 /// nothing can be learnt, which another check tells.
 fn network(folder: &Path) -> Option<&'static str> {
-    let found = statfs(footing(folder).ok()?).ok()?.f_type;
+    let found = magic(folder)?;
+    NETWORKS.iter().find(|(magic, _)| *magic == found).map(|(_, name)| *name)
+}
+
+fn magic(folder: &Path) -> Option<u32> {
     // The magic numbers have 32 bits; the field is wider, and signed, on most machines.
-    NETWORKS.iter().find(|(magic, _)| *magic == found as u32).map(|(_, name)| *name)
+    Some(statfs(footing(folder).ok()?).ok()?.f_type as u32)
 }
 
 /// Links may lead one folder into another although their names are apart.
