@@ -71,13 +71,13 @@ pub struct ExtractArgs {
     /// Print one JSON record per scan and line, for programs
     #[arg(long)]
     pub json: bool,
-    /// Also write a record folder for every scan: DIR/<name of the scan>/
+    /// Also write a record folder for every scan: DIR/NAME-OF-SCAN/
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// The unit of the scan's coordinates; auto finds it from the height of the body
     #[arg(long, value_parser = of_words(UNITS))]
     pub unit: Option<UnitChoice>,
-    /// The axis of the scan that points up
+    /// The axis of the scan that points up; y where nothing says otherwise
     #[arg(long, value_parser = of_words(UPS))]
     pub up: Option<Up>,
     /// The axis of the scan the toes point along; auto finds it from the feet

@@ -13,6 +13,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+use crate::config::ConfigError;
 use args::{Args, Verb};
 pub use exit::Exit;
 
@@ -59,4 +60,30 @@ pub fn print(text: impl Display) -> io::Result<()> {
 /// Writes a diagnostic and a line end to standard error. Where that fails there is nobody to tell.
 pub fn complain(text: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// How a verb ends that got no configuration.
+pub fn exit_of(error: &ConfigError) -> Exit {
+    match error {
+        ConfigError::Faults { .. } => Exit::Config,
+        ConfigError::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
+            Exit::NoFile
+        }
+        ConfigError::Unreadable { .. } => Exit::Io,
+    }
+}
+
+/// Tells why there is no configuration, every fault of it, and how the verb ends.
+pub fn explain_config(error: &ConfigError) -> Exit {
+    match error {
+        ConfigError::Unreadable { source, .. } => {
+            complain(format_args!("gaiter: {error}: {source}"));
+            complain("  hint: name the configuration with --config FILE");
+        }
+        ConfigError::Faults { faults, .. } => {
+            faults.iter().for_each(complain);
+            complain(format_args!("gaiter: {error}"));
+        }
+    }
+    exit_of(error)
 }
