@@ -66,11 +66,16 @@ fn headings() -> String {
         let _ = writeln!(
             text,
             "<text x=\"{x}\" y=\"45\" text-anchor=\"middle\" font-weight=\"bold\" \
-             fill=\"{colour}\">{word} leg, front up, from the feet</text>"
+             fill=\"{colour}\">{word} leg</text>"
         );
     }
+    let x = (COLUMNS[0] + COLUMNS[1]) / 2.0;
+    let _ = writeln!(
+        text,
+        "<text x=\"{x}\" y=\"66\" text-anchor=\"middle\" font-size=\"11\">sections to scale, \
+         seen from the feet, front up</text>"
+    );
     for (level, y) in ROWS {
-        let x = (COLUMNS[0] + COLUMNS[1]) / 2.0;
         let _ = writeln!(
             text,
             "<text x=\"{x}\" y=\"{y}\" text-anchor=\"middle\" font-weight=\"bold\">{}</text>",
