@@ -1,11 +1,27 @@
-//! `station.toml` → [`Config`].
+//! `station.toml` → [`Config`], checked as a whole: all faults at once, each with its place.
+//!
+//! [`load`] is pure, text in; [`read`] is the thin layer that takes the text from a file.
 
-use std::path::PathBuf;
+mod fault;
+mod load;
+mod nearest;
+mod notation;
+mod parse;
+mod place;
+mod reader;
+#[cfg(test)]
+mod tests;
+pub mod words;
+
+use std::io;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use regex::Regex;
 
 use crate::leg::Method;
+pub use fault::{ConfigFault, What};
+pub use load::{load, nested};
 
 /// The whole configuration of a station, checked.
 #[derive(Debug, Clone)]
@@ -67,4 +83,48 @@ pub struct StoreConfig {
 pub struct FolderStoreConfig {
     /// The folder that holds a folder per patient.
     pub path: PathBuf,
+}
+
+/// Why a file gave no configuration.
+#[derive(Debug, thiserror::Error)]
+pub enum ConfigError {
+    /// The file could not be read.
+    #[error("cannot read {}", path.display())]
+    Unreadable {
+        /// The file as it was named.
+        path: PathBuf,
+        /// Why; its kind tells a missing file from others.
+        source: io::Error,
+    },
+    /// The file was read and is wrong; every fault in the order of its lines, at least one.
+    #[error("{} has {}", path.display(), counted(faults.len()))]
+    Faults {
+        /// The file as it was named.
+        path: PathBuf,
+        /// What is wrong.
+        faults: Vec<ConfigFault>,
+    },
+}
+
+fn counted(faults: usize) -> String {
+    if faults == 1 { "1 fault".into() } else { format!("{faults} faults") }
+}
+
+/// Reads a configuration file.
+///
+/// # Errors
+/// [`ConfigError`]: the file cannot be read, or it has faults.
+pub fn read(path: &Path) -> Result<Config, ConfigError> {
+    let bytes = std::fs::read(path)
+        .map_err(|source| ConfigError::Unreadable { path: path.into(), source })?;
+    let loaded = match str::from_utf8(&bytes) {
+        Ok(text) => load(text),
+        Err(error) => Err(vec![place::not_utf8(&bytes, error.valid_up_to())]),
+    };
+    loaded.map_err(|mut faults| {
+        for fault in &mut faults {
+            fault.file = path.display().to_string();
+        }
+        ConfigError::Faults { path: path.into(), faults }
+    })
 }

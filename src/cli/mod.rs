@@ -1,8 +1,89 @@
 //! The command line: one file per verb.
 
+pub mod args;
+pub mod check;
+pub mod demo;
+pub mod exit;
+pub mod extract;
+pub mod run;
+
+use std::fmt::Display;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
-/// Runs the verb of the command line; the exit codes are those of `exit.rs`.
+use clap::Parser;
+
+use crate::config::ConfigError;
+use args::{Args, Verb};
+pub use exit::Exit;
+
+/// Runs the verb of the command line; the exit codes are those of [`Exit`].
 pub fn main() -> ExitCode {
-    ExitCode::SUCCESS
+    let exit = match Args::try_parse() {
+        Ok(args) => dispatch(args.verb),
+        Err(said) => explain(&said),
+    };
+    exit.into()
+}
+
+fn dispatch(verb: Verb) -> Exit {
+    match verb {
+        Verb::Demo(args) => demo::demo(&args),
+        Verb::Run(args) => run::run(&args),
+        Verb::Extract(args) => extract::extract(&args),
+        Verb::Check(args) => check::check(&args),
+    }
+}
+
+/// Prints what clap has to say. Help and version were asked for and are no fault; for everything
+/// else the contract has its own code, not clap's 2.
+fn explain(said: &clap::Error) -> Exit {
+    let asked_for = !said.use_stderr();
+    // clap writes to a closed pipe without a panic, and there is nobody left to tell.
+    let _ = said.print();
+    if asked_for { Exit::Done } else { Exit::Usage }
+}
+
+/// Writes to standard output, as is. A reader that has gone away (`gaiter … | head`) wants no more
+/// and is no fault.
+///
+/// # Errors
+/// Anything else that keeps the text from being written, a full disk above all.
+pub fn print(text: impl Display) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match write!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+/// Writes a diagnostic and a line end to standard error. Where that fails there is nobody to tell.
+pub fn complain(text: impl Display) {
+    let _ = writeln!(io::stderr().lock(), "{text}");
+}
+
+/// How a verb ends that got no configuration.
+pub fn exit_of(error: &ConfigError) -> Exit {
+    match error {
+        ConfigError::Faults { .. } => Exit::Config,
+        ConfigError::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
+            Exit::NoFile
+        }
+        ConfigError::Unreadable { .. } => Exit::Io,
+    }
+}
+
+/// Tells why there is no configuration, every fault of it, and how the verb ends.
+pub fn explain_config(error: &ConfigError) -> Exit {
+    match error {
+        ConfigError::Unreadable { source, .. } => {
+            complain(format_args!("gaiter: {error}: {source}"));
+            complain("  hint: name the configuration with --config FILE");
+        }
+        ConfigError::Faults { faults, .. } => {
+            faults.iter().for_each(complain);
+            complain(format_args!("gaiter: {error}"));
+        }
+    }
+    exit_of(error)
 }

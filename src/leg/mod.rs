@@ -2,7 +2,17 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+pub mod axis;
+pub mod body;
+mod cluster;
+mod hull;
 pub mod method;
+pub mod polynomial;
+pub mod section;
+pub mod segment;
+mod shell;
+pub mod slice;
+pub mod stance;
 
 use crate::scan::{Format, ScanFault};
 pub use method::Method;

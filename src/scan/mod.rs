@@ -91,17 +91,11 @@ pub enum CutSign {
         /// 1-based number of that line.
         line: usize,
     },
-    /// The last points are used by no face.
-    #[error("the last {unused} of {points} points belong to no face")]
-    UnusedTail {
-        /// Length of the unused run at the end.
+    /// Points that no face uses: the face list was cut.
+    #[error("{unused} of {points} points belong to no face")]
+    UnusedPoints {
+        /// Number of points that no face uses.
         unused: usize,
-        /// Number of points.
-        points: usize,
-    },
-    /// Points end before the first face.
-    #[error("it has {points} points and ends before its first face")]
-    NoFaceYet {
         /// Number of points.
         points: usize,
     },

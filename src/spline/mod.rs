@@ -1,3 +1,32 @@
-//! Cubic B-splines: bases, solvers, fits, curves and surfaces. Knows no legs.
+//! Cubic B-splines: bases, solvers, fits and surfaces. Knows no legs.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | [`basis`] | [`Basis`]: knots, values and derivatives of the basis functions |
+//! | [`solve`] | Cholesky factors of the matrices that such bases give |
+//! | `penalty` | roughness matrices, the integrals of squared derivatives |
+//! | [`fit`] | [`Spline`]: smoothing fit of a scalar function, with standard errors |
+//! | `normal` | the normal equations behind it and the choice of lambda by GCV |
+//! | [`surface`] | [`Surface`]: clamped along, periodic around |
+//! | [`foot`] | the nearest point of a surface |
+//! | [`surface_fit`] | least-squares surface through a grid of points |
+//!
+//! Everything is of degree 3. Bases are clamped (functions on an interval) or periodic (closed
+//! curves, C2 at the seam by construction). Nothing here depends on the unit of the abscissa.
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+
+pub mod basis;
+pub mod fit;
+pub mod foot;
+mod normal;
+mod penalty;
+pub mod solve;
+pub mod surface;
+pub mod surface_fit;
+
+pub use basis::{Basis, BasisFault, DEGREE, Row};
+pub use fit::{FitFault, Smoothing, Spline, fit};
+pub use foot::Foot;
+pub use surface::{Derivatives, Surface, SurfaceFault};
+pub use surface_fit::{GridData, SurfaceFit, fit_grid};

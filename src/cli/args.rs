@@ -1,0 +1,157 @@
+//! The command line as types, with the help texts a technician reads.
+
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::{Parser, Subcommand};
+
+use crate::config::words::{self, FACINGS, UNITS, UPS, Words};
+use crate::leg::method::{FacingChoice, UnitChoice, Up};
+
+/// Where `run` and `check` look for the configuration when nobody names a file.
+pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
+
+/// Measures both legs from a body scan.
+///
+/// gaiter stands beside a body scanner. It takes every scan the scanner exports and puts girths and
+/// heights at B, B1, C and D, a surface and a report of both legs into the patient's folder.
+#[derive(Debug, Parser)]
+#[command(name = "gaiter", version, after_help = EXIT_CODES)]
+pub struct Args {
+    /// What to do.
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done, 64 wrong command line, 65 a scan cannot be measured, \
+66 no such file, 70 internal error, 74 reading or writing failed, 78 fault in the configuration.";
+
+/// The verbs of gaiter.
+#[derive(Debug, Subcommand)]
+pub enum Verb {
+    /// Show the whole station at work with a simulated scanner; needs nothing
+    ///
+    /// Starts a real station in the new folder ./demo, lets a simulated scanner export a few scans
+    /// into it, and shows the measures and where the records lie. Takes less than a minute.
+    Demo(DemoArgs),
+    /// Run the station: wait for scans and put records into the store
+    ///
+    /// Runs until it is told to stop (Ctrl-C or SIGTERM). Usually the system starts it; look at
+    /// the configuration with `gaiter check` first.
+    Run(RunArgs),
+    /// Measure scan files now, without a station
+    ///
+    /// Prints a table of both legs for every scan. Girths and heights are in millimetres.
+    Extract(ExtractArgs),
+    /// Check the configuration and the folders it names
+    ///
+    /// Names every fault in the configuration file at once, with its line and a hint. When the
+    /// file has none, tries the folders: that exports can be read and that records can be written.
+    Check(CheckArgs),
+}
+
+/// `gaiter demo`
+#[derive(Debug, clap::Args)]
+pub struct DemoArgs {}
+
+/// `gaiter run`
+#[derive(Debug, clap::Args)]
+pub struct RunArgs {
+    /// The configuration of the station
+    #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG)]
+    pub config: PathBuf,
+}
+
+/// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
+#[derive(Debug, clap::Args)]
+pub struct ExtractArgs {
+    /// The scan files, as the scanner exported them (.obj)
+    #[arg(value_name = "SCAN", required = true)]
+    pub scans: Vec<PathBuf>,
+    /// Print one JSON record per scan and line, for programs
+    #[arg(long)]
+    pub json: bool,
+    /// Also write a record folder for every scan: DIR/NAME-OF-SCAN/
+    #[arg(long, value_name = "DIR")]
+    pub out: Option<PathBuf>,
+    /// The unit of the scan's coordinates; auto finds it from the height of the body
+    #[arg(long, value_parser = of_words(UNITS))]
+    pub unit: Option<UnitChoice>,
+    /// The axis of the scan that points up; y where nothing says otherwise
+    #[arg(long, value_parser = of_words(UPS))]
+    pub up: Option<Up>,
+    /// The axis of the scan the toes point along; auto finds it from the feet
+    #[arg(long, value_parser = of_words(FACINGS), allow_hyphen_values = true)]
+    pub facing: Option<FacingChoice>,
+    /// Take unit, up, facing and method from this configuration, where no option says otherwise
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+}
+
+/// `gaiter check`
+#[derive(Debug, clap::Args)]
+pub struct CheckArgs {
+    /// The configuration to check
+    #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG)]
+    pub config: PathBuf,
+    /// Print the result as JSON, for programs
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// A parser of one of the words that the configuration knows too.
+fn of_words<T: Copy + Send + Sync + 'static>(table: Words<T>) -> impl TypedValueParser<Value = T> {
+    PossibleValuesParser::new(table.iter().map(|(word, _)| *word))
+        .try_map(move |text| words::meaning(table, &text).ok_or("no such word"))
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::{CommandFactory, Parser};
+
+    use super::{Args, ExtractArgs, Verb};
+    use crate::leg::method::{Axis, FacingChoice, Unit, UnitChoice, Up};
+
+    fn extract(words: &[&str]) -> ExtractArgs {
+        let line = ["gaiter", "extract"].iter().chain(words);
+        match Args::try_parse_from(line).unwrap().verb {
+            Verb::Extract(args) => args,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn the_command_line_is_consistent() {
+        Args::command().debug_assert();
+    }
+
+    #[test]
+    fn a_negative_facing_is_a_value_and_not_an_option() {
+        for words in [["a.obj", "--facing", "-x"], ["--facing", "-x", "a.obj"]] {
+            let args = extract(&words);
+            assert_eq!(args.facing, Some(FacingChoice::Declared(Axis::MinusX)));
+            assert_eq!(args.scans.len(), 1);
+        }
+        let args = extract(&["a.obj", "--facing=+z"]);
+        assert_eq!(args.facing, Some(FacingChoice::Declared(Axis::PlusZ)));
+    }
+
+    #[test]
+    fn a_choice_that_was_not_made_is_left_open() {
+        let args = extract(&["a.obj", "b.obj", "--json"]);
+        assert_eq!((args.unit, args.up, args.facing), (None, None, None));
+        assert_eq!(args.scans.len(), 2);
+        assert!(args.json);
+        let args = extract(&["a.obj", "--unit", "in", "--up", "z"]);
+        assert_eq!(args.unit, Some(UnitChoice::Declared(Unit::In)));
+        assert_eq!(args.up, Some(Up::Z));
+    }
+
+    #[test]
+    fn a_word_that_is_not_known_is_refused() {
+        for words in [["--unit", "ft"], ["--up", "-y"], ["--facing", "x"]] {
+            let line = ["gaiter", "extract", "a.obj"].iter().chain(&words);
+            assert!(Args::try_parse_from(line).is_err(), "{words:?}");
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! `gaiter check`: the configuration, and when it has no fault the folders and disks it names.
+
+mod environment;
+
+use std::path::Path;
+
+use serde::Serialize;
+
+use super::args::CheckArgs;
+use super::{Exit, complain, exit_of, explain_config, print};
+use crate::config::{self, Config, ConfigError, ConfigFault};
+use environment::{Row, Verdict};
+
+/// Checks the configuration, then the environment, and prints both.
+///
+/// A fault of the environment is none of the configuration: a share that is down today is no reason
+/// to change the file. So it has an exit code of its own.
+pub fn check(args: &CheckArgs) -> Exit {
+    let read = config::read(&args.config);
+    let (text, exit) = if args.json {
+        let (report, exit) = report(&args.config, read);
+        match serde_json::to_string_pretty(&report) {
+            Ok(json) => (json + "\n", exit),
+            Err(error) => {
+                complain(format_args!("gaiter: cannot write the result as JSON: {error}"));
+                return Exit::Internal;
+            }
+        }
+    } else {
+        match read {
+            Ok(config) => {
+                let mut rows = vec![Row::ok("configuration", &args.config, "no fault")];
+                rows.extend(environment::rows(&config));
+                (table(&rows), worst(&rows))
+            }
+            Err(error) => return explain_config(&error),
+        }
+    };
+    match print(text) {
+        Ok(()) => exit,
+        Err(error) => {
+            complain(format_args!("gaiter: cannot print the result: {error}"));
+            Exit::Io
+        }
+    }
+}
+
+fn worst(rows: &[Row]) -> Exit {
+    let failed = rows.iter().any(|row| row.verdict == Verdict::Fail);
+    if failed { Exit::Io } else { Exit::Done }
+}
+
+/// A row a check, the columns aligned, and what it comes to.
+fn table(rows: &[Row]) -> String {
+    let width = |of: fn(&Row) -> &str| rows.iter().map(|row| of(row).chars().count()).max();
+    let check = width(|row| row.check).unwrap_or(0);
+    let place = width(|row| &row.place).unwrap_or(0);
+    let mut text: String = rows
+        .iter()
+        .map(|row| {
+            let Row { verdict, detail, .. } = row;
+            format!("{:4}  {:check$}  {:place$}  {detail}\n", verdict.word(), row.check, row.place)
+        })
+        .collect();
+    let count = |verdict| rows.iter().filter(|row| row.verdict == verdict).count();
+    let (ok, warn, fail) = (count(Verdict::Ok), count(Verdict::Warn), count(Verdict::Fail));
+    text += &format!("{ok} ok, {warn} to look at, {fail} failed\n");
+    text
+}
+
+/// What `--json` prints: one object, whatever was found.
+#[derive(Debug, Serialize)]
+struct Report {
+    /// The file as it was named.
+    config: String,
+    /// The exit code: 0, 66, 74 or 78.
+    exit: u8,
+    /// Why the file could not be read, if so.
+    unreadable: Option<String>,
+    /// The faults of the configuration.
+    faults: Vec<Fault>,
+    /// The checks of the environment; none while the configuration has faults.
+    checks: Vec<Row>,
+}
+
+/// A fault for programs.
+#[derive(Debug, Serialize)]
+struct Fault {
+    line: usize,
+    column: usize,
+    key: String,
+    message: String,
+    hint: Option<String>,
+    source: String,
+}
+
+impl From<&ConfigFault> for Fault {
+    fn from(fault: &ConfigFault) -> Fault {
+        Fault {
+            line: fault.line,
+            column: fault.column,
+            key: fault.key.clone(),
+            message: fault.what.to_string(),
+            hint: fault.what.hint(),
+            source: fault.source_line.clone(),
+        }
+    }
+}
+
+fn report(file: &Path, read: Result<Config, ConfigError>) -> (Report, Exit) {
+    let (mut unreadable, mut faults, mut checks) = (None, Vec::new(), Vec::new());
+    let exit = match &read {
+        Ok(config) => {
+            checks = environment::rows(config);
+            worst(&checks)
+        }
+        Err(error) => {
+            match error {
+                ConfigError::Unreadable { source, .. } => unreadable = Some(source.to_string()),
+                ConfigError::Faults { faults: found, .. } => {
+                    faults = found.iter().map(Fault::from).collect();
+                }
+            }
+            exit_of(error)
+        }
+    };
+    let config = file.display().to_string();
+    (Report { config, exit: exit.code(), unreadable, faults, checks }, exit)
+}

@@ -1,0 +1,250 @@
+//! The folders and disks a configuration names, tried as the station will use them.
+
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use rustix::fs::{statfs, statvfs};
+use serde::Serialize;
+
+use crate::config::{Config, nested};
+
+/// How a check went.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum Verdict {
+    /// As it should be.
+    Ok,
+    /// The station works, but a person should look at this.
+    Warn,
+    /// The station cannot work like this.
+    Fail,
+}
+
+impl Verdict {
+    /// The word in the table, as in the JSON.
+    pub fn word(self) -> &'static str {
+        match self {
+            Verdict::Ok => "ok",
+            Verdict::Warn => "warn",
+            Verdict::Fail => "fail",
+        }
+    }
+}
+
+/// One check and how it went.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Row {
+    /// What was checked.
+    pub check: &'static str,
+    /// The folder or file it was checked on.
+    pub place: String,
+    /// How it went.
+    pub verdict: Verdict,
+    /// What was found.
+    pub detail: String,
+}
+
+impl Row {
+    /// A check that went well.
+    pub fn ok(check: &'static str, place: &Path, detail: impl Into<String>) -> Row {
+        Row::new(check, place, Verdict::Ok, detail)
+    }
+
+    fn new(check: &'static str, place: &Path, verdict: Verdict, detail: impl Into<String>) -> Row {
+        Row { check, place: place.display().to_string(), verdict, detail: detail.into() }
+    }
+
+    fn of(check: &'static str, place: &Path, tried: io::Result<String>) -> Row {
+        match tried {
+            Ok(detail) => Row::ok(check, place, detail),
+            Err(error) => Row::new(check, place, Verdict::Fail, error.to_string()),
+        }
+    }
+}
+
+/// Every check of the environment, in the order a scan takes: exports, state, records.
+pub(super) fn rows(config: &Config) -> Vec<Row> {
+    let (state, store) = (&config.station.state_dir, &config.store.folder.path);
+    let exports = &config.scanner.export_dirs;
+    let mut rows: Vec<Row> =
+        exports.iter().map(|folder| Row::of("export folder", folder, readable(folder))).collect();
+    for (check, folder) in [("state folder", state), ("record store", store)] {
+        rows.push(Row::of(check, folder, writable(folder)));
+        rows.push(room(folder, config.scanner.max_scan_bytes));
+    }
+    rows.push(local(state));
+    rows.extend(linked_into_one_another(exports, state, store));
+    rows.extend(slow_rescan(config));
+    if rustix::process::geteuid().is_root() {
+        let detail = "checked as root, who may do more; check again as the station's own user";
+        rows.push(Row {
+            check: "user",
+            place: "root".into(),
+            verdict: Verdict::Warn,
+            detail: detail.into(),
+        });
+    }
+    rows
+}
+
+/// An export folder is only ever read: it exists and its entries can be listed.
+fn readable(folder: &Path) -> io::Result<String> {
+    let entries = fs::read_dir(folder)?;
+    let count = entries.collect::<io::Result<Vec<_>>>()?.len();
+    let files = if count == 1 { "entry" } else { "entries" };
+    Ok(match network(folder) {
+        Some(kind) => format!("can be read, {count} {files}; on {kind}: found by the rescan"),
+        None => format!("can be read, {count} {files}"),
+    })
+}
+
+/// The folder itself, or the nearest above it that exists, in which it can be made.
+fn footing(folder: &Path) -> io::Result<&Path> {
+    for place in folder.ancestors() {
+        match fs::metadata(place) {
+            Ok(found) if found.is_dir() => return Ok(place),
+            Ok(_) => {
+                let said = format!("{} is not a folder", place.display());
+                return Err(io::Error::new(io::ErrorKind::NotADirectory, said));
+            }
+            // A link that leads nowhere is there, and no folder can be made in its place.
+            Err(error) if error.kind() != io::ErrorKind::NotFound || place.is_symlink() => {
+                return Err(io::Error::new(error.kind(), format!("{}: {error}", place.display())));
+            }
+            Err(_) => {}
+        }
+    }
+    Err(io::ErrorKind::NotFound.into())
+}
+
+/// Does what the station does with a record, in a trial folder that is gone afterwards. A folder
+/// that does not exist is not made: it would belong to whoever checks and not to the station.
+fn writable(folder: &Path) -> io::Result<String> {
+    let place = footing(folder)?;
+    let trial = place.join(format!(".gaiter-check-{}", std::process::id()));
+    fs::create_dir(&trial).map_err(|error| {
+        io::Error::new(error.kind(), format!("cannot write in {}: {error}", place.display()))
+    })?;
+    let tried = write_sync_rename(&trial);
+    let removed = fs::remove_dir_all(&trial);
+    tried.and(removed)?;
+    Ok(if place == folder {
+        "can be written, synced and renamed in".into()
+    } else {
+        format!("does not exist yet; can be made in {}", place.display())
+    })
+}
+
+fn write_sync_rename(trial: &Path) -> io::Result<()> {
+    let part = trial.join("trial.part");
+    let mut file = File::create_new(&part)?;
+    file.write_all(b"gaiter check\n")?;
+    file.sync_all()?;
+    fs::rename(&part, trial.join("trial"))?;
+    File::open(trial)?.sync_all()
+}
+
+/// Room for one more scan is what the station needs, for ten is what lets a person sleep.
+fn room(folder: &Path, max_scan: u64) -> Row {
+    let check = "free space";
+    let free = footing(folder).and_then(|place| Ok(statvfs(place)?));
+    match free.map(|disk| disk.f_bavail.saturating_mul(disk.f_frsize)) {
+        Err(error) => Row::new(check, folder, Verdict::Fail, error.to_string()),
+        Ok(free) => {
+            let detail = format!("{} free; a scan may have up to {}", spelt(free), spelt(max_scan));
+            let verdict = if free < max_scan {
+                Verdict::Fail
+            } else if free < max_scan.saturating_mul(10) {
+                Verdict::Warn
+            } else {
+                Verdict::Ok
+            };
+            Row::new(check, folder, verdict, detail)
+        }
+    }
+}
+
+/// Megabytes as disks are labelled, one decimal for gigabytes.
+fn spelt(bytes: u64) -> String {
+    let megabytes = bytes / 1_000_000;
+    if megabytes < 1000 {
+        format!("{megabytes} MB")
+    } else {
+        format!("{}.{} GB", megabytes / 1000, megabytes % 1000 / 100)
+    }
+}
+
+/// The journal relies on locks and syncs that network file systems only promise.
+fn local(state: &Path) -> Row {
+    match network(state) {
+        _ if magic(state).is_some_and(|found| MEMORY.contains(&found)) => {
+            let detail = "held in memory; all that is not delivered is lost with the power";
+            Row::new("local disk", state, Verdict::Warn, detail)
+        }
+        Some(kind) => {
+            let detail = format!("on {kind}; the journal is only safe on a local disk");
+            Row::new("local disk", state, Verdict::Warn, detail)
+        }
+        None => Row::ok("local disk", state, "not on a network share"),
+    }
+}
+
+/// `f_type` of statfs(2) for file systems that are, or with FUSE mostly are, somewhere else.
+const NETWORKS: [(u32, &str); 9] = [
+    (0x0000_6969, "NFS"),
+    (0x0000_517B, "SMB"),
+    (0xFF53_4D42, "SMB (CIFS)"),
+    (0xFE53_4D42, "SMB"),
+    (0x6573_5546, "FUSE (sshfs, rclone or the like)"),
+    (0x0102_1997, "9P"),
+    (0x00C3_6400, "Ceph"),
+    (0x5346_414F, "AFS"),
+    (0x7375_7245, "Coda"),
+];
+
+/// `f_type` of tmpfs and ramfs.
+const MEMORY: [u32; 2] = [0x0102_1994, 0x8584_58F6];
+
+/// The kind of network file system a folder is or would be on; `None` for a local one, and where
+/// nothing can be learnt, which another check tells.
+fn network(folder: &Path) -> Option<&'static str> {
+    let found = magic(folder)?;
+    NETWORKS.iter().find(|(magic, _)| *magic == found).map(|(_, name)| *name)
+}
+
+fn magic(folder: &Path) -> Option<u32> {
+    // The magic numbers have 32 bits; the field is wider, and signed, on most machines.
+    Some(statfs(footing(folder).ok()?).ok()?.f_type as u32)
+}
+
+/// Links may lead one folder into another although their names are apart.
+fn linked_into_one_another(exports: &[PathBuf], state: &Path, store: &Path) -> Vec<Row> {
+    let pairs = exports.iter().flat_map(|export| [(state, &**export), (store, &**export)]);
+    pairs
+        .chain([(store, state)])
+        .filter_map(|(a, b)| {
+            nested(&real(a)?, &real(b)?)?;
+            let detail = format!("leads by a link to the same place as {}", b.display());
+            Some(Row::new("folders apart", a, Verdict::Fail, detail))
+        })
+        .collect()
+}
+
+/// Where a folder is, or will be, once all links are followed.
+fn real(folder: &Path) -> Option<PathBuf> {
+    let place = footing(folder).ok()?;
+    let rest = folder.strip_prefix(place).ok()?;
+    Some(fs::canonicalize(place).ok()?.join(rest))
+}
+
+/// Not wrong, but mostly the two values changed places.
+fn slow_rescan(config: &Config) -> Option<Row> {
+    let (quiet, rescan) = (config.scanner.quiet, config.scanner.rescan);
+    (quiet > rescan).then(|| Row {
+        check: "timing",
+        place: "scanner.quiet".into(),
+        verdict: Verdict::Warn,
+        detail: format!("{quiet:?} is longer than scanner.rescan, {rescan:?}; is that meant?"),
+    })
+}

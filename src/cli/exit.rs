@@ -1,0 +1,58 @@
+//! How a verb ends: the exit codes of the contract, after `sysexits.h`.
+
+use std::process::ExitCode;
+
+/// The end of a verb. Later variants are worse: the worst of several ends is their `max`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Exit {
+    /// What was asked is done.
+    Done = 0,
+    /// The command line is wrong.
+    Usage = 64,
+    /// A scan cannot be measured.
+    Unmeasurable = 65,
+    /// A file that was named does not exist.
+    NoFile = 66,
+    /// A fault of gaiter itself.
+    Internal = 70,
+    /// Reading, writing or the folders around the station failed.
+    Io = 74,
+    /// The configuration has faults.
+    Config = 78,
+}
+
+impl Exit {
+    /// The number the process ends with.
+    pub fn code(self) -> u8 {
+        self as u8
+    }
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> ExitCode {
+        ExitCode::from(exit.code())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Exit;
+
+    #[test]
+    fn the_codes_are_those_of_the_contract_and_the_largest_is_the_worst() {
+        let all = [
+            (Exit::Done, 0),
+            (Exit::Usage, 64),
+            (Exit::Unmeasurable, 65),
+            (Exit::NoFile, 66),
+            (Exit::Internal, 70),
+            (Exit::Io, 74),
+            (Exit::Config, 78),
+        ];
+        for (exit, code) in all {
+            assert_eq!(exit.code(), code);
+        }
+        assert!(all.is_sorted());
+    }
+}

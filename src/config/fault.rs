@@ -1,0 +1,231 @@
+//! A fault of the configuration: where it stands, what is wrong, and what to write instead.
+
+use std::fmt;
+
+/// One fault in a configuration file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ConfigFault {
+    /// The file as it was named, `station.toml` for bare text.
+    pub file: String,
+    /// 1-based line.
+    pub line: usize,
+    /// 1-based column in characters.
+    pub column: usize,
+    /// The key with its sections, `scanner.quiet`; empty for a fault of the notation itself.
+    pub key: String,
+    /// The line of the file that holds the fault.
+    pub source_line: String,
+    /// How many characters from `column` on are meant; at least 1.
+    pub width: usize,
+    /// What is wrong.
+    pub what: What,
+}
+
+/// What is wrong with a configuration. The message follows the key: `station.id: must be set`.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum What {
+    /// The notation is not TOML.
+    #[error("{said}")]
+    Notation {
+        /// What the reader of the notation says.
+        said: String,
+        /// What to do, where that is known.
+        hint: Option<String>,
+    },
+    /// The file holds bytes that are not UTF-8.
+    #[error("this is not UTF-8 text")]
+    NotUtf8,
+    /// No such key, or it stands under the wrong section.
+    #[error("is no key that gaiter knows")]
+    Unknown {
+        /// The key that was probably meant.
+        similar: Option<String>,
+        /// What could stand here instead.
+        known: Vec<String>,
+    },
+    /// A key without a default is not there.
+    #[error("must be set")]
+    Missing {
+        /// The lines that set it.
+        example: String,
+    },
+    /// A value where a section must be.
+    #[error("must be a section, not {found}")]
+    NotASection {
+        /// The kind of value found.
+        found: &'static str,
+        /// The section's name.
+        name: String,
+    },
+    /// A value of another kind.
+    #[error("must be {expected}, not {found}")]
+    Kind {
+        /// The kind that is needed.
+        expected: &'static str,
+        /// The kind that was found.
+        found: &'static str,
+        /// A line that is right.
+        example: String,
+    },
+    /// Not a duration at all.
+    #[error("\"{0}\" is not a duration")]
+    NotADuration(String),
+    /// Not a size at all.
+    #[error("\"{0}\" is not a size")]
+    NotASize(String),
+    /// A duration or size that makes no sense here.
+    #[error("\"{text}\" is out of range")]
+    OutOfRange {
+        /// As written.
+        text: String,
+        /// The least value allowed, as it would be written.
+        least: &'static str,
+        /// The largest value allowed, as it would be written.
+        most: &'static str,
+    },
+    /// None of the words of a choice.
+    #[error("\"{text}\" is none of {}", quoted(words))]
+    NotAWord {
+        /// As written.
+        text: String,
+        /// The words of the choice.
+        words: Vec<&'static str>,
+        /// The word that was probably meant.
+        similar: Option<&'static str>,
+    },
+    /// Not fit as a station's name.
+    #[error("\"{0}\" cannot be the name of a station")]
+    NotAStationId(String),
+    /// A path that does not begin at the root.
+    #[error("\"{0}\" is not a full path")]
+    RelativePath(String),
+    /// A path that climbs, so that one cannot see where it leads.
+    #[error("\"{0}\" contains \"..\"")]
+    ClimbingPath(String),
+    /// A path with a control character, mostly a `\r` or `\t` that was meant as a folder's name.
+    #[error("\"{0}\" holds a control character")]
+    ControlInPath(String),
+    /// A list that needs an entry.
+    #[error("is an empty list")]
+    EmptyList,
+    /// The same folder twice in a list.
+    #[error("\"{0}\" is listed twice")]
+    Twice(String),
+    /// Two folders that must be apart lie in one another.
+    #[error("\"{inner}\" {} {other_key} \"{outer}\"", if inner == outer { "is also" } else { "lies inside" })]
+    Overlap {
+        /// The folder the fault is reported for.
+        inner: String,
+        /// The folder that holds it.
+        outer: String,
+        /// The key of that folder.
+        other_key: String,
+    },
+    /// Not a regular expression.
+    #[error("is not a regular expression: {0}")]
+    NotARegex(String),
+    /// The expression does not say which part is the patient.
+    #[error("has no group named \"patient\"")]
+    NoPatientGroup,
+    /// The expression would let ids through that are unsafe as names of folders.
+    #[error("would accept {0:?} as a patient's id")]
+    LoosePattern(&'static str),
+    /// The toes cannot point along the axis that points up.
+    #[error("\"{facing}\" lies along the axis that points up, scanner.up = \"{up}\"")]
+    FacesUpOrDown {
+        /// `scanner.facing` as written.
+        facing: String,
+        /// `scanner.up` as it holds.
+        up: String,
+    },
+}
+
+impl What {
+    /// What to write instead, where there is something to say.
+    pub fn hint(&self) -> Option<String> {
+        let hint = match self {
+            What::Notation { hint, .. } => return hint.clone(),
+            What::NotUtf8 => "save the file as UTF-8".into(),
+            What::Unknown { similar: Some(similar), .. } => format!("did you mean {similar}?"),
+            What::Unknown { known, .. } => format!("known here: {}", known.join(", ")),
+            What::Missing { example } | What::Kind { example, .. } => format!("write {example}"),
+            What::NotASection { name, .. } => {
+                format!("write [{name}] on a line of its own and the keys below it")
+            }
+            What::NotADuration(_) => {
+                r#"write a number and a unit: "2s", "500ms", "10m""#.to_string()
+            }
+            What::NotASize(_) => r#"write a number and a unit: "200MB", "1GB""#.into(),
+            What::OutOfRange { least, most, .. } => {
+                format!("anything from \"{least}\" to \"{most}\"")
+            }
+            What::NotAWord { similar, .. } => {
+                return similar.map(|word| format!("did you mean \"{word}\"?"));
+            }
+            What::NotAStationId(_) => "1 to 32 letters (a-z, A-Z), digits, - and _".into(),
+            What::RelativePath(text) if text.starts_with('~') => {
+                "write the home folder in full; ~ is only known to a shell".into()
+            }
+            What::RelativePath(_) => "write the path from the root on, beginning with /".into(),
+            What::ClimbingPath(_) => "write where the path really leads, without ..".into(),
+            What::ControlInPath(_) => {
+                "in double quotes a \\ begins a special character; use single quotes".into()
+            }
+            What::EmptyList => "name at least one folder that the scanner exports to".into(),
+            What::Twice(_) => "remove one of the two".into(),
+            What::Overlap { .. } => {
+                "exports, state and records need folders apart, or one is taken for another".into()
+            }
+            What::NotARegex(_) => "in single quotes a \\ needs no doubling: '^P?[0-9]+_'".into(),
+            What::NoPatientGroup => {
+                "mark the part that is the patient's id: '^(?<patient>P?[0-9]+)_'".into()
+            }
+            What::LoosePattern(_) => {
+                "name the characters an id may hold and how many: '[A-Z]?[0-9]{1,12}'".into()
+            }
+            What::FacesUpOrDown { .. } => {
+                "name a level axis, or \"auto\" to find it from the feet".into()
+            }
+        };
+        Some(hint)
+    }
+}
+
+impl fmt::Display for ConfigFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let ConfigFault { file, line, column, key, source_line, width, what } = self;
+        write!(f, "{file}:{line}:{column}: ")?;
+        if !key.is_empty() {
+            write!(f, "{key}: ")?;
+        }
+        writeln!(f, "{}", printable(&what.to_string()))?;
+        // A tab stays a tab under a tab, so that the caret stands right whatever its width is.
+        let before: String = source_line
+            .chars()
+            .take(column - 1)
+            .map(|c| if c == '\t' { '\t' } else { ' ' })
+            .collect();
+        let margin = " ".repeat(line.to_string().len());
+        writeln!(f, "{}", format!("  {line} | {source_line}").trim_end())?;
+        write!(f, "  {margin} | {before}{}", "^".repeat(*width))?;
+        if let Some(hint) = what.hint() {
+            write!(f, "\n  {margin} hint: {}", printable(&hint))?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for ConfigFault {}
+
+/// Control characters by their escapes: a value may hold them, and they do not go to a terminal.
+fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() { shown.extend(c.escape_default()) } else { shown.push(c) }
+    }
+    shown
+}
+
+fn quoted(words: &[&str]) -> String {
+    words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")
+}

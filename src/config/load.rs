@@ -1,0 +1,159 @@
+//! The text of `station.toml` → [`Config`], or all of its faults.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use toml::de::DeTable;
+
+use super::fault::{ConfigFault, What};
+use super::parse::{self, Bounds};
+use super::place::{Finding, fault, line_of};
+use super::reader::{Absent, Found, Reader};
+use super::words::{FACINGS, FITS, UNITS, UPS, Words, faces_up_or_down};
+use super::{
+    Config, FolderStoreConfig, PatientConfig, ScannerConfig, StationConfig, StoreConfig, notation,
+};
+use crate::leg::Method;
+
+/// Reads the text of a configuration.
+///
+/// # Errors
+/// Every fault of the text, in the order of its lines.
+pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
+    let (root, errors) = DeTable::parse_recoverable(text);
+    let mut reader = Reader::new(root.get_ref(), text.len());
+    let config = config(&mut reader);
+    let mut findings = reader.finish();
+    if !errors.is_empty() {
+        let (notation, sound_until) = notation::findings(text, &errors);
+        findings
+            .retain(|finding| finding.at.start < sound_until && sound(text, &notation, finding));
+        findings.extend(notation);
+        findings.sort_by_key(|finding| finding.at.start);
+    }
+    match config {
+        Some(config) if findings.is_empty() => Ok(config),
+        _ => Err(findings.into_iter().map(|finding| fault(text, finding)).collect()),
+    }
+}
+
+/// Whether a finding can be relied upon although the notation has faults: a value on a line that
+/// reads well. A key that seems missing or unknown may only have lost its section.
+fn sound(text: &str, notation: &[Finding], finding: &Finding) -> bool {
+    let line = line_of(text, finding.at.start);
+    let of_a_key = matches!(
+        finding.what,
+        What::Missing { .. } | What::Unknown { .. } | What::NotASection { .. }
+    );
+    !of_a_key && notation.iter().all(|fault| line_of(text, fault.at.start) != line)
+}
+
+/// Asks for every key there is, each with what holds when it is not there.
+pub(super) fn config(reader: &mut Reader) -> Option<Config> {
+    use Absent::{Default, Nothing, Required};
+    let id = reader.text("station.id", Required("booth-1"), parse::station_id);
+    let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
+
+    let exports = reader.list("scanner.export_dirs", "/srv/scanner/export", parse::full_path);
+    let bounds = Bounds { least: "50ms", most: "10m" };
+    let quiet = reader.text("scanner.quiet", Default("2s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "50ms", most: "1h" };
+    let rescan = reader.text("scanner.rescan", Default("10s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "0s", most: "24h" };
+    let short_wait = reader.text("scanner.short_wait", Default("60s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "1kB", most: "4GB" };
+    let max_scan = reader.text("scanner.max_scan", Default("200MB"), parse::size_in(bounds));
+    let unit = reader.text("scanner.unit", Default("auto"), parse::word(UNITS));
+    let up = reader.text("scanner.up", Default("y"), parse::word(UPS));
+    let facing = reader.text("scanner.facing", Default("auto"), parse::word(FACINGS));
+    let example = Nothing("^(?<patient>P?[0-9]+)_");
+    let file_name = reader.text("scanner.file_name", example, parse::file_name);
+
+    let pattern =
+        reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
+    let fit = reader.text("method.fit", Default("periodic"), parse::word(FITS));
+    let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
+
+    twice(reader, &exports);
+    overlaps(reader, state_dir.as_ref(), &exports, store.as_ref());
+    if let (Some(up), Some(facing)) = (&up, &facing)
+        && faces_up_or_down(up.value, facing.value)
+    {
+        let (up, said) = (spelt(UPS, up.value), spelt(FACINGS, facing.value));
+        let what = What::FacesUpOrDown { facing: said, up };
+        reader.note(facing.at.clone(), "scanner.facing", what);
+    }
+
+    Some(Config {
+        station: StationConfig { id: id?.value, state_dir: state_dir?.value },
+        scanner: ScannerConfig {
+            export_dirs: exports.into_iter().map(|folder| folder.value).collect(),
+            quiet: quiet?.value,
+            rescan: rescan?.value,
+            short_wait: short_wait?.value,
+            max_scan_bytes: max_scan?.value,
+            file_name: file_name.map(|found| found.value),
+        },
+        patient: PatientConfig { pattern: pattern?.value },
+        method: Method { unit: unit?.value, up: up?.value, facing: facing?.value, fit: fit?.value },
+        store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
+    })
+}
+
+fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {
+    words.iter().filter(|(_, known)| *known == value).map(|(word, _)| *word).collect()
+}
+
+fn twice(reader: &mut Reader, exports: &[Found<PathBuf>]) {
+    for (i, folder) in exports.iter().enumerate() {
+        if exports[..i].iter().any(|earlier| earlier.value == folder.value) {
+            let what = What::Twice(folder.value.display().to_string());
+            reader.note(folder.at.clone(), "scanner.export_dirs", what);
+        }
+    }
+}
+
+/// A folder under the key that names it.
+type Named<'f> = (&'static str, &'f Found<PathBuf>);
+
+fn overlaps(
+    reader: &mut Reader,
+    state_dir: Option<&Found<PathBuf>>,
+    exports: &[Found<PathBuf>],
+    store: Option<&Found<PathBuf>>,
+) {
+    let state = state_dir.map(|folder| ("station.state_dir", folder));
+    let store = store.map(|folder| ("store.folder.path", folder));
+    for own in [state, store].into_iter().flatten() {
+        for export in exports {
+            apart(reader, own, ("scanner.export_dirs", export));
+        }
+    }
+    if let (Some(store), Some(state)) = (store, state) {
+        apart(reader, store, state);
+    }
+}
+
+fn apart(reader: &mut Reader, a: Named, b: Named) {
+    let Some(a_is_inner) = nested(&a.1.value, &b.1.value) else { return };
+    let ((key, inner), (other_key, outer)) = if a_is_inner { (a, b) } else { (b, a) };
+    let spelt = |path: &Path| path.display().to_string();
+    let what = What::Overlap {
+        inner: spelt(&inner.value),
+        outer: spelt(&outer.value),
+        other_key: other_key.into(),
+    };
+    let at: Range<usize> = inner.at.clone();
+    reader.note(at, key, what);
+}
+
+/// Whether one of two folders is or lies inside the other, and if so whether it is the first.
+pub fn nested(a: &Path, b: &Path) -> Option<bool> {
+    if a.starts_with(b) {
+        Some(true)
+    } else if b.starts_with(a) {
+        Some(false)
+    } else {
+        None
+    }
+}

@@ -1,0 +1,79 @@
+//! Faults of the notation itself, in words for somebody who has never heard of TOML.
+
+use toml::de::Error;
+
+use super::fault::What;
+use super::place::{Finding, line_of};
+
+/// What the parser said, without the consequences of what it said before.
+///
+/// It goes on after a fault and then often stumbles over the rest of the line; and behind an
+/// unclosed list or section it misreads everything. So only the first fault of each line counts,
+/// and the first that is not known to end with its line is the last. Also says up to which byte the
+/// text was read right, but for the lines with faults.
+pub(super) fn findings(text: &str, errors: &[Error]) -> (Vec<Finding>, usize) {
+    let mut found: Vec<Finding> = Vec::new();
+    for error in errors {
+        let at = error.span().unwrap_or(text.len()..text.len());
+        let line = line_of(text, at.start);
+        if found.iter().any(|earlier| line_of(text, earlier.at.start) == line) {
+            continue;
+        }
+        let (what, ends_with_its_line) =
+            in_words(error.message(), text.get(at.clone()).unwrap_or_default());
+        let start = at.start;
+        found.push(Finding { at, key: String::new(), what });
+        if !ends_with_its_line {
+            return (found, start);
+        }
+    }
+    (found, text.len())
+}
+
+/// The parser's message in plainer words, with a hint, and whether the lines below are still read
+/// right. The messages are those of toml 1.2; one that is not known is passed on as it is.
+fn in_words(message: &str, found: &str) -> (What, bool) {
+    let known = [
+        ("missing escaped value", "\\ begins a special character here", true),
+        ("too few unicode value digits", "\\ begins a special character here", true),
+        ("invalid basic string", "the text has no closing quote", true),
+        ("invalid literal string", "the text has no closing quote", true),
+        ("duplicate key", "this name stands here for the second time", true),
+        ("key with no value", "a key must be followed by = and its value", true),
+        ("unexpected key or value", "something is left over behind the value", true),
+        ("unclosed table", "the section's name has no closing bracket", true),
+        ("missing comma between array elements", "the list goes on without a comma", false),
+        ("unclosed array", "the list has no closing ]", false),
+    ];
+    if message.starts_with("string values must be quoted") {
+        return unquoted(found);
+    }
+    let Some((start, said, ends)) = known.iter().find(|(start, ..)| message.starts_with(start))
+    else {
+        return (What::Notation { said: message.into(), hint: None }, false);
+    };
+    let hint = match *start {
+        "missing escaped value" | "too few unicode value digits" => {
+            r"write the text in single quotes: 'C:\scans'"
+        }
+        "duplicate key" => "remove one of the two",
+        "key with no value" => r#"write: name = "value""#,
+        "unexpected key or value" => "begin a new line for a new key, and a remark with #",
+        "unclosed table" => "write the section's name as [name]",
+        "missing comma between array elements" | "unclosed array" => {
+            r#"write a list as ["one", "two"]; is its closing ] there?"#
+        }
+        _ => "end the text with the quote it began with",
+    };
+    (What::Notation { said: (*said).into(), hint: Some(hint.into()) }, *ends)
+}
+
+fn unquoted(found: &str) -> (What, bool) {
+    let bare = found.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
+    let (said, hint) = if bare.is_empty() {
+        ("a value is missing behind the =".into(), r#"write: name = "value""#.into())
+    } else {
+        (format!("{bare} must stand in straight quotes"), format!("write \"{bare}\""))
+    };
+    (What::Notation { said, hint: Some(hint) }, true)
+}

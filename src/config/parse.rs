@@ -1,0 +1,186 @@
+//! The text of one value → what it means. Every function says what is wrong, none says where.
+
+use std::path::{Component, Path, PathBuf};
+use std::time::Duration;
+
+use regex::Regex;
+
+use super::fault::What;
+use super::nearest::nearest;
+use super::words::{Words, meaning};
+
+/// A number and one of the units; `None` for anything else, a number too large included.
+fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
+    let digits = text.find(|c: char| !c.is_ascii_digit())?;
+    let (number, unit) = text.split_at(digits);
+    let (_, factor) = units.iter().find(|(name, _)| *name == unit)?;
+    number.parse::<u64>().ok()?.checked_mul(*factor)
+}
+
+/// The bounds of a value, as they would be written in the file.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds {
+    /// The least value allowed.
+    pub least: &'static str,
+    /// The largest value allowed.
+    pub most: &'static str,
+}
+
+impl Bounds {
+    fn hold<T: PartialOrd>(
+        self,
+        text: &str,
+        value: T,
+        parse: impl Fn(&str) -> Result<T, What>,
+    ) -> Result<T, What> {
+        if value < parse(self.least)? || value > parse(self.most)? {
+            let Bounds { least, most } = self;
+            return Err(What::OutOfRange { text: text.into(), least, most });
+        }
+        Ok(value)
+    }
+}
+
+/// `"2s"`, `"500ms"`, `"10m"`, `"1h"`.
+pub(super) fn duration(text: &str) -> Result<Duration, What> {
+    quantity(text, &[("ms", 1), ("s", 1000), ("m", 60_000), ("h", 3_600_000)])
+        .map(Duration::from_millis)
+        .ok_or_else(|| What::NotADuration(text.into()))
+}
+
+/// A duration within bounds.
+pub(super) fn duration_in(bounds: Bounds) -> impl Fn(&str) -> Result<Duration, What> {
+    move |text| bounds.hold(text, duration(text)?, duration)
+}
+
+/// `"200MB"` in bytes; decimal units, as disks and file managers count.
+pub(super) fn size(text: &str) -> Result<u64, What> {
+    let units = [("B", 1), ("kB", 1000), ("KB", 1000), ("MB", 1_000_000), ("GB", 1_000_000_000)];
+    quantity(text, &units).ok_or_else(|| What::NotASize(text.into()))
+}
+
+/// A size within bounds, in bytes.
+pub(super) fn size_in(bounds: Bounds) -> impl Fn(&str) -> Result<u64, What> {
+    move |text| bounds.hold(text, size(text)?, size)
+}
+
+/// One of the words of a choice.
+pub(super) fn word<T: Copy>(words: Words<T>) -> impl Fn(&str) -> Result<T, What> {
+    move |text| {
+        meaning(words, text).ok_or_else(|| {
+            let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+            let similar = nearest(text, words.iter().copied());
+            What::NotAWord { text: text.into(), words, similar }
+        })
+    }
+}
+
+/// A station's name: it stands in file names, so only the plainest characters.
+pub(super) fn station_id(text: &str) -> Result<String, What> {
+    let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
+    if plain && (1..=32).contains(&text.len()) {
+        Ok(text.into())
+    } else {
+        Err(What::NotAStationId(text.into()))
+    }
+}
+
+/// A full path. A relative one is refused: a daemon has no folder a person would think of, and the
+/// folder of the configuration is not where state or records belong.
+pub(super) fn full_path(text: &str) -> Result<PathBuf, What> {
+    let path = Path::new(text);
+    if text.contains(char::is_control) {
+        return Err(What::ControlInPath(text.into()));
+    }
+    if !path.is_absolute() {
+        return Err(What::RelativePath(text.into()));
+    }
+    if path.components().any(|part| part == Component::ParentDir) {
+        return Err(What::ClimbingPath(text.into()));
+    }
+    // Collecting the components drops doubled and trailing slashes, so that equal folders are equal.
+    Ok(path.components().collect())
+}
+
+fn regex(text: &str) -> Result<Regex, What> {
+    Regex::new(text).map_err(|error| {
+        let said = error.to_string();
+        let last = said.lines().last().unwrap_or_default();
+        What::NotARegex(last.trim_start_matches("error: ").into())
+    })
+}
+
+/// An expression on file names that says which part is the patient's id.
+pub(super) fn file_name(text: &str) -> Result<Regex, What> {
+    let expression = regex(text)?;
+    let named = expression.capture_names().flatten().any(|name| name == "patient");
+    if named { Ok(expression) } else { Err(What::NoPatientGroup) }
+}
+
+/// Ids no clinic gives out and no expression may let through: patient ids become names of folders.
+const UNSAFE_IDS: [&str; 7] = ["", ".", "..", "/", "../x", "a/b", "a\nb"];
+
+/// An expression that patient ids match as a whole, whether it says so itself or not.
+pub(super) fn patient_pattern(text: &str) -> Result<Regex, What> {
+    // Compiled alone first: `a)|(b` is wrong and would be right within brackets.
+    regex(text)?;
+    let whole = regex(&format!(r"\A(?:{text})\z"))?;
+    match UNSAFE_IDS.iter().find(|id| whole.is_match(id)) {
+        Some(id) => Err(What::LoosePattern(id)),
+        None => Ok(whole),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_are_a_number_and_a_unit_and_nothing_else() {
+        assert_eq!(duration("2s"), Ok(Duration::from_secs(2)));
+        assert_eq!(duration("500ms"), Ok(Duration::from_millis(500)));
+        assert_eq!(duration("10m"), Ok(Duration::from_secs(600)));
+        for text in ["", "2", "s", "2 s", "-2s", "1.5s", "2sec", "99999999999999999999s", "²s"] {
+            assert_eq!(duration(text), Err(What::NotADuration(text.into())), "{text}");
+        }
+        assert!(duration("18446744073709551615h").is_err(), "the product overflows");
+    }
+
+    #[test]
+    fn sizes_are_decimal() {
+        assert_eq!(size("200MB"), Ok(200_000_000));
+        assert_eq!(size("1kB"), size("1000B"));
+        assert!(size("200 MB").is_err() && size("200").is_err() && size("200M").is_err());
+    }
+
+    #[test]
+    fn bounds_include_their_ends() {
+        let quiet = duration_in(Bounds { least: "50ms", most: "10m" });
+        assert!(quiet("50ms").is_ok() && quiet("10m").is_ok() && quiet("600s").is_ok());
+        assert!(quiet("49ms").is_err() && quiet("11m").is_err());
+    }
+
+    #[test]
+    fn equal_folders_are_equal_paths() {
+        assert_eq!(full_path("/srv//scans/./a/"), full_path("/srv/scans/a"));
+        assert_eq!(full_path("/a/../b"), Err(What::ClimbingPath("/a/../b".into())));
+        assert_eq!(full_path(""), Err(What::RelativePath(String::new())));
+    }
+
+    #[test]
+    fn a_patient_pattern_speaks_of_the_whole_id() {
+        let pattern = patient_pattern("P?[0-9]{1,12}|X[0-9]").unwrap();
+        assert!(pattern.is_match("P4711") && pattern.is_match("X1"));
+        for id in ["4711b", "b4711", "X1 ", "X12", "4711\n", ""] {
+            assert!(!pattern.is_match(id), "{id:?}");
+        }
+    }
+
+    #[test]
+    fn a_patient_pattern_that_lets_paths_through_is_refused() {
+        for text in [".+", "[^ ]{2,5}", "[0-9]*", "(?s).{3}"] {
+            assert!(matches!(patient_pattern(text), Err(What::LoosePattern(_))), "{text}");
+        }
+        assert!(matches!(patient_pattern("a)|(?:b"), Err(What::NotARegex(_))));
+    }
+}

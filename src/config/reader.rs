@@ -1,0 +1,279 @@
+//! A typed reader of TOML that goes on after a fault, so that all faults are told at once.
+//!
+//! The keys it knows are those it was asked for; there is no second list of them to go stale.
+
+use std::ops::Range;
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::fault::What;
+use super::nearest::nearest;
+use super::place::Finding;
+
+/// What holds for a key that is not in the file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Absent {
+    /// It must be there; a value as an example.
+    Required(&'static str),
+    /// Nothing is chosen; a value as an example.
+    Nothing(&'static str),
+    /// This value holds, as it would be written.
+    Default(&'static str),
+}
+
+impl Absent {
+    fn example(self) -> &'static str {
+        let (Absent::Required(text) | Absent::Nothing(text) | Absent::Default(text)) = self;
+        text
+    }
+}
+
+/// A key the reader was asked for.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Key {
+    /// The key with its sections.
+    pub path: &'static str,
+    /// What holds when it is not there.
+    pub absent: Absent,
+    /// Whether it is a list of texts.
+    pub list: bool,
+}
+
+impl Key {
+    /// The section and the name within it.
+    fn split(&self) -> (&'static str, &'static str) {
+        self.path.rsplit_once('.').unwrap_or(("", self.path))
+    }
+
+    /// A line that sets it to its example.
+    pub fn line(&self) -> String {
+        let example = self.absent.example();
+        let quote = if example.contains('\\') { '\'' } else { '"' };
+        let value = format!("{quote}{example}{quote}");
+        let value = if self.list { format!("[{value}]") } else { value };
+        format!("{} = {value}", self.split().1)
+    }
+}
+
+/// A value and where it stands.
+#[derive(Debug, Clone)]
+pub(super) struct Found<T> {
+    /// The value.
+    pub value: T,
+    /// Its bytes; for a default those of the section it would stand in.
+    pub at: Range<usize>,
+}
+
+enum Seen<'t> {
+    Value(&'t Spanned<DeValue<'t>>),
+    Absent(Range<usize>),
+    /// A section on the way is a value; that is a fault of the section, told once.
+    Blocked,
+}
+
+/// Reads keys of one document and keeps what it finds wrong.
+pub(super) struct Reader<'t> {
+    root: &'t DeTable<'t>,
+    end: usize,
+    /// The keys asked for so far.
+    pub keys: Vec<Key>,
+    findings: Vec<Finding>,
+}
+
+impl<'t> Reader<'t> {
+    /// A reader of a parsed document whose text is `length` bytes long.
+    pub fn new(root: &'t DeTable<'t>, length: usize) -> Self {
+        Reader { root, end: length, keys: Vec::new(), findings: Vec::new() }
+    }
+
+    /// Notes a fault, once.
+    pub fn note(&mut self, at: Range<usize>, key: &str, what: What) {
+        let finding = Finding { at, key: key.into(), what };
+        if !self.findings.contains(&finding) {
+            self.findings.push(finding);
+        }
+    }
+
+    /// A text and its meaning; `None` where it is absent without a default, or wrong.
+    pub fn text<T>(
+        &mut self,
+        path: &'static str,
+        absent: Absent,
+        parse: impl Fn(&str) -> Result<T, What>,
+    ) -> Option<Found<T>> {
+        let key = Key { path, absent, list: false };
+        self.keys.push(key);
+        let value = match (self.find(path), absent) {
+            (Seen::Value(value), _) => value,
+            (Seen::Absent(at), Absent::Default(text)) => {
+                return self.judge(path, at, parse(text));
+            }
+            (Seen::Absent(at), Absent::Required(_)) => {
+                self.missing(key, at);
+                return None;
+            }
+            (Seen::Absent(_), Absent::Nothing(_)) | (Seen::Blocked, _) => return None,
+        };
+        self.entry(key, value, &parse)
+    }
+
+    /// A list of texts and their meanings, without those that are wrong. It must have an entry.
+    pub fn list<T>(
+        &mut self,
+        path: &'static str,
+        example: &'static str,
+        parse: impl Fn(&str) -> Result<T, What>,
+    ) -> Vec<Found<T>> {
+        let key = Key { path, absent: Absent::Required(example), list: true };
+        self.keys.push(key);
+        let value = match self.find(path) {
+            Seen::Value(value) => value,
+            Seen::Absent(at) => {
+                self.missing(key, at);
+                return Vec::new();
+            }
+            Seen::Blocked => return Vec::new(),
+        };
+        let DeValue::Array(entries) = value.get_ref() else {
+            self.wrong_kind(key, value, "a list of texts in [ ]");
+            return Vec::new();
+        };
+        if entries.is_empty() {
+            self.note(value.span(), path, What::EmptyList);
+        }
+        entries.iter().filter_map(|entry| self.entry(key, entry, &parse)).collect()
+    }
+
+    fn entry<T>(
+        &mut self,
+        key: Key,
+        value: &Spanned<DeValue<'t>>,
+        parse: &impl Fn(&str) -> Result<T, What>,
+    ) -> Option<Found<T>> {
+        match value.get_ref().as_str() {
+            Some(text) => self.judge(key.path, value.span(), parse(text)),
+            None => {
+                self.wrong_kind(key, value, "text in quotes");
+                None
+            }
+        }
+    }
+
+    fn judge<T>(
+        &mut self,
+        path: &str,
+        at: Range<usize>,
+        parsed: Result<T, What>,
+    ) -> Option<Found<T>> {
+        parsed
+            .map_err(|what| self.note(at.clone(), path, what))
+            .ok()
+            .map(|value| Found { value, at })
+    }
+
+    fn missing(&mut self, key: Key, at: Range<usize>) {
+        let example = format!("{} under [{}]", key.line(), key.split().0);
+        self.note(at, key.path, What::Missing { example });
+    }
+
+    fn wrong_kind(&mut self, key: Key, value: &Spanned<DeValue>, expected: &'static str) {
+        let found = kind(value.get_ref());
+        self.note(value.span(), key.path, What::Kind { expected, found, example: key.line() });
+    }
+
+    fn find(&self, path: &str) -> Seen<'t> {
+        let (sections, name) = path.rsplit_once('.').unwrap_or(("", path));
+        let mut table = self.root;
+        let mut at = self.end..self.end;
+        for section in sections.split('.') {
+            match table.get(section).map(|value| (value.get_ref(), value.span())) {
+                Some((DeValue::Table(inner), span)) => (table, at) = (inner, span),
+                Some(_) => return Seen::Blocked,
+                None => return Seen::Absent(self.end..self.end),
+            }
+        }
+        table.get(name).map_or(Seen::Absent(at), Seen::Value)
+    }
+
+    /// Everything found wrong, in the order of the file. Call it after all keys were asked for:
+    /// what is in the file and was not asked for is unknown.
+    pub fn finish(mut self) -> Vec<Finding> {
+        self.walk(self.root, "");
+        let meant: Vec<String> = self.findings.iter().filter_map(|f| meant(&f.what)).collect();
+        // A misspelt key is missing under its right name too; that is one fault, not two.
+        self.findings.retain(|finding| {
+            !matches!(finding.what, What::Missing { .. })
+                || !meant.iter().any(|path| is_within(&finding.key, path))
+        });
+        self.findings.sort_by_key(|finding| finding.at.start);
+        self.findings
+    }
+
+    fn walk(&mut self, table: &'t DeTable<'t>, prefix: &str) {
+        for (name, value) in table {
+            let path = join(prefix, name.get_ref());
+            if self.keys.iter().any(|key| key.path == path) {
+                continue;
+            }
+            if !self.keys.iter().any(|key| is_within(key.path, &path)) {
+                let what = self.unknown(prefix, name.get_ref());
+                self.note(name.span(), &path, what);
+            } else if let DeValue::Table(inner) = value.get_ref() {
+                self.walk(inner, &path);
+            } else {
+                let found = kind(value.get_ref());
+                let what = What::NotASection { found, name: path.clone() };
+                self.note(value.span(), &path, what);
+            }
+        }
+    }
+
+    fn unknown(&self, prefix: &str, name: &str) -> What {
+        let mut known: Vec<&str> = Vec::new();
+        for key in &self.keys {
+            let here = key.path.strip_prefix(prefix).map(|rest| rest.trim_start_matches('.'));
+            let here = here.filter(|_| prefix.is_empty() || is_within(key.path, prefix));
+            let child = here.and_then(|rest| rest.split('.').next());
+            known.extend(child.filter(|child| known.last() != Some(child)));
+        }
+        let similar = nearest(name, known.iter().copied()).map(|near| join(prefix, near));
+        // Right name, wrong section: a key that slipped under another header, or half of a header.
+        let mut all = self.keys.iter().flat_map(|key| ancestry(key.path));
+        let similar = similar
+            .or_else(|| all.find(|path| path.rsplit('.').next() == Some(name)).map(String::from));
+        What::Unknown { similar, known: known.into_iter().map(String::from).collect() }
+    }
+}
+
+fn meant(what: &What) -> Option<String> {
+    match what {
+        What::Unknown { similar, .. } => similar.clone(),
+        _ => None,
+    }
+}
+
+/// Whether a path is a section's own or that of something in it.
+fn is_within(path: &str, section: &str) -> bool {
+    path.strip_prefix(section).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
+}
+
+/// The sections a path lies in, outermost first, and the path itself.
+fn ancestry(path: &str) -> impl Iterator<Item = &str> {
+    path.match_indices('.').map(|(dot, _)| &path[..dot]).chain([path])
+}
+
+fn join(prefix: &str, name: &str) -> String {
+    if prefix.is_empty() { name.into() } else { format!("{prefix}.{name}") }
+}
+
+fn kind(value: &DeValue) -> &'static str {
+    match value {
+        DeValue::String(_) => "text",
+        DeValue::Integer(_) | DeValue::Float(_) => "a number",
+        DeValue::Boolean(_) => "true or false",
+        DeValue::Datetime(_) => "a date or time",
+        DeValue::Array(_) => "a list",
+        DeValue::Table(_) => "a section",
+    }
+}

@@ -1,0 +1,80 @@
+//! The shipped `config/station.toml` against the reader, so that neither can drift from the other.
+
+use toml::de::DeTable;
+
+use super::load::{config, load};
+use super::reader::{Absent, Key, Reader};
+
+const SHIPPED: &str = include_str!("../../config/station.toml");
+
+/// Every key the reader asks for.
+fn keys() -> Vec<Key> {
+    let empty = DeTable::parse("").unwrap();
+    let mut reader = Reader::new(empty.get_ref(), 0);
+    assert!(config(&mut reader).is_none(), "an empty file lacks the required keys");
+    assert!(!reader.keys.is_empty());
+    reader.keys
+}
+
+/// The shipped file as (key with sections, the line that sets it, the remarks above it).
+fn entries() -> Vec<(String, &'static str, String)> {
+    let (mut section, mut remarks, mut entries) = ("", String::new(), Vec::new());
+    for line in SHIPPED.lines() {
+        if let Some(remark) = line.strip_prefix('#') {
+            remarks.push_str(remark);
+        } else if let Some(name) = line.strip_prefix('[') {
+            section = name.trim_end_matches(']');
+        } else if let Some((name, _)) = line.split_once(" = ") {
+            entries.push((format!("{section}.{name}"), line, std::mem::take(&mut remarks)));
+        } else {
+            remarks.clear();
+        }
+    }
+    entries
+}
+
+#[test]
+fn the_shipped_file_has_no_fault() {
+    let faults = load(SHIPPED).err().unwrap_or_default();
+    assert!(faults.is_empty(), "{faults:#?}");
+}
+
+#[test]
+fn every_key_stands_in_the_shipped_file_in_the_order_of_the_reader_and_nothing_else() {
+    let shown: Vec<String> = entries().into_iter().map(|(path, ..)| path).collect();
+    let known: Vec<&str> = keys().iter().map(|key| key.path).collect();
+    assert_eq!(shown, known);
+}
+
+#[test]
+fn every_key_is_shown_with_its_default_or_as_having_none() {
+    for (key, (path, line, remarks)) in keys().iter().zip(entries()) {
+        let value = line.split_once(" = ").unwrap().1;
+        let said = match key.absent {
+            Absent::Required(_) => "Must be set".to_string(),
+            Absent::Nothing(_) => "No default".to_string(),
+            Absent::Default(_) => format!("Default: {value}."),
+        };
+        assert!(remarks.contains(&said), "{path} does not say: {said}");
+        let (Absent::Required(text) | Absent::Nothing(text) | Absent::Default(text)) = key.absent;
+        assert_eq!(value.trim_matches(['[', ']', '"', '\'']), text.trim_matches(['[', ']']));
+    }
+}
+
+#[test]
+fn leaving_out_a_key_with_a_default_changes_nothing() {
+    let whole = format!("{:?}", load(SHIPPED).unwrap());
+    for key in keys() {
+        let (_, line, _) = entries().into_iter().find(|(path, ..)| path == key.path).unwrap();
+        let without = load(&SHIPPED.replace(&format!("\n{line}\n"), "\n"));
+        match key.absent {
+            Absent::Default(_) => assert_eq!(format!("{:?}", without.unwrap()), whole, "{line}"),
+            Absent::Nothing(_) => assert!(without.is_ok(), "{line}"),
+            Absent::Required(_) => {
+                let faults = without.unwrap_err();
+                let missing: Vec<&str> = faults.iter().map(|fault| fault.key.as_str()).collect();
+                assert_eq!(missing, [key.path]);
+            }
+        }
+    }
+}

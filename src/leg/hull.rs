@@ -1,0 +1,109 @@
+//! Convex hulls in the plane: what a tape measure lies on, and where a leg was one slice ago.
+
+use nalgebra::{Point2, Vector2};
+
+/// A convex polygon, counter-clockwise, without repeated or collinear corners.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Hull {
+    corners: Vec<Point2<f64>>,
+}
+
+impl Hull {
+    /// The convex hull of points, by Andrew's monotone chain (1979). None where the points do not
+    /// span an area.
+    pub fn of(points: &[Point2<f64>]) -> Option<Hull> {
+        let mut sorted = points.to_vec();
+        sorted.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+        sorted.dedup();
+        let mut corners = half_hull(sorted.iter());
+        let upper = half_hull(sorted.iter().rev());
+        corners.pop();
+        corners.extend_from_slice(&upper[..upper.len().saturating_sub(1)]);
+        (corners.len() >= 3).then_some(Hull { corners })
+    }
+
+    /// Length of the outline, in the unit of the points.
+    pub fn perimeter(&self) -> f64 {
+        self.edges().map(|(from, to)| (to - from).norm()).sum()
+    }
+
+    /// Area enclosed.
+    pub fn area(&self) -> f64 {
+        self.edges().map(|(p, q)| p.x * q.y - q.x * p.y).sum::<f64>() / 2.0
+    }
+
+    /// Centroid of the area enclosed.
+    pub fn centroid(&self) -> Point2<f64> {
+        let first = self.corners[0];
+        let mut moment = Vector2::zeros();
+        let mut twice_area = 0.0;
+        for (p, q) in self.edges() {
+            let (p, q) = (p - first, q - first);
+            let cross = p.perp(&q);
+            moment += (p + q) * cross;
+            twice_area += cross;
+        }
+        first + moment / (3.0 * twice_area)
+    }
+
+    /// Whether a point lies within the polygon or at most `margin` beyond the line of any edge.
+    pub fn contains_within(&self, point: &Point2<f64>, margin: f64) -> bool {
+        self.edges().all(|(from, to)| {
+            let edge = to - from;
+            edge.perp(&(point - from)) >= -margin * edge.norm()
+        })
+    }
+
+    fn edges(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>)> + '_ {
+        let next = self.corners.iter().cycle().skip(1);
+        self.corners.iter().copied().zip(next.copied())
+    }
+}
+
+/// One chain of the hull; both chains contain both end points.
+fn half_hull<'a>(points: impl Iterator<Item = &'a Point2<f64>>) -> Vec<Point2<f64>> {
+    let mut chain: Vec<Point2<f64>> = Vec::new();
+    for &point in points {
+        while let [.., before, last] = chain[..] {
+            if (last - before).perp(&(point - last)) > 0.0 {
+                break;
+            }
+            chain.pop();
+        }
+        chain.push(point);
+    }
+    chain
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn square() -> Vec<Point2<f64>> {
+        vec![
+            Point2::new(0.0, 0.0),
+            Point2::new(2.0, 0.0),
+            Point2::new(1.0, 1.0),
+            Point2::new(2.0, 2.0),
+            Point2::new(0.0, 2.0),
+            Point2::new(1.0, 0.0),
+        ]
+    }
+
+    #[test]
+    fn a_square_with_points_inside_and_on_its_edges_is_the_square() {
+        let hull = Hull::of(&square()).unwrap();
+        assert_eq!(hull.perimeter(), 8.0);
+        assert_eq!(hull.area(), 4.0);
+        assert_eq!(hull.centroid(), Point2::new(1.0, 1.0));
+        assert!(hull.contains_within(&Point2::new(2.5, 1.0), 0.5));
+        assert!(!hull.contains_within(&Point2::new(2.51, 1.0), 0.5));
+    }
+
+    #[test]
+    fn points_on_a_line_have_no_hull() {
+        let line: Vec<_> = (0..5).map(|i| Point2::new(f64::from(i), 1.0)).collect();
+        assert_eq!(Hull::of(&line), None);
+        assert_eq!(Hull::of(&[]), None);
+    }
+}

@@ -1,0 +1,192 @@
+//! How a body stands: its two shanks, its feet, where the toes point, where the floor is.
+
+use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+
+use super::cluster::clusters;
+use super::slice::{Crossing, Mesh};
+
+/// Heights at which the shanks are looked for, as shares of stature: above the malleoli (0.045),
+/// below the calf's belly (0.20), where no hand hangs and legs hardly ever touch.
+const SHANK_SHARES: [f64; 8] = [0.08, 0.09, 0.10, 0.11, 0.12, 0.13, 0.14, 0.15];
+
+/// At least this many of these heights must show exactly two shanks.
+const SHANK_SLICES_MIN: usize = 3;
+
+/// Points of one shank nearer than this belong together, mm: three times the spacing of a coarse
+/// export, less than the gap between two shanks.
+const SHANK_LINK_MM: f64 = 20.0;
+
+/// Diameter of a shank, least and most, mm; lymphoedema included.
+const SHANK_DIAMETER_MM: [f64; 2] = [35.0, 300.0];
+
+/// A ring surrounds its middle when its points fall into this many of eight equal sectors; a
+/// sheet, an arm seen from one side or a speck does not.
+const SHANK_SECTORS_MIN: usize = 5;
+
+/// Points below this share of stature belong to the feet: under the malleoli.
+const FOOT_SHARE: f64 = 0.035;
+
+/// A foot reaches at least this far ahead of its ankle, compared with behind it; a foot that is
+/// seen whole reaches 2 to 4 times as far.
+const TOE_TO_HEEL_MIN: f64 = 1.3;
+
+/// Feet that point further apart than this say nothing about facing, degrees.
+const FEET_SPREAD_MAX_DEG: f64 = 100.0;
+
+/// A facing found from the feet that is further from square to the line through the ankles than
+/// this is contradictory, degrees.
+const SQUARE_MAX_DEG: f64 = 35.0;
+
+/// Share of a foot's points that may lie below the floor: noise and stray points.
+const FLOOR_QUANTILE: f64 = 0.002;
+
+/// The stance of an upright body whose lowest point is at about z = 0, mm.
+#[derive(Debug, Clone)]
+pub struct Stance {
+    /// Middle of the two shanks, in no order, at their lowest common height.
+    pub shanks: [Point2<f64>; 2],
+    /// Middle of the two feet, in the order of `shanks`.
+    pub feet: [Point2<f64>; 2],
+    /// Direction of the toes, as far as the feet show it.
+    pub toes: Result<Vector2<f64>, FeetUnclear>,
+    /// Height of the floor under the soles, mm.
+    pub floor_mm: f64,
+}
+
+/// Why the feet do not show where the body faces.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum FeetUnclear {
+    /// Hardly any point near the floor.
+    #[error("a foot has only {points} points")]
+    NotSeen {
+        /// Points of the foot that has fewer.
+        points: usize,
+    },
+    /// A foot that reaches as far ahead of the ankle as behind it.
+    #[error("a foot reaches {ratio:.2} times as far ahead of its ankle as behind it")]
+    NoToes {
+        /// Reach ahead over reach behind.
+        ratio: f64,
+    },
+    /// The feet point apart.
+    #[error("the feet point {spread_deg:.0} degrees apart")]
+    Apart {
+        /// Angle between the feet, degrees.
+        spread_deg: f64,
+    },
+    /// The toes point along the line through the ankles.
+    #[error("the toes point {off_deg:.0} degrees off the square to the line through the ankles")]
+    NotSquare {
+        /// Angle off the square, degrees.
+        off_deg: f64,
+    },
+}
+
+/// Finds the stance. The number returned in place of it is the most shanks seen at one height.
+pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, usize> {
+    let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
+    let slices = mesh.slices(&Vector3::z_axis(), &heights);
+    let rings: Vec<Vec<Point2<f64>>> = slices.iter().map(|slice| shank_middles(slice)).collect();
+    let pairs: Vec<[Point2<f64>; 2]> =
+        rings.iter().filter_map(|found| <[_; 2]>::try_from(found.as_slice()).ok()).collect();
+    if pairs.len() < SHANK_SLICES_MIN {
+        return Err(rings.iter().map(Vec::len).max().unwrap_or(0));
+    }
+    let shanks = pairs[0];
+    let feet_points = feet(mesh, shanks, FOOT_SHARE * stature_mm);
+    let middle = |points: &[[f64; 3]], shank: Point2<f64>| match points.len() {
+        0 => shank,
+        n => points.iter().fold(Point2::origin(), |sum, p| sum + Vector2::new(p[0], p[1]) / n as f64),
+    };
+    let feet = [middle(&feet_points[0], shanks[0]), middle(&feet_points[1], shanks[1])];
+    Ok(Stance { shanks, feet, toes: toes(shanks, &feet_points), floor_mm: floor_mm(&feet_points) })
+}
+
+/// Middles of the rings in a slice that can be shanks.
+fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
+    let points: Vec<Point2<f64>> = slice.iter().map(|crossing| crossing.position.xy()).collect();
+    let rings = clusters(&points, SHANK_LINK_MM);
+    rings.iter().filter_map(|ring| shank_middle(ring)).collect()
+}
+
+fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
+    let first = *ring.first()?;
+    let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
+    let size = (high - low).max();
+    let middle = nalgebra::center(&low, &high);
+    let mut sectors = [false; 8];
+    for point in ring {
+        let turn = (point.y - middle.y).atan2(point.x - middle.x) / std::f64::consts::TAU + 0.5;
+        sectors[((turn * 8.0) as usize).min(7)] = true;
+    }
+    let surrounded = sectors.iter().filter(|seen| **seen).count() >= SHANK_SECTORS_MIN;
+    let [least, most] = SHANK_DIAMETER_MM;
+    (surrounded && (least..=most).contains(&size)).then_some(middle)
+}
+
+/// Points of each foot: those below `top_mm`, each with the shank that is nearer.
+fn feet(mesh: &Mesh, shanks: [Point2<f64>; 2], top_mm: f64) -> [Vec<[f64; 3]>; 2] {
+    let mut feet = [Vec::new(), Vec::new()];
+    let mut used = vec![false; mesh.points().len()];
+    mesh.triangles().iter().flatten().for_each(|&corner| used[corner as usize] = true);
+    for (point, _) in mesh.points().iter().zip(used).filter(|(p, used)| *used && p.z < top_mm) {
+        let [a, b] = shanks.map(|shank| (point.xy() - shank).norm_squared());
+        feet[usize::from(b < a)].push([point.x, point.y, point.z]);
+    }
+    feet
+}
+
+/// Where both feet's toes point together: halfway between the feet's own mean direction and the
+/// square to the line through the ankles, since a foot turned out spoils the one and a foot set
+/// forward the other.
+fn toes(
+    shanks: [Point2<f64>; 2],
+    feet: &[Vec<[f64; 3]>; 2],
+) -> Result<Vector2<f64>, FeetUnclear> {
+    let directions = [toe_direction(shanks[0], &feet[0])?, toe_direction(shanks[1], &feet[1])?];
+    let spread_deg = directions[0].angle(&directions[1]).to_degrees();
+    if spread_deg > FEET_SPREAD_MAX_DEG {
+        return Err(FeetUnclear::Apart { spread_deg });
+    }
+    let toes = (directions[0] + directions[1]).normalize();
+    let across = (shanks[1] - shanks[0]).normalize();
+    let square = Vector2::new(-across.y, across.x);
+    let square = if square.dot(&toes) < 0.0 { -square } else { square };
+    let off_deg = square.angle(&toes).to_degrees();
+    if off_deg > SQUARE_MAX_DEG {
+        return Err(FeetUnclear::NotSquare { off_deg });
+    }
+    Ok((toes + square).normalize())
+}
+
+/// The long axis of one foot, pointing to the end that is further from the ankle.
+fn toe_direction(ankle: Point2<f64>, foot: &[[f64; 3]]) -> Result<Vector2<f64>, FeetUnclear> {
+    const FOOT_POINTS_MIN: usize = 50;
+    if foot.len() < FOOT_POINTS_MIN {
+        return Err(FeetUnclear::NotSeen { points: foot.len() });
+    }
+    let points: Vec<Vector2<f64>> = foot.iter().map(|p| Vector2::new(p[0], p[1])).collect();
+    let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for d in points.iter().map(|p| p - middle) {
+        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+    }
+    let long = Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x();
+    let reach = points.iter().map(|p| (p - ankle.coords).dot(&long));
+    let (back, ahead) = reach.fold((0.0_f64, 0.0_f64), |(b, a), r| (b.max(-r), a.max(r)));
+    let ratio = ahead.max(back) / ahead.min(back).max(1.0);
+    if ratio < TOE_TO_HEEL_MIN {
+        return Err(FeetUnclear::NoToes { ratio });
+    }
+    Ok(if ahead > back { long } else { -long })
+}
+
+/// Height of the lower foot's sole; the lowest of all points where no foot is seen.
+fn floor_mm(feet: &[Vec<[f64; 3]>; 2]) -> f64 {
+    let sole = |foot: &Vec<[f64; 3]>| {
+        let mut heights: Vec<f64> = foot.iter().map(|p| p[2]).collect();
+        heights.sort_by(f64::total_cmp);
+        heights.get((FLOOR_QUANTILE * heights.len() as f64) as usize).copied()
+    };
+    feet.iter().filter_map(sole).fold(f64::INFINITY, f64::min).min(f64::MAX)
+}

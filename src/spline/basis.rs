@@ -1,0 +1,260 @@
+//! The cubic B-spline basis, clamped on an interval or periodic: knots, values, derivatives.
+
+/// The degree of every spline here.
+pub const DEGREE: usize = 3;
+
+/// The cubic B-spline functions over strictly increasing breakpoints.
+///
+/// Clamped: the spline lives on `[a, b]` and starts and ends in its first and last coefficient.
+/// Periodic: it repeats with period `b − a` and is C2 everywhere, the seam included.
+/// In both, the functions that do not vanish on interval `s` are `s..s + 4`, folded by
+/// [`Basis::count`] where periodic.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Basis {
+    breakpoints: Vec<f64>,
+    /// `knots[s + DEGREE] == breakpoints[s]` for every breakpoint `s`.
+    knots: Vec<f64>,
+    periodic: bool,
+}
+
+/// Why breakpoints make no basis.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BasisFault {
+    /// A clamped basis needs 2 breakpoints, a periodic one 5 (4 intervals).
+    #[error("{found} breakpoints, where the basis needs at least {needed}")]
+    TooFewBreakpoints {
+        /// Number of breakpoints given.
+        found: usize,
+        /// Number needed.
+        needed: usize,
+    },
+    /// A breakpoint is infinite or no number.
+    #[error("breakpoint {index} is not finite")]
+    NotFinite {
+        /// 0-based place of the first such breakpoint.
+        index: usize,
+    },
+    /// A breakpoint does not lie above the one before it.
+    #[error("breakpoint {index} at {value} does not lie above its predecessor {before}")]
+    NotIncreasing {
+        /// 0-based place of the first such breakpoint, at least 1.
+        index: usize,
+        /// The breakpoint before it.
+        before: f64,
+        /// The breakpoint.
+        value: f64,
+    },
+}
+
+/// The basis functions, or one derivative of them, that do not vanish at one abscissa.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Row {
+    /// Which coefficients take part; all different, below [`Basis::count`], already folded where
+    /// the basis is periodic.
+    pub indices: [usize; 4],
+    /// The value of each of those functions.
+    pub values: [f64; 4],
+}
+
+impl Row {
+    /// The value that these functions give with all `coefficients` ([`Basis::count`] of them).
+    pub fn dot(&self, coefficients: &[f64]) -> f64 {
+        let [i, j, k, l] = self.indices.map(|index| coefficients[index]);
+        let [a, b, c, d] = self.values;
+        a * i + b * j + c * k + d * l
+    }
+}
+
+impl Basis {
+    /// A basis on `[first breakpoint, last breakpoint]` with 4-fold end knots.
+    ///
+    /// # Errors
+    /// A [`BasisFault`] unless there are 2 or more breakpoints, finite and strictly increasing.
+    pub fn clamped(breakpoints: &[f64]) -> Result<Basis, BasisFault> {
+        check(breakpoints, 2)?;
+        let intervals = breakpoints.len() - 1;
+        let mut knots = vec![breakpoints[0]; DEGREE];
+        knots.extend_from_slice(breakpoints);
+        knots.extend([breakpoints[intervals]; DEGREE]);
+        Ok(Basis { breakpoints: breakpoints.to_vec(), knots, periodic: false })
+    }
+
+    /// A basis that repeats with period `last − first breakpoint`. The last breakpoint is the
+    /// first one a period later, so `n + 1` values make `n` intervals.
+    ///
+    /// # Errors
+    /// A [`BasisFault`] unless there are 5 or more breakpoints, finite and strictly increasing:
+    /// on fewer than 4 intervals a function would meet itself.
+    pub fn periodic(breakpoints: &[f64]) -> Result<Basis, BasisFault> {
+        check(breakpoints, DEGREE + 2)?;
+        let intervals = breakpoints.len() - 1;
+        let period = breakpoints[intervals] - breakpoints[0];
+        let before = breakpoints[intervals - DEGREE..intervals].iter().map(|knot| knot - period);
+        let after = breakpoints[1..=DEGREE].iter().map(|knot| knot + period);
+        let knots = before.chain(breakpoints.iter().copied()).chain(after).collect();
+        Ok(Basis { breakpoints: breakpoints.to_vec(), knots, periodic: true })
+    }
+
+    /// A clamped basis on `[from, to]` with `intervals` of equal length.
+    ///
+    /// # Errors
+    /// As [`Basis::clamped`], in particular unless `intervals ≥ 1` and `from < to`.
+    pub fn uniform_clamped(from: f64, to: f64, intervals: usize) -> Result<Basis, BasisFault> {
+        Basis::clamped(&equidistant(from, to, intervals))
+    }
+
+    /// A periodic basis that starts at `from`, with `intervals` of equal length.
+    ///
+    /// # Errors
+    /// As [`Basis::periodic`], in particular unless `intervals ≥ 4` and `period > 0`.
+    pub fn uniform_periodic(from: f64, period: f64, intervals: usize) -> Result<Basis, BasisFault> {
+        Basis::periodic(&equidistant(from, from + period, intervals))
+    }
+
+    /// Number of basis functions and so of coefficients: intervals + 3 clamped, intervals periodic.
+    pub fn count(&self) -> usize {
+        if self.periodic { self.intervals() } else { self.intervals() + DEGREE }
+    }
+
+    /// Whether the basis repeats.
+    pub fn is_periodic(&self) -> bool {
+        self.periodic
+    }
+
+    /// First and last breakpoint; their difference is the period of a periodic basis.
+    pub fn domain(&self) -> (f64, f64) {
+        (self.breakpoints[0], self.breakpoints[self.intervals()])
+    }
+
+    /// The breakpoints as given, intervals + 1 of them.
+    pub fn breakpoints(&self) -> &[f64] {
+        &self.breakpoints
+    }
+
+    /// The full knot vector, intervals + 7 values: clamped with 4-fold ends, periodic with the 3
+    /// wrapped neighbours on either side.
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// The values of the functions at `x`; see [`Basis::rows`] about `x` outside the domain.
+    pub fn row(&self, x: f64) -> Row {
+        let x = self.brought_home(x);
+        self.blossom(self.span(x), [x; DEGREE])
+    }
+
+    /// The functions' derivatives 0 to 3 at `x`, the third from the right at a breakpoint (from the
+    /// left at a clamped end). A periodic `x` is wrapped; a clamped one outside the domain is taken
+    /// to the nearer end.
+    pub fn rows(&self, x: f64) -> [Row; 4] {
+        let x = self.brought_home(x);
+        let span = self.span(x);
+        let indices = self.indices(span);
+        let differentiated = |times: usize| {
+            let mut values = [1.0, 0.0, 0.0, 0.0];
+            for degree in 1..=DEGREE {
+                let step = if degree + times > DEGREE { Raise::Slope } else { Raise::Value(x) };
+                values = self.raised(span, degree, values, step);
+            }
+            Row { indices, values }
+        };
+        [differentiated(0), differentiated(1), differentiated(2), differentiated(3)]
+    }
+
+    /// The functions' polar forms on interval `span` (below the number of intervals) at three
+    /// arguments; with three equal arguments these are the functions' values there. At three
+    /// consecutive knots of a refined basis they give the refined coefficient (Ramshaw 1989).
+    pub fn blossom(&self, span: usize, arguments: [f64; DEGREE]) -> Row {
+        let mut values = [1.0, 0.0, 0.0, 0.0];
+        for (degree, x) in (1..).zip(arguments) {
+            values = self.raised(span, degree, values, Raise::Value(x));
+        }
+        Row { indices: self.indices(span), values }
+    }
+
+    /// The Greville abscissa of each function, the mean of its three inner knots; wrapped into the
+    /// domain where periodic. A clamped spline with these as coefficients is the identity.
+    pub fn greville(&self) -> Vec<f64> {
+        (0..self.count())
+            .map(|i| self.brought_home(self.knots[i + 1..=i + DEGREE].iter().sum::<f64>() / 3.0))
+            .collect()
+    }
+
+    fn intervals(&self) -> usize {
+        self.breakpoints.len() - 1
+    }
+
+    fn indices(&self, span: usize) -> [usize; 4] {
+        [0, 1, 2, 3].map(|i| (span + i) % self.count())
+    }
+
+    /// `x` wrapped or clamped into the domain; the end of a period becomes its start.
+    fn brought_home(&self, x: f64) -> f64 {
+        let (from, to) = self.domain();
+        if !self.periodic {
+            return x.clamp(from, to);
+        }
+        let wrapped = x - (to - from) * ((x - from) / (to - from)).floor();
+        // Rounding can leave the wrapped value a hair outside.
+        if wrapped < from || wrapped >= to { from } else { wrapped }
+    }
+
+    /// The interval that holds `x` of the domain; the last one for its end. Source: The NURBS Book,
+    /// A2.1.
+    fn span(&self, x: f64) -> usize {
+        let inner = &self.breakpoints[1..self.intervals()];
+        inner.partition_point(|breakpoint| *breakpoint <= x)
+    }
+
+    /// The `degree + 1` functions of `degree` on interval `span`, or their slopes, from the
+    /// `degree` functions `lower` of one degree less: one column of the Cox-de Boor triangle (The
+    /// NURBS Book, equations 2.5 and 2.7).
+    fn raised(&self, span: usize, degree: usize, lower: [f64; 4], step: Raise) -> [f64; 4] {
+        let knot = span + DEGREE;
+        let mut values = [0.0; 4];
+        for r in 0..degree {
+            let left = self.knots[knot + 1 + r - degree];
+            let right = self.knots[knot + 1 + r];
+            // The interval itself lies between them, so the division is safe.
+            let share = lower[r] / (right - left);
+            let (falling, rising) = match step {
+                Raise::Value(x) => (right - x, x - left),
+                Raise::Slope => (-(degree as f64), degree as f64),
+            };
+            values[r] += falling * share;
+            values[r + 1] += rising * share;
+        }
+        values
+    }
+}
+
+/// How one column of the Cox-de Boor triangle comes from the last.
+#[derive(Clone, Copy)]
+enum Raise {
+    /// The values at this abscissa.
+    Value(f64),
+    /// The derivative of what the functions of one degree less stand for.
+    Slope,
+}
+
+fn equidistant(from: f64, to: f64, intervals: usize) -> Vec<f64> {
+    let step = (to - from) / intervals as f64;
+    // The last value is `to` itself, so that data at the end do not fall outside by rounding.
+    (0..intervals).map(|i| from + step * i as f64).chain([to]).collect()
+}
+
+fn check(breakpoints: &[f64], needed: usize) -> Result<(), BasisFault> {
+    if breakpoints.len() < needed {
+        return Err(BasisFault::TooFewBreakpoints { found: breakpoints.len(), needed });
+    }
+    if let Some(index) = breakpoints.iter().position(|value| !value.is_finite()) {
+        return Err(BasisFault::NotFinite { index });
+    }
+    match breakpoints.windows(2).position(|pair| pair[0] >= pair[1]) {
+        Some(i) => {
+            let (before, value) = (breakpoints[i], breakpoints[i + 1]);
+            Err(BasisFault::NotIncreasing { index: i + 1, before, value })
+        }
+        None => Ok(()),
+    }
+}

@@ -1,0 +1,217 @@
+//! Smoothing fit of a scalar function: penalised weighted least squares, with standard errors.
+
+use super::basis::{Basis, DEGREE};
+use super::normal::{NormalEquations, RIDGE, Solution};
+use super::solve::{Singular, Skyline};
+
+/// How much the fit may smooth.
+///
+/// The penalty is the integral of the squared second derivative: straight lines (a constant where
+/// periodic) cost nothing, and gaps in the data are bridged as a thin beam would. Its factor lambda
+/// has no unit: 1 makes the penalty's trace equal that of the data, so it depends neither on the
+/// number nor the unit of the data, nor on the knots' unit.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Smoothing {
+    /// Plain least squares. A lambda of 1e-12 stays as ridge, so that a gap in the data leaves
+    /// coefficients determined.
+    None,
+    /// This lambda, at least 0; the ridge is its floor.
+    Fixed(f64),
+    /// The lambda of least generalised cross-validation score (Craven, Wahba 1979). Right for
+    /// independent errors; correlated ones are taken for signal.
+    Gcv,
+}
+
+/// A fitted scalar function and how well it is known.
+#[derive(Debug, Clone)]
+pub struct Spline {
+    /// The basis fitted in.
+    pub basis: Basis,
+    /// One coefficient for each function of the basis, in the unit of the data.
+    pub coefficients: Vec<f64>,
+    /// The lambda used, the ridge included; at least 1e-12.
+    pub lambda: f64,
+    /// Effective degrees of freedom: trace of the matrix that turns data into fitted values.
+    pub edf: f64,
+    /// Standard deviation of a datum of weight 1, √(weighted RSS / (m − edf)) over the m data of
+    /// positive weight. Infinite where the data leave no degree of freedom to judge it by.
+    pub sigma: f64,
+    /// Weighted share of the data's variance that is explained; 1 where the data are constant.
+    pub r2: f64,
+    /// Weighted root mean square of the residuals.
+    pub rms: f64,
+    /// The inverse of the normal matrix, for overlapping functions.
+    inverse: Skyline,
+}
+
+/// Why data cannot be fitted.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum FitFault {
+    /// Abscissae, values and weights must be as many.
+    #[error("{x} abscissae, {y} values and {weights} weights; they must be as many")]
+    LengthsDiffer {
+        /// Number of abscissae.
+        x: usize,
+        /// Number of values.
+        y: usize,
+        /// Number of weights.
+        weights: usize,
+    },
+    /// A grid must have a point for each row and column.
+    #[error("{points} points do not make a grid of {along} rows and {around} columns")]
+    NoGrid {
+        /// Number of points.
+        points: usize,
+        /// Number of rows.
+        along: usize,
+        /// Number of columns.
+        around: usize,
+    },
+    /// A datum is infinite or no number.
+    #[error("datum {index} is not finite")]
+    NotFinite {
+        /// 0-based place of the first such datum.
+        index: usize,
+    },
+    /// A weight is negative.
+    #[error("datum {index} has the negative weight {weight}")]
+    NegativeWeight {
+        /// 0-based place of the first such datum.
+        index: usize,
+        /// Its weight.
+        weight: f64,
+    },
+    /// A datum lies outside the domain of a clamped basis.
+    #[error("datum {index} at {x} lies outside the domain {from} to {to}")]
+    OutsideDomain {
+        /// 0-based place of the first such datum.
+        index: usize,
+        /// Its abscissa.
+        x: f64,
+        /// Start of the domain.
+        from: f64,
+        /// End of the domain.
+        to: f64,
+    },
+    /// Fewer data of positive weight than one cubic piece needs.
+    #[error("{found} data of positive weight, where a fit needs at least {needed}")]
+    TooFewData {
+        /// Number of such data.
+        found: usize,
+        /// Number needed.
+        needed: usize,
+    },
+    /// A fixed lambda below 0 or no finite number.
+    #[error("lambda is {lambda}; it must be finite and not negative")]
+    BadLambda {
+        /// The lambda given.
+        lambda: f64,
+    },
+    /// The data leave the function undetermined even with the ridge, as where all lie at one place.
+    #[error(transparent)]
+    Singular(#[from] Singular),
+    /// The bases do not make a surface.
+    #[error(transparent)]
+    Surface(#[from] super::surface::SurfaceFault),
+}
+
+/// Fits a spline to the data `(x[i], y[i])` with relative inverse variances `weights[i]`.
+///
+/// Order and spacing of the data do not matter; a periodic basis wraps `x`. Gaps are bridged: by
+/// the penalty, or by the ridge without one. Source: nurbs.md 6.3, 6.6, 6.7 in one dimension;
+/// normal equations of The NURBS Book 9.4.
+///
+/// # Errors
+/// A [`FitFault`]: lengths that differ, data that are not finite or (clamped) outside the domain
+/// by more than rounding, negative weights, a lambda below 0, fewer than 4 data of positive weight,
+/// or data that determine nothing.
+pub fn fit(
+    basis: &Basis,
+    x: &[f64],
+    y: &[f64],
+    weights: &[f64],
+    smoothing: Smoothing,
+) -> Result<Spline, FitFault> {
+    check(basis, x, y, weights)?;
+    let equations = NormalEquations::new(basis, x, y, weights);
+    let solution = match smoothing {
+        Smoothing::None => equations.solution(RIDGE)?,
+        Smoothing::Fixed(lambda) if lambda.is_finite() && lambda >= 0.0 => {
+            equations.solution(lambda.max(RIDGE))?
+        }
+        Smoothing::Fixed(lambda) => return Err(FitFault::BadLambda { lambda }),
+        Smoothing::Gcv => equations.best_by_gcv()?,
+    };
+    Ok(judged(basis, y, weights, solution))
+}
+
+impl Spline {
+    /// The function at `x`; see [`Basis::rows`] about `x` outside the domain.
+    pub fn value(&self, x: f64) -> f64 {
+        self.basis.row(x).dot(&self.coefficients)
+    }
+
+    /// The function and its first three derivatives at `x`.
+    pub fn derivatives(&self, x: f64) -> [f64; 4] {
+        self.basis.rows(x).map(|row| row.dot(&self.coefficients))
+    }
+
+    /// Standard error of the `derivative` (0 to 3; beyond that 0) of the function at `x`:
+    /// σ √(bᵀ (BᵀWB + λR)⁻¹ b), the Bayesian form, which includes the smoothing bias on average
+    /// (Wahba 1983, Silverman 1985). Infinite where `sigma` is. 16 products.
+    pub fn sd(&self, x: f64, derivative: usize) -> f64 {
+        let Some(row) = self.basis.rows(x).get(derivative).copied() else { return 0.0 };
+        let mut variance = 0.0;
+        for (i, a) in row.indices.into_iter().zip(row.values) {
+            for (j, b) in row.indices.into_iter().zip(row.values) {
+                variance += a * b * self.inverse.entry(i, j);
+            }
+        }
+        self.sigma * variance.max(0.0).sqrt()
+    }
+}
+
+/// The spline of a solution, with the figures that say how good it is.
+fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Solution) -> Spline {
+    let Solution { lambda, coefficients, inverse, edf, rss } = solution;
+    let total: f64 = weights.iter().sum();
+    let data = weights.iter().filter(|weight| **weight > 0.0).count() as f64;
+    let mean = y.iter().zip(weights).map(|(y, weight)| weight * y).sum::<f64>() / total;
+    let spread: f64 = y.iter().zip(weights).map(|(y, weight)| weight * (y - mean).powi(2)).sum();
+    // An interpolation leaves m − edf at rounding errors, or at what the ridge takes from edf.
+    let freedom = data - edf;
+    let sigma = if freedom > 1e-6 * data { (rss / freedom).sqrt() } else { f64::INFINITY };
+    let r2 = if spread > 0.0 { 1.0 - rss / spread } else { 1.0 };
+    let rms = (rss / total).sqrt();
+    Spline { basis: basis.clone(), coefficients, lambda, edf, sigma, r2, rms, inverse }
+}
+
+fn check(basis: &Basis, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), FitFault> {
+    if x.len() != y.len() || x.len() != weights.len() {
+        return Err(FitFault::LengthsDiffer { x: x.len(), y: y.len(), weights: weights.len() });
+    }
+    let finite = |i: usize| x[i].is_finite() && y[i].is_finite() && weights[i].is_finite();
+    if let Some(index) = (0..x.len()).find(|i| !finite(*i)) {
+        return Err(FitFault::NotFinite { index });
+    }
+    if let Some(index) = weights.iter().position(|weight| *weight < 0.0) {
+        return Err(FitFault::NegativeWeight { index, weight: weights[index] });
+    }
+    check_domain(basis, x)?;
+    let found = weights.iter().filter(|weight| **weight > 0.0).count();
+    let needed = DEGREE + 1;
+    if found < needed { Err(FitFault::TooFewData { found, needed }) } else { Ok(()) }
+}
+
+/// Refuses data outside a clamped domain, which would otherwise be taken to its end in silence.
+pub(super) fn check_domain(basis: &Basis, x: &[f64]) -> Result<(), FitFault> {
+    let (from, to) = basis.domain();
+    let rounding = 1e-9 * (to - from);
+    let outside = |x: &f64| *x < from - rounding || *x > to + rounding;
+    match x.iter().position(outside) {
+        Some(index) if !basis.is_periodic() => {
+            Err(FitFault::OutsideDomain { index, x: x[index], from, to })
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,108 @@
+//! The normal equations of a scalar fit, their solution at a given lambda, and the lambda of least
+//! generalised cross-validation score.
+
+use super::basis::{Basis, Row};
+use super::penalty::roughness;
+use super::solve::{Singular, Skyline};
+
+/// The relative lambda that remains where nothing is to be smoothed; nurbs.md 6.6.
+pub const RIDGE: f64 = 1e-12;
+
+/// The derivative whose square is penalised.
+const PENALISED: usize = 2;
+
+/// The exponents of the lambdas that the search tries first, in half decades from the ridge to where
+/// even one wave around 60 intervals is flattened.
+const SEARCH_HALF_DECADES: std::ops::RangeInclusive<i32> = -24..=16;
+
+/// How often the search halves its step around the best lambda; 10^(1/16) remains.
+const SEARCH_HALVINGS: i32 = 3;
+
+/// The score has no meaning where the fit all but interpolates: at least this share of the data
+/// must remain as degrees of freedom.
+const LEAST_FREEDOM: f64 = 0.1;
+
+/// Weighted data in the terms of a basis.
+pub struct NormalEquations<'a> {
+    y: &'a [f64],
+    weights: &'a [f64],
+    rows: Vec<Row>,
+    /// BᵀWB.
+    gram: Skyline,
+    /// BᵀWy.
+    moments: Vec<f64>,
+    /// The roughness matrix, scaled to the trace of `gram`.
+    penalty: Skyline,
+}
+
+/// The fit at one lambda.
+pub struct Solution {
+    /// The relative lambda.
+    pub lambda: f64,
+    /// The coefficients.
+    pub coefficients: Vec<f64>,
+    /// The inverse of the normal matrix, for overlapping functions.
+    pub inverse: Skyline,
+    /// Effective degrees of freedom.
+    pub edf: f64,
+    /// Weighted sum of the squared residuals.
+    pub rss: f64,
+}
+
+impl<'a> NormalEquations<'a> {
+    /// The equations of as many `x`, `y` and `weights`, all finite, some weight positive.
+    pub fn new(basis: &Basis, x: &[f64], y: &'a [f64], weights: &'a [f64]) -> Self {
+        let rows: Vec<Row> = x.iter().map(|x| basis.row(*x)).collect();
+        let mut gram = Skyline::zero(basis);
+        let mut moments = vec![0.0; basis.count()];
+        for ((row, y), weight) in rows.iter().zip(y).zip(weights) {
+            gram.add_square(row, *weight);
+            for (index, value) in row.indices.into_iter().zip(row.values) {
+                moments[index] += weight * value * y;
+            }
+        }
+        let penalty = roughness(basis, PENALISED);
+        let scale = gram.trace() / penalty.trace();
+        let penalty = Skyline::zero(basis).plus(scale, &penalty);
+        NormalEquations { y, weights, rows, gram, moments, penalty }
+    }
+
+    /// The fit at `lambda`.
+    pub fn solution(&self, lambda: f64) -> Result<Solution, Singular> {
+        let factor = self.gram.plus(lambda, &self.penalty).factor()?;
+        let mut coefficients = self.moments.clone();
+        factor.solve(&mut coefficients, 1);
+        let inverse = factor.inverse();
+        let edf = inverse.trace_of_product(&self.gram);
+        // Summed over the data: the quadratic form of the normal equations would lose a small sum
+        // to cancellation.
+        let squares = self.rows.iter().zip(self.y).zip(self.weights);
+        let rss = squares.map(|((row, y), w)| w * (y - row.dot(&coefficients)).powi(2)).sum();
+        Ok(Solution { lambda, coefficients, inverse, edf, rss })
+    }
+
+    /// The fit of least score RSS / (m − edf)²; lambda as in nurbs.md 6.7, in one dimension.
+    pub fn best_by_gcv(&self) -> Result<Solution, Singular> {
+        let data = self.weights.iter().filter(|weight| **weight > 0.0).count() as f64;
+        let tried = |exponent: f64| {
+            let solution = self.solution(10.0_f64.powf(exponent)).ok()?;
+            let freedom = data - solution.edf;
+            let meant = freedom >= LEAST_FREEDOM * data;
+            meant.then_some((solution.rss / (freedom * freedom), exponent, solution))
+        };
+        let better = |a: &(f64, f64, Solution), b: &(f64, f64, Solution)| a.0.total_cmp(&b.0);
+        let exponents = SEARCH_HALF_DECADES.map(|half| 0.5 * f64::from(half));
+        let Some(mut best) = exponents.filter_map(tried).min_by(better) else {
+            // Every lambda leaves too few degrees of freedom: the smoothest is all there is.
+            return self.solution(10.0_f64.powf(0.5 * f64::from(*SEARCH_HALF_DECADES.end())));
+        };
+        for halving in 1..=SEARCH_HALVINGS {
+            let step = 0.5 * 0.5_f64.powi(halving);
+            let nearby = [best.1 - step, best.1 + step].into_iter().filter_map(tried);
+            if let Some(found) = nearby.min_by(better).filter(|found| found.0 < best.0) {
+                best = found;
+            }
+        }
+        Ok(best.2)
+    }
+}

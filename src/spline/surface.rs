@@ -1,0 +1,173 @@
+//! The surface of a tube: clamped along, periodic around, bicubic with unit weights.
+
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
+
+use super::basis::{Basis, DEGREE, Row};
+
+/// A C2 surface P(u, v), u along and v around, closed without a seam. As a NURBS its weights are 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    along: Basis,
+    around: Basis,
+    /// `along.count()` rows of `around.count()`.
+    control_points: Vec<Point3<f64>>,
+}
+
+/// Why bases and control points make no surface.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum SurfaceFault {
+    /// The basis along must be clamped and the one around periodic.
+    #[error("the basis {direction} the surface must be {needed}")]
+    WrongBasis {
+        /// "along" or "around".
+        direction: &'static str,
+        /// "clamped" or "periodic".
+        needed: &'static str,
+    },
+    /// There must be a control point for each pair of basis functions.
+    #[error("{found} control points, where the bases need {along} rows of {around}")]
+    WrongCount {
+        /// Number of control points given.
+        found: usize,
+        /// Number of rows needed.
+        along: usize,
+        /// Number of columns needed.
+        around: usize,
+    },
+    /// A control point is not finite.
+    #[error("control point {column} of row {row} is not finite")]
+    NotFinite {
+        /// 0-based row along.
+        row: usize,
+        /// 0-based column around.
+        column: usize,
+    },
+}
+
+/// A point of a surface and the derivatives there, in mm per unit of u and v.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Derivatives {
+    /// The point.
+    pub point: Point3<f64>,
+    /// ∂P/∂u.
+    pub du: Vector3<f64>,
+    /// ∂P/∂v.
+    pub dv: Vector3<f64>,
+    /// ∂²P/∂u².
+    pub duu: Vector3<f64>,
+    /// ∂²P/∂u∂v.
+    pub duv: Vector3<f64>,
+    /// ∂²P/∂v².
+    pub dvv: Vector3<f64>,
+}
+
+impl Surface {
+    /// A surface from its control points, row-major, a row for each function along.
+    ///
+    /// # Errors
+    /// A [`SurfaceFault`] unless `along` is clamped, `around` periodic, and there are
+    /// `along.count() × around.count()` finite control points.
+    pub fn new(
+        along: Basis,
+        around: Basis,
+        control_points: Vec<Point3<f64>>,
+    ) -> Result<Surface, SurfaceFault> {
+        if along.is_periodic() {
+            return Err(SurfaceFault::WrongBasis { direction: "along", needed: "clamped" });
+        }
+        if !around.is_periodic() {
+            return Err(SurfaceFault::WrongBasis { direction: "around", needed: "periodic" });
+        }
+        let (found, rows, columns) = (control_points.len(), along.count(), around.count());
+        if found != rows * columns {
+            return Err(SurfaceFault::WrongCount { found, along: rows, around: columns });
+        }
+        let unusable = |point: &Point3<f64>| !point.iter().all(|value| value.is_finite());
+        match control_points.iter().position(unusable) {
+            Some(i) => Err(SurfaceFault::NotFinite { row: i / columns, column: i % columns }),
+            None => Ok(Surface { along, around, control_points }),
+        }
+    }
+
+    /// The clamped basis of u.
+    pub fn along(&self) -> &Basis {
+        &self.along
+    }
+
+    /// The periodic basis of v.
+    pub fn around(&self) -> &Basis {
+        &self.around
+    }
+
+    /// The control points, row-major, `along().count()` rows of `around().count()`.
+    pub fn control_points(&self) -> &[Point3<f64>] {
+        &self.control_points
+    }
+
+    /// The point at `u`, taken into the domain, and `v`, wrapped.
+    pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
+        Point3::from(self.mixed(&self.along.row(u), &self.around.row(v)))
+    }
+
+    /// The point and its derivatives of first and second order at `u`, taken into the domain, and
+    /// `v`, wrapped. Source: The NURBS Book, A3.6.
+    pub fn derivatives(&self, u: f64, v: f64) -> Derivatives {
+        let [along, along_1, along_2, _] = self.along.rows(u);
+        let [around, around_1, around_2, _] = self.around.rows(v);
+        Derivatives {
+            point: Point3::from(self.mixed(&along, &around)),
+            du: self.mixed(&along_1, &around),
+            dv: self.mixed(&along, &around_1),
+            duu: self.mixed(&along_2, &around),
+            duv: self.mixed(&along_1, &around_1),
+            dvv: self.mixed(&along, &around_2),
+        }
+    }
+
+    /// The unit normal dv × du: outward where u grows upwards and v counter-clockwise seen from
+    /// above. None where the surface has no tangent plane.
+    pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
+        let Derivatives { du, dv, .. } = self.derivatives(u, v);
+        // A fraction of the tangents' own lengths, so that the unit of u and v does not matter.
+        Unit::try_new(dv.cross(&du), 1e-12 * du.norm() * dv.norm())
+    }
+
+    /// The surface moved as a rigid body; parameters stay.
+    pub fn transformed(&self, isometry: &Isometry3<f64>) -> Surface {
+        let control_points = self.control_points.iter().map(|point| isometry * point).collect();
+        Surface { control_points, ..self.clone() }
+    }
+
+    /// The same surface with clamped knots around, for CAD: the knot vector around and the control
+    /// points, row-major, `along().count()` rows of `around().count() + 3`. The last column equals
+    /// the first. Exact: each column is the polar form at its three inner knots, which is knot
+    /// insertion done at once (Ramshaw 1989; nurbs.md 6.11).
+    pub fn clamped_around(&self) -> (Vec<f64>, Vec<Point3<f64>>) {
+        let columns = self.around.count();
+        let (from, to) = self.around.domain();
+        let mut knots = vec![from; DEGREE];
+        knots.extend_from_slice(self.around.breakpoints());
+        knots.extend([to; DEGREE]);
+        let column = |j: usize| {
+            // The last column is the first, not merely its rounded copy.
+            let j = j % (columns + DEGREE - 1);
+            self.around.blossom(j.min(columns - 1), [knots[j + 1], knots[j + 2], knots[j + 3]])
+        };
+        let columns_rows: Vec<Row> = (0..columns + DEGREE).map(column).collect();
+        let rows = self.control_points.chunks_exact(columns);
+        let points = rows.flat_map(|row| columns_rows.iter().map(|column| combined(row, column)));
+        let points = points.map(Point3::from).collect();
+        (knots, points)
+    }
+
+    fn mixed(&self, along: &Row, around: &Row) -> Vector3<f64> {
+        let columns = self.around.count();
+        let row = |i: usize| &self.control_points[i * columns..(i + 1) * columns];
+        let terms = along.indices.into_iter().zip(along.values);
+        terms.map(|(i, value)| value * combined(row(i), around)).sum()
+    }
+}
+
+fn combined(points: &[Point3<f64>], row: &Row) -> Vector3<f64> {
+    row.indices.into_iter().zip(row.values).map(|(i, value)| value * points[i].coords).sum()
+}

@@ -1,0 +1,132 @@
+//! The plain tensor-product fit against the published figures of the test leg (nurbs.md 1 and 3).
+#![allow(clippy::unwrap_used)]
+
+mod support;
+
+use gaiter::spline::{Basis, GridData, Surface, SurfaceFit, fit_grid};
+use nalgebra::{Point3, Vector3};
+use support::test_leg;
+
+#[test]
+fn the_test_leg_is_the_one_of_the_reference() {
+    let radii = [
+        (0.0, 0.0, 40.9713444445),
+        (200.0, 0.0, 41.1322191962),
+        (185.0, 62.0, 42.4908991454),
+        (352.0, 52.0, 44.0333203053),
+        (270.0, 70.0, 42.4681113019),
+        (100.0, 230.0, 56.5965898016),
+        (235.0, 290.0, 74.7071405278),
+        (305.0, 318.0, 70.9866731699),
+        (90.0, 462.0, 69.7800756684),
+        (150.0, 520.0, 64.0946471160),
+        (200.0, 800.0, 85.4554863566),
+    ];
+    for (degrees, z, radius) in radii {
+        let found = test_leg::radius_mm(f64::to_radians(degrees), z);
+        assert!((found - radius).abs() < 6e-11, "{degrees}° {z} mm: {found}");
+    }
+    let calf = test_leg::point(235.0_f64.to_radians(), 290.0);
+    assert!((calf - Point3::new(-33.43252464, -72.16170428, 290.0)).norm() < 1e-8, "{calf}");
+    let girths =
+        [(0.0, 264.895), (100.0, 222.321), (300.0, 424.431), (430.0, 370.213), (800.0, 525.744)];
+    for (z, girth) in girths {
+        let found = test_leg::circumference(z);
+        assert!((found - girth).abs() < 6e-4, "{z} mm: {found}");
+    }
+}
+
+/// Height over 800 for the rows; for the columns the mean over the rows of the cumulative chord,
+/// as a share of the closed polygon (nurbs.md 6.2).
+fn parameters(points: &[Point3<f64>]) -> (Vec<f64>, Vec<f64>) {
+    let columns = test_leg::GRID_COLUMNS;
+    let rows: Vec<_> = points.chunks_exact(columns).collect();
+    let along = rows.iter().map(|row| row[0].z / test_leg::HEIGHT_MM).collect();
+    let mut around = vec![0.0; columns];
+    for row in &rows {
+        let chord = |j: usize| (row[(j + 1) % columns] - row[j]).norm();
+        let whole: f64 = (0..columns).map(chord).sum();
+        let mut walked = 0.0;
+        for (j, mean) in around.iter_mut().enumerate() {
+            *mean += walked / whole / rows.len() as f64;
+            walked += chord(j);
+        }
+    }
+    (along, around)
+}
+
+fn fitted(rows: usize, columns: usize) -> SurfaceFit {
+    let points = test_leg::grid();
+    let (along, around) = parameters(&points);
+    let data = GridData { along: &along, around: &around, points: &points };
+    let basis_along = Basis::uniform_clamped(0.0, 1.0, rows - 3).unwrap();
+    let basis_around = Basis::uniform_periodic(0.0, 1.0, columns).unwrap();
+    fit_grid(&data, basis_along, basis_around).unwrap()
+}
+
+/// The metric of nurbs.md 1.3: area-weighted mean, RMS and largest distance to the true leg in mm,
+/// and the mean of distance over radius in percent.
+fn true_error(surface: &Surface) -> [f64; 4] {
+    let (heights, around) = (251, 200);
+    let at = |i: usize, j: usize| {
+        surface.point(i as f64 / (heights - 1) as f64, (j % around) as f64 / around as f64)
+    };
+    let (mut area, mut mean, mut square, mut largest, mut relative) = (0.0, 0.0, 0.0, 0.0_f64, 0.0);
+    for i in 0..heights {
+        for j in 0..around {
+            let here = at(i, j);
+            let (below, above) = (at(i.max(1) - 1, j), at((i + 1).min(heights - 1), j));
+            let steps = if i == 0 || i == heights - 1 { 1.0 } else { 2.0 };
+            let weight = (at(i, j + 1) - here).cross(&((above - below) / steps)).norm();
+            let distance = distance_to_leg(&here);
+            let (cx, cy) = test_leg::center(here.z);
+            area += weight;
+            mean += weight * distance;
+            square += weight * distance * distance;
+            largest = largest.max(distance);
+            relative += weight * distance / (here.x - cx).hypot(here.y - cy);
+        }
+    }
+    [mean / area, (square / area).sqrt(), largest, 100.0 * relative / area]
+}
+
+/// Distance of a point near the skin: two Newton steps to the foot.
+fn distance_to_leg(point: &Point3<f64>) -> f64 {
+    let mut foot = *point;
+    for _ in 0..2 {
+        let h = 1e-4;
+        let slope = |axis: Vector3<f64>| {
+            let step = h * axis;
+            (test_leg::outside_mm(&(foot + step)) - test_leg::outside_mm(&(foot - step)))
+                / (2.0 * h)
+        };
+        let gradient = Vector3::new(slope(Vector3::x()), slope(Vector3::y()), slope(Vector3::z()));
+        let outside = test_leg::outside_mm(&foot) + (point - foot).dot(&gradient);
+        foot = point - outside / gradient.norm_squared() * gradient;
+    }
+    (point - foot).norm()
+}
+
+#[test]
+fn plain_fits_leave_the_published_residuals() {
+    for (rows, columns, rms_mm) in [(20, 16, 0.24733), (30, 24, 0.10018), (40, 32, 0.04739)] {
+        let fit = fitted(rows, columns);
+        assert!((fit.rms_mm - rms_mm).abs() < 6e-6, "{rows}x{columns}: {}", fit.rms_mm);
+        assert!(fit.max_mm > 3.0 * fit.rms_mm && fit.max_mm < 30.0 * fit.rms_mm);
+    }
+}
+
+#[test]
+fn plain_fits_have_the_published_true_errors() {
+    let published = [
+        (20, 16, [0.1403, 0.2235, 2.27, 0.2504]),
+        (30, 24, [0.0273, 0.0862, 1.39, 0.0546]),
+        (40, 32, [0.0090, 0.0392, 0.75, 0.0199]),
+    ];
+    for (rows, columns, expected) in published {
+        let found = true_error(&fitted(rows, columns).surface);
+        for ((found, expected), digit) in found.iter().zip(expected).zip([1e-4, 1e-4, 1e-2, 1e-4]) {
+            assert!((found - expected).abs() < 0.6 * digit, "{rows}x{columns}: {found} {expected}");
+        }
+    }
+}
