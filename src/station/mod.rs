@@ -14,12 +14,25 @@
 //!
 //! Logs speak of scans by the first digits of their id, never of patients, file names or folders.
 
+pub mod assembly;
 pub mod custody;
+pub mod error;
 pub mod event;
 pub mod journal;
 pub mod quarantine;
+pub mod run;
 pub mod spool;
 
 mod chance;
+mod delivery;
+mod intake;
 mod look;
 mod source;
+mod stop;
+mod take;
+mod watch;
+mod work;
+
+pub use error::{StationError, Worker};
+pub use event::StationEvent;
+pub use run::run;

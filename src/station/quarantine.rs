@@ -93,9 +93,7 @@ impl Quarantine {
     /// Any I/O error.
     pub fn reason(&self, scan: &ScanId) -> io::Result<Option<Reason>> {
         match fs::read(self.folder.join(scan.as_str()).join(REASON)) {
-            Ok(text) => {
-                Ok(serde_json::from_slice(&text).ok().map(|Versioned::V1(reason)| reason))
-            }
+            Ok(text) => Ok(serde_json::from_slice(&text).ok().map(|Versioned::V1(reason)| reason)),
             Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
             Err(error) => Err(error),
         }

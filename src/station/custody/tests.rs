@@ -21,8 +21,7 @@ fn says(id: &str) -> NameSays {
 
 fn admit(custody: &Custody, says: NameSays) -> Verdict {
     let scan = sums::scan_id(BYTES);
-    let arrival =
-        Arrival { scan: &scan, bytes: BYTES, format: Format::Obj, file_time: None, says };
+    let arrival = Arrival { scan: &scan, bytes: BYTES, format: Format::Obj, file_time: None, says };
     custody.admit(&arrival).unwrap()
 }
 
@@ -92,8 +91,7 @@ fn spooled_bytes_that_the_journal_does_not_know_are_adopted_with_their_first_sig
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
     let says = says("4711");
-    let arrival =
-        Arrival { scan: &scan, bytes: BYTES, format: Format::Obj, file_time: None, says };
+    let arrival = Arrival { scan: &scan, bytes: BYTES, format: Format::Obj, file_time: None, says };
     let NameSays::Patient(patient) = &arrival.says else { panic!() };
     let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
     let kept = Intake { first_seen, ..intake(&arrival, None, Some(patient), false) };

@@ -87,17 +87,11 @@ impl Journal {
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn put_off(
-        &self,
-        due: &Due,
-        store: &str,
-        code: &str,
-        next_at: Timestamp,
-    ) -> Result<(), JournalError> {
+    pub fn put_off(&self, due: &Due, store: &str, next_at: Timestamp) -> Result<(), JournalError> {
         self.connection().execute(
-            "UPDATE deliveries SET attempts = attempts + 1, code = ?4, next_at = ?5
+            "UPDATE deliveries SET attempts = attempts + 1, next_at = ?4
              WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-            params![due.scan.as_str(), patient_cell(due), store, code, next_at.to_string()],
+            params![due.scan.as_str(), patient_cell(due), store, next_at.to_string()],
         )?;
         Ok(())
     }

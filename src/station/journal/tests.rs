@@ -92,7 +92,7 @@ fn deliveries_that_failed_stand_behind_fresh_ones() {
     enter(&journal, &row('b'), None, DeliveryState::Pending);
     let due = journal.pending().unwrap();
     let at = "2026-11-21T09:15:01Z".parse().unwrap();
-    journal.put_off(&due[0], "folder", "store-unavailable", at).unwrap();
+    journal.put_off(&due[0], "folder", at).unwrap();
     let order: Vec<ScanId> = journal.pending().unwrap().into_iter().map(|d| d.scan).collect();
     assert_eq!(order, [row('b').scan, row('a').scan]);
 }
