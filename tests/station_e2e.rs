@@ -307,7 +307,7 @@ fn the_service_manager_is_told_ready_and_stopping() {
     let manager = UnixDatagram::bind(&path).unwrap();
     manager.set_read_timeout(Some(Duration::from_secs(60))).unwrap();
     let mut child = booth.command().env("NOTIFY_SOCKET", &path).spawn().unwrap();
-    let mut told = || {
+    let told = || {
         let mut message = [0; 256];
         let length = manager.recv(&mut message).unwrap();
         String::from_utf8_lossy(&message[..length]).trim().to_owned()

@@ -113,7 +113,8 @@ impl Custody {
         let intake = intake(arrival, known.as_ref(), patient, held);
         let row = row(&intake, scan);
         // A held scan that was refused before has its bytes in quarantine already.
-        if !self.spool.holds(scan) && !(held && self.quarantine.holds(scan)) {
+        let kept = self.spool.holds(scan) || (held && self.quarantine.holds(scan));
+        if !kept {
             io("keeping a scan", self.spool.keep(scan, intake, arrival.bytes))?;
         }
         self.enter(&row, patient, held)?;

@@ -190,7 +190,7 @@ mod tests {
         let spool = Spool::open(dir.path()).unwrap();
         let scan = ScanId::of_digest([7; 32]);
         spool.keep(&scan, intake(&scan), b"abc").unwrap();
-        assert_eq!(spool.entries().unwrap(), [scan.clone()]);
+        assert_eq!(spool.entries().unwrap(), std::slice::from_ref(&scan));
         assert_eq!(spool.intake(&scan).unwrap(), intake(&scan));
         assert_eq!(spool.bytes(&scan, "obj").unwrap(), b"abc");
         let text = fs::read_to_string(spool.entry(&scan).join(INTAKE)).unwrap();
