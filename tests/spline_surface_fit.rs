@@ -3,7 +3,7 @@
 
 mod support;
 
-use gaiter::spline::{Basis, GridData, Surface, SurfaceFit, fit_grid};
+use gaiter::spline::{Basis, FitFault, GridData, Surface, SurfaceFit, fit_grid};
 use nalgebra::{Point3, Vector3};
 use support::test_leg;
 
@@ -129,4 +129,88 @@ fn plain_fits_have_the_published_true_errors() {
             assert!((found - expected).abs() < 0.6 * digit, "{rows}x{columns}: {found} {expected}");
         }
     }
+}
+
+#[test]
+fn planar_sections_stay_planar() {
+    let surface = fitted(30, 24).surface;
+    let greville = surface.along().greville();
+    for (i, row) in surface.control_points().chunks(24).enumerate() {
+        let height = test_leg::HEIGHT_MM * greville[i];
+        assert!(row.iter().all(|point| (point.z - height).abs() < 1e-8), "{i}: {row:?} {height}");
+    }
+    for (u, v) in [(0.1, 0.3), (0.55, 0.99)] {
+        assert!((surface.point(u, v).z - test_leg::HEIGHT_MM * u).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn a_surface_is_fitted_back_from_its_own_points() {
+    let along = Basis::clamped(&[0.0, 0.2, 0.3, 0.7, 1.0]).unwrap();
+    let around = Basis::periodic(&[0.1, 0.2, 0.5, 0.6, 0.8, 1.1]).unwrap();
+    let control: Vec<_> = (0..35)
+        .map(|k| f64::from(k * k))
+        .map(|k| Point3::new((0.7 * k).sin(), (1.1 * k).cos(), (0.3 * k).sin()))
+        .collect();
+    let truth = Surface::new(along.clone(), around.clone(), control).unwrap();
+    let u: Vec<f64> = (0..25).map(|i| f64::from(i) / 24.0).collect();
+    // More than one turn, and not in order.
+    let v: Vec<f64> = (0..31).map(|j| 0.37 * f64::from(j)).collect();
+    let points = truth.grid(&u, &v);
+    let fit =
+        fit_grid(&GridData { along: &u, around: &v, points: &points }, along, around).unwrap();
+    assert!(fit.max_mm < 1e-8 && fit.rms_mm < fit.max_mm, "{}", fit.max_mm);
+    for (found, expected) in fit.surface.control_points().iter().zip(truth.control_points()) {
+        assert!((found - expected).norm() < 1e-7, "{found} {expected}");
+    }
+    assert!(fit.smallest_pivot > 1e-4);
+}
+
+/// The test leg without the rows from 0.45 to 0.55 of its height.
+fn leg_with_a_hole() -> (Vec<f64>, Vec<f64>, Vec<Point3<f64>>) {
+    let points = test_leg::grid();
+    let (along, around) = parameters(&points);
+    let rows = points.chunks(test_leg::GRID_COLUMNS).zip(along);
+    let kept = rows.filter(|(_, u)| !(0.45..0.55).contains(u));
+    let (kept, along): (Vec<_>, Vec<_>) = kept.unzip();
+    (along, around, kept.concat())
+}
+
+#[test]
+fn the_ridge_carries_the_surface_over_missing_rows() {
+    let (along, around, points) = leg_with_a_hole();
+    let data = GridData { along: &along, around: &around, points: &points };
+    let bases = || {
+        let along = Basis::uniform_clamped(0.0, 1.0, 57).unwrap();
+        (along, Basis::uniform_periodic(0.0, 1.0, 24).unwrap())
+    };
+    let fit = fit_grid(&data, bases().0, bases().1).unwrap();
+    assert!(fit.smallest_pivot < 1e-4, "{}", fit.smallest_pivot);
+    assert!(fit.rms_mm < 0.2, "{}", fit.rms_mm);
+    assert!(fit.surface.control_points().iter().all(|point| point.coords.norm() < 2000.0));
+}
+
+#[test]
+fn data_that_make_no_surface_are_refused() {
+    let (along, around, points) = leg_with_a_hole();
+    let refused = |u: &[f64], points: &[Point3<f64>]| {
+        let bases = (Basis::uniform_clamped(0.0, 1.0, 9), Basis::uniform_periodic(0.0, 1.0, 9));
+        let data = GridData { along: u, around: &around, points };
+        fit_grid(&data, bases.0.unwrap(), bases.1.unwrap()).unwrap_err()
+    };
+    let rows = along.len();
+    assert_eq!(
+        refused(&along, &points[1..]),
+        FitFault::NoGrid { points: 72 * rows - 1, along: rows, around: 72 }
+    );
+    assert_eq!(refused(&[], &[]), FitFault::NoGrid { points: 0, along: 0, around: 72 });
+    let mut holed = points.clone();
+    holed[100].z = f64::INFINITY;
+    assert_eq!(refused(&along, &holed), FitFault::NotFinite { index: 100 });
+    let beyond: Vec<f64> = along.iter().map(|u| u + 0.5).collect();
+    assert!(matches!(
+        refused(&beyond, &points),
+        FitFault::OutsideDomain { from: 0.0, to: 1.0, .. }
+    ));
+    assert_eq!(refused(&vec![0.5; rows], &points), FitFault::TooFewPlaces { found: 1, needed: 4 });
 }

@@ -27,11 +27,6 @@ impl Hull {
         self.edges().map(|(from, to)| (to - from).norm()).sum()
     }
 
-    /// Area enclosed.
-    pub fn area(&self) -> f64 {
-        self.edges().map(|(p, q)| p.x * q.y - q.x * p.y).sum::<f64>() / 2.0
-    }
-
     /// Centroid of the area enclosed.
     pub fn centroid(&self) -> Point2<f64> {
         let first = self.corners[0];
@@ -94,7 +89,6 @@ mod tests {
     fn a_square_with_points_inside_and_on_its_edges_is_the_square() {
         let hull = Hull::of(&square()).unwrap();
         assert_eq!(hull.perimeter(), 8.0);
-        assert_eq!(hull.area(), 4.0);
         assert_eq!(hull.centroid(), Point2::new(1.0, 1.0));
         assert!(hull.contains_within(&Point2::new(2.5, 1.0), 0.5));
         assert!(!hull.contains_within(&Point2::new(2.51, 1.0), 0.5));

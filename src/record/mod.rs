@@ -2,8 +2,15 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
-pub mod files;
-pub mod provenance;
+mod compose;
+mod csv;
+mod drawing;
+mod files;
+mod provenance;
+mod rounding;
+pub mod schema;
 
-pub use files::{RecordFile, record_files};
+pub use compose::record;
+pub use files::{RecordFile, SUMS, record_files, sha256};
 pub use provenance::{Acquired, AcquiredFrom, Patient, Provenance, Source, SourceKind};
+pub use schema::Record;

@@ -93,10 +93,10 @@ pub enum FitFault {
         /// End of the domain.
         to: f64,
     },
-    /// Fewer data of positive weight than one cubic piece needs.
-    #[error("{found} data of positive weight, where a fit needs at least {needed}")]
-    TooFewData {
-        /// Number of such data.
+    /// The data of positive weight lie at fewer different places than one cubic piece needs.
+    #[error("data at {found} different places, where a fit needs at least {needed}")]
+    TooFewPlaces {
+        /// Number of such places.
         found: usize,
         /// Number needed.
         needed: usize,
@@ -107,7 +107,7 @@ pub enum FitFault {
         /// The lambda given.
         lambda: f64,
     },
-    /// The data leave the function undetermined even with the ridge, as where all lie at one place.
+    /// The data leave the function undetermined even with the ridge.
     #[error(transparent)]
     Singular(#[from] Singular),
     /// The bases do not make a surface.
@@ -123,8 +123,8 @@ pub enum FitFault {
 ///
 /// # Errors
 /// A [`FitFault`]: lengths that differ, data that are not finite or (clamped) outside the domain
-/// by more than rounding, negative weights, a lambda below 0, fewer than 4 data of positive weight,
-/// or data that determine nothing.
+/// by more than rounding, negative weights, a lambda below 0, data of positive weight at fewer than
+/// 4 different places.
 pub fn fit(
     basis: &Basis,
     x: &[f64],
@@ -197,21 +197,24 @@ fn check(basis: &Basis, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), Fit
     if let Some(index) = weights.iter().position(|weight| *weight < 0.0) {
         return Err(FitFault::NegativeWeight { index, weight: weights[index] });
     }
-    check_domain(basis, x)?;
-    let found = weights.iter().filter(|weight| **weight > 0.0).count();
-    let needed = DEGREE + 1;
-    if found < needed { Err(FitFault::TooFewData { found, needed }) } else { Ok(()) }
+    let weighty = x.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
+    check_places(basis, x, &weighty.map(|(x, _)| *x).collect::<Vec<_>>())
 }
 
-/// Refuses data outside a clamped domain, which would otherwise be taken to its end in silence.
-pub(super) fn check_domain(basis: &Basis, x: &[f64]) -> Result<(), FitFault> {
+/// Refuses abscissae `x` outside a clamped domain, which would otherwise be taken to its end in
+/// silence, and data that do not lie at 4 different places: lambda's lower end leaves a parabola
+/// free, which they must hold.
+pub(super) fn check_places(basis: &Basis, x: &[f64], weighty: &[f64]) -> Result<(), FitFault> {
     let (from, to) = basis.domain();
     let rounding = 1e-9 * (to - from);
     let outside = |x: &f64| *x < from - rounding || *x > to + rounding;
-    match x.iter().position(outside) {
-        Some(index) if !basis.is_periodic() => {
-            Err(FitFault::OutsideDomain { index, x: x[index], from, to })
-        }
-        _ => Ok(()),
+    if let Some(index) = x.iter().position(outside).filter(|_| !basis.is_periodic()) {
+        return Err(FitFault::OutsideDomain { index, x: x[index], from, to });
     }
+    let mut sorted = weighty.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    // Places nearer than this cannot hold a slope against rounding.
+    sorted.dedup_by(|next, last| *next - *last < 1e-6 * (to - from));
+    let (found, needed) = (sorted.len(), DEGREE + 1);
+    if found < needed { Err(FitFault::TooFewPlaces { found, needed }) } else { Ok(()) }
 }

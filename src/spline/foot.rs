@@ -23,8 +23,15 @@ pub struct Foot {
 /// Newton needs 3 to 6 steps from a guess within a knot interval.
 const MOST_STEPS: usize = 50;
 
-/// Steps shorter than this are rounding; the coordinates are millimetres.
+/// A step that would move the foot by less than this is rest. Coordinates are millimetres.
 const REST_MM: f64 = 1e-9;
+
+/// Distances closer than this are equal: what rounding leaves of coordinates of some metres.
+const ROUNDING_MM: f64 = 1e-12;
+
+/// The longest step, as a fraction of the domain in either direction, so that the search does not
+/// leap into another valley.
+const LONGEST_STEP: f64 = 0.125;
 
 impl Surface {
     /// The point of the surface nearest to `point`, mm, searched downhill from `u0`, `v0`: a local
@@ -36,15 +43,11 @@ impl Surface {
         let mut converged = false;
         for _ in 0..MOST_STEPS {
             let step = here.step(first, last);
-            let Some(next) = self.improved(point, &here, step) else {
-                // No step along a descent direction helps any more: this is rest up to rounding.
-                converged = true;
-                break;
-            };
-            let moved_mm = (next.derivatives.point - here.derivatives.point).norm();
+            let Some(next) = self.improved(point, &here, step) else { break };
+            let Derivatives { du, dv, .. } = here.derivatives;
+            converged = (du * step.x + dv * step.y).norm() < REST_MM;
             here = next;
-            if moved_mm < REST_MM {
-                converged = true;
+            if converged {
                 break;
             }
         }
@@ -54,13 +57,17 @@ impl Surface {
         Foot { u: here.u, v, distance_mm: here.distance_mm, converged, at_end }
     }
 
-    /// The first of ever shorter steps that comes nearer to the point.
+    /// The first of ever shorter steps that does not lead away from the point.
     fn improved(&self, point: &Point3<f64>, here: &Place, step: Vector2<f64>) -> Option<Place> {
         let (first, last) = self.along().domain();
+        let (start, end) = self.around().domain();
+        let clip =
+            |step: f64, domain: f64| step.clamp(-LONGEST_STEP * domain, LONGEST_STEP * domain);
+        let (du, dv) = (clip(step.x, last - first), clip(step.y, end - start));
         (0..30).map(|halvings| 0.5_f64.powi(halvings)).find_map(|share| {
-            let u = (here.u + share * step.x).clamp(first, last);
-            let place = Place::at(self, point, u, here.v + share * step.y);
-            (place.distance_mm < here.distance_mm).then_some(place)
+            let u = (here.u + share * du).clamp(first, last);
+            let place = Place::at(self, point, u, here.v + share * dv);
+            (place.distance_mm <= here.distance_mm + ROUNDING_MM).then_some(place)
         })
     }
 }

@@ -5,7 +5,7 @@
 //! | [`basis`] | [`Basis`]: knots, values and derivatives of the basis functions |
 //! | [`solve`] | Cholesky factors of the matrices that such bases give |
 //! | `penalty` | roughness matrices, the integrals of squared derivatives |
-//! | [`fit`] | [`Spline`]: smoothing fit of a scalar function, with standard errors |
+//! | [`mod@fit`] | [`Spline`]: smoothing fit of a scalar function, with standard errors |
 //! | `normal` | the normal equations behind it and the choice of lambda by GCV |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
 //! | [`foot`] | the nearest point of a surface |

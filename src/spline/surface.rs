@@ -109,6 +109,18 @@ impl Surface {
         Point3::from(self.mixed(&self.along.row(u), &self.around.row(v)))
     }
 
+    /// The points at every pair of `u` and `v`, row-major, `u.len()` rows of `v.len()`; a tenth of
+    /// the work of as many calls of [`Surface::point`].
+    pub fn grid(&self, u: &[f64], v: &[f64]) -> Vec<Point3<f64>> {
+        let around: Vec<Row> = v.iter().map(|v| self.around.row(*v)).collect();
+        let mut points = Vec::with_capacity(u.len() * v.len());
+        for u in u {
+            let ring = self.ring(&self.along.row(*u));
+            points.extend(around.iter().map(|row| Point3::from(combined(&ring, row))));
+        }
+        points
+    }
+
     /// The point and its derivatives of first and second order at `u`, taken into the domain, and
     /// `v`, wrapped. Source: The NURBS Book, A3.6.
     pub fn derivatives(&self, u: f64, v: f64) -> Derivatives {
@@ -153,11 +165,20 @@ impl Surface {
             let j = j % (columns + DEGREE - 1);
             self.around.blossom(j.min(columns - 1), [knots[j + 1], knots[j + 2], knots[j + 3]])
         };
-        let columns_rows: Vec<Row> = (0..columns + DEGREE).map(column).collect();
+        let clamped: Vec<Row> = (0..columns + DEGREE).map(column).collect();
         let rows = self.control_points.chunks_exact(columns);
-        let points = rows.flat_map(|row| columns_rows.iter().map(|column| combined(row, column)));
+        let points = rows.flat_map(|row| clamped.iter().map(|column| combined(row, column)));
         let points = points.map(Point3::from).collect();
         (knots, points)
+    }
+
+    /// The control points around of the closed curve at one u.
+    fn ring(&self, along: &Row) -> Vec<Point3<f64>> {
+        let columns = self.around.count();
+        let at = |i: usize, j: usize| self.control_points[i * columns + j].coords;
+        let terms = || along.indices.into_iter().zip(along.values);
+        let sum = |j: usize| terms().map(|(i, value)| value * at(i, j)).sum::<Vector3<f64>>();
+        (0..columns).map(|j| Point3::from(sum(j))).collect()
     }
 
     fn mixed(&self, along: &Row, around: &Row) -> Vector3<f64> {

@@ -3,7 +3,7 @@
 use nalgebra::Point3;
 
 use super::basis::{Basis, Row};
-use super::fit::{FitFault, check_domain};
+use super::fit::{FitFault, check_places};
 use super::normal::RIDGE;
 use super::penalty::roughness;
 use super::solve::{Cholesky, Singular, Skyline};
@@ -47,10 +47,12 @@ pub struct SurfaceFit {
 /// 6.6.
 ///
 /// # Errors
-/// A [`FitFault`]: points that make no grid, data not finite, u outside the domain, `along` not
+/// A [`FitFault`]: points that make no grid, data not finite, u outside the domain, fewer than 4 different rows or columns, `along` not
 /// clamped or `around` not periodic, or a grid that determines nothing.
 pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceFit, FitFault> {
-    check(data, &along)?;
+    check(data)?;
+    check_places(&along, data.along, data.along)?;
+    check_places(&around, data.around, data.around)?;
     let rows_along: Vec<Row> = data.along.iter().map(|u| along.row(*u)).collect();
     let rows_around: Vec<Row> = data.around.iter().map(|v| around.row(*v)).collect();
     let factor_along = factor(&along, &rows_along)?;
@@ -101,14 +103,13 @@ fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
 
 /// Root mean square and largest distance between data and surface at the data's parameters.
 fn residuals(surface: &Surface, data: &GridData) -> (f64, f64) {
-    let parameters = data.along.iter().flat_map(|u| data.around.iter().map(move |v| (*u, *v)));
-    let squares =
-        parameters.zip(data.points).map(|((u, v), p)| (surface.point(u, v) - p).norm_squared());
+    let fitted = surface.grid(data.along, data.around);
+    let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
     let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, max), s| (sum + s, max.max(s)));
     ((sum / data.points.len() as f64).sqrt(), largest.sqrt())
 }
 
-fn check(data: &GridData, along: &Basis) -> Result<(), FitFault> {
+fn check(data: &GridData) -> Result<(), FitFault> {
     let (rows, columns, points) = (data.along.len(), data.around.len(), data.points.len());
     if points == 0 || points != rows * columns {
         return Err(FitFault::NoGrid { points, along: rows, around: columns });
@@ -120,6 +121,6 @@ fn check(data: &GridData, along: &Basis) -> Result<(), FitFault> {
     };
     match (0..points).find(unusable) {
         Some(index) => Err(FitFault::NotFinite { index }),
-        None => check_domain(along, data.along),
+        None => Ok(()),
     }
 }

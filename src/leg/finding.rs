@@ -1,0 +1,142 @@
+//! What the operator or a later step must know: findings about a scan or leg, doubts about a level.
+
+use super::axis::AxisFault;
+use super::landmark::Level;
+use super::segment::Side;
+
+/// How much a finding matters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Worth knowing.
+    Info,
+    /// Look before you use the record.
+    Warning,
+    /// Something was not measured.
+    Error,
+}
+
+impl Severity {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Severity::Info => "info",
+            Severity::Warning => "warning",
+            Severity::Error => "error",
+        }
+    }
+}
+
+/// Something that must be known about a scan, a leg or a level.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Finding {
+    /// Which leg, where it is one leg's.
+    pub side: Option<Side>,
+    /// Which level, where it is one level's.
+    pub level: Option<Level>,
+    /// What.
+    pub what: What,
+}
+
+/// What was found, with its figures.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum What {
+    /// The level is not on this leg.
+    #[error("the girth curve has no such turning point: the level is absent")]
+    LevelAbsent,
+    /// A doubt about a landmark.
+    #[error("{0}")]
+    Doubtful(Doubt),
+    /// The leg could not be measured.
+    #[error("the leg was not measured: {0}")]
+    LegNotMeasured(LegFault),
+    /// The sections allow no surface.
+    #[error("no surface: {rows} sections in a row are seen between {from_mm:.0} and {to_mm:.0} mm")]
+    NoSurface {
+        /// Sections seen.
+        rows: usize,
+        /// From this distance along the axis, mm.
+        from_mm: f64,
+        /// To this distance along the axis, mm.
+        to_mm: f64,
+    },
+    /// The surface does not cover the range that a stocking needs.
+    #[error("the surface covers {from_mm:.0} to {to_mm:.0} mm; {wanted_from_mm:.0} to {wanted_to_mm:.0} mm are wanted")]
+    SurfaceShort {
+        /// Lower end, height in mm.
+        from_mm: f64,
+        /// Upper end, height in mm.
+        to_mm: f64,
+        /// Wanted lower end, height in mm.
+        wanted_from_mm: f64,
+        /// Wanted upper end, height in mm.
+        wanted_to_mm: f64,
+    },
+}
+
+/// Why a leg could not be measured.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum LegFault {
+    /// It has no axis.
+    #[error(transparent)]
+    Axis(#[from] AxisFault),
+    /// Too few sections close.
+    #[error("only {measured} of {planes} sections close")]
+    TooFewSections {
+        /// Sections that could be measured.
+        measured: usize,
+        /// Section planes.
+        planes: usize,
+    },
+}
+
+/// A reason not to trust a landmark blindly.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Doubt {
+    /// The extremum hardly stands out.
+    #[error("the extremum stands out by only {prominence_mm:.1} mm")]
+    Shallow {
+        /// How far it stands out, mm.
+        prominence_mm: f64,
+    },
+    /// The skin there has a gap.
+    #[error("{gap_deg:.0} degrees of the skin were not seen there")]
+    Gap {
+        /// Width of the gap as seen from the section's centre, degrees.
+        gap_deg: f64,
+    },
+    /// The sections there could not be measured; the curve bridges them.
+    #[error("the skin there was not seen; the girth is bridged")]
+    NotSeen,
+}
+
+impl Doubt {
+    /// The stable code used in records.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Doubt::Shallow { .. } => "shallow",
+            Doubt::Gap { .. } => "gap",
+            Doubt::NotSeen => "not-seen",
+        }
+    }
+}
+
+impl Finding {
+    /// The stable code used in records and the README's table.
+    pub fn code(&self) -> &'static str {
+        match &self.what {
+            What::LevelAbsent => "level-absent",
+            What::Doubtful(doubt) => doubt.code(),
+            What::LegNotMeasured(_) => "leg-not-measured",
+            What::NoSurface { .. } => "no-surface",
+            What::SurfaceShort { .. } => "surface-short",
+        }
+    }
+
+    /// How much it matters.
+    pub fn severity(&self) -> Severity {
+        match self.what {
+            What::LevelAbsent | What::Doubtful(_) | What::SurfaceShort { .. } => Severity::Warning,
+            What::LegNotMeasured(_) | What::NoSurface { .. } => Severity::Error,
+        }
+    }
+}

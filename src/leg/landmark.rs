@@ -1,0 +1,282 @@
+//! Levels found on a leg: B, C and D by valley and peak of the girth curve, B1 by its largest
+//! slope (paper 1.2, fig. 3b and 3c; definitions in the README).
+//!
+//! Decided by the shape of the curve alone. A level that is not there is absent; where a level
+//! usually lies decides nothing.
+
+use super::finding::Doubt;
+use super::girth::GirthCurve;
+
+/// An extremum that stands out by less than this is no clear one, mm; a tape reads to 1 to 2 mm.
+pub const CLEAR_MM: f64 = 1.5;
+
+/// … nor one that stands out by less than this many of its standard errors.
+const CLEAR_SDS: f64 = 3.0;
+
+/// An extremum below this many standard errors is noise and not looked at, even in doubt.
+const NOISE_SDS: f64 = 2.0;
+
+/// Levels are looked for from here, as a share of stature: above the malleoli (ANSUR II, lateral
+/// malleolus: mean 0.042, 99th percentile 0.048).
+const FROM_STATURE_SHARE: f64 = 0.045;
+
+/// … to here, as a share of the crotch's height: above every knee (mid-patella at 0.575).
+const TO_CROTCH_SHARE: f64 = 0.80;
+
+/// Step in which extrema are looked for, mm; the curve's pieces are twelve times as long.
+const STEP_MM: f64 = 1.0;
+
+/// The slope at B1 is taken over this length, mm: noise of single sections is no slope.
+const SLOPE_SPAN_MM: f64 = 30.0;
+
+/// A gap in the skin wider than this is named as a doubt, degrees.
+const GAP_DOUBT_DEG: f64 = 30.0;
+
+/// A level of the leg (RAL-GZ 387).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Level {
+    /// Smallest girth above the malleoli.
+    B,
+    /// Largest slope of the girth between B and C: where the Achilles tendon meets the muscle.
+    B1,
+    /// Largest girth of the calf.
+    C,
+    /// First minimum above the calf.
+    D,
+}
+
+impl Level {
+    /// All levels, lowest first.
+    pub const ALL: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
+
+    /// The name used on paper and in records.
+    pub fn name(self) -> &'static str {
+        match self {
+            Level::B => "B",
+            Level::B1 => "B1",
+            Level::C => "C",
+            Level::D => "D",
+        }
+    }
+}
+
+/// A level found on a leg.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Landmark {
+    /// Which level.
+    pub level: Level,
+    /// Distance along the axis from the floor, mm.
+    pub along_mm: f64,
+    /// Vertical height of the section's centre above the floor, mm.
+    pub height_mm: f64,
+    /// Girth over the convex hull, mm.
+    pub girth_tape_mm: f64,
+    /// Girth along the skin, mm.
+    pub girth_contour_mm: f64,
+    /// Standard error of the height, mm.
+    pub height_sd_mm: f64,
+    /// Standard error of the tape girth, mm.
+    pub girth_sd_mm: f64,
+    /// What a person must know before using it.
+    pub doubts: Vec<Doubt>,
+}
+
+/// A turning point of the girth curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Extremum {
+    along_mm: f64,
+    tape_mm: f64,
+    is_maximum: bool,
+}
+
+/// Finds the levels, lowest first. `gap_deg` tells the widest gap of the section nearest to a
+/// distance along the axis.
+pub fn landmarks(
+    curve: &GirthCurve,
+    stature_mm: f64,
+    crotch_height_mm: f64,
+    gap_deg: impl Fn(f64) -> f64,
+) -> Vec<Landmark> {
+    let (from, to) = curve.domain();
+    let from_mm = from.max(FROM_STATURE_SHARE * stature_mm);
+    let to_mm = to.min(TO_CROTCH_SHARE * crotch_height_mm);
+    let turns = extrema(curve, from_mm, to_mm);
+    let found = Found::among(&turns, &noise_gates(curve, &turns));
+    let tilted = |along_mm: f64| curve.height_mm(along_mm);
+    let extreme = |level, extremum: Option<(Extremum, f64)>| {
+        let (extremum, prominence_mm) = extremum?;
+        let along_mm = extremum.along_mm;
+        let [_, _, bend, _] = curve.tape(along_mm);
+        let height_sd_mm = curve.tape_sd(along_mm, 1) / bend.abs().max(f64::MIN_POSITIVE);
+        let girth_sd_mm = curve.tape_sd(along_mm, 0);
+        let mut doubts = common_doubts(curve, along_mm, &gap_deg);
+        if prominence_mm < CLEAR_MM.max(CLEAR_SDS * girth_sd_mm) {
+            doubts.push(Doubt::Shallow { prominence_mm });
+        }
+        let height_mm = tilted(along_mm)?;
+        Some(landmark(curve, level, along_mm, height_mm, [height_sd_mm, girth_sd_mm], doubts))
+    };
+    let b1 = || {
+        let along_mm = steepest(curve, found.b?.0.along_mm, found.c?.0.along_mm)?;
+        let [_, slope, _, bend_change] = curve.tape(along_mm);
+        let height_sd_mm = curve.tape_sd(along_mm, 2) / bend_change.abs().max(f64::MIN_POSITIVE);
+        let height_sd_mm = height_sd_mm.min(SLOPE_SPAN_MM);
+        let girth_sd_mm = curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
+        let doubts = common_doubts(curve, along_mm, &gap_deg);
+        let height_mm = tilted(along_mm)?;
+        Some(landmark(curve, Level::B1, along_mm, height_mm, [height_sd_mm, girth_sd_mm], doubts))
+    };
+    let all = [extreme(Level::B, found.b), b1(), extreme(Level::C, found.c), extreme(Level::D, found.d)];
+    all.into_iter().flatten().collect()
+}
+
+fn landmark(
+    curve: &GirthCurve,
+    level: Level,
+    along_mm: f64,
+    height_mm: f64,
+    [height_sd_mm, girth_sd_mm]: [f64; 2],
+    doubts: Vec<Doubt>,
+) -> Landmark {
+    Landmark {
+        level,
+        along_mm,
+        height_mm,
+        girth_tape_mm: curve.tape(along_mm)[0],
+        girth_contour_mm: curve.contour_mm(along_mm),
+        height_sd_mm,
+        girth_sd_mm,
+        doubts,
+    }
+}
+
+fn common_doubts(
+    curve: &GirthCurve,
+    along_mm: f64,
+    gap_deg: &impl Fn(f64) -> f64,
+) -> Vec<Doubt> {
+    let gap_deg = gap_deg(along_mm);
+    let mut doubts = Vec::new();
+    if !curve.is_seen(along_mm) {
+        doubts.push(Doubt::NotSeen);
+    } else if gap_deg > GAP_DOUBT_DEG {
+        doubts.push(Doubt::Gap { gap_deg });
+    }
+    doubts
+}
+
+/// Turning points of the curve in a range, ascending, with the range's two ends as the first and
+/// last: an end counts as the turning point that the curve makes of it.
+fn extrema(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Vec<Extremum> {
+    let count = ((to_mm - from_mm) / STEP_MM).max(1.0) as usize;
+    let at = |index: usize| from_mm + (to_mm - from_mm) * index as f64 / count as f64;
+    let slope = |along: f64| curve.tape(along)[1];
+    let extremum = |along_mm: f64, is_maximum| Extremum {
+        along_mm,
+        tape_mm: curve.tape(along_mm)[0],
+        is_maximum,
+    };
+    let mut turns = vec![extremum(from_mm, slope(from_mm) < 0.0)];
+    for index in 0..count {
+        let (low, high) = (at(index), at(index + 1));
+        if slope(low) * slope(high) < 0.0 {
+            turns.push(extremum(root(slope, low, high), slope(low) > 0.0));
+        }
+    }
+    turns.push(extremum(to_mm, slope(to_mm) > 0.0));
+    turns
+}
+
+/// The zero of `function` between two places of different sign, by bisection to 1 µm.
+fn root(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let falls = function(low) > 0.0;
+    while high - low > 1e-3 {
+        let middle = (low + high) / 2.0;
+        if (function(middle) > 0.0) == falls {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (low + high) / 2.0
+}
+
+/// What an extremum must stand out by to be more than noise, mm, for each turning point.
+fn noise_gates(curve: &GirthCurve, turns: &[Extremum]) -> Vec<f64> {
+    turns.iter().map(|turn| NOISE_SDS * curve.tape_sd(turn.along_mm, 0)).collect()
+}
+
+/// The extrema of the levels with how far each stands out, mm.
+struct Found {
+    b: Option<(Extremum, f64)>,
+    c: Option<(Extremum, f64)>,
+    d: Option<(Extremum, f64)>,
+}
+
+impl Found {
+    fn among(turns: &[Extremum], gates: &[f64]) -> Found {
+        let clear = standing_out(turns, &vec![CLEAR_MM; turns.len()]);
+        let faint = standing_out(turns, gates);
+        let first = |turns: &[Extremum], above_mm: f64, is_maximum: bool| {
+            let inner = 1..turns.len().saturating_sub(1);
+            let fits = |i: &usize| {
+                turns[*i].is_maximum == is_maximum && turns[*i].along_mm > above_mm
+            };
+            inner.clone().find(fits).map(|i| (turns[i], prominence_mm(turns, i)))
+        };
+        let b = first(&clear, 0.0, false).or_else(|| first(&faint, 0.0, false));
+        let above_b = b.map_or(f64::INFINITY, |(b, _)| b.along_mm);
+        let c = first(&clear, above_b, true).or_else(|| {
+            let inner = 1..faint.len().saturating_sub(1);
+            let maxima = inner.filter(|&i| faint[i].is_maximum && faint[i].along_mm > above_b);
+            let largest = maxima.max_by(|&i, &j| faint[i].tape_mm.total_cmp(&faint[j].tape_mm))?;
+            Some((faint[largest], prominence_mm(&faint, largest)))
+        });
+        let above_c = c.map_or(f64::INFINITY, |(c, _)| c.along_mm);
+        Found { b, c, d: first(&clear, above_c, false) }
+    }
+}
+
+/// How far an inner turning point stands out from the lesser of its two neighbours, mm.
+fn prominence_mm(turns: &[Extremum], index: usize) -> f64 {
+    let own = turns[index].tape_mm;
+    let neighbours = [turns[index - 1].tape_mm, turns[index + 1].tape_mm];
+    neighbours.map(|tape| (tape - own).abs()).into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// Leaves out pairs of neighbouring turning points that differ by less than their gates, the
+/// closest pair first; what stays stands out (topological persistence in one dimension).
+fn standing_out(turns: &[Extremum], gates: &[f64]) -> Vec<Extremum> {
+    let mut kept: Vec<(Extremum, f64)> = turns.iter().copied().zip(gates.iter().copied()).collect();
+    loop {
+        let difference = |pair: &[(Extremum, f64)]| (pair[0].0.tape_mm - pair[1].0.tape_mm).abs();
+        let closest = kept
+            .windows(2)
+            .enumerate()
+            .filter(|(_, pair)| difference(pair) < pair[0].1.max(pair[1].1))
+            .min_by(|a, b| difference(a.1).total_cmp(&difference(b.1)));
+        let Some((index, _)) = closest else { break };
+        let last = kept.len() - 1;
+        match index {
+            // An end of the range stays an end; only its inner neighbour goes.
+            0 if kept.len() > 2 => drop(kept.remove(1)),
+            _ if index + 1 == last && kept.len() > 2 => drop(kept.remove(index)),
+            _ if kept.len() > 2 => drop(kept.drain(index..index + 2)),
+            _ => break,
+        }
+    }
+    kept.into_iter().map(|(turn, _)| turn).collect()
+}
+
+/// Where the curve rises most between two places, over a span; none where they are closer.
+fn steepest(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Option<f64> {
+    let half = SLOPE_SPAN_MM / 2.0;
+    let count = ((to_mm - from_mm) / STEP_MM) as usize;
+    let (low, high) = curve.domain();
+    let rise = |along: f64| {
+        let (below, above) = ((along - half).max(low), (along + half).min(high));
+        (curve.tape(above)[0] - curve.tape(below)[0]) / (above - below)
+    };
+    let places = (1..count).map(|index| from_mm + STEP_MM * index as f64);
+    places.max_by(|a, b| rise(*a).total_cmp(&rise(*b)))
+}

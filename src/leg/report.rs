@@ -1,0 +1,156 @@
+//! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
+
+use super::axis::{LegAxis, axis};
+use super::feature::{Feature, features};
+use super::finding::{Finding, LegFault, What};
+use super::girth::{GirthCurve, girth_curve};
+use super::landmark::{Landmark, Level, landmarks};
+use super::section::{Section, SPACING_MM, Sections, sections};
+use super::segment::{Leg, Side};
+use super::surface::{LegSurface, surface};
+use super::{Body, Method};
+
+/// The surface covers at least this much below B and above D, mm.
+const SURFACE_MARGIN_MM: f64 = 20.0;
+
+/// Where D is absent the surface reaches the knee: mid-patella as a share of the crotch's height
+/// (ANSUR II, 0.575 ± 0.014).
+const KNEE_CROTCH_SHARE: f64 = 0.575;
+
+/// Where B is absent the surface begins above the malleoli, as a share of stature.
+const ANKLE_STATURE_SHARE: f64 = 0.06;
+
+/// Everything measured on one leg.
+#[derive(Debug, Clone)]
+pub struct LegReport {
+    /// Whose leg.
+    pub side: Side,
+    /// The leg's axis and the frame of its sections.
+    pub axis: LegAxis,
+    /// Levels found, lowest first; absent ones are not here.
+    pub landmarks: Vec<Landmark>,
+    /// Girth over height.
+    pub girth_curve: GirthCurve,
+    /// The section at each level found, with its feature points.
+    pub level_sections: Vec<LevelSection>,
+    /// The surface, where enough of the leg is seen.
+    pub surface: Option<LegSurface>,
+}
+
+/// The section at a level and what was found on it.
+#[derive(Debug, Clone)]
+pub struct LevelSection {
+    /// Which level.
+    pub level: Level,
+    /// The section at the level's own height.
+    pub section: Section,
+    /// P1, P2, … in order around from the front.
+    pub features: Vec<Feature>,
+}
+
+/// Measures one leg.
+///
+/// # Errors
+/// A [`LegFault`] where the leg has no axis or hardly any closed section.
+pub fn leg_report(
+    leg: &Leg,
+    body: &Body,
+    crotch_height_mm: f64,
+    method: &Method,
+) -> Result<(LegReport, Vec<Finding>), LegFault> {
+    let axis = axis(leg, body.stature_mm, crotch_height_mm)?;
+    let sections = sections(leg, axis, crotch_height_mm, method.fit);
+    let curve = girth_curve(&sections, body.stature_mm).ok_or_else(|| {
+        let measured = sections.rows.iter().filter(|row| row.section.is_some()).count();
+        LegFault::TooFewSections { measured, planes: sections.rows.len() }
+    })?;
+    let gap = |along_mm: f64| gap_deg(&sections, along_mm);
+    let landmarks = landmarks(&curve, body.stature_mm, crotch_height_mm, gap);
+    let mut findings = Findings { side: leg.side, found: Vec::new() };
+    findings.about_levels(&landmarks);
+    let range_mm = surface_range_mm(&landmarks, &sections.axis, body.stature_mm, crotch_height_mm);
+    let surface = match surface(leg, &sections, range_mm) {
+        Ok(surface) => Some(surface),
+        Err(what) => {
+            findings.add(None, what);
+            None
+        }
+    };
+    if let Some(surface) = &surface {
+        findings.about_extent(surface, &curve, range_mm);
+    }
+    let level_sections = landmarks.iter().filter_map(|landmark| {
+        let section = sections.section_at(leg, landmark.along_mm)?;
+        let features = features(&sections.axis, &section);
+        Some(LevelSection { level: landmark.level, section, features })
+    });
+    let report = LegReport {
+        side: leg.side,
+        level_sections: level_sections.collect(),
+        axis: sections.axis,
+        landmarks,
+        girth_curve: curve,
+        surface,
+    };
+    Ok((report, findings.found))
+}
+
+/// The widest gap of the section plane nearest to a distance along the axis; 360 where it is open.
+fn gap_deg(sections: &Sections, along_mm: f64) -> f64 {
+    let far = |row: &&super::section::Row| (row.along_mm - along_mm).abs();
+    let nearest = sections.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+    let section = nearest.and_then(|row| row.section.as_ref());
+    section.map_or(360.0, |section| section.largest_gap_deg)
+}
+
+/// The range that the surface must cover, mm along the axis, one section more at either end.
+fn surface_range_mm(
+    landmarks: &[Landmark],
+    axis: &LegAxis,
+    stature_mm: f64,
+    crotch_height_mm: f64,
+) -> [f64; 2] {
+    let at = |level: Level| landmarks.iter().find(|l| l.level == level).map(|l| l.along_mm);
+    let margin_mm = SURFACE_MARGIN_MM / axis.direction.z + SPACING_MM;
+    let ankle_mm = ANKLE_STATURE_SHARE * stature_mm;
+    let knee_mm = KNEE_CROTCH_SHARE * crotch_height_mm / axis.direction.z;
+    let from_mm = at(Level::B).unwrap_or(ankle_mm + margin_mm) - margin_mm;
+    let to_mm = at(Level::D).unwrap_or(knee_mm - margin_mm) + margin_mm;
+    [from_mm, to_mm]
+}
+
+/// The findings of one leg, collected as its stages pass.
+struct Findings {
+    side: Side,
+    found: Vec<Finding>,
+}
+
+impl Findings {
+    fn add(&mut self, level: Option<Level>, what: What) {
+        self.found.push(Finding { side: Some(self.side), level, what });
+    }
+
+    /// Levels that are absent and doubts about those that are not.
+    fn about_levels(&mut self, landmarks: &[Landmark]) {
+        for level in Level::ALL {
+            match landmarks.iter().find(|landmark| landmark.level == level) {
+                None => self.add(Some(level), What::LevelAbsent),
+                Some(landmark) => {
+                    landmark.doubts.iter().for_each(|d| self.add(Some(level), What::Doubtful(*d)));
+                }
+            }
+        }
+    }
+
+    /// A surface whose ends lack more than the section that was asked for in addition.
+    fn about_extent(&mut self, surface: &LegSurface, curve: &GirthCurve, range_mm: [f64; 2]) {
+        let (low, high) = surface.surface.along().domain();
+        if low - range_mm[0] <= 2.0 * SPACING_MM && range_mm[1] - high <= 2.0 * SPACING_MM {
+            return;
+        }
+        let [from_mm, to_mm] = surface.height_mm;
+        let wanted = range_mm.map(|along_mm| curve.height_mm(along_mm).unwrap_or(along_mm));
+        let [wanted_from_mm, wanted_to_mm] = wanted;
+        self.add(None, What::SurfaceShort { from_mm, to_mm, wanted_from_mm, wanted_to_mm });
+    }
+}

@@ -1,0 +1,168 @@
+//! Extraction and provenance → [`Record`], every figure rounded by the one rule.
+
+use std::collections::BTreeMap;
+
+use super::provenance::Provenance;
+use super::rounding::{degrees, mm, per_mm, share};
+use super::schema::{
+    BodyFigures, ErrorFigures, FeatureFigures, FindingNote, GirthColumns, LandmarkFigures,
+    LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures, SurfaceFigures,
+};
+use crate::leg::body::FacingFrom;
+use crate::leg::girth::GirthCurve;
+use crate::leg::method::{SectionFit, UnitChoice, Up};
+use crate::leg::surface::{FitError, LegSurface};
+use crate::leg::{Extraction, Finding, Landmark, LegReport, LevelSection, Method};
+use crate::spline::DEGREE;
+
+/// A scan measured for the first time; later results for it count on from here.
+const FIRST_REVISION: u32 = 1;
+
+/// The record of an extraction.
+pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method) -> Record {
+    let body = &extraction.body;
+    Record {
+        schema: SCHEMA.to_owned(),
+        revision: FIRST_REVISION,
+        station: provenance.station.clone(),
+        patient: provenance.patient.clone(),
+        acquired: provenance.acquired.clone(),
+        made_by: MadeBy {
+            gaiter: env!("CARGO_PKG_VERSION").to_owned(),
+            method: method_words(method),
+        },
+        scan: ScanFile {
+            sha256: provenance.sha256.clone(),
+            format: extraction.format.ending().to_owned(),
+            unit: body.unit.word().to_owned(),
+            unit_inferred: body.unit_inferred,
+            points: extraction.points,
+            triangles: extraction.triangles,
+        },
+        body: BodyFigures {
+            stature_mm: mm(body.stature_mm),
+            crotch_height_mm: mm(extraction.crotch_height_mm),
+            facing_deg: degrees(body.facing_deg),
+            facing_from: match body.facing_from {
+                FacingFrom::Feet => "feet".to_owned(),
+                FacingFrom::Declared => "declared".to_owned(),
+            },
+            from_export: std::array::from_fn(|i| body.from_export[(i / 4, i % 4)]),
+        },
+        legs: extraction.legs.iter().map(leg).collect(),
+        findings: extraction.findings.iter().map(note).collect(),
+    }
+}
+
+fn method_words(method: &Method) -> BTreeMap<String, String> {
+    let unit = match method.unit {
+        UnitChoice::Auto => "auto",
+        UnitChoice::Declared(unit) => unit.word(),
+    };
+    let up = match method.up {
+        Up::X => "x",
+        Up::Y => "y",
+        Up::Z => "z",
+    };
+    let fit = match method.fit {
+        SectionFit::Periodic => "periodic",
+        SectionFit::Polynomial => "polynomial",
+    };
+    let words = [("unit", unit), ("up", up), ("fit", fit)];
+    words.into_iter().map(|(key, word)| (key.to_owned(), word.to_owned())).collect()
+}
+
+fn leg(report: &LegReport) -> LegFigures {
+    let landmarks = report.landmarks.iter();
+    LegFigures {
+        side: report.side.word().to_owned(),
+        tilt_deg: degrees(report.axis.tilt_deg()),
+        landmarks: landmarks.map(|l| (l.level.name().to_owned(), landmark(l))).collect(),
+        girth_curve: girth_columns(&report.girth_curve),
+        sections: report.level_sections.iter().map(section).collect(),
+        features: report.level_sections.iter().flat_map(features).collect(),
+        surface: report.surface.as_ref().map(surface),
+    }
+}
+
+fn landmark(landmark: &Landmark) -> LandmarkFigures {
+    let judged = |sd: f64| sd.is_finite().then(|| mm(sd));
+    LandmarkFigures {
+        height_mm: mm(landmark.height_mm),
+        along_axis_mm: mm(landmark.along_mm),
+        girth_tape_mm: mm(landmark.girth_tape_mm),
+        girth_contour_mm: mm(landmark.girth_contour_mm),
+        height_sd_mm: judged(landmark.height_sd_mm),
+        girth_sd_mm: judged(landmark.girth_sd_mm),
+        doubts: landmark.doubts.iter().map(|doubt| doubt.code().to_owned()).collect(),
+    }
+}
+
+fn girth_columns(curve: &GirthCurve) -> GirthColumns {
+    let column = |value: fn(f64, &crate::leg::section::Girth) -> f64| {
+        let cell = |row: &crate::leg::girth::GirthRow| {
+            row.measured.as_ref().map(|(height_mm, girth)| mm(value(*height_mm, girth)))
+        };
+        curve.rows.iter().map(cell).collect()
+    };
+    GirthColumns {
+        height_mm: column(|height_mm, _| height_mm),
+        along_axis_mm: curve.rows.iter().map(|row| mm(row.along_mm)).collect(),
+        tape_mm: column(|_, girth| girth.tape_mm),
+        contour_mm: column(|_, girth| girth.contour_mm),
+        r2: share(curve.r2()),
+        rms_mm: mm(curve.rms_mm()),
+    }
+}
+
+fn section(at: &LevelSection) -> SectionFigures {
+    SectionFigures {
+        level: at.level.name().to_owned(),
+        height_mm: mm(at.section.height_mm),
+        r2: share(at.section.r2),
+        rms_mm: mm(at.section.rms_mm),
+        largest_gap_deg: degrees(at.section.largest_gap_deg),
+    }
+}
+
+fn features(at: &LevelSection) -> impl Iterator<Item = FeatureFigures> + '_ {
+    at.features.iter().enumerate().map(|(index, feature)| FeatureFigures {
+        level: at.level.name().to_owned(),
+        label: format!("P{}", index + 1),
+        kind: feature.kind.word().to_owned(),
+        angle_deg: degrees(feature.angle_deg),
+        position_mm: std::array::from_fn(|axis| mm(feature.position[axis])),
+        curvature_per_mm: per_mm(feature.curvature_per_mm),
+        prominence_per_mm: per_mm(feature.prominence_per_mm),
+    })
+}
+
+fn surface(leg: &LegSurface) -> SurfaceFigures {
+    let [from_mm, to_mm] = leg.height_mm;
+    SurfaceFigures {
+        control_points: [leg.surface.along().count(), leg.surface.around().count()],
+        degree: [DEGREE; 2],
+        from_height_mm: mm(from_mm),
+        to_height_mm: mm(to_mm),
+        to_sections: error(&leg.to_sections),
+        to_points: error(&leg.to_points),
+    }
+}
+
+fn error(error: &FitError) -> ErrorFigures {
+    ErrorFigures {
+        mean_relative: share(error.mean_relative),
+        rms_mm: mm(error.rms_mm),
+        max_mm: mm(error.max_mm),
+    }
+}
+
+fn note(finding: &Finding) -> FindingNote {
+    FindingNote {
+        code: finding.code().to_owned(),
+        severity: finding.severity().word().to_owned(),
+        leg: finding.side.map(|side| side.word().to_owned()),
+        level: finding.level.map(|level| level.name().to_owned()),
+        message: finding.what.to_string(),
+    }
+}

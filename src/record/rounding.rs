@@ -1,0 +1,40 @@
+//! The one rounding rule: what a figure is worth, decimal places by its kind. Everything that is
+//! printed or stored goes through here, so that no two places show different last digits.
+
+/// Lengths, to 1 µm.
+pub fn mm(value: f64) -> f64 {
+    to_places(value, 3)
+}
+
+/// Angles, to 0.01°.
+pub fn degrees(value: f64) -> f64 {
+    to_places(value, 2)
+}
+
+/// Curvatures, to 10⁻⁵ per mm.
+pub fn per_mm(value: f64) -> f64 {
+    to_places(value, 5)
+}
+
+/// Shares, ratios and coefficients of determination, to 10⁻⁶.
+pub fn share(value: f64) -> f64 {
+    to_places(value, 6)
+}
+
+/// Half away from zero; a negative zero becomes zero.
+fn to_places(value: f64, places: i32) -> f64 {
+    let scale = 10.0_f64.powi(places);
+    (value * scale).round() / scale + 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_are_rounded_half_away_from_zero_and_never_to_minus_zero() {
+        assert_eq!(mm(178.4325), 178.433);
+        assert_eq!(degrees(-9.125), -9.13);
+        assert!(mm(-0.0001).is_sign_positive());
+    }
+}

@@ -1,0 +1,211 @@
+//! The record as it is written: `record.json`, schema `gaiter.leg-record/1`.
+//!
+//! Millimetres and degrees, in the body frame. Fields may be added; none changes its meaning
+//! without a new schema number. Units are in the names.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::provenance::{Acquired, Patient};
+
+/// Name and number of this schema.
+pub const SCHEMA: &str = "gaiter.leg-record/1";
+
+/// The result for one scan and patient.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Record {
+    /// [`SCHEMA`].
+    pub schema: String,
+    /// 1, or more where the same scan was measured again.
+    pub revision: u32,
+    /// The station that made it; null for a bare `extract`.
+    pub station: Option<String>,
+    /// Whose legs; null where unknown.
+    pub patient: Option<Patient>,
+    /// When the scan was taken; null where unknown.
+    pub acquired: Option<Acquired>,
+    /// Program and method.
+    pub made_by: MadeBy,
+    /// The file it was made from.
+    pub scan: ScanFile,
+    /// The body as a whole.
+    pub body: BodyFigures,
+    /// The measured legs.
+    pub legs: Vec<LegFigures>,
+    /// What must be known.
+    pub findings: Vec<FindingNote>,
+}
+
+/// Program and method that made a record.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MadeBy {
+    /// gaiter's version.
+    pub gaiter: String,
+    /// The choices it was made with, by name.
+    pub method: BTreeMap<String, String>,
+}
+
+/// The file that was measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ScanFile {
+    /// Of its bytes, lower-case hexadecimal.
+    pub sha256: String,
+    /// Its format's usual ending.
+    pub format: String,
+    /// Unit of its coordinates.
+    pub unit: String,
+    /// Whether the unit was found rather than declared.
+    pub unit_inferred: bool,
+    /// Points in the file.
+    pub points: usize,
+    /// Triangles in the file.
+    pub triangles: usize,
+}
+
+/// Figures of the whole body.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodyFigures {
+    /// Height of the highest point above the floor.
+    pub stature_mm: f64,
+    /// Height of the crotch above the floor.
+    pub crotch_height_mm: f64,
+    /// Where the toes point in the export.
+    pub facing_deg: f64,
+    /// `feet` or `declared`.
+    pub facing_from: String,
+    /// 4 × 4, row by row: from the export's coordinates to the body frame. Not rounded.
+    pub from_export: [f64; 16],
+}
+
+/// Figures of one leg.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LegFigures {
+    /// `left` or `right`, the patient's.
+    pub side: String,
+    /// Angle between the leg's axis and the vertical.
+    pub tilt_deg: f64,
+    /// Levels found, by name; an absent level has no key.
+    pub landmarks: BTreeMap<String, LandmarkFigures>,
+    /// Girth over height.
+    pub girth_curve: GirthColumns,
+    /// The section at each level found.
+    pub sections: Vec<SectionFigures>,
+    /// Feature points of these sections.
+    pub features: Vec<FeatureFigures>,
+    /// The surface; null where there is none.
+    pub surface: Option<SurfaceFigures>,
+}
+
+/// Figures of one level.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LandmarkFigures {
+    /// Vertical height of the section's centre above the floor.
+    pub height_mm: f64,
+    /// Distance along the leg's axis from the floor.
+    pub along_axis_mm: f64,
+    /// Circumference of the convex hull, what a tape reads.
+    pub girth_tape_mm: f64,
+    /// Circumference along the skin.
+    pub girth_contour_mm: f64,
+    /// Standard error of the height; null where it cannot be judged.
+    pub height_sd_mm: Option<f64>,
+    /// Standard error of the tape girth; null where it cannot be judged.
+    pub girth_sd_mm: Option<f64>,
+    /// Codes of doubts.
+    pub doubts: Vec<String>,
+}
+
+/// The girth curve as columns of equal length; null where a section is open.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GirthColumns {
+    /// Heights of the sections' centres.
+    pub height_mm: Vec<Option<f64>>,
+    /// Distances along the axis.
+    pub along_axis_mm: Vec<f64>,
+    /// Tape girths.
+    pub tape_mm: Vec<Option<f64>>,
+    /// Contour girths.
+    pub contour_mm: Vec<Option<f64>>,
+    /// Coefficient of determination of the continuous curve.
+    pub r2: f64,
+    /// Root mean square deviation of the sections from it.
+    pub rms_mm: f64,
+}
+
+/// Figures of the section at a level.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SectionFigures {
+    /// Which level.
+    pub level: String,
+    /// Height of its centre.
+    pub height_mm: f64,
+    /// Coefficient of determination of the radius.
+    pub r2: f64,
+    /// Root mean square of the radial residuals.
+    pub rms_mm: f64,
+    /// Widest gap in its points.
+    pub largest_gap_deg: f64,
+}
+
+/// One feature point.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FeatureFigures {
+    /// Which level's section.
+    pub level: String,
+    /// P1, P2, … around from the front towards lateral.
+    pub label: String,
+    /// `peak` or `valley`.
+    pub kind: String,
+    /// Angle around the section's centre: 0 front, 90 lateral.
+    pub angle_deg: f64,
+    /// Place in the body frame.
+    pub position_mm: [f64; 3],
+    /// Curvature, positive where convex.
+    pub curvature_per_mm: f64,
+    /// By how much it stands out from its neighbours.
+    pub prominence_per_mm: f64,
+}
+
+/// The surface's extent and error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceFigures {
+    /// Along, around.
+    pub control_points: [usize; 2],
+    /// Along, around.
+    pub degree: [usize; 2],
+    /// Height of the lower end's centre.
+    pub from_height_mm: f64,
+    /// Height of the upper end's centre.
+    pub to_height_mm: f64,
+    /// Distance of the measured sections.
+    pub to_sections: ErrorFigures,
+    /// Distance of the scan's own points.
+    pub to_points: ErrorFigures,
+}
+
+/// Distances from the surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ErrorFigures {
+    /// Area-weighted mean of |distance| / local radius.
+    pub mean_relative: f64,
+    /// Root mean square.
+    pub rms_mm: f64,
+    /// Largest.
+    pub max_mm: f64,
+}
+
+/// One finding.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FindingNote {
+    /// Stable code; the README's table says what to do.
+    pub code: String,
+    /// `info`, `warning` or `error`.
+    pub severity: String,
+    /// `left`, `right` or null.
+    pub leg: Option<String>,
+    /// A level or null.
+    pub level: Option<String>,
+    /// The finding in words, with figures.
+    pub message: String,
+}
