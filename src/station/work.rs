@@ -127,10 +127,12 @@ fn measured(
     };
     let measured = catch_unwind(AssertUnwindSafe(|| {
         let extraction = leg::extract(bytes, format, method)?;
-        Ok::<_, leg::Refusal>(record::record_files(&extraction, &provenance, method, bytes, format))
+        let files = record::record_files(&extraction, &provenance, method, bytes, format);
+        Ok::<_, leg::Refusal>(files)
     }));
     match measured {
-        Ok(Ok(files)) => Ok(files),
+        Ok(Ok(Ok(files))) => Ok(files),
+        Ok(Ok(Err(error))) => Err(refused("record-not-written", error.to_string())),
         Ok(Err(refusal)) => Err(refused(refusal.code(), refusal.to_string())),
         Err(panic) => Err(refused("panic", said(panic.as_ref()))),
     }
