@@ -1,3 +1,19 @@
-//! flow
+//! The station's decisions as functions of state and `now`: when a file has settled, whose scan it
+//! is, which steps a scan and its deliveries may take, when to try again, what folders are called.
+//!
+//! Nothing here touches a file, a clock or a random source: looks, times and chances come in.
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+
+pub mod acquired;
+pub mod backoff;
+pub mod identity;
+pub mod lifecycle;
+pub mod naming;
+pub mod scan_id;
+pub mod settle;
+
+pub use identity::{Identity, NameSays, Verdict};
+pub use lifecycle::{DeliveryState, DeliveryStep, IllegalStep, ScanState, ScanStep};
+pub use scan_id::ScanId;
+pub use settle::{Look, LookTime, Settled, Settling, Stamp};

@@ -1,1 +1,38 @@
-//! station
+//! The station: effects around the decisions of [`crate::flow`].
+//!
+//! ```text
+//! export folder ─ look ─▶ settle ─ take ─▶ custody (spool, journal) ─ work ─▶ store
+//!       ▲                   │                  │
+//!     watch (hint)      awaited, again     held, quarantine
+//! ```
+//!
+//! What holds, whatever happens: the export folder is only read; a scan is known by its hash, so
+//! nothing is delivered twice; its bytes are in the spool before the journal knows them and until
+//! the store has given its receipt; every look and every attempt is repeated until it succeeds or
+//! the scan itself is refused, and no scan waits for another. An event of the watch changes no
+//! decision, it only makes the next look come sooner.
+//!
+//! Logs speak of scans by the first digits of their id, never of patients, file names or folders.
+
+pub mod assembly;
+pub mod custody;
+pub mod error;
+pub mod event;
+pub mod journal;
+pub mod quarantine;
+pub mod run;
+pub mod spool;
+
+mod chance;
+mod delivery;
+mod intake;
+mod look;
+mod source;
+mod stop;
+mod take;
+mod watch;
+mod work;
+
+pub use error::{StationError, Worker};
+pub use event::StationEvent;
+pub use run::run;

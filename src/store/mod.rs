@@ -1,1 +1,120 @@
-//! store
+//! Record stores: where finished records go. Each store's `put` is idempotent: made twice, it
+//! leaves one record and gives a receipt both times.
+
+pub mod durable;
+pub mod folder;
+pub mod sums;
+
+use std::io;
+use std::path::PathBuf;
+
+use jiff::Timestamp;
+
+use crate::flow::ScanId;
+use crate::record::RecordFile;
+pub use folder::FolderStore;
+
+/// A store of records, one of the kinds that gaiter knows.
+#[derive(Debug, Clone)]
+pub enum RecordStore {
+    /// A folder per patient, a folder per record.
+    Folder(FolderStore),
+}
+
+/// One record on its way to a store.
+#[derive(Debug, Clone, Copy)]
+pub struct Delivery<'a> {
+    /// The scan.
+    pub scan: &'a ScanId,
+    /// The patient's id; none while nobody named the patient.
+    pub patient: Option<&'a str>,
+    /// When the station first saw the scan.
+    pub first_seen: Timestamp,
+    /// The record's files in the order in which they are to be written, `SHA256SUMS` last.
+    pub files: &'a [RecordFile],
+}
+
+/// A store's word that a record is whole and durable.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Receipt {
+    /// Where the record lies.
+    pub folder: PathBuf,
+    /// It had been delivered before; nothing was written.
+    pub already_there: bool,
+}
+
+/// Why a record was not stored.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreFault {
+    /// The store is not in a state to take it now; it may be later.
+    #[error("{what} failed on {path}")]
+    Transient {
+        /// What was tried.
+        what: &'static str,
+        /// On what.
+        path: PathBuf,
+        /// How it failed.
+        #[source]
+        source: io::Error,
+    },
+    /// The store will never take this record.
+    #[error("the store cannot take this record: {0}")]
+    Permanent(Misfit),
+}
+
+/// Why a store will never take a record.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Misfit {
+    /// The record's last file is not `SHA256SUMS`.
+    #[error("its last file is not SHA256SUMS")]
+    NoSums,
+    /// A file name that could leave the record's folder or hide.
+    #[error("a file of the record is called {name:?}")]
+    FileName {
+        /// The name.
+        name: String,
+    },
+    /// The record's place is taken by something that is not this scan's whole record.
+    #[error("its folder exists and is not this scan's whole record: {0}")]
+    Occupied(sums::SumsFault),
+}
+
+impl StoreFault {
+    /// The stable code of this fault, for the journal and `reason.json`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            StoreFault::Transient { .. } => "store-unavailable",
+            StoreFault::Permanent(Misfit::Occupied(_)) => "store-place-occupied",
+            StoreFault::Permanent(_) => "store-misfit",
+        }
+    }
+}
+
+impl RecordStore {
+    /// The store's name in the journal.
+    pub fn name(&self) -> &'static str {
+        match self {
+            RecordStore::Folder(_) => "folder",
+        }
+    }
+
+    /// Makes the store ready at the station's start: clears what a crash left half made.
+    ///
+    /// # Errors
+    /// A transient fault where the store is out of reach; deliveries will show the same.
+    pub fn open(&self) -> Result<(), StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.clear_staging(),
+        }
+    }
+
+    /// Stores a record, or finds that it is there already.
+    ///
+    /// # Errors
+    /// See [`StoreFault`]; after any of them the same `put` may be tried again.
+    pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.put(delivery),
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! When a scan was taken, as well as the station can know it.
+
+use jiff::{SignedDuration, Timestamp};
+
+use crate::record::{Acquired, AcquiredFrom};
+
+/// 2000-01-01: an earlier file time is a clock that was never set.
+const EARLIEST: i64 = 946_684_800;
+
+/// How far a scanner's clock may run ahead of ours before its time is not believed.
+const AHEAD: SignedDuration = SignedDuration::from_hours(24);
+
+/// The file's own time where it can be one, else the time at which the station first saw it.
+pub fn acquired(file_time: Option<Timestamp>, first_seen: Timestamp) -> Acquired {
+    let plausible =
+        |at: &Timestamp| at.as_second() >= EARLIEST && at.duration_since(first_seen) <= AHEAD;
+    match file_time.filter(plausible) {
+        Some(at) => Acquired { at, from: AcquiredFrom::FileTime },
+        None => Acquired { at: first_seen, from: AcquiredFrom::Unknown },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: &str) -> Timestamp {
+        text.parse().unwrap()
+    }
+
+    #[test]
+    fn a_plausible_file_time_is_believed() {
+        let seen = at("2026-11-21T09:15:00Z");
+        let file = at("2026-11-21T09:14:58Z");
+        let expected = Acquired { at: file, from: AcquiredFrom::FileTime };
+        assert_eq!(acquired(Some(file), seen), expected);
+    }
+
+    #[test]
+    fn the_time_of_a_clock_that_was_never_set_is_not() {
+        let seen = at("2026-11-21T09:15:00Z");
+        let expected = Acquired { at: seen, from: AcquiredFrom::Unknown };
+        for file in [None, Some(at("1970-01-01T00:00:00Z")), Some(at("2026-11-22T09:15:01Z"))] {
+            assert_eq!(acquired(file, seen), expected);
+        }
+    }
+}

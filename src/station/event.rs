@@ -1,0 +1,91 @@
+//! What the station tells those who look on, such as `gaiter demo`. Not the log: an event may name
+//! files and folders, which the log never does.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use tokio::sync::mpsc::UnboundedSender;
+
+use crate::flow::ScanId;
+
+/// Something that happened at the station.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StationEvent {
+    /// The journal is open and every folder in reach has been looked at.
+    Ready,
+    /// A file has been unchanged for the quiet time.
+    Settled {
+        /// Its name.
+        file: OsString,
+    },
+    /// Its format shows that more is to come; it is awaited.
+    AwaitsRest {
+        /// Its name.
+        file: OsString,
+    },
+    /// A new scan lies safely in the spool.
+    Spooled {
+        /// Its name at the scanner.
+        file: OsString,
+        /// First digits of its id.
+        scan: String,
+    },
+    /// A file holds a scan that is known already.
+    Known {
+        /// Its name.
+        file: OsString,
+        /// First digits of its id.
+        scan: String,
+    },
+    /// The same bytes were seen for another patient; a person decides.
+    Held {
+        /// First digits of the scan's id.
+        scan: String,
+    },
+    /// A scan was refused and lies in quarantine.
+    Refused {
+        /// First digits of the scan's id; none for a file too large to be read.
+        scan: Option<String>,
+        /// Stable code.
+        code: String,
+        /// For people.
+        message: String,
+    },
+    /// A delivery did not succeed and will be tried again.
+    PutOff {
+        /// First digits of the scan's id.
+        scan: String,
+        /// Stable code.
+        code: String,
+    },
+    /// A record lies in the store.
+    Delivered {
+        /// First digits of the scan's id.
+        scan: String,
+        /// The record's folder.
+        folder: PathBuf,
+    },
+}
+
+/// Somebody who looks on, or nobody.
+#[derive(Debug, Clone, Default)]
+pub struct Observer(Option<UnboundedSender<StationEvent>>);
+
+impl Observer {
+    /// Tells this receiver, if there is one.
+    pub fn new(sender: Option<UnboundedSender<StationEvent>>) -> Observer {
+        Observer(sender)
+    }
+
+    /// Tells; that nobody listens any more is no fault of the station.
+    pub fn tell(&self, event: StationEvent) {
+        if let Some(sender) = &self.0 {
+            let _ = sender.send(event);
+        }
+    }
+}
+
+/// The first digits of a scan's id, as events carry them.
+pub fn short(scan: &ScanId) -> String {
+    scan.short().to_owned()
+}

@@ -1,0 +1,68 @@
+//! One process per state folder: two would take each other's scans for their own.
+
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{self, Read, Seek, Write};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
+
+/// The right to use a state folder, held while this value lives. The kernel gives it back when
+/// the process ends, however it ends; the file stays.
+#[derive(Debug)]
+pub struct StateLock {
+    _file: File,
+}
+
+/// Why the state folder is not ours.
+#[derive(Debug, thiserror::Error)]
+pub enum LockError {
+    /// Another process uses it.
+    #[error("{path} is in use by the process {pid}")]
+    InUse {
+        /// The state folder.
+        path: PathBuf,
+        /// The other process, as it wrote it down.
+        pid: String,
+    },
+    /// The lock file failed.
+    #[error("locking {path} failed")]
+    Io {
+        /// The lock file.
+        path: PathBuf,
+        /// How it failed.
+        #[source]
+        source: io::Error,
+    },
+}
+
+impl StateLock {
+    /// Takes the folder for this process.
+    ///
+    /// # Errors
+    /// [`LockError::InUse`] where another process has it.
+    pub fn take(state_dir: &Path) -> Result<StateLock, LockError> {
+        let path = state_dir.join("lock");
+        let io = |source| LockError::Io { path: path.clone(), source };
+        let mut file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create(true)
+            .truncate(false)
+            .mode(0o600)
+            .open(&path)
+            .map_err(io)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                let mut pid = String::new();
+                file.read_to_string(&mut pid).map_err(io)?;
+                let pid = pid.trim().to_owned();
+                return Err(LockError::InUse { path: state_dir.to_owned(), pid });
+            }
+            Err(TryLockError::Error(source)) => return Err(io(source)),
+        }
+        file.set_len(0).map_err(io)?;
+        file.rewind().map_err(io)?;
+        writeln!(file, "{}", std::process::id()).map_err(io)?;
+        Ok(StateLock { _file: file })
+    }
+}

@@ -1,0 +1,140 @@
+//! The quarantine: scans that could not be measured or stored, each with its reason.
+//!
+//! `quarantine/<sha256>/` is the spool's folder of the scan with `reason.json` added;
+//! `quarantine/unread-<…>/` stands for a file too large to be read and holds the reason only.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use crate::flow::ScanId;
+use crate::store::durable;
+
+/// The folder of refused scans.
+#[derive(Debug)]
+pub struct Quarantine {
+    folder: PathBuf,
+}
+
+/// `reason.json`: why a scan was refused.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Reason {
+    /// Stable code.
+    pub code: String,
+    /// For people.
+    pub message: String,
+    /// Where it was refused.
+    pub stage: Stage,
+    /// When the station first saw the scan.
+    pub first_seen: Timestamp,
+    /// The version of gaiter that refused it.
+    pub gaiter: String,
+}
+
+/// Where on its way a scan was refused.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Before it was in the spool, or in the spool itself.
+    Intake,
+    /// While it was measured.
+    Measure,
+    /// At the record store.
+    Store,
+}
+
+/// The schemas of `reason.json`, told apart by their name.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "schema")]
+enum Versioned {
+    #[serde(rename = "gaiter.reason/1")]
+    V1(Reason),
+}
+
+const REASON: &str = "reason.json";
+
+impl Reason {
+    /// A reason found by this gaiter.
+    pub fn new(code: &str, message: String, stage: Stage, first_seen: Timestamp) -> Reason {
+        let gaiter = env!("CARGO_PKG_VERSION").to_owned();
+        Reason { code: code.to_owned(), message, stage, first_seen, gaiter }
+    }
+}
+
+impl Quarantine {
+    /// Opens the quarantine, made if there is none, and removes what a crash left half made.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn open(state_dir: &Path) -> io::Result<Quarantine> {
+        let folder = state_dir.join("quarantine");
+        durable::make_folder_once(&folder)?;
+        durable::sync_folder(state_dir)?;
+        for entry in fs::read_dir(&folder)? {
+            let entry = entry?;
+            if entry.file_name().to_string_lossy().starts_with('.') {
+                durable::remove_folder(&entry.path())?;
+            }
+        }
+        Ok(Quarantine { folder })
+    }
+
+    /// Whether a scan lies here.
+    pub fn holds(&self, scan: &ScanId) -> bool {
+        self.folder.join(scan.as_str()).is_dir()
+    }
+
+    /// Why a scan lies here; none where it does not, or where nobody can read why.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn reason(&self, scan: &ScanId) -> io::Result<Option<Reason>> {
+        match fs::read(self.folder.join(scan.as_str()).join(REASON)) {
+            Ok(text) => Ok(serde_json::from_slice(&text).ok().map(|Versioned::V1(reason)| reason)),
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Moves a scan's folder of the spool here. The caller syncs the spool afterwards.
+    ///
+    /// # Errors
+    /// Any I/O error; the scan is still in the spool then.
+    pub fn take(&self, entry: &Path, scan: &ScanId, reason: &Reason) -> io::Result<()> {
+        let path = entry.join(REASON);
+        match fs::remove_file(&path) {
+            // An attempt that failed before the move left its reason.
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => durable::write_new(&path, &text(reason)?)?,
+        }
+        durable::sync_folder(entry)?;
+        durable::rename_new(entry, &self.folder.join(scan.as_str()))?;
+        durable::sync_folder(&self.folder)
+    }
+
+    /// Notes a reason where there are no bytes to keep; that it is noted already is fine.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn note(&self, name: &str, reason: &Reason) -> io::Result<()> {
+        let staged = self.folder.join(format!(".tmp-{name}"));
+        durable::remove_folder(&staged)?;
+        durable::make_folder(&staged)?;
+        durable::write_new(&staged.join(REASON), &text(reason)?)?;
+        durable::sync_folder(&staged)?;
+        match durable::rename_new(&staged, &self.folder.join(name)) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                durable::remove_folder(&staged)?;
+            }
+            other => other?,
+        }
+        durable::sync_folder(&self.folder)
+    }
+}
+
+fn text(reason: &Reason) -> io::Result<Vec<u8>> {
+    Ok(serde_json::to_vec_pretty(&Versioned::V1(reason.clone()))?)
+}

@@ -1,0 +1,138 @@
+//! The watch on an export folder: a hint to look sooner, never the truth.
+//!
+//! A watch may say nothing for ever: on network shares, after the folder was replaced, when the
+//! kernel's limits are reached. So nothing depends on it, and before every look it is armed anew
+//! if it is not on the folder that now has the path.
+
+use std::fs;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use notify::event::{AccessKind, AccessMode};
+use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
+use tokio::sync::Notify;
+
+/// A watch on one folder, as well as it can be had.
+#[derive(Debug)]
+pub struct Watch {
+    folder: PathBuf,
+    hint: Arc<Notify>,
+    /// The watcher has reported an error; what it would say next is not to be relied upon.
+    broken: Arc<AtomicBool>,
+    armed: Option<Armed>,
+}
+
+#[derive(Debug)]
+struct Armed {
+    _watcher: RecommendedWatcher,
+    on: FolderId,
+}
+
+/// Which folder a path leads to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct FolderId {
+    dev: u64,
+    ino: u64,
+}
+
+impl Watch {
+    /// A watch that is not armed yet and will give `hint`.
+    pub fn new(folder: PathBuf, hint: Arc<Notify>) -> Watch {
+        Watch { folder, hint, broken: Arc::new(AtomicBool::new(false)), armed: None }
+    }
+
+    /// Arms the watch unless it is on the present folder; to be called before each look, so that
+    /// what comes after the look is not missed.
+    ///
+    /// # Errors
+    /// Where it cannot be armed: looks then come at their own pace only.
+    pub fn keep_armed(&mut self) -> notify::Result<()> {
+        let now = folder_id(&self.folder);
+        let broken = self.broken.swap(false, Ordering::Relaxed);
+        let on = self.armed.as_ref().map(|armed| armed.on);
+        if on.is_some() && on == now && !broken {
+            return Ok(());
+        }
+        self.armed = None;
+        let Some(on) = now else { return Err(notify::Error::path_not_found()) };
+        let (hint, broken) = (Arc::clone(&self.hint), Arc::clone(&self.broken));
+        let mut watcher = notify::recommended_watcher(move |event: notify::Result<Event>| {
+            match event {
+                Ok(event) if !tells(&event) => return,
+                Ok(_) => {}
+                Err(_) => broken.store(true, Ordering::Relaxed),
+            }
+            hint.notify_one();
+        })?;
+        watcher.watch(&self.folder, RecursiveMode::NonRecursive)?;
+        self.armed = Some(Armed { _watcher: watcher, on });
+        Ok(())
+    }
+}
+
+/// Whether an event tells of a change. Our own looks and copies open and close files; hints from
+/// those would make the station look for ever.
+fn tells(event: &Event) -> bool {
+    match event.kind {
+        EventKind::Access(AccessKind::Close(AccessMode::Write)) => true,
+        EventKind::Access(_) => event.need_rescan(),
+        _ => true,
+    }
+}
+
+fn folder_id(folder: &Path) -> Option<FolderId> {
+    let metadata = fs::metadata(folder).ok()?;
+    Some(FolderId { dev: metadata.dev(), ino: metadata.ino() })
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    async fn hinted(hint: &Notify) -> bool {
+        tokio::time::timeout(Duration::from_secs(10), hint.notified()).await.is_ok()
+    }
+
+    #[tokio::test]
+    async fn a_change_gives_a_hint_even_in_a_folder_that_was_replaced() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("export");
+        let hint = Arc::new(Notify::new());
+        let mut watch = Watch::new(folder.clone(), Arc::clone(&hint));
+        assert!(watch.keep_armed().is_err());
+
+        fs::create_dir(&folder).unwrap();
+        watch.keep_armed().unwrap();
+        fs::write(folder.join("a"), "a").unwrap();
+        assert!(hinted(&hint).await);
+
+        fs::rename(&folder, dir.path().join("old")).unwrap();
+        fs::create_dir(&folder).unwrap();
+        watch.keep_armed().unwrap();
+        let hint = Arc::clone(&watch.hint);
+        // What the old folder still had to say is not what is asked here.
+        while tokio::time::timeout(Duration::from_millis(50), hint.notified()).await.is_ok() {}
+        fs::write(folder.join("b"), "b").unwrap();
+        assert!(hinted(&hint).await);
+    }
+
+    #[tokio::test]
+    async fn reading_gives_no_hint() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("a"), "a").unwrap();
+        let hint = Arc::new(Notify::new());
+        let mut watch = Watch::new(dir.path().to_owned(), Arc::clone(&hint));
+        watch.keep_armed().unwrap();
+        fs::read(dir.path().join("a")).unwrap();
+        fs::read_dir(dir.path()).unwrap().count();
+        // Events keep their order: the first hint must be the one of this write.
+        let quiet = tokio::time::timeout(Duration::from_millis(200), hint.notified()).await;
+        assert!(quiet.is_err());
+        fs::write(dir.path().join("a"), "b").unwrap();
+        assert!(hinted(&hint).await);
+    }
+}

@@ -1,0 +1,112 @@
+//! Writing that survives a power cut: content synced before its name, names synced by their folder.
+
+use std::fs::{self, File, OpenOptions, Permissions};
+use std::io::{self, Write};
+use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
+use std::path::Path;
+
+use rustix::fs::{CWD, RenameFlags, renameat_with};
+use rustix::io::Errno;
+
+/// Files hold patients' bodies: for the owner only, whatever the umask.
+const FILE_MODE: u32 = 0o600;
+const FOLDER_MODE: u32 = 0o700;
+
+/// Writes a new file and syncs its content; its name is durable once its folder is synced.
+///
+/// # Errors
+/// Any I/O error, and where the file exists already.
+pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut file = OpenOptions::new().write(true).create_new(true).mode(FILE_MODE).open(path)?;
+    file.set_permissions(Permissions::from_mode(FILE_MODE))?;
+    file.write_all(bytes)?;
+    file.sync_all()
+}
+
+/// Makes a new folder for the owner only.
+///
+/// # Errors
+/// Any I/O error, and where the name exists already.
+pub fn make_folder(path: &Path) -> io::Result<()> {
+    fs::DirBuilder::new().mode(FOLDER_MODE).create(path)?;
+    fs::set_permissions(path, Permissions::from_mode(FOLDER_MODE))
+}
+
+/// Makes a folder for the owner only where there is none.
+///
+/// # Errors
+/// Any I/O error, and where the name is something else than a folder.
+pub fn make_folder_once(path: &Path) -> io::Result<()> {
+    match make_folder(path) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => Ok(()),
+        other => other,
+    }
+}
+
+/// Makes the names within a folder durable.
+///
+/// # Errors
+/// Any I/O error.
+pub fn sync_folder(path: &Path) -> io::Result<()> {
+    File::open(path)?.sync_all()
+}
+
+/// Gives a folder its final name, never over another.
+///
+/// # Errors
+/// `AlreadyExists` where the name is taken; any other I/O error.
+pub fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
+    match renameat_with(CWD, from, CWD, to, RenameFlags::NOREPLACE) {
+        // Some network file systems know no NOREPLACE. A plain rename never replaces a folder
+        // with content, and ours always have content.
+        Err(Errno::INVAL | Errno::NOSYS | Errno::OPNOTSUPP) => rename_unless_there(from, to),
+        other => other.map_err(io::Error::from),
+    }
+}
+
+fn rename_unless_there(from: &Path, to: &Path) -> io::Result<()> {
+    if to.symlink_metadata().is_ok() {
+        return Err(io::Error::from(io::ErrorKind::AlreadyExists));
+    }
+    fs::rename(from, to)
+}
+
+/// Removes a folder and all in it; that there is none is fine.
+///
+/// # Errors
+/// Any other I/O error.
+pub fn remove_folder(path: &Path) -> io::Result<()> {
+    match fs::remove_dir_all(path) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        other => other,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_written_is_for_the_owner_only() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("f");
+        make_folder_once(&folder).unwrap();
+        make_folder_once(&folder).unwrap();
+        write_new(&folder.join("x"), b"x").unwrap();
+        let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode() & 0o777;
+        assert_eq!((mode(&folder), mode(&folder.join("x"))), (0o700, 0o600));
+    }
+
+    #[test]
+    fn a_rename_never_replaces() {
+        let dir = tempfile::tempdir().unwrap();
+        let (from, to) = (dir.path().join("from"), dir.path().join("to"));
+        make_folder(&from).unwrap();
+        make_folder(&to).unwrap();
+        for rename in [rename_new, rename_unless_there] {
+            let refused = rename(&from, &to).unwrap_err();
+            assert_eq!(refused.kind(), io::ErrorKind::AlreadyExists);
+        }
+        assert!(from.is_dir());
+    }
+}

@@ -1,0 +1,147 @@
+//! The default store: `RECORDS/<patient>/<first seen>_<scan>/`.
+//!
+//! A record is staged beside its place under a dot name, every file synced, `SHA256SUMS` last,
+//! then the staged folder; then it is renamed, never over another, and the patient's folder is
+//! synced. So a folder under its final name is whole, and a receipt survives a power cut.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::sums::{self, SUMS};
+use super::{Delivery, Misfit, Receipt, StoreFault, durable};
+use crate::flow::naming;
+
+/// Records as folders on a disk or share.
+#[derive(Debug, Clone)]
+pub struct FolderStore {
+    root: PathBuf,
+    /// How this station's staged folders begin. Several stations may share the store, and none
+    /// may clear what another is writing. A station id holds no dot, so no beginning is the
+    /// beginning of another.
+    staging: String,
+}
+
+impl FolderStore {
+    /// The store under `root`, used by the station `station`.
+    pub fn new(root: PathBuf, station: &str) -> FolderStore {
+        FolderStore { root, staging: format!(".staging.{station}.") }
+    }
+
+    /// Makes the store's folder. Only for a station's first start: later a missing folder is a
+    /// share that is not mounted, and nothing may be written in its place.
+    ///
+    /// # Errors
+    /// A transient fault where the folder cannot be made.
+    pub fn make_root(&self) -> Result<(), StoreFault> {
+        tried("making the store's folder", &self.root, fs::create_dir_all(&self.root))
+    }
+
+    /// Removes what crashed deliveries of this station left staged.
+    ///
+    /// # Errors
+    /// A transient fault where the store is out of reach.
+    pub fn clear_staging(&self) -> Result<(), StoreFault> {
+        for patient in folders(&self.root)? {
+            for staged in folders(&patient)? {
+                let name = staged.file_name().unwrap_or_default().to_string_lossy();
+                if name.starts_with(&self.staging) {
+                    tried("clearing", &staged, durable::remove_folder(&staged))?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Stores a record, or finds that it is there already.
+    ///
+    /// # Errors
+    /// See [`StoreFault`].
+    pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
+        fit(delivery)?;
+        let patient = self.patient_folder(delivery.patient)?;
+        let name = naming::record_folder(delivery.first_seen, delivery.scan);
+        let place = patient.join(&name);
+        let already_there = place.symlink_metadata().is_ok() || {
+            let staged = patient.join(format!("{}{name}", self.staging));
+            stage(&staged, delivery)?;
+            !publish(&staged, &place)?
+        };
+        if already_there {
+            let checked = sums::check(&place, delivery.scan);
+            tried("checking", &place, checked)?
+                .map_err(|fault| StoreFault::Permanent(Misfit::Occupied(fault)))?;
+        }
+        // Also where it was there already: the run that made it may have crashed before this.
+        tried("syncing", &patient, durable::sync_folder(&patient))?;
+        Ok(Receipt { folder: place, already_there })
+    }
+
+    /// The patient's folder, made durable under the root.
+    fn patient_folder(&self, patient: Option<&str>) -> Result<PathBuf, StoreFault> {
+        let folder = self.root.join(naming::patient_folder(patient));
+        tried("making", &folder, durable::make_folder_once(&folder))?;
+        tried("syncing", &self.root, durable::sync_folder(&self.root))?;
+        Ok(folder)
+    }
+}
+
+/// Whether the record can be stored at all.
+fn fit(delivery: &Delivery<'_>) -> Result<(), StoreFault> {
+    if delivery.files.last().is_none_or(|file| file.name != SUMS) {
+        return Err(StoreFault::Permanent(Misfit::NoSums));
+    }
+    match delivery.files.iter().find(|file| !sums::plain(&file.name)) {
+        Some(file) => Err(StoreFault::Permanent(Misfit::FileName { name: file.name.clone() })),
+        None => Ok(()),
+    }
+}
+
+/// Writes the whole record under its staging name, synced.
+fn stage(staged: &Path, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
+    // An attempt that failed half way left its beginning.
+    tried("clearing", staged, durable::remove_folder(staged))?;
+    tried("making", staged, durable::make_folder(staged))?;
+    for file in delivery.files {
+        let path = staged.join(&file.name);
+        tried("writing", &path, durable::write_new(&path, &file.bytes))?;
+    }
+    tried("syncing", staged, durable::sync_folder(staged))
+}
+
+/// Gives the staged record its place; says whether the place was free.
+fn publish(staged: &Path, place: &Path) -> Result<bool, StoreFault> {
+    match durable::rename_new(staged, place) {
+        Ok(()) => Ok(true),
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+            tried("clearing", staged, durable::remove_folder(staged))?;
+            Ok(false)
+        }
+        Err(source) => {
+            Err(StoreFault::Transient { what: "renaming", path: place.to_owned(), source })
+        }
+    }
+}
+
+/// The folders within a folder, links not followed.
+fn folders(within: &Path) -> Result<Vec<PathBuf>, StoreFault> {
+    let list = || -> io::Result<Vec<PathBuf>> {
+        let mut folders = Vec::new();
+        for entry in fs::read_dir(within)? {
+            let entry = entry?;
+            if entry.file_type()?.is_dir() {
+                folders.push(entry.path());
+            }
+        }
+        Ok(folders)
+    };
+    tried("listing", within, list())
+}
+
+/// Every I/O error of a store may pass: disks fill and empty, shares go and come back.
+fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, StoreFault> {
+    result.map_err(|source| StoreFault::Transient { what, path: path.to_owned(), source })
+}
+
+#[cfg(test)]
+mod tests;

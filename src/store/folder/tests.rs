@@ -1,0 +1,150 @@
+//! The folder store on real folders.
+
+use super::*;
+use crate::flow::ScanId;
+use crate::record::RecordFile;
+use crate::store::sums::SumsFault;
+
+struct Case {
+    dir: tempfile::TempDir,
+    scan: ScanId,
+    files: Vec<RecordFile>,
+}
+
+impl Case {
+    fn new() -> Case {
+        let bytes = b"v 0 0 0\n".to_vec();
+        let scan = sums::scan_id(&bytes);
+        let record = b"{}".to_vec();
+        let listing = format!("{}  record.json\n{scan}  scan.obj\n", sums::scan_id(&record));
+        let file = |name: &str, bytes| RecordFile { name: name.to_owned(), bytes };
+        let files = vec![
+            file("record.json", record),
+            file("scan.obj", bytes),
+            file(SUMS, listing.into_bytes()),
+        ];
+        Case { dir: tempfile::tempdir().unwrap(), scan, files }
+    }
+
+    fn store(&self) -> FolderStore {
+        FolderStore::new(self.dir.path().to_owned(), "booth-1")
+    }
+
+    fn delivery(&self) -> Delivery<'_> {
+        let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
+        Delivery { scan: &self.scan, patient: Some("4711"), first_seen, files: &self.files }
+    }
+
+    fn place(&self) -> PathBuf {
+        self.dir.path().join(format!("4711/20261121T091500Z_{}", self.scan.short()))
+    }
+}
+
+fn names(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder).unwrap();
+    let mut names: Vec<String> =
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn a_record_put_twice_is_there_once_and_whole() {
+    let case = Case::new();
+    let first = case.store().put(&case.delivery()).unwrap();
+    assert_eq!(first, Receipt { folder: case.place(), already_there: false });
+    let again = case.store().put(&case.delivery()).unwrap();
+    assert_eq!(again, Receipt { folder: case.place(), already_there: true });
+    assert_eq!(names(&case.place()), ["SHA256SUMS", "record.json", "scan.obj"]);
+    assert_eq!(names(&case.dir.path().join("4711")).len(), 1);
+    assert_eq!(sums::check(&case.place(), &case.scan).unwrap(), Ok(()));
+}
+
+#[test]
+fn a_person_s_note_in_the_folder_does_not_matter() {
+    let case = Case::new();
+    case.store().put(&case.delivery()).unwrap();
+    fs::write(case.place().join("note.txt"), "left leg in a cast").unwrap();
+    assert!(case.store().put(&case.delivery()).unwrap().already_there);
+}
+
+#[test]
+fn an_occupied_place_is_a_permanent_fault_and_never_overwritten() {
+    let case = Case::new();
+    case.store().put(&case.delivery()).unwrap();
+    let record = case.place().join("record.json");
+    fs::write(&record, "changed by hand").unwrap();
+    let fault = case.store().put(&case.delivery()).unwrap_err();
+    let expected = SumsFault::Differs { name: "record.json".to_owned() };
+    assert!(
+        matches!(&fault, StoreFault::Permanent(Misfit::Occupied(f)) if *f == expected),
+        "{fault:?}"
+    );
+    assert_eq!(fs::read(&record).unwrap(), b"changed by hand");
+
+    fs::remove_file(&record).unwrap();
+    let fault = case.store().put(&case.delivery()).unwrap_err();
+    assert_eq!(fault.code(), "store-place-occupied");
+    fs::remove_file(case.place().join(SUMS)).unwrap();
+    let fault = case.store().put(&case.delivery()).unwrap_err();
+    assert!(matches!(fault, StoreFault::Permanent(Misfit::Occupied(SumsFault::NoSums))));
+}
+
+#[test]
+fn another_scan_in_the_place_is_seen() {
+    let case = Case::new();
+    case.store().put(&case.delivery()).unwrap();
+    let other = sums::scan_id(b"other bytes");
+    assert_eq!(sums::check(&case.place(), &other).unwrap(), Err(SumsFault::OtherScan));
+}
+
+#[test]
+fn what_a_crash_left_staged_is_cleared_and_other_stations_staging_is_not() {
+    let case = Case::new();
+    let patient = case.dir.path().join("4711");
+    for station in ["booth-1", "booth-1-b"] {
+        let staged = patient.join(format!(".staging.{station}.20261121T091500Z_01234567"));
+        fs::create_dir_all(&staged).unwrap();
+        fs::write(staged.join("record.json"), "{").unwrap();
+    }
+    case.store().clear_staging().unwrap();
+    assert_eq!(names(&patient), [".staging.booth-1-b.20261121T091500Z_01234567"]);
+}
+
+#[test]
+fn a_half_staged_attempt_does_not_hinder_the_next() {
+    let case = Case::new();
+    let name = format!(".staging.booth-1.20261121T091500Z_{}", case.scan.short());
+    let staged = case.dir.path().join("4711").join(name);
+    fs::create_dir_all(&staged).unwrap();
+    fs::write(staged.join("record.json"), "{").unwrap();
+    assert!(!case.store().put(&case.delivery()).unwrap().already_there);
+    assert_eq!(names(&case.dir.path().join("4711")).len(), 1);
+}
+
+#[test]
+fn a_missing_root_is_a_share_that_is_not_mounted_and_is_not_made() {
+    let case = Case::new();
+    let gone = case.dir.path().join("share");
+    let store = FolderStore::new(gone.clone(), "booth-1");
+    let fault = store.put(&case.delivery()).unwrap_err();
+    assert_eq!(fault.code(), "store-unavailable");
+    assert!(!gone.exists());
+}
+
+#[test]
+fn a_record_without_sums_or_with_a_name_that_leaves_its_folder_is_refused() {
+    let mut case = Case::new();
+    let listing = case.files.pop().unwrap();
+    let fault = case.store().put(&case.delivery()).unwrap_err();
+    assert!(matches!(fault, StoreFault::Permanent(Misfit::NoSums)));
+    for name in ["../x", ".hidden", "a/b", "", "ä"] {
+        case.files = vec![
+            RecordFile { name: name.to_owned(), bytes: Vec::new() },
+            RecordFile { name: SUMS.to_owned(), bytes: listing.bytes.clone() },
+        ];
+        let fault = case.store().put(&case.delivery()).unwrap_err();
+        assert!(matches!(fault, StoreFault::Permanent(Misfit::FileName { .. })), "{name}");
+    }
+    assert_eq!(names(case.dir.path()), Vec::<String>::new());
+}

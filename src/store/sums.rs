@@ -1,0 +1,106 @@
+//! `SHA256SUMS`: whether a record folder is whole.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use sha2::{Digest, Sha256};
+
+use crate::flow::ScanId;
+
+/// The file that lists all others of a record folder; written last.
+pub const SUMS: &str = "SHA256SUMS";
+
+/// The name, without its ending, of the scan's own bytes in a record folder.
+const SCAN: &str = "scan.";
+
+/// Why a folder is not the whole record of a scan.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum SumsFault {
+    /// There is no `SHA256SUMS`, or it is no text.
+    #[error("it has no readable SHA256SUMS")]
+    NoSums,
+    /// A line of `SHA256SUMS` is not a sum and a name.
+    #[error("line {line} of its SHA256SUMS is no sum and name")]
+    Line {
+        /// 1-based.
+        line: usize,
+    },
+    /// A listed file is not there.
+    #[error("its file {name:?} is missing")]
+    Missing {
+        /// The listed name.
+        name: String,
+    },
+    /// A listed file has other bytes.
+    #[error("its file {name:?} is not what SHA256SUMS says")]
+    Differs {
+        /// The listed name.
+        name: String,
+    },
+    /// It is the record of other bytes, or of none.
+    #[error("it holds another scan")]
+    OtherScan,
+}
+
+/// The SHA-256 of bytes as a scan id.
+pub fn scan_id(bytes: &[u8]) -> ScanId {
+    ScanId::of_digest(Sha256::digest(bytes).into())
+}
+
+/// Checks that a folder holds every file its `SHA256SUMS` lists, bytes and all, and that its scan
+/// is the given one. Files that are not listed, such as a person's notes, do not matter.
+///
+/// # Errors
+/// Outer: the folder could not be read now. Inner: it is not the whole record of this scan.
+pub fn check(folder: &Path, scan: &ScanId) -> io::Result<Result<(), SumsFault>> {
+    let listed = match readable(fs::read(folder.join(SUMS)))? {
+        Some(bytes) => parse(&bytes),
+        None => Err(SumsFault::NoSums),
+    };
+    let listed = match listed {
+        Ok(listed) => listed,
+        Err(fault) => return Ok(Err(fault)),
+    };
+    for (sum, name) in &listed {
+        let Some(bytes) = readable(fs::read(folder.join(name)))? else {
+            return Ok(Err(SumsFault::Missing { name: name.clone() }));
+        };
+        if scan_id(&bytes) != *sum {
+            return Ok(Err(SumsFault::Differs { name: name.clone() }));
+        }
+    }
+    let holds_scan = listed.iter().any(|(sum, name)| name.starts_with(SCAN) && sum == scan);
+    Ok(if holds_scan { Ok(()) } else { Err(SumsFault::OtherScan) })
+}
+
+/// A file that is not there says something about the record; any other error says nothing.
+fn readable(read: io::Result<Vec<u8>>) -> io::Result<Option<Vec<u8>>> {
+    match read {
+        Ok(bytes) => Ok(Some(bytes)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+fn parse(bytes: &[u8]) -> Result<Vec<(ScanId, String)>, SumsFault> {
+    let text = std::str::from_utf8(bytes).map_err(|_| SumsFault::NoSums)?;
+    let entry = |(at, line): (usize, &str)| {
+        let fault = SumsFault::Line { line: at + 1 };
+        let (sum, name) = line.split_once(' ').ok_or(fault.clone())?;
+        // The second character says text or binary and means nothing on Linux.
+        let name = name.strip_prefix([' ', '*']).ok_or(fault.clone())?;
+        if !plain(name) {
+            return Err(fault);
+        }
+        Ok((ScanId::parse(sum).map_err(|_| fault)?, name.to_owned()))
+    };
+    text.lines().enumerate().map(entry).collect()
+}
+
+/// Whether a name stays in its folder and is not hidden.
+pub fn plain(name: &str) -> bool {
+    !name.is_empty()
+        && !name.starts_with('.')
+        && name.bytes().all(|b| b.is_ascii_graphic() && b != b'/' && b != b'\\')
+}
