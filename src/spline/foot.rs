@@ -29,10 +29,6 @@ const REST_MM: f64 = 1e-9;
 /// Distances closer than this are equal: what rounding leaves of coordinates of some metres.
 const ROUNDING_MM: f64 = 1e-12;
 
-/// The longest step, as a fraction of the domain in either direction, so that the search does not
-/// leap into another valley.
-const LONGEST_STEP: f64 = 0.125;
-
 impl Surface {
     /// The point of the surface nearest to `point`, mm, searched downhill from `u0`, `v0`: a local
     /// minimum of the distance. Steps wrap across the seam and stop at the end rows. Source: The
@@ -51,27 +47,18 @@ impl Surface {
                 break;
             }
         }
-        let (start, end) = self.around().domain();
-        let v = start + (here.v - start).rem_euclid(end - start);
+        let v = self.around().brought_home(here.v);
         let at_end = here.u <= first || here.u >= last;
         Foot { u: here.u, v, distance_mm: here.distance_mm, converged, at_end }
     }
 
-    /// The first of ever shorter steps that comes nearer by a due part of what its slope promises
-    /// (Armijo 1966); without such a rule steps may circle a point near the axis for ever.
+    /// The first of ever shorter steps that does not lead away from the point.
     fn improved(&self, point: &Point3<f64>, here: &Place, step: Vector2<f64>) -> Option<Place> {
         let (first, last) = self.along().domain();
-        let (start, end) = self.around().domain();
-        // Shortened as a whole: its direction is what leads downhill.
-        let longest = (step.x / (last - first)).abs().max((step.y / (end - start)).abs());
-        let step = step * (LONGEST_STEP / longest.max(LONGEST_STEP));
         (0..30).map(|halvings| 0.5_f64.powi(halvings)).find_map(|share| {
             let u = (here.u + share * step.x).clamp(first, last);
             let place = Place::at(self, point, u, here.v + share * step.y);
-            // The slope is that of half the squared distance.
-            let slope = here.gradient.dot(&step.component_mul(&here.lengths));
-            let promised = 1e-3 * share * slope / here.distance_mm.max(REST_MM);
-            (place.distance_mm <= here.distance_mm + promised + ROUNDING_MM).then_some(place)
+            (place.distance_mm <= here.distance_mm + ROUNDING_MM).then_some(place)
         })
     }
 }
@@ -103,17 +90,12 @@ impl Place {
         Place { u, v, distance_mm: away.norm(), derivatives, lengths, gradient, hessian }
     }
 
-    /// The step downhill in u and v. On an end row the way out is shut: u rests where the slope
-    /// leads out, and where only the Newton step does, u and v each go their own way (projected
-    /// Newton, Bertsekas 1982).
+    /// The step downhill in u and v; along the end row where it would lead out of the domain.
     fn step(&self, first: f64, last: f64) -> Vector2<f64> {
-        let leaves = |du: f64| (self.u <= first && du < 0.0) || (self.u >= last && du > 0.0);
-        let apart = -self.gradient.component_div(&self.hessian.diagonal().map(steepness));
         let free = newton(&self.hessian, &self.gradient);
-        let step = if leaves(apart.x) {
-            Vector2::new(0.0, apart.y)
-        } else if leaves(free.x) {
-            apart
+        let leaves = (self.u <= first && free.x < 0.0) || (self.u >= last && free.x > 0.0);
+        let step = if leaves {
+            Vector2::new(0.0, -self.gradient.y / steepness(self.hessian.m22))
         } else {
             free
         };
