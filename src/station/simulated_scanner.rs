@@ -1,12 +1,11 @@
 //! The simulated scanner of `gaiter demo`: writes recorded exports the way a scanner does, in
 //! pieces over some seconds, straight under the final name.
 
-use std::io;
+use std::fs::OpenOptions;
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::time::Duration;
 
-use tokio::fs::OpenOptions;
-use tokio::io::AsyncWriteExt;
 use tokio::time::sleep;
 
 /// An export is written in this many pieces.
@@ -28,11 +27,10 @@ pub struct Export {
 /// # Errors
 /// As the file system gives them.
 pub async fn write(export: Export) -> io::Result<()> {
-    let mut file = OpenOptions::new().write(true).create_new(true).open(&export.path).await?;
+    let mut file = OpenOptions::new().write(true).create_new(true).open(&export.path)?;
     let piece_bytes = export.bytes.len().div_ceil(PIECES).max(1);
     for piece in export.bytes.chunks(piece_bytes) {
-        file.write_all(piece).await?;
-        file.flush().await?;
+        file.write_all(piece)?;
         sleep(export.takes / PIECES as u32).await;
     }
     Ok(())
