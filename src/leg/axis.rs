@@ -17,7 +17,7 @@ const FROM_STATURE_SHARE: f64 = 0.066;
 const TO_CROTCH_SHARE: f64 = 0.92;
 
 /// Distance of the sections that give centroids, mm.
-const SPACING_MM: f64 = 10.0;
+const SPACING_MM: f64 = 20.0;
 
 /// Sections are first horizontal, then square to the axis so found; after three rounds the axis
 /// moves by less than 0.01°.
@@ -137,7 +137,7 @@ pub fn axis(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<LegAxis
 
 /// Centroid of the area inside an outline that is given as unordered points, by their angle about
 /// the middle of their hull; a gap is closed by its chord.
-fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
+pub fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
     let middle = Hull::of(points)?.centroid();
     let mut outline: Vec<_> = points.iter().map(|p| p - middle).collect();
     outline.sort_by(|p, q| p.y.atan2(p.x).total_cmp(&q.y.atan2(q.x)));

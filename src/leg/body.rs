@@ -125,13 +125,13 @@ impl BodyFault {
 /// # Errors
 /// A [`BodyFault`] where the scan is no whole standing body or its sides cannot be told.
 pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
-    let triangles = without_fragments(scan.points.len(), &scan.triangles);
+    let scan = &without_fragments(scan);
     let upright = upright(method.up);
-    let (unit, low) = unit(scan, &triangles, method, &upright)?;
+    let (unit, low) = unit(scan, method, &upright)?;
     let to_mm = Translation3::new(0.0, 0.0, -low.z * unit.in_mm()).to_homogeneous()
         * Matrix4::new_scaling(unit.in_mm())
         * upright.to_homogeneous();
-    let standing = moved(scan, &triangles, &to_mm);
+    let standing = moved(scan, &to_mm);
     let top_mm = standing.highest_mm();
     let stance = stance(&standing, top_mm).map_err(|shanks| BodyFault::NotTwoLegs { shanks })?;
     let (toes, facing_from) = facing(&stance, method.facing, &upright)?;
@@ -143,7 +143,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     let [a, b] = stance.shanks.map(in_body);
     let (left, right) = if a.x > b.x { (a, b) } else { (b, a) };
     Ok(Body {
-        mesh: moved(scan, &triangles, &(to_body * to_mm)),
+        mesh: moved(scan, &(to_body * to_mm)),
         stature_mm: top_mm - stance.floor_mm,
         shanks: Sides { left, right },
         facing_deg: facing.to_degrees(),
@@ -167,13 +167,12 @@ fn upright(up: Up) -> Rotation3<f64> {
 /// The unit of the export and the lowest corner of the upright body in it.
 fn unit(
     scan: &Scan,
-    triangles: &[[u32; 3]],
     method: &Method,
     upright: &Rotation3<f64>,
 ) -> Result<(Unit, Point3<f64>), BodyFault> {
-    let corners = triangles.iter().flatten().map(|&corner| upright * scan.points[corner as usize]);
+    let points = scan.points.iter().map(|point| upright * point);
     let none = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
-    let (low, high) = corners.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)));
+    let (low, high) = points.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)));
     let extent = high - low;
     let [least, most] = STATURE_MM;
     let plausible = |unit: &Unit| (least..=most).contains(&(extent.z * unit.in_mm()));
@@ -192,10 +191,10 @@ fn unit(
     Ok((found, low))
 }
 
-/// The mesh of the kept triangles under an affine map; points keep their indices.
-fn moved(scan: &Scan, triangles: &[[u32; 3]], map: &Matrix4<f64>) -> Mesh {
+/// The scan's mesh under an affine map.
+fn moved(scan: &Scan, map: &Matrix4<f64>) -> Mesh {
     let points = scan.points.iter().map(|p| map.transform_point(p)).collect();
-    Mesh::new(points, triangles.to_vec())
+    Mesh::new(points, scan.triangles.clone())
 }
 
 /// Where the toes point in the upright frame, by the feet, checked against the declaration.

@@ -2,8 +2,7 @@
 //! continuous curve (paper 1.2, fig. 3a).
 
 use super::section::{Girth, SPACING_MM, Sections};
-use crate::spline::basis::Basis;
-use crate::spline::fit::{self, Smoothing, Spline};
+use crate::spline::{Basis, Smoothing, Spline, fit};
 
 /// Length of the pieces of the fitted curve, mm: shorter than half of any muscle's bulge (60 mm).
 const INTERVAL_MM: f64 = 12.0;
@@ -71,8 +70,8 @@ pub fn girth_curve(sections: &Sections, stature_mm: f64) -> Option<GirthCurve> {
     });
     Some(GirthCurve {
         rows: rows.collect(),
-        tape: fit::fit(&basis, &along, &tape_mm, &weights, smoothing).ok()?,
-        contour: fit::fit(&basis, &along, &column(|g| g.contour_mm), &weights, smoothing).ok()?,
+        tape: fit(&basis, &along, &tape_mm, &weights, smoothing).ok()?,
+        contour: fit(&basis, &along, &column(|g| g.contour_mm), &weights, smoothing).ok()?,
     })
 }
 
@@ -84,7 +83,7 @@ fn lambda(basis: &Basis, along: &[f64], tape_mm: &[f64], weights: &[f64]) -> Opt
     };
     let one = |first: usize| {
         let data = [along, tape_mm, weights].map(|values| every(values, first));
-        fit::fit(basis, &data[0], &data[1], &data[2], Smoothing::Gcv).ok().map(|fit| fit.lambda)
+        fit(basis, &data[0], &data[1], &data[2], Smoothing::Gcv).ok().map(|fit| fit.lambda)
     };
     let mut found: Vec<f64> = (0..INDEPENDENT_ROWS).filter_map(one).collect();
     found.sort_by(f64::total_cmp);

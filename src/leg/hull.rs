@@ -1,4 +1,4 @@
-//! Convex hulls in the plane: what a tape measure lies on, and where a leg was one slice ago.
+//! Convex hulls in the plane: what a tape measure lies on.
 
 use nalgebra::{Point2, Vector2};
 
@@ -39,14 +39,6 @@ impl Hull {
             twice_area += cross;
         }
         first + moment / (3.0 * twice_area)
-    }
-
-    /// Whether a point lies within the polygon or at most `margin` beyond the line of any edge.
-    pub fn contains_within(&self, point: &Point2<f64>, margin: f64) -> bool {
-        self.edges().all(|(from, to)| {
-            let edge = to - from;
-            edge.perp(&(point - from)) >= -margin * edge.norm()
-        })
     }
 
     fn edges(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>)> + '_ {
@@ -90,8 +82,6 @@ mod tests {
         let hull = Hull::of(&square()).unwrap();
         assert_eq!(hull.perimeter(), 8.0);
         assert_eq!(hull.centroid(), Point2::new(1.0, 1.0));
-        assert!(hull.contains_within(&Point2::new(2.5, 1.0), 0.5));
-        assert!(!hull.contains_within(&Point2::new(2.51, 1.0), 0.5));
     }
 
     #[test]

@@ -20,6 +20,7 @@ mod cluster;
 pub mod curvature;
 pub mod feature;
 pub mod finding;
+mod footprint;
 pub mod girth;
 pub mod grid;
 mod hull;

@@ -9,14 +9,13 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Point2;
 use rayon::prelude::*;
 
-use super::axis::LegAxis;
+use super::axis::{LegAxis, outline_centroid};
 use super::hull::Hull;
 use super::method::SectionFit;
 use super::polynomial::{self, Polynomial};
 use super::segment::Leg;
 use super::slice::Crossing;
-use crate::spline::basis::Basis;
-use crate::spline::fit::{self, Smoothing, Spline};
+use crate::spline::{Basis, Smoothing, Spline, fit, robust_fit};
 
 /// Distance of neighbouring sections along the axis, mm.
 pub const SPACING_MM: f64 = 5.0;
@@ -28,18 +27,12 @@ const LOWEST_MM: f64 = 40.0;
 /// how much of that is used is for the smoothing to say.
 const INTERVALS: usize = 48;
 
-/// Rounds of robust reweighting; weights change by less than 1 % after four.
-const ROBUST_ROUNDS: usize = 4;
-
-/// Tukey's constant: residuals beyond this many standard deviations have no weight (95 %
-/// efficiency with normal errors).
-const TUKEY: f64 = 4.685;
-
-/// Median absolute deviation to standard deviation, for normal errors.
-const MAD_TO_SD: f64 = 1.4826;
-
 /// Smallest scale of residuals, mm: perfect data must not throw out their own rounding.
 const SCALE_MIN_MM: f64 = 0.02;
+
+/// Of how many section planes one gives its share to the choice of smoothing; the median over some
+/// thirty is as good as that over all.
+const SMOOTHING_STRIDE: usize = 4;
 
 /// A section with fewer points than this is not fitted.
 const POINTS_MIN: usize = 24;
@@ -113,6 +106,14 @@ pub enum Curve {
 }
 
 impl Curve {
+    /// Radius at an angle, mm.
+    pub fn radius(&self, angle: f64) -> f64 {
+        match self {
+            Curve::Periodic(spline) => spline.value(angle),
+            Curve::Polynomial(polynomial) => polynomial.derivatives(angle)[0],
+        }
+    }
+
     /// Radius and its first two derivatives by the angle.
     pub fn derivatives(&self, angle: f64) -> [f64; 3] {
         match self {
@@ -126,7 +127,7 @@ impl Curve {
 
     /// The point at an angle, relative to the centre, (front, lateral) in mm.
     pub fn point(&self, angle: f64) -> Point2<f64> {
-        let [radius, ..] = self.derivatives(angle);
+        let radius = self.radius(angle);
         Point2::new(radius * angle.cos(), radius * angle.sin())
     }
 
@@ -189,15 +190,19 @@ pub enum Fit {
 fn lambda(axis: &LegAxis, slices: &[Vec<Crossing>]) -> f64 {
     let one = |slice: &Vec<Crossing>| {
         let points = axis.points(&independent(slice));
-        let centre = Hull::of(&points)?.centroid();
+        let centre = outline_centroid(&points)?;
         let (angles, radii) = polar(&points, centre);
-        let basis = Basis::uniform_periodic(-PI, TAU, INTERVALS).ok()?;
         let weights = vec![1.0; radii.len()];
-        fit::fit(&basis, &angles, &radii, &weights, Smoothing::Gcv).ok().map(|fit| fit.lambda)
+        fit(&basis()?, &angles, &radii, &weights, Smoothing::Gcv).ok().map(|fit| fit.lambda)
     };
-    let mut found: Vec<f64> = slices.par_iter().filter_map(one).collect();
+    let mut found: Vec<f64> = slices.par_iter().step_by(SMOOTHING_STRIDE).filter_map(one).collect();
     found.sort_by(f64::total_cmp);
     found.get(found.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// The pieces of every periodic section curve.
+fn basis() -> Option<Basis> {
+    Basis::uniform_periodic(-PI, TAU, INTERVALS).ok()
 }
 
 /// Crossings of which no two share a point of the mesh, as many as come first.
@@ -216,7 +221,7 @@ fn polar(points: &[Point2<f64>], centre: Point2<f64>) -> (Vec<f64>, Vec<f64>) {
     arms.map(|arm| (arm.y.atan2(arm.x), arm.norm())).unzip()
 }
 
-/// Fits one section; none where too few points or too wide a gap leave it open.
+/// Fits one section about the centroid of its outline; none where too few points or too wide a gap leave it open.
 pub fn section(
     axis: &LegAxis,
     along_mm: f64,
@@ -226,9 +231,7 @@ pub fn section(
     if points.len() < POINTS_MIN {
         return None;
     }
-    let rough = Hull::of(points)?.centroid();
-    let first = fitted(points, rough, fit)?;
-    let centre = rough + Hull::of(&first.curve.points(GIRTH_ANGLES / 10))?.centroid().coords;
+    let centre = outline_centroid(points)?;
     let found = fitted(points, centre, fit)?;
     let largest_gap_deg = largest_gap_deg(&found.angles, &found.weights);
     if largest_gap_deg > GAP_MAX_DEG {
@@ -260,8 +263,8 @@ fn fitted(points: &[Point2<f64>], centre: Point2<f64>, fit: Fit) -> Option<Fitte
     let (angles, radii) = polar(points, centre);
     let (curve, weights) = match fit {
         Fit::Periodic { lambda } => {
-            let (spline, weights) = robust(&angles, &radii, lambda)?;
-            (Curve::Periodic(spline), weights)
+            let fit = robust_fit(&basis()?, &angles, &radii, lambda, SCALE_MIN_MM).ok()?;
+            (Curve::Periodic(fit.spline), fit.weights)
         }
         Fit::Polynomial => {
             (Curve::Polynomial(polynomial::fit(&angles, &radii)?), vec![1.0; radii.len()])
@@ -271,33 +274,13 @@ fn fitted(points: &[Point2<f64>], centre: Point2<f64>, fit: Fit) -> Option<Fitte
     let mean = radii.iter().sum::<f64>() / radii.len() as f64;
     let (mut rss, mut spread, mut weighted) = (0.0, 0.0, 0.0);
     for ((angle, radius), weight) in angles.iter().zip(&radii).zip(&weights) {
-        let residual = radius - curve.derivatives(*angle)[0];
+        let residual = radius - curve.radius(*angle);
         rss += residual * residual;
         weighted += weight * residual * residual;
         spread += (radius - mean).powi(2);
     }
     let r2 = if spread > 0.0 { 1.0 - rss / spread } else { 1.0 };
     Some(Fitted { curve, angles, weights, r2, rms_mm: (weighted / total).sqrt() })
-}
-
-/// A periodic smoothing spline with Tukey's weights.
-fn robust(angles: &[f64], radii_mm: &[f64], lambda: f64) -> Option<(Spline, Vec<f64>)> {
-    let basis = Basis::uniform_periodic(-PI, TAU, INTERVALS).ok()?;
-    let smoothing = Smoothing::Fixed(lambda);
-    let mut weights = vec![1.0; angles.len()];
-    let mut spline = fit::fit(&basis, angles, radii_mm, &weights, smoothing).ok()?;
-    for _ in 0..ROBUST_ROUNDS {
-        let residuals: Vec<f64> =
-            angles.iter().zip(radii_mm).map(|(angle, r)| r - spline.value(*angle)).collect();
-        let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
-        let middle = sizes.len() / 2;
-        let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-        let reach = TUKEY * (MAD_TO_SD * *median).max(SCALE_MIN_MM);
-        let tukey = |residual: &f64| (1.0 - (residual / reach).powi(2)).max(0.0).powi(2);
-        weights = residuals.iter().map(tukey).collect();
-        spline = fit::fit(&basis, angles, radii_mm, &weights, smoothing).ok()?;
-    }
-    Some((spline, weights))
 }
 
 /// Widest angle without a point that counts, degrees.

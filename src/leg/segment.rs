@@ -8,7 +8,7 @@ use nalgebra::{Point2, Vector3};
 
 use super::body::{Body, Sides};
 use super::cluster::clusters;
-use super::hull::Hull;
+use super::footprint::Footprint;
 use super::slice::Mesh;
 
 /// Distance of the slices in which a leg is followed, mm.
@@ -76,7 +76,7 @@ impl Side {
 pub struct Leg {
     /// Whose leg.
     pub side: Side,
-    /// The leg's skin; all points of the body, the leg's triangles.
+    /// The leg's skin.
     pub mesh: Mesh,
 }
 
@@ -125,13 +125,6 @@ impl SegmentFault {
     }
 }
 
-/// Where a leg lies at one height.
-#[derive(Clone)]
-struct Footprint {
-    height_mm: f64,
-    hull: Hull,
-}
-
 /// Cuts the body into its legs.
 ///
 /// # Errors
@@ -139,9 +132,10 @@ struct Footprint {
 pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
     let start_mm = START_SHARE * body.stature_mm;
     let [lowest_crotch_mm, highest_crotch_mm] = CROTCH_SHARE.map(|share| share * body.stature_mm);
-    let seeds = seeds(body, start_mm)?;
+    let mesh = &body.mesh.below(highest_crotch_mm + ABOVE_CROTCH_MM);
+    let seeds = seeds(mesh, &body.shanks, start_mm)?;
     let upwards = heights(start_mm, highest_crotch_mm, STEP_MM);
-    let up = follow(&body.mesh, seeds.clone(), &upwards, GROWTH_UP_MM, true);
+    let up = follow(mesh, seeds.clone(), &upwards, GROWTH_UP_MM, true);
     let height_mm = up.left.last().map_or(start_mm, |print| print.height_mm);
     match up.end {
         End::Lost(side) => return Err(SegmentFault::LegEnds { side, height_mm }),
@@ -156,21 +150,25 @@ pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
         right: up.right.last().cloned().unwrap_or_else(|| seeds.right.clone()),
     };
     let fine = heights(height_mm, height_mm + STEP_MM, CROTCH_STEP_MM);
-    let apart = follow(&body.mesh, last.clone(), &fine, GROWTH_UP_MM, true);
+    let apart = follow(mesh, last.clone(), &fine, GROWTH_UP_MM, true);
     let crotch_height_mm =
         CROTCH_STEP_MM + apart.left.last().map_or(height_mm, |print| print.height_mm);
     let mut downwards = heights(0.0, start_mm, STEP_MM);
     downwards.reverse();
-    let down = follow(&body.mesh, seeds, &downwards, GROWTH_DOWN_MM, false);
-    let mid_x_mm = (last.left.hull.centroid().x + last.right.hull.centroid().x) / 2.0;
+    let mut down = follow(mesh, seeds, &downwards, GROWTH_DOWN_MM, false);
+    down.left.reverse();
+    down.right.reverse();
+    let mid_x_mm = (last.left.middle.x + last.right.middle.x) / 2.0;
     let leg = |side: Side, below: &[Footprint], above: &[Footprint]| {
         let foot = Zone { prints: below, margin_mm: GROWTH_DOWN_MM, top_mm: start_mm };
         let top_mm = crotch_height_mm + ABOVE_CROTCH_MM;
         let shank = Zone { prints: above, margin_mm: GROWTH_UP_MM, top_mm };
-        Leg { side, mesh: cut(&body.mesh, side, mid_x_mm, &foot, &shank) }
+        Leg { side, mesh: cut(mesh, side, mid_x_mm, &foot, &shank) }
     };
-    let left = leg(Side::Left, &down.left, &up.left);
-    let right = leg(Side::Right, &down.right, &up.right);
+    let (left, right) = rayon::join(
+        || leg(Side::Left, &down.left, &up.left),
+        || leg(Side::Right, &down.right, &up.right),
+    );
     Ok(Legs { legs: Sides { left, right }, crotch_height_mm })
 }
 
@@ -181,21 +179,21 @@ fn heights(from_mm: f64, to_mm: f64, step_mm: f64) -> Vec<f64> {
 }
 
 /// Both legs' footprints where following begins.
-fn seeds(body: &Body, start_mm: f64) -> Result<Sides<Footprint>, SegmentFault> {
-    let slice = &slices(&body.mesh, &[start_mm])[0];
-    let groups = clusters(slice, LINK_MM);
-    let seed = |side: Side, shank: Point2<f64>| {
-        let own = groups.iter().flatten().filter(|p| {
-            let other = if side == Side::Left { body.shanks.right } else { body.shanks.left };
-            (*p - shank).norm() < (*p - other).norm()
-        });
-        let hull = Hull::of(&own.copied().collect::<Vec<_>>());
+fn seeds(
+    mesh: &Mesh,
+    shanks: &Sides<Point2<f64>>,
+    start_mm: f64,
+) -> Result<Sides<Footprint>, SegmentFault> {
+    let slice = &slices(mesh, &[start_mm])[0];
+    let seed = |side: Side, own: Point2<f64>, other: Point2<f64>| {
+        let nearer = |p: &&Point2<f64>| (*p - own).norm() < (*p - other).norm();
+        let points: Vec<_> = slice.iter().filter(nearer).copied().collect();
         let lost = SegmentFault::LegEnds { side, height_mm: start_mm };
-        hull.map(|hull| Footprint { height_mm: start_mm, hull }).ok_or(lost)
+        Footprint::of(&points, start_mm).ok_or(lost)
     };
     Ok(Sides {
-        left: seed(Side::Left, body.shanks.left)?,
-        right: seed(Side::Right, body.shanks.right)?,
+        left: seed(Side::Left, shanks.left, shanks.right)?,
+        right: seed(Side::Right, shanks.right, shanks.left)?,
     })
 }
 
@@ -243,13 +241,12 @@ fn follow(
             track.end = End::Joined;
             break;
         };
-        let (Some(left), Some(right)) = (Hull::of(&left), Hull::of(&right)) else {
-            let lost = if left.len() < right.len() { Side::Left } else { Side::Right };
-            track.end = End::Lost(lost);
+        let prints = [Footprint::of(&left, height_mm), Footprint::of(&right, height_mm)];
+        let [Some(left), Some(right)] = prints else {
+            track.end = End::Lost(if prints[0].is_none() { Side::Left } else { Side::Right });
             break;
         };
-        last.left = Footprint { height_mm, hull: left };
-        last.right = Footprint { height_mm, hull: right };
+        last = Sides { left, right };
         track.left.push(last.left.clone());
         track.right.push(last.right.clone());
     }
@@ -264,18 +261,18 @@ fn share_out(
     growth_mm: f64,
     until_joined: bool,
 ) -> Option<[Vec<Point2<f64>>; 2]> {
-    let hulls = [&last.left.hull, &last.right.hull];
+    let holds = [last.left.holds(growth_mm), last.right.holds(growth_mm)];
     let mut own = [Vec::new(), Vec::new()];
     for cluster in clusters(slice, LINK_MM) {
-        let within = hulls.map(|hull| {
-            let count = cluster.iter().filter(|p| hull.contains_within(p, growth_mm)).count();
+        let within = [0, 1].map(|side| {
+            let count = cluster.iter().filter(|p| holds[side](p)).count();
             count as f64 / cluster.len() as f64
         });
         if within.iter().all(|&share| share > SHARED_MIN_SHARE) {
             if until_joined {
                 return None;
             }
-            let [left, right] = hulls.map(Hull::centroid);
+            let [left, right] = [last.left.middle, last.right.middle];
             for point in cluster {
                 own[usize::from((point - right).norm() < (point - left).norm())].push(point);
             }
@@ -289,7 +286,7 @@ fn share_out(
     Some(own)
 }
 
-/// A range of heights of one leg with its footprints, in any order.
+/// A range of heights of one leg with its footprints, ascending.
 struct Zone<'a> {
     prints: &'a [Footprint],
     /// How far beyond a footprint skin still belongs to the leg, mm.
@@ -301,15 +298,17 @@ struct Zone<'a> {
 impl Zone<'_> {
     /// Whether a point at this height lies where the leg lies.
     fn holds(&self, x_y: &Point2<f64>, height_mm: f64) -> bool {
+        let above = self.prints.partition_point(|print| print.height_mm < height_mm);
+        let around = &self.prints[above.saturating_sub(1)..(above + 1).min(self.prints.len())];
         let far = |print: &&Footprint| (print.height_mm - height_mm).abs();
-        let nearest = self.prints.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
-        nearest.is_some_and(|print| print.hull.contains_within(x_y, self.margin_mm))
+        let nearest = around.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+        nearest.is_some_and(|print| print.holds(self.margin_mm)(x_y))
     }
 }
 
 /// The triangles of one leg: in its zone, and on its side of the middle where both legs are one.
 fn cut(mesh: &Mesh, side: Side, mid_x_mm: f64, foot: &Zone, shank: &Zone) -> Mesh {
-    let own = |triangle: &&[u32; 3]| {
+    let own = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|corner| mesh.points()[corner as usize].coords);
         let middle = (a + b + c) / 3.0;
         let zone = if middle.z < foot.top_mm { foot } else { shank };
@@ -317,5 +316,5 @@ fn cut(mesh: &Mesh, side: Side, mid_x_mm: f64, foot: &Zone, shank: &Zone) -> Mes
             && (middle.x - mid_x_mm) * side.lateral_sign() > 0.0
             && zone.holds(&middle.xy().into(), middle.z)
     };
-    Mesh::new(mesh.points().to_vec(), mesh.triangles().iter().filter(own).copied().collect())
+    mesh.part(own)
 }

@@ -1,23 +1,51 @@
 //! Connected shells of the mesh: the body in one or more large ones, and small fragments that are
 //! specks in the air or pieces of the floor.
 
+use crate::scan::Scan;
+
 /// A shell with fewer than this share of all points is a fragment. Body parts that scanners export
 /// as shells of their own hold 4 % and more; floor pieces and specks 0.3 % and less.
 const FRAGMENT_MAX_SHARE: f64 = 0.005;
 
-/// The triangles of all shells that are no fragments, in their given order.
-pub fn without_fragments(point_count: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
-    let mut shells = DisjointSets::new(point_count);
-    for &[a, b, c] in triangles {
+/// All shells that are no fragments: their triangles, in their given order, and the points that
+/// these use.
+pub fn without_fragments(scan: &Scan) -> Scan {
+    let count = scan.points.len();
+    let mut shells = DisjointSets::new(count);
+    for &[a, b, c] in &scan.triangles {
         shells.join(a, b);
         shells.join(b, c);
     }
-    let mut sizes = vec![0usize; point_count];
-    let roots: Vec<u32> = (0..point_count as u32).map(|point| shells.root(point)).collect();
+    let mut sizes = vec![0usize; count];
+    let roots: Vec<u32> = (0..count as u32).map(|point| shells.root(point)).collect();
     roots.iter().for_each(|&root| sizes[root as usize] += 1);
-    let least = FRAGMENT_MAX_SHARE * point_count as f64;
-    let large = |t: &&[u32; 3]| sizes[roots[t[0] as usize] as usize] as f64 > least;
-    triangles.iter().filter(large).copied().collect()
+    let least = FRAGMENT_MAX_SHARE * count as f64;
+    let large = |triangle: &[u32; 3]| sizes[roots[triangle[0] as usize] as usize] as f64 > least;
+    let (triangles, used) = part(count, &scan.triangles, large);
+    Scan { points: used.into_iter().map(|point| scan.points[point as usize]).collect(), triangles }
+}
+
+/// The triangles that `keeps` chooses, with their points numbered anew, and the old numbers of
+/// these points, both in the order of the triangles.
+pub fn part(
+    point_count: usize,
+    triangles: &[[u32; 3]],
+    keeps: impl Fn(&[u32; 3]) -> bool,
+) -> (Vec<[u32; 3]>, Vec<u32>) {
+    const UNUSED: u32 = u32::MAX;
+    let mut numbers = vec![UNUSED; point_count];
+    let mut used = Vec::new();
+    let mut renumbered = |corner: u32| {
+        let number = &mut numbers[corner as usize];
+        if *number == UNUSED {
+            *number = used.len() as u32;
+            used.push(corner);
+        }
+        *number
+    };
+    let kept = triangles.iter().filter(|triangle| keeps(triangle));
+    let triangles = kept.map(|triangle| triangle.map(&mut renumbered)).collect();
+    (triangles, used)
 }
 
 /// Disjoint sets of indices with path halving and union by size (Tarjan 1975).
@@ -59,13 +87,19 @@ impl DisjointSets {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Point3;
 
     #[test]
-    fn a_speck_goes_and_two_large_shells_stay() {
+    fn a_speck_goes_with_its_points_and_two_large_shells_stay() {
         let strip = |first: u32, count: u32| (first..first + count).map(|i| [i, i + 1, i + 2]);
-        let mut triangles: Vec<_> = strip(0, 500).chain(strip(502, 500)).collect();
-        let both = triangles.clone();
-        triangles.push([1004, 1005, 1006]);
-        assert_eq!(without_fragments(1007, &triangles), both);
+        let points: Vec<Point3<f64>> =
+            (0..1007).map(|i| Point3::new(f64::from(i), 0.0, 0.0)).collect();
+        let mut triangles: Vec<_> = strip(0, 500).chain(strip(505, 500)).collect();
+        let both = Scan {
+            points: points[..502].iter().chain(&points[505..]).copied().collect(),
+            triangles: strip(0, 500).chain(strip(502, 500)).collect(),
+        };
+        triangles.insert(0, [502, 503, 504]);
+        assert_eq!(without_fragments(&Scan { points, triangles }), both);
     }
 }

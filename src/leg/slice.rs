@@ -7,6 +7,8 @@
 
 use nalgebra::{Point3, Unit, Vector3};
 
+use super::shell;
+
 /// Normals of an edge's two ends that differ more than this do not describe a smooth piece of
 /// skin (a fold, a rim, facets of opposite orientation); then the chord stands. Cosine of 45°.
 const SMOOTH_EDGE_MIN_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -54,10 +56,24 @@ impl Mesh {
         &self.triangles
     }
 
-    /// Height of the highest corner of a triangle, mm; −∞ where there is none.
+    /// The triangles that lie below a height in whole, and their points.
+    pub fn below(&self, height_mm: f64) -> Mesh {
+        self.part(|triangle| triangle.iter().all(|&c| self.points[c as usize].z < height_mm))
+    }
+
+    /// The triangles that `keeps` chooses and their points; normals stay those of the whole mesh.
+    pub fn part(&self, keeps: impl Fn(&[u32; 3]) -> bool) -> Mesh {
+        let (triangles, used) = shell::part(self.points.len(), &self.triangles, keeps);
+        Mesh {
+            points: used.iter().map(|&point| self.points[point as usize]).collect(),
+            normals: used.iter().map(|&point| self.normals[point as usize]).collect(),
+            triangles,
+        }
+    }
+
+    /// Height of the highest point, mm; −∞ where there is none.
     pub fn highest_mm(&self) -> f64 {
-        let corners = self.triangles.iter().flatten().map(|&c| self.points[c as usize].z);
-        corners.fold(f64::NEG_INFINITY, f64::max)
+        self.points.iter().map(|point| point.z).fold(f64::NEG_INFINITY, f64::max)
     }
 
     /// Crossings of the mesh's edges with the planes `direction · p = offset`, one list an offset,
@@ -66,14 +82,16 @@ impl Mesh {
         let heights: Vec<f64> = self.points.iter().map(|p| direction.dot(&p.coords)).collect();
         let mut edges: Vec<Vec<[u32; 2]>> = vec![Vec::new(); offsets.len()];
         for &[a, b, c] in &self.triangles {
-            for (from, to) in [(a, b), (b, c), (c, a)] {
-                let (low, high) = match heights[from as usize] <= heights[to as usize] {
-                    true => (heights[from as usize], heights[to as usize]),
-                    false => (heights[to as usize], heights[from as usize]),
-                };
-                let first = offsets.partition_point(|&offset| offset <= low);
-                let last = first + offsets[first..].partition_point(|&offset| offset <= high);
-                edges[first..last].iter_mut().for_each(|e| e.push([from.min(to), from.max(to)]));
+            let [p, q, r] = [a, b, c].map(|corner| heights[corner as usize]);
+            let (low, high) = (p.min(q).min(r), p.max(q).max(r));
+            let first = offsets.partition_point(|&offset| offset <= low);
+            let planes = offsets[first..].iter().take_while(|&&offset| offset <= high);
+            for (&offset, edges) in planes.zip(&mut edges[first..]) {
+                for (from, to) in [(a, b), (b, c), (c, a)] {
+                    if (heights[from as usize] < offset) != (heights[to as usize] < offset) {
+                        edges.push([from.min(to), from.max(to)]);
+                    }
+                }
             }
         }
         let crossing = |offset: f64, mut edges: Vec<[u32; 2]>| {

@@ -127,9 +127,7 @@ fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
 /// Points of each foot: those below `top_mm`, each with the shank that is nearer.
 fn feet(mesh: &Mesh, shanks: [Point2<f64>; 2], top_mm: f64) -> [Vec<[f64; 3]>; 2] {
     let mut feet = [Vec::new(), Vec::new()];
-    let mut used = vec![false; mesh.points().len()];
-    mesh.triangles().iter().flatten().for_each(|&corner| used[corner as usize] = true);
-    for (point, _) in mesh.points().iter().zip(used).filter(|(p, used)| *used && p.z < top_mm) {
+    for point in mesh.points().iter().filter(|point| point.z < top_mm) {
         let [a, b] = shanks.map(|shank| (point.xy() - shank).norm_squared());
         feet[usize::from(b < a)].push([point.x, point.y, point.z]);
     }

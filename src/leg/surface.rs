@@ -106,11 +106,11 @@ fn to_sections(surface: &Surface, sections: &Sections, rows: &[&Section]) -> Fit
 fn to_points(surface: &Surface, leg: &Leg, sections: &Sections, rows: &[&Section]) -> FitError {
     let axis = &sections.axis;
     let (low, high) = surface.along().domain();
-    let mut used = vec![false; leg.mesh.points().len()];
-    leg.mesh.triangles().iter().flatten().for_each(|&corner| used[corner as usize] = true);
-    let own = leg.mesh.points().iter().zip(used).filter(|(_, used)| *used).map(|(p, _)| *p);
-    let places: Vec<Place> = own
-        .filter_map(|point| {
+    let places: Vec<Place> = leg
+        .mesh
+        .points()
+        .iter()
+        .filter_map(|&point| {
             let along_mm = axis.along(&point);
             (low..=high).contains(&along_mm).then(|| {
                 let arm = axis.in_plane(&point) - centre(rows, along_mm);

@@ -1,7 +1,7 @@
 //! Smoothing fit of a scalar function: penalised weighted least squares, with standard errors.
 
 use super::basis::{Basis, DEGREE};
-use super::normal::{NormalEquations, RIDGE, Solution};
+use super::normal::{Design, NormalEquations, RIDGE, Solution};
 use super::solve::{Singular, Skyline};
 
 /// How much the fit may smooth.
@@ -136,16 +136,20 @@ pub fn fit(
     smoothing: Smoothing,
 ) -> Result<Spline, FitFault> {
     check(basis, x, y, weights)?;
-    let equations = NormalEquations::new(basis, x, y, weights);
+    let design = Design::new(basis, x);
+    let equations = NormalEquations::new(&design, y, weights);
     let solution = match smoothing {
         Smoothing::None => equations.solution(RIDGE)?,
-        Smoothing::Fixed(lambda) if lambda.is_finite() && lambda >= 0.0 => {
-            equations.solution(lambda.max(RIDGE))?
-        }
-        Smoothing::Fixed(lambda) => return Err(FitFault::BadLambda { lambda }),
+        Smoothing::Fixed(lambda) => equations.solution(ridged(lambda)?)?,
         Smoothing::Gcv => equations.best_by_gcv()?,
     };
     Ok(judged(basis, y, weights, solution))
+}
+
+/// A given lambda with the ridge as its floor.
+pub(super) fn ridged(lambda: f64) -> Result<f64, FitFault> {
+    let usable = lambda.is_finite() && lambda >= 0.0;
+    if usable { Ok(lambda.max(RIDGE)) } else { Err(FitFault::BadLambda { lambda }) }
 }
 
 impl Spline {
@@ -175,7 +179,7 @@ impl Spline {
 }
 
 /// The spline of a solution, with the figures that say how good it is.
-fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Solution) -> Spline {
+pub(super) fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Solution) -> Spline {
     let Solution { lambda, coefficients, inverse, edf, rss } = solution;
     let total: f64 = weights.iter().sum();
     let data = weights.iter().filter(|weight| **weight > 0.0).count() as f64;
@@ -189,7 +193,7 @@ fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Solution) -> Spli
     Spline { basis: basis.clone(), coefficients, lambda, edf, sigma, r2, rms, inverse }
 }
 
-fn check(basis: &Basis, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), FitFault> {
+pub(super) fn check(basis: &Basis, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), FitFault> {
     if x.len() != y.len() || x.len() != weights.len() {
         return Err(FitFault::LengthsDiffer { x: x.len(), y: y.len(), weights: weights.len() });
     }

@@ -7,6 +7,7 @@
 //! | `penalty` | roughness matrices, the integrals of squared derivatives |
 //! | [`mod@fit`] | [`Spline`]: smoothing fit of a scalar function, with standard errors |
 //! | `normal` | the normal equations behind it and the choice of lambda by GCV |
+//! | [`robust_fit`] | the same with outliers weighed down |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
 //! | [`foot`] | the nearest point of a surface |
 //! | [`surface_fit`] | least-squares surface through a grid of points |
@@ -21,6 +22,7 @@ pub mod fit;
 pub mod foot;
 mod normal;
 mod penalty;
+mod robust;
 pub mod solve;
 pub mod surface;
 pub mod surface_fit;
@@ -28,5 +30,6 @@ pub mod surface_fit;
 pub use basis::{Basis, BasisFault, DEGREE, Row};
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
+pub use robust::{Robust, robust_fit};
 pub use surface::{Derivatives, Surface, SurfaceFault};
 pub use surface_fit::{GridData, SurfaceFit, fit_grid};

@@ -22,11 +22,35 @@ const SEARCH_HALVINGS: i32 = 3;
 /// must remain as degrees of freedom.
 const LEAST_FREEDOM: f64 = 0.1;
 
+/// Where the data lie, in the terms of a basis; serves any values and weights there.
+pub struct Design {
+    rows: Vec<Row>,
+    /// The zero matrix of the basis.
+    zero: Skyline,
+    roughness: Skyline,
+}
+
+impl Design {
+    /// The design of data at `x`, all finite.
+    pub fn new(basis: &Basis, x: &[f64]) -> Design {
+        Design {
+            rows: x.iter().map(|x| basis.row(*x)).collect(),
+            zero: Skyline::zero(basis),
+            roughness: roughness(basis, PENALISED),
+        }
+    }
+
+    /// The values of a spline with these coefficients where the data lie.
+    pub fn values(&self, coefficients: &[f64]) -> Vec<f64> {
+        self.rows.iter().map(|row| row.dot(coefficients)).collect()
+    }
+}
+
 /// Weighted data in the terms of a basis.
 pub struct NormalEquations<'a> {
+    design: &'a Design,
     y: &'a [f64],
     weights: &'a [f64],
-    rows: Vec<Row>,
     /// BᵀWB.
     gram: Skyline,
     /// BᵀWy.
@@ -50,21 +74,28 @@ pub struct Solution {
 }
 
 impl<'a> NormalEquations<'a> {
-    /// The equations of as many `x`, `y` and `weights`, all finite, some weight positive.
-    pub fn new(basis: &Basis, x: &[f64], y: &'a [f64], weights: &'a [f64]) -> Self {
-        let rows: Vec<Row> = x.iter().map(|x| basis.row(*x)).collect();
-        let mut gram = Skyline::zero(basis);
-        let mut moments = vec![0.0; basis.count()];
-        for ((row, y), weight) in rows.iter().zip(y).zip(weights) {
+    /// The equations of as many `y` and `weights` as the design has places, all finite, some weight
+    /// positive.
+    pub fn new(design: &'a Design, y: &'a [f64], weights: &'a [f64]) -> Self {
+        let mut gram = design.zero.clone();
+        let mut moments = vec![0.0; gram.size()];
+        for ((row, y), weight) in design.rows.iter().zip(y).zip(weights) {
             gram.add_square(row, *weight);
             for (index, value) in row.indices.into_iter().zip(row.values) {
                 moments[index] += weight * value * y;
             }
         }
-        let penalty = roughness(basis, PENALISED);
-        let scale = gram.trace() / penalty.trace();
-        let penalty = Skyline::zero(basis).plus(scale, &penalty);
-        NormalEquations { y, weights, rows, gram, moments, penalty }
+        let scale = gram.trace() / design.roughness.trace();
+        let penalty = design.zero.plus(scale, &design.roughness);
+        NormalEquations { design, y, weights, gram, moments, penalty }
+    }
+
+    /// The coefficients at `lambda`, without what it takes to judge them.
+    pub fn coefficients(&self, lambda: f64) -> Result<Vec<f64>, Singular> {
+        let factor = self.gram.plus(lambda, &self.penalty).factor()?;
+        let mut coefficients = self.moments.clone();
+        factor.solve(&mut coefficients, 1);
+        Ok(coefficients)
     }
 
     /// The fit at `lambda`.
@@ -76,7 +107,7 @@ impl<'a> NormalEquations<'a> {
         let edf = inverse.trace_of_product(&self.gram);
         // Summed over the data: the quadratic form of the normal equations would lose a small sum
         // to cancellation.
-        let squares = self.rows.iter().zip(self.y).zip(self.weights);
+        let squares = self.design.rows.iter().zip(self.y).zip(self.weights);
         let rss = squares.map(|((row, y), w)| w * (y - row.dot(&coefficients)).powi(2)).sum();
         Ok(Solution { lambda, coefficients, inverse, edf, rss })
     }
