@@ -139,11 +139,12 @@ pub fn axis(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<LegAxis
 /// the middle of their hull; a gap is closed by its chord.
 pub fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
     let middle = Hull::of(points)?.centroid();
-    let mut outline: Vec<_> = points.iter().map(|p| p - middle).collect();
-    outline.sort_by(|p, q| p.y.atan2(p.x).total_cmp(&q.y.atan2(q.x)));
+    let arms = points.iter().map(|p| p - middle);
+    let mut outline: Vec<_> = arms.map(|arm| (arm.y.atan2(arm.x), arm)).collect();
+    outline.sort_by(|p, q| p.0.total_cmp(&q.0));
     let next = outline.iter().cycle().skip(1);
     let (mut moment, mut twice_area) = (nalgebra::Vector2::zeros(), 0.0);
-    for (p, q) in outline.iter().zip(next) {
+    for ((_, p), (_, q)) in outline.iter().zip(next) {
         let cross = p.perp(q);
         moment += (p + q) * cross;
         twice_area += cross;

@@ -79,8 +79,10 @@ pub fn leg_report(
     if let Some(surface) = &surface {
         findings.about_extent(surface, &curve, range_mm);
     }
-    let level_sections = landmarks.iter().filter_map(|landmark| {
-        let section = sections.section_at(leg, landmark.along_mm)?;
+    let along_mm: Vec<f64> = landmarks.iter().map(|landmark| landmark.along_mm).collect();
+    let at_levels = landmarks.iter().zip(sections.at(leg, &along_mm));
+    let level_sections = at_levels.filter_map(|(landmark, section)| {
+        let section = section?;
         let features = features(&sections.axis, &section);
         Some(LevelSection { level: landmark.level, section, features })
     });

@@ -31,8 +31,8 @@ const INTERVALS: usize = 48;
 const SCALE_MIN_MM: f64 = 0.02;
 
 /// Of how many section planes one gives its share to the choice of smoothing; the median over some
-/// thirty is as good as that over all.
-const SMOOTHING_STRIDE: usize = 4;
+/// twenty is as good as that over all.
+const SMOOTHING_STRIDE: usize = 6;
 
 /// A section with fewer points than this is not fitted.
 const POINTS_MIN: usize = 24;
@@ -163,10 +163,14 @@ pub fn sections(leg: &Leg, axis: LegAxis, crotch_height_mm: f64, fit: SectionFit
 }
 
 impl Sections {
-    /// The section of the same leg at another distance along the axis, fitted alike.
-    pub fn section_at(&self, leg: &Leg, along_mm: f64) -> Option<Section> {
-        let slices = self.axis.slices(leg, &[along_mm]);
-        section(&self.axis, along_mm, &self.axis.points(&slices[0]), self.fit)
+    /// Sections of the same leg at other distances along the axis, which must ascend, fitted
+    /// alike; none where the skin does not close.
+    pub fn at(&self, leg: &Leg, along_mm: &[f64]) -> Vec<Option<Section>> {
+        let slices = self.axis.slices(leg, along_mm);
+        let one = |(&along_mm, slice): (&f64, &Vec<Crossing>)| {
+            section(&self.axis, along_mm, &self.axis.points(slice), self.fit)
+        };
+        along_mm.iter().zip(&slices).map(one).collect()
     }
 }
 
