@@ -66,6 +66,7 @@ pub fn deliver(station: &Station, due: &Due) -> Ended {
 fn attempt(station: &Station, due: &Due) -> Result<Receipt, Setback> {
     let row = station.custody.journal().scan(&due.scan)?;
     let row = row.ok_or(JournalError::Unknown { what: "scan" })?;
+    station.store.reach().map_err(|fault| of_store(fault, &row))?;
     let (bytes, format) = spooled(station, &row)?;
     let files = measured(station, due, &row, &bytes, format)?;
     let receipt = station

@@ -124,10 +124,15 @@ path = "{at}/records"
         }
     }
 
-    /// Waits until the store holds exactly so many records.
+    /// Waits until the store holds so many records, each of them whole.
     #[track_caller]
     pub fn wait_for_records(&self, count: usize) {
-        self.wait_for(&format!("{count} records"), || self.records().len() >= count);
+        let records = self.path("records");
+        let folders =
+            || names(&records).into_iter().flat_map(|patient| names(&records.join(patient)));
+        let final_names = || folders().filter(|name| !name.starts_with('.')).count();
+        self.wait_for(&format!("{count} records"), || final_names() >= count);
+        assert_eq!(self.records().len(), count);
     }
 
     /// Waits until a query on the journal gives a number.
