@@ -287,7 +287,39 @@ fn a_gap_is_bridged_and_known_less_well() {
         assert!(spline.coefficients.iter().all(|c| c.is_finite()), "{smoothing:?}");
         assert!(spline.rms < 0.3, "{smoothing:?}: {}", spline.rms);
     }
-    assert_eq!(fitted(&basis, &few, &y, Smoothing::None).sigma, f64::INFINITY);
+}
+
+#[test]
+fn an_interpolation_does_not_know_its_error() {
+    for count in [12, 17, 20] {
+        let (x, mut noise) = (directions(count), Noise(count as u64));
+        let y: Vec<f64> = x.iter().map(|x| section(*x) + noise.normal()).collect();
+        let spline = fitted(&around(24), &x, &y, Smoothing::None);
+        assert!(spline.rms < 1e-3 && spline.sigma == f64::INFINITY, "{count}: {}", spline.sigma);
+        assert_eq!(spline.sd(1.0, 0), f64::INFINITY);
+    }
+}
+
+#[test]
+fn gcv_does_not_interpolate_where_it_could() {
+    // With more coefficients than data the score of an interpolation is 0 over 0.
+    for seed in 0..40 {
+        let (basis, x, mut noise) = (around(40), directions(32), Noise(seed));
+        let y: Vec<f64> = x.iter().map(|x| section(*x) + 0.5 * noise.normal()).collect();
+        let spline = fitted(&basis, &x, &y, Smoothing::Gcv);
+        assert!(spline.edf <= 0.9 * 32.0 && spline.lambda > 1e-6, "{seed}: {}", spline.lambda);
+        assert!(spline.sigma > 0.1, "{seed}: {}", spline.sigma);
+    }
+}
+
+#[test]
+fn the_order_of_the_data_does_not_matter() {
+    let x = directions(40);
+    let y: Vec<f64> = x.iter().map(|x| section(*x)).collect();
+    let backwards = |values: &[f64]| values.iter().rev().copied().collect::<Vec<_>>();
+    let one = fitted(&around(12), &x, &y, Smoothing::Gcv);
+    let other = fitted(&around(12), &backwards(&x), &backwards(&y), Smoothing::Gcv);
+    assert!((one.value(2.0) - other.value(2.0)).abs() < 1e-9);
 }
 
 #[test]

@@ -132,6 +132,26 @@ fn plain_fits_have_the_published_true_errors() {
 }
 
 #[test]
+fn plain_fits_have_the_published_girth_errors() {
+    for (rows, columns, percent) in [(20, 16, 0.241), (30, 24, 0.055), (40, 32, 0.033)] {
+        let surface = fitted(rows, columns).surface;
+        let girth = |z: f64, corners: u32| {
+            let v: Vec<f64> = (0..corners).map(|j| f64::from(j) / f64::from(corners)).collect();
+            // Iso-parameter curves are the horizontal sections: see the next test.
+            let ring = surface.grid(&[z / test_leg::HEIGHT_MM], &v);
+            ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| (b - a).norm()).sum::<f64>()
+        };
+        let error = |z: f64| {
+            let (fine, coarse) = (girth(z, 288), girth(z, 144));
+            ((fine + (fine - coarse) / 3.0) / test_leg::circumference(z) - 1.0).abs()
+        };
+        let heights = (0..100).map(|i| 4.0 + 8.0 * f64::from(i));
+        let found = heights.map(error).sum::<f64>();
+        assert!((found - percent).abs() < 6e-4, "{rows}x{columns}: {found} %");
+    }
+}
+
+#[test]
 fn planar_sections_stay_planar() {
     let surface = fitted(30, 24).surface;
     let greville = surface.along().greville();
@@ -188,6 +208,27 @@ fn the_ridge_carries_the_surface_over_missing_rows() {
     assert!(fit.smallest_pivot < 1e-4, "{}", fit.smallest_pivot);
     assert!(fit.rms_mm < 0.2, "{}", fit.rms_mm);
     assert!(fit.surface.control_points().iter().all(|point| point.coords.norm() < 2000.0));
+}
+
+#[test]
+fn a_quartic_along_survives_missing_rows() {
+    let skin = |u: f64, v: f64| {
+        let (radius, angle) = (50.0 + 40.0 * u.powi(4), std::f64::consts::TAU * v);
+        Point3::new(radius * angle.cos(), radius * angle.sin(), 400.0 * u)
+    };
+    let u: Vec<f64> = (0..60).map(|i| f64::from(i) / 59.0).collect();
+    let u: Vec<f64> = u.into_iter().filter(|u| !(0.4..0.6).contains(u)).collect();
+    let v: Vec<f64> = (0..48).map(|j| f64::from(j) / 48.0).collect();
+    let points: Vec<_> = u.iter().flat_map(|u| v.iter().map(|v| skin(*u, *v))).collect();
+    let along = Basis::uniform_clamped(0.0, 1.0, 30).unwrap();
+    let around = Basis::uniform_periodic(0.0, 1.0, 48).unwrap();
+    let fit =
+        fit_grid(&GridData { along: &u, around: &v, points: &points }, along, around).unwrap();
+    for v in [0.0, 0.25, 0.5] {
+        let missed = (fit.surface.point(0.5, v) - skin(0.5, v)).norm();
+        // A ridge on the second derivative would bridge with a cubic and miss 0.004 mm.
+        assert!(missed < 1e-3, "{v}: {missed}");
+    }
 }
 
 #[test]

@@ -1,10 +1,230 @@
-//! `gaiter demo`: a placeholder that the verb itself replaces.
+//! `gaiter demo`: a real station, a simulated scanner, four exports, two records.
+//!
+//! The scans are recorded ones, compressed into the binary. One of the four exports is aborted
+//! half-way and one is no body: they must lead to no record.
+
+mod exports;
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use tokio::runtime::Runtime;
+use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
+use tokio::sync::oneshot;
+use tokio::time::timeout;
 
 use super::args::DemoArgs;
-use super::{Exit, complain};
+use super::{Exit, complain, explain_config, print, table};
+use crate::config::{self, Config};
+use crate::record::Record;
+use crate::station::{self, StationEvent, simulated_scanner};
+use exports::{Expected, exports};
 
-/// Ends as an internal error until the verb is there.
+/// Everything the demo makes lies in here, below the working folder.
+const FOLDER: &str = "demo";
+
+/// Marks a folder as the demo's own, which the next demo may clear.
+const MARK: &str = ".made-by-gaiter-demo";
+
+/// If nothing happens for this long the demo has failed.
+const PATIENCE: Duration = Duration::from_secs(45);
+
+/// Why the demo could not be shown.
+#[derive(Debug, thiserror::Error)]
+enum DemoFault {
+    /// There is something else called `demo`.
+    #[error("{} exists and is not of an earlier demo; move it away or work elsewhere", .0.display())]
+    NotOurs(PathBuf),
+    /// A file could not be read or written.
+    #[error("{0}")]
+    Io(#[from] io::Error),
+    /// The station ended by itself.
+    #[error("the station ended: {0}")]
+    Station(#[from] station::StationError),
+    /// The station's events are not what they must be.
+    #[error("{0}")]
+    Unexpected(String),
+}
+
+/// Shows the station at work; ends as done only if exactly the whole scans led to records.
 pub fn demo(_args: &DemoArgs) -> Exit {
-    complain("gaiter demo is not built in yet");
-    Exit::Internal
+    let config = match prepare() {
+        Ok(path) => match config::read(&path) {
+            Ok(config) => config,
+            Err(error) => return explain_config(&error),
+        },
+        Err(fault) => return failed(&fault),
+    };
+    let shown = Runtime::new().map_err(DemoFault::from).and_then(|runtime| {
+        let shown = runtime.block_on(show(config));
+        runtime.shutdown_background();
+        shown
+    });
+    shown.map_or_else(|fault| failed(&fault), |()| Exit::Done)
+}
+
+fn failed(fault: &DemoFault) -> Exit {
+    complain(format_args!("gaiter demo: {fault}"));
+    match fault {
+        DemoFault::NotOurs(_) | DemoFault::Io(_) => Exit::Io,
+        DemoFault::Station(_) | DemoFault::Unexpected(_) => Exit::Internal,
+    }
+}
+
+/// A fresh folder with a configuration in it; its path.
+fn prepare() -> Result<PathBuf, DemoFault> {
+    let folder = std::env::current_dir()?.join(FOLDER);
+    if folder.exists() {
+        if !folder.join(MARK).exists() {
+            return Err(DemoFault::NotOurs(folder));
+        }
+        fs::remove_dir_all(&folder)?;
+    }
+    for part in ["export", "state", "records"] {
+        fs::create_dir_all(folder.join(part))?;
+    }
+    fs::write(folder.join(MARK), "")?;
+    let path = folder.join("station.toml");
+    let place = |part: &str| toml::Value::from(folder.join(part).to_string_lossy().as_ref());
+    fs::write(
+        &path,
+        format!(
+            "[station]\nid = \"demo\"\nstate_dir = {}\n\n\
+             [scanner]\nexport_dirs = [{}]\nquiet = \"1s\"\nrescan = \"2s\"\nshort_wait = \"4s\"\n\
+             file_name = '^(?<patient>P?[0-9]+)_'\n\n\
+             [store.folder]\npath = {}\n",
+            place("state"),
+            place("export"),
+            place("records")
+        ),
+    )?;
+    Ok(path)
+}
+
+/// Runs the station, lets the scanner export, and shows what came of it.
+async fn show(config: Config) -> Result<(), DemoFault> {
+    let export_dir = config.scanner.export_dirs[0].clone();
+    let state_dir = config.station.state_dir.clone();
+    let (tell, mut events) = unbounded_channel();
+    let (stop, stopped) = oneshot::channel::<()>();
+    let asked = async {
+        // A dropped sender asks for the end as well.
+        let _ = stopped.await;
+    };
+    let station = tokio::spawn(station::run(config, asked, Some(tell)));
+    let clock = Instant::now();
+    let expected: Vec<Expected> = exports(&export_dir)?.into_iter().map(|e| scan(e, clock)).collect();
+    let watched = timeout(PATIENCE, watch(&mut events, &expected, clock)).await;
+    drop(stop);
+    let ended = station.await.map_err(io::Error::other)?;
+    let seen = match (watched, ended) {
+        (Ok(seen), Ok(())) => seen?,
+        (_, Err(error)) => return Err(error.into()),
+        (Err(_), Ok(())) => {
+            let waited = PATIENCE.as_secs();
+            return Err(DemoFault::Unexpected(format!("not all scans were done in {waited} s")));
+        }
+    };
+    summary(&seen, &state_dir)
+}
+
+/// Lets the scanner export one scan in the background and says so.
+fn scan(export: (simulated_scanner::Export, Expected, Duration), clock: Instant) -> Expected {
+    let (export, expected, after) = export;
+    tokio::spawn(async move {
+        tokio::time::sleep(after).await;
+        let name = name_of(&export.path);
+        say(clock, &format!("scanner  exports {name}"));
+        match simulated_scanner::write(export).await {
+            Ok(()) => say(clock, &format!("scanner  is done with {name}")),
+            Err(error) => complain(format_args!("scanner: {error}")),
+        }
+    });
+    expected
+}
+
+/// What the station did in the end.
+#[derive(Default)]
+struct Seen {
+    records: Vec<PathBuf>,
+    refusals: usize,
+}
+
+/// Follows the station's events until every scan has ended as it must.
+async fn watch(
+    events: &mut UnboundedReceiver<StationEvent>,
+    expected: &[Expected],
+    clock: Instant,
+) -> Result<Seen, DemoFault> {
+    let count = |wanted| expected.iter().filter(|expected| **expected == wanted).count();
+    let (records, refusals) = (count(Expected::Record), count(Expected::Refusal));
+    let mut seen = Seen::default();
+    while seen.records.len() < records || seen.refusals < refusals {
+        let Some(event) = events.recv().await else {
+            return Err(DemoFault::Unexpected("the station ended early".to_owned()));
+        };
+        if let Some(line) = line(&event) {
+            say(clock, &line);
+        }
+        match event {
+            StationEvent::Delivered { folder, .. } => seen.records.push(folder),
+            StationEvent::Refused { .. } => seen.refusals += 1,
+            _ => {}
+        }
+    }
+    if seen.records.len() > records || seen.refusals > refusals {
+        let message = format!("{} records and {} refusals", seen.records.len(), seen.refusals);
+        return Err(DemoFault::Unexpected(message));
+    }
+    Ok(seen)
+}
+
+/// An event in words; none where the scanner's own line says it already.
+fn line(event: &StationEvent) -> Option<String> {
+    Some(match event {
+        StationEvent::Ready => "station  is ready".to_owned(),
+        StationEvent::AwaitsRest { file } => {
+            format!("station  awaits the rest of {}", file.to_string_lossy())
+        }
+        StationEvent::Spooled { file, scan } => {
+            format!("station  has {} safe as {scan}", file.to_string_lossy())
+        }
+        StationEvent::Refused { code, message, .. } => {
+            format!("station  made no record [{code}] {message}")
+        }
+        StationEvent::Delivered { scan, .. } => format!("station  delivered {scan}"),
+        StationEvent::Held { scan } => format!("station  holds {scan}"),
+        StationEvent::PutOff { scan, code } => format!("station  tries {scan} again [{code}]"),
+        StationEvent::Settled { .. } | StationEvent::Known { .. } => return None,
+    })
+}
+
+fn name_of(path: &Path) -> String {
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn say(clock: Instant, line: &str) {
+    // A reader that has gone away wants no more; the demo still runs to its end.
+    let _ = print(format_args!("{:5.1} s  {line}\n", clock.elapsed().as_secs_f64()));
+}
+
+/// The measures of every record, and where everything lies.
+fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
+    let mut records = seen.records.clone();
+    records.sort();
+    for folder in &records {
+        let json = fs::read(folder.join("record.json"))?;
+        let record: Record = serde_json::from_slice(&json).map_err(io::Error::other)?;
+        let patient = record.patient.as_ref().map_or("unassigned", |patient| &patient.id);
+        print(format_args!("\npatient {patient}: {}\n{}\n", folder.display(), table::of(&record)))?;
+    }
+    print(format_args!(
+        "\n{} scans measured; {} were not and led to no record: the reasons lie in\n{}\n",
+        records.len(),
+        seen.refusals,
+        state_dir.join("quarantine").display()
+    ))?;
+    Ok(())
 }

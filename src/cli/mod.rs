@@ -6,6 +6,7 @@ pub mod demo;
 pub mod exit;
 pub mod extract;
 pub mod run;
+pub mod table;
 
 use std::fmt::Display;
 use std::io::{self, Write};

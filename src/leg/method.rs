@@ -73,6 +73,17 @@ pub enum Up {
     X,
 }
 
+impl Up {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Up::X => "x",
+            Up::Y => "y",
+            Up::Z => "z",
+        }
+    }
+}
+
 /// Where the toes point in the export's own axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FacingChoice {
@@ -108,4 +119,14 @@ pub enum SectionFit {
     Periodic,
     /// The paper's: radius over angle in (−π, π] as a polynomial of order 15, orthogonal basis.
     Polynomial,
+}
+
+impl SectionFit {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            SectionFit::Periodic => "periodic",
+            SectionFit::Polynomial => "polynomial",
+        }
+    }
 }

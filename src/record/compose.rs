@@ -10,7 +10,7 @@ use super::schema::{
 };
 use crate::leg::body::FacingFrom;
 use crate::leg::girth::GirthCurve;
-use crate::leg::method::{SectionFit, UnitChoice, Up};
+use crate::leg::method::UnitChoice;
 use crate::leg::surface::{FitError, LegSurface};
 use crate::leg::{Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 use crate::spline::DEGREE;
@@ -59,16 +59,7 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         UnitChoice::Auto => "auto",
         UnitChoice::Declared(unit) => unit.word(),
     };
-    let up = match method.up {
-        Up::X => "x",
-        Up::Y => "y",
-        Up::Z => "z",
-    };
-    let fit = match method.fit {
-        SectionFit::Periodic => "periodic",
-        SectionFit::Polynomial => "polynomial",
-    };
-    let words = [("unit", unit), ("up", up), ("fit", fit)];
+    let words = [("unit", unit), ("up", method.up.word()), ("fit", method.fit.word())];
     words.into_iter().map(|(key, word)| (key.to_owned(), word.to_owned())).collect()
 }
 

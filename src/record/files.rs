@@ -3,7 +3,7 @@
 use sha2::{Digest, Sha256};
 
 use super::{Provenance, compose, csv, drawing};
-use crate::cad::step;
+use crate::cad::step::{self, StepHeader};
 use crate::leg::{Extraction, Method};
 use crate::scan::Format;
 
@@ -43,8 +43,10 @@ pub fn record_files(
     ];
     for leg in &extraction.legs {
         if let Some(surface) = &leg.surface {
-            let name = format!("{}.step", leg.side.word());
-            files.push(file(&name, step::tube(&surface.surface, leg.side.word())));
+            let side = leg.side.word();
+            let (name, product) = (format!("{side}.step"), format!("{side} leg"));
+            let header = StepHeader { file_name: &name, product: &product, time_stamp: "" };
+            files.push(file(&name, step::tube(&surface.surface, &header)));
         }
     }
     files.push(file(&format!("scan.{}", format.ending()), scan_bytes.to_vec()));

@@ -189,7 +189,7 @@ impl Basis {
     }
 
     /// `x` wrapped or clamped into the domain; the end of a period becomes its start.
-    fn brought_home(&self, x: f64) -> f64 {
+    pub(super) fn brought_home(&self, x: f64) -> f64 {
         let (from, to) = self.domain();
         if !self.periodic {
             return x.clamp(from, to);

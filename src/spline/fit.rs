@@ -34,7 +34,7 @@ pub struct Spline {
     /// Effective degrees of freedom: trace of the matrix that turns data into fitted values.
     pub edf: f64,
     /// Standard deviation of a datum of weight 1, √(weighted RSS / (m − edf)) over the m data of
-    /// positive weight. Infinite where the data leave no degree of freedom to judge it by.
+    /// positive weight. Infinite where the data leave less than half a degree of freedom.
     pub sigma: f64,
     /// Weighted share of the data's variance that is explained; 1 where the data are constant.
     pub r2: f64,
@@ -43,6 +43,9 @@ pub struct Spline {
     /// The inverse of the normal matrix, for overlapping functions.
     inverse: Skyline,
 }
+
+/// Residuals with fewer degrees of freedom than this say nothing about the data's errors.
+const LEAST_FREEDOM: f64 = 0.5;
 
 /// Why data cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -178,9 +181,9 @@ fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Solution) -> Spli
     let data = weights.iter().filter(|weight| **weight > 0.0).count() as f64;
     let mean = y.iter().zip(weights).map(|(y, weight)| weight * y).sum::<f64>() / total;
     let spread: f64 = y.iter().zip(weights).map(|(y, weight)| weight * (y - mean).powi(2)).sum();
-    // An interpolation leaves m − edf at rounding errors, or at what the ridge takes from edf.
+    // An interpolation leaves of m − edf what rounding and the ridge take from edf.
     let freedom = data - edf;
-    let sigma = if freedom > 1e-6 * data { (rss / freedom).sqrt() } else { f64::INFINITY };
+    let sigma = if freedom > LEAST_FREEDOM { (rss / freedom).sqrt() } else { f64::INFINITY };
     let r2 = if spread > 0.0 { 1.0 - rss / spread } else { 1.0 };
     let rms = (rss / total).sqrt();
     Spline { basis: basis.clone(), coefficients, lambda, edf, sigma, r2, rms, inverse }
@@ -202,8 +205,8 @@ fn check(basis: &Basis, x: &[f64], y: &[f64], weights: &[f64]) -> Result<(), Fit
 }
 
 /// Refuses abscissae `x` outside a clamped domain, which would otherwise be taken to its end in
-/// silence, and data that do not lie at 4 different places: lambda's lower end leaves a parabola
-/// free, which they must hold.
+/// silence, and data at fewer than 4 different places: the ridge leaves lines free here and
+/// parabolas in [`super::surface_fit`], which the data must hold.
 pub(super) fn check_places(basis: &Basis, x: &[f64], weighty: &[f64]) -> Result<(), FitFault> {
     let (from, to) = basis.domain();
     let rounding = 1e-9 * (to - from);

@@ -29,14 +29,10 @@ const REST_MM: f64 = 1e-9;
 /// Distances closer than this are equal: what rounding leaves of coordinates of some metres.
 const ROUNDING_MM: f64 = 1e-12;
 
-/// The longest step, as a fraction of the domain in either direction, so that the search does not
-/// leap into another valley.
-const LONGEST_STEP: f64 = 0.125;
-
 impl Surface {
     /// The point of the surface nearest to `point`, mm, searched downhill from `u0`, `v0`: a local
     /// minimum of the distance. Steps wrap across the seam and stop at the end rows. Source: The
-    /// NURBS Book 6.1, with Gauss-Newton where the Hessian is not positive and step halving.
+    /// NURBS Book 6.1, with negative curvatures turned round and step halving.
     pub fn closest(&self, point: &Point3<f64>, u0: f64, v0: f64) -> Foot {
         let (first, last) = self.along().domain();
         let mut here = Place::at(self, point, u0.clamp(first, last), v0);
@@ -51,8 +47,7 @@ impl Surface {
                 break;
             }
         }
-        let (start, end) = self.around().domain();
-        let v = start + (here.v - start).rem_euclid(end - start);
+        let v = self.around().brought_home(here.v);
         let at_end = here.u <= first || here.u >= last;
         Foot { u: here.u, v, distance_mm: here.distance_mm, converged, at_end }
     }
@@ -60,71 +55,63 @@ impl Surface {
     /// The first of ever shorter steps that does not lead away from the point.
     fn improved(&self, point: &Point3<f64>, here: &Place, step: Vector2<f64>) -> Option<Place> {
         let (first, last) = self.along().domain();
-        let (start, end) = self.around().domain();
-        let clip =
-            |step: f64, domain: f64| step.clamp(-LONGEST_STEP * domain, LONGEST_STEP * domain);
-        let (du, dv) = (clip(step.x, last - first), clip(step.y, end - start));
         (0..30).map(|halvings| 0.5_f64.powi(halvings)).find_map(|share| {
-            let u = (here.u + share * du).clamp(first, last);
-            let place = Place::at(self, point, u, here.v + share * dv);
+            let u = (here.u + share * step.x).clamp(first, last);
+            let place = Place::at(self, point, u, here.v + share * step.y);
             (place.distance_mm <= here.distance_mm + ROUNDING_MM).then_some(place)
         })
     }
 }
 
-/// A place on the surface, seen from the point.
+/// A place on the surface, seen from the point. Gradient and Hessian are those of half the squared
+/// distance, for steps in mm along the tangents, so that the units of u and v do not matter.
 struct Place {
     u: f64,
     v: f64,
     distance_mm: f64,
     derivatives: Derivatives,
-    /// Half the gradient of the squared distance.
+    /// The tangents' lengths.
+    lengths: Vector2<f64>,
     gradient: Vector2<f64>,
-    /// Half its Hessian.
     hessian: Matrix2<f64>,
-    /// The part of the Hessian that is never negative.
-    gauss_newton: Matrix2<f64>,
 }
 
 impl Place {
     fn at(surface: &Surface, point: &Point3<f64>, u: f64, v: f64) -> Place {
         let derivatives = surface.derivatives(u, v);
         let Derivatives { du, dv, duu, duv, dvv, .. } = derivatives;
+        let lengths = Vector2::new(du.norm(), dv.norm()).map(|length| length.max(REST_MM));
         let away = derivatives.point - point;
-        let gradient = Vector2::new(away.dot(&du), away.dot(&dv));
-        let mixed = du.dot(&dv);
-        let gauss_newton = Matrix2::new(du.norm_squared(), mixed, mixed, dv.norm_squared());
-        let bend = Matrix2::new(away.dot(&duu), away.dot(&duv), away.dot(&duv), away.dot(&dvv));
-        let hessian = gauss_newton + bend;
-        Place { u, v, distance_mm: away.norm(), derivatives, gradient, hessian, gauss_newton }
+        let gradient = Vector2::new(away.dot(&du), away.dot(&dv)).component_div(&lengths);
+        let mixed = du.dot(&dv) + away.dot(&duv);
+        let (first, second) = (du.dot(&du) + away.dot(&duu), dv.dot(&dv) + away.dot(&dvv));
+        let hessian = Matrix2::new(first, mixed, mixed, second);
+        let hessian = hessian.component_div(&(lengths * lengths.transpose()));
+        Place { u, v, distance_mm: away.norm(), derivatives, lengths, gradient, hessian }
     }
 
-    /// The step downhill; along an end row where the way down leads out of the domain.
+    /// The step downhill in u and v; along the end row where it would lead out of the domain.
     fn step(&self, first: f64, last: f64) -> Vector2<f64> {
-        let leaves = |du: f64| (self.u <= first && du < 0.0) || (self.u >= last && du > 0.0);
-        let free = newton(&self.hessian, &self.gauss_newton, &self.gradient);
-        if !leaves(free.x) {
-            return free;
-        }
-        let curvature = self.hessian.m22;
-        let curvature = if curvature > 0.0 { curvature } else { self.gauss_newton.m22 };
-        Vector2::new(0.0, -self.gradient.y / curvature.max(f64::MIN_POSITIVE))
+        let free = newton(&self.hessian, &self.gradient);
+        let leaves = (self.u <= first && free.x < 0.0) || (self.u >= last && free.x > 0.0);
+        let step = if leaves {
+            Vector2::new(0.0, -self.gradient.y / steepness(self.hessian.m22))
+        } else {
+            free
+        };
+        step.component_div(&self.lengths)
     }
 }
 
-/// The Newton step, or the Gauss-Newton step where Newton would climb.
-fn newton(
-    hessian: &Matrix2<f64>,
-    gauss_newton: &Matrix2<f64>,
-    gradient: &Vector2<f64>,
-) -> Vector2<f64> {
-    let positive = |matrix: &&Matrix2<f64>| {
-        matrix.m11 > 0.0 && matrix.determinant() > 1e-12 * matrix.m11 * matrix.m22.abs()
-    };
-    let usable = [hessian, gauss_newton].into_iter().find(positive);
-    let inverse = usable.and_then(|matrix| matrix.try_inverse());
-    // Where the tangents are parallel there is no better guess than straight downhill.
-    inverse.map_or(-gradient / gauss_newton.trace().max(f64::MIN_POSITIVE), |inverse| {
-        -(inverse * gradient)
-    })
+/// The Newton step with negative curvatures turned round, so that it always leads downhill.
+fn newton(hessian: &Matrix2<f64>, gradient: &Vector2<f64>) -> Vector2<f64> {
+    let eigen = hessian.symmetric_eigen();
+    let along_axes = eigen.eigenvectors.transpose() * gradient;
+    -(eigen.eigenvectors * along_axes.component_div(&eigen.eigenvalues.map(steepness)))
+}
+
+/// A curvature to divide by. The tangents' own share of a curvature is 1, so the floor only turns
+/// away what is flat beyond use.
+fn steepness(curvature: f64) -> f64 {
+    curvature.abs().max(1e-9)
 }

@@ -9,7 +9,7 @@ use super::penalty::roughness;
 use super::solve::{Cholesky, Singular, Skyline};
 use super::surface::Surface;
 
-/// The derivative that the ridge weighs; cubics stay free.
+/// The derivative that the ridge weighs, so that missing rows are bridged much as by a quintic.
 const RIDGED: usize = 3;
 
 /// Points on a grid of parameters.

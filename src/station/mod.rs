@@ -21,6 +21,7 @@ pub mod event;
 pub mod journal;
 pub mod quarantine;
 pub mod run;
+pub mod simulated_scanner;
 pub mod spool;
 
 mod chance;

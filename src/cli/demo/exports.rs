@@ -1,0 +1,69 @@
+//! What the simulated scanner exports in the demo.
+
+use std::io::{self, Read};
+use std::path::Path;
+use std::time::Duration;
+
+use flate2::read::GzDecoder;
+
+use crate::station::simulated_scanner::Export;
+
+const WOMAN: &[u8] = include_bytes!("../../../fixtures/scans/f_average_tc2.obj.gz");
+const MAN: &[u8] = include_bytes!("../../../fixtures/scans/m_average_clean.obj.gz");
+
+/// How an export must end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Expected {
+    /// As a record.
+    Record,
+    /// In quarantine.
+    Refusal,
+}
+
+/// Two whole scans, one that is aborted half-way, one that is no body: each with how it must end
+/// and when the scanner begins with it.
+///
+/// # Errors
+/// Where a recorded scan cannot be decompressed.
+pub fn exports(folder: &Path) -> io::Result<Vec<(Export, Expected, Duration)>> {
+    let export = |name: &str, bytes: Vec<u8>, seconds: u64, expected, after: u64| {
+        let takes = Duration::from_secs(seconds);
+        (Export { path: folder.join(name), bytes, takes }, expected, Duration::from_secs(after))
+    };
+    let man = decompressed(MAN)?;
+    let half = man[..man.len() / 2].to_vec();
+    Ok(vec![
+        export("4711_first.obj", decompressed(WOMAN)?, 3, Expected::Record, 0),
+        export("4712_aborted.obj", half, 2, Expected::Refusal, 1),
+        export("4713_ball.obj", ball().into_bytes(), 1, Expected::Refusal, 2),
+        export("4714_last.obj", man, 3, Expected::Record, 4),
+    ])
+}
+
+fn decompressed(gzip: &[u8]) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    GzDecoder::new(gzip).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// A ball as high as a person: a scan with nobody in it.
+fn ball() -> String {
+    const RINGS: u32 = 60;
+    const SIDES: u32 = 120;
+    const RADIUS_MM: f64 = 850.0;
+    let mut text = String::from("# nobody\n");
+    for ring in 0..=RINGS {
+        let polar = std::f64::consts::PI * f64::from(ring) / f64::from(RINGS);
+        for side in 0..SIDES {
+            let turn = std::f64::consts::TAU * f64::from(side) / f64::from(SIDES);
+            let (x, z) = (polar.sin() * turn.cos(), polar.sin() * turn.sin());
+            let [x, y, z] = [x, polar.cos(), z].map(|c| RADIUS_MM * c);
+            text.push_str(&format!("v {x:.3} {y:.3} {z:.3}\n"));
+        }
+    }
+    for (ring, side) in (0..RINGS).flat_map(|ring| (0..SIDES).map(move |side| (ring, side))) {
+        let [a, b] = [side, (side + 1) % SIDES].map(|side| ring * SIDES + side + 1);
+        text.push_str(&format!("f {a} {b} {} {}\n", b + SIDES, a + SIDES));
+    }
+    text
+}

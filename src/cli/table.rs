@@ -1,0 +1,59 @@
+//! The table of a record for people: both legs side by side, centimetres with one decimal.
+
+use std::fmt::Write;
+
+use crate::leg::{Level, Side};
+use crate::record::Record;
+use crate::record::schema::LegFigures;
+
+/// The measures of a record as a table, findings below it; ends without a line end.
+pub fn of(record: &Record) -> String {
+    let mut text = format!(
+        "stature {} cm, crotch {} cm, unit {}{}\n",
+        cm(record.body.stature_mm),
+        cm(record.body.crotch_height_mm),
+        record.scan.unit,
+        if record.scan.unit_inferred { " (found)" } else { "" },
+    );
+    let sides = Side::BOTH.map(Side::word);
+    let legs = sides.map(|side| record.legs.iter().find(|leg| leg.side == side));
+    let _ = writeln!(text, "        {:^24}  {:^24}", sides[0], sides[1]);
+    let _ = writeln!(text, "        {0:>11}  {1:>11}  {0:>11}  {1:>11}", "height cm", "girth cm");
+    for level in Level::ALL.map(Level::name) {
+        let [left, right] = legs.map(|leg| cells(leg, level));
+        let _ = writeln!(text, "  {level:<4}  {left}  {right}");
+    }
+    for finding in &record.findings {
+        let place = [finding.leg.as_deref(), finding.level.as_deref()];
+        let place: Vec<&str> = place.into_iter().flatten().collect();
+        let _ = writeln!(
+            text,
+            "  {}: {} [{}] {}",
+            finding.severity,
+            place.join(" "),
+            finding.code,
+            finding.message
+        );
+    }
+    text.pop();
+    text
+}
+
+/// Height and girth of one level of one leg, with what they are worth; a dash where absent, a mark
+/// where in doubt.
+fn cells(leg: Option<&LegFigures>, level: &str) -> String {
+    let Some(landmark) = leg.and_then(|leg| leg.landmarks.get(level)) else {
+        return format!("{:>11}  {:>11}", "-", "-");
+    };
+    let doubt = if landmark.doubts.is_empty() { "" } else { "?" };
+    let worth = |sd: Option<f64>| sd.map_or(String::new(), |sd| format!(" ±{:.2}", sd / 10.0));
+    let height = format!("{}{}", cm(landmark.height_mm), worth(landmark.height_sd_mm));
+    let girth =
+        format!("{doubt}{}{}", cm(landmark.girth_tape_mm), worth(landmark.girth_sd_mm));
+    format!("{height:>11}  {girth:>11}")
+}
+
+/// Millimetres as the clinic reads them: centimetres with one decimal.
+fn cm(mm: f64) -> String {
+    format!("{:.1}", mm / 10.0)
+}
