@@ -24,6 +24,7 @@ pub mod run;
 pub mod simulated_scanner;
 pub mod spool;
 
+mod caught;
 mod chance;
 mod delivery;
 mod intake;

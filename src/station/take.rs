@@ -2,12 +2,12 @@
 
 use std::io;
 use std::os::unix::ffi::OsStrExt;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::assembly::Station;
+use super::caught::caught;
 use super::custody::{Arrival, CustodyFault};
 use super::event::{StationEvent, short};
 use super::journal::JournalError;
@@ -90,7 +90,7 @@ pub fn take(station: &Station, settled: &Settled) -> Result<Taken, TakeFault> {
 /// Whether the format shows that more is to come. A reader that panics shows nothing: the scan
 /// goes on and is refused where it is measured.
 fn awaits_rest(export: &Export, format: Format) -> bool {
-    catch_unwind(AssertUnwindSafe(|| scan::completeness(&export.bytes, format)))
+    caught(|| scan::completeness(&export.bytes, format))
         .is_ok_and(|complete| complete.is_err_and(|fault| fault.may_be_mended_by_waiting()))
 }
 

@@ -1,12 +1,11 @@
 //! Making one delivery: the spooled bytes measured, the record stored, the journal told.
 
-use std::any::Any;
 use std::io;
-use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use tracing::{info, warn};
 
 use super::assembly::Station;
+use super::caught::caught;
 use super::custody::CustodyFault;
 use super::error::chain;
 use super::event::{StationEvent, short};
@@ -66,6 +65,7 @@ pub fn deliver(station: &Station, due: &Due) -> Ended {
 fn attempt(station: &Station, due: &Due) -> Result<Receipt, Setback> {
     let row = station.custody.journal().scan(&due.scan)?;
     let row = row.ok_or(JournalError::Unknown { what: "scan" })?;
+    station.store.reach().map_err(|fault| of_store(fault, &row))?;
     let (bytes, format) = spooled(station, &row)?;
     let files = measured(station, due, &row, &bytes, format)?;
     let receipt = station
@@ -125,24 +125,17 @@ fn measured(
     let refused = |code: &str, message: String| {
         Setback::Refused(Reason::new(code, message, Stage::Measure, row.first_seen))
     };
-    let measured = catch_unwind(AssertUnwindSafe(|| {
+    let measured = caught(|| {
         let extraction = leg::extract(bytes, format, method)?;
         let files = record::record_files(&extraction, &provenance, method, bytes, format);
         Ok::<_, leg::Refusal>(files)
-    }));
+    });
     match measured {
         Ok(Ok(Ok(files))) => Ok(files),
         Ok(Ok(Err(error))) => Err(refused("record-not-written", error.to_string())),
         Ok(Err(refusal)) => Err(refused(refusal.code(), refusal.to_string())),
-        Err(panic) => Err(refused("panic", said(panic.as_ref()))),
+        Err(panic) => Err(refused("panic", panic)),
     }
-}
-
-/// What a panic said.
-fn said(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
-    text.unwrap_or_else(|| "the extraction panicked".to_owned())
 }
 
 /// A store's fault; its path, which holds the patient's id, stays out of logs and journal.

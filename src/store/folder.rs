@@ -37,6 +37,14 @@ impl FolderStore {
         tried("making the store's folder", &self.root, fs::create_dir_all(&self.root))
     }
 
+    /// Whether the store's folder can be opened.
+    ///
+    /// # Errors
+    /// A transient fault where it cannot.
+    pub fn reach(&self) -> Result<(), StoreFault> {
+        tried("opening", &self.root, fs::read_dir(&self.root)).map(drop)
+    }
+
     /// Removes what crashed deliveries of this station left staged.
     ///
     /// # Errors

@@ -108,6 +108,16 @@ impl RecordStore {
         }
     }
 
+    /// Whether the store is in reach, so that no scan is measured for a store that is not.
+    ///
+    /// # Errors
+    /// A transient fault where it is not.
+    pub fn reach(&self) -> Result<(), StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.reach(),
+        }
+    }
+
     /// Stores a record, or finds that it is there already.
     ///
     /// # Errors

@@ -29,12 +29,7 @@ pub fn body(n: usize) -> Vec<u8> {
 }
 
 fn fixture() -> Vec<u8> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scans");
-    let file = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let Some(file) = file.filter(|path| path.extension().is_some_and(|end| end == "gz")).min()
-    else {
-        return b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec();
-    };
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scans/f_average_clean.obj.gz");
     let mut bytes = Vec::new();
     flate2::read::GzDecoder::new(File::open(file).unwrap()).read_to_end(&mut bytes).unwrap();
     bytes
@@ -124,10 +119,15 @@ path = "{at}/records"
         }
     }
 
-    /// Waits until the store holds exactly so many records.
+    /// Waits until the store holds so many records, each of them whole.
     #[track_caller]
     pub fn wait_for_records(&self, count: usize) {
-        self.wait_for(&format!("{count} records"), || self.records().len() >= count);
+        let records = self.path("records");
+        let folders =
+            || names(&records).into_iter().flat_map(|patient| names(&records.join(patient)));
+        let final_names = || folders().filter(|name| !name.starts_with('.')).count();
+        self.wait_for(&format!("{count} records"), || final_names() >= count);
+        assert_eq!(self.records().len(), count);
     }
 
     /// Waits until a query on the journal gives a number.

@@ -72,6 +72,7 @@ fn held_bytes_are_kept_and_never_delivered_by_themselves() {
     assert_eq!(custody.recover().unwrap(), 1);
     assert!(custody.journal.pending().unwrap().is_empty());
     assert_eq!(custody.journal.patients(&scan).unwrap(), [Some("0815".to_owned())]);
+    assert_eq!(custody.journal.scans_in(ScanState::Delivered).unwrap(), [scan]);
 }
 
 #[test]
