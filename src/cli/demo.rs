@@ -115,7 +115,8 @@ async fn show(config: Config) -> Result<(), DemoFault> {
     };
     let station = tokio::spawn(station::run(config, asked, Some(tell)));
     let clock = Instant::now();
-    let expected: Vec<Expected> = exports(&export_dir)?.into_iter().map(|e| scan(e, clock)).collect();
+    let expected: Vec<Expected> =
+        exports(&export_dir)?.into_iter().map(|e| scan(e, clock)).collect();
     let watched = timeout(PATIENCE, watch(&mut events, &expected, clock)).await;
     drop(stop);
     let ended = station.await.map_err(io::Error::other)?;

@@ -48,8 +48,7 @@ fn cells(leg: Option<&LegFigures>, level: &str) -> String {
     let doubt = if landmark.doubts.is_empty() { "" } else { "?" };
     let worth = |sd: Option<f64>| sd.map_or(String::new(), |sd| format!(" ±{:.2}", sd / 10.0));
     let height = format!("{}{}", cm(landmark.height_mm), worth(landmark.height_sd_mm));
-    let girth =
-        format!("{doubt}{}{}", cm(landmark.girth_tape_mm), worth(landmark.girth_sd_mm));
+    let girth = format!("{doubt}{}{}", cm(landmark.girth_tape_mm), worth(landmark.girth_sd_mm));
     format!("{height:>11}  {girth:>11}")
 }
 

@@ -123,8 +123,7 @@ pub fn axis(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<LegAxis
         let centroid = |(along, slice): (&f64, &Vec<Crossing>)| {
             outline_centroid(&axis.points(slice)).map(|middle| axis.at(*along, &middle))
         };
-        let centroids: Vec<Point3<f64>> =
-            along.iter().zip(&slices).filter_map(centroid).collect();
+        let centroids: Vec<Point3<f64>> = along.iter().zip(&slices).filter_map(centroid).collect();
         if centroids.len() < CENTROIDS_MIN {
             return Err(AxisFault::TooFewSections { found: centroids.len() });
         }
@@ -154,7 +153,8 @@ pub fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
 
 /// The line of least squared distances: a point on it and its direction.
 fn line_through(points: &[Point3<f64>]) -> (Point3<f64>, Vector3<f64>) {
-    let middle = points.iter().fold(Vector3::zeros(), |sum, p| sum + p.coords) / points.len() as f64;
+    let middle =
+        points.iter().fold(Vector3::zeros(), |sum, p| sum + p.coords) / points.len() as f64;
     let spread = points.iter().fold(Matrix3::zeros(), |sum, p| {
         let d = p.coords - middle;
         sum + d * d.transpose()

@@ -60,7 +60,9 @@ pub enum What {
         to_mm: f64,
     },
     /// The surface does not cover the range that a stocking needs.
-    #[error("the surface covers {from_mm:.0} to {to_mm:.0} mm; {wanted_from_mm:.0} to {wanted_to_mm:.0} mm are wanted")]
+    #[error(
+        "the surface covers {from_mm:.0} to {to_mm:.0} mm; {wanted_from_mm:.0} to {wanted_to_mm:.0} mm are wanted"
+    )]
     SurfaceShort {
         /// Lower end, height in mm.
         from_mm: f64,

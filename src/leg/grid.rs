@@ -24,7 +24,8 @@ pub struct Grid {
 impl Grid {
     /// The grid of the measured sections within a range along the axis; open ones have no row.
     pub fn of(sections: &Sections, from_mm: f64, to_mm: f64) -> Grid {
-        let angles: Vec<f64> = (0..COLUMNS).map(|c| -PI + TAU * c as f64 / COLUMNS as f64).collect();
+        let angles: Vec<f64> =
+            (0..COLUMNS).map(|c| -PI + TAU * c as f64 / COLUMNS as f64).collect();
         let rows: Vec<&Section> = measured(sections, from_mm, to_mm).collect();
         let points = rows
             .iter()

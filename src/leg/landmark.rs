@@ -126,7 +126,8 @@ pub fn landmarks(
         let height_mm = tilted(along_mm)?;
         Some(landmark(curve, Level::B1, along_mm, height_mm, [height_sd_mm, girth_sd_mm], doubts))
     };
-    let all = [extreme(Level::B, found.b), b1(), extreme(Level::C, found.c), extreme(Level::D, found.d)];
+    let all =
+        [extreme(Level::B, found.b), b1(), extreme(Level::C, found.c), extreme(Level::D, found.d)];
     all.into_iter().flatten().collect()
 }
 
@@ -150,11 +151,7 @@ fn landmark(
     }
 }
 
-fn common_doubts(
-    curve: &GirthCurve,
-    along_mm: f64,
-    gap_deg: &impl Fn(f64) -> f64,
-) -> Vec<Doubt> {
+fn common_doubts(curve: &GirthCurve, along_mm: f64, gap_deg: &impl Fn(f64) -> f64) -> Vec<Doubt> {
     let gap_deg = gap_deg(along_mm);
     let mut doubts = Vec::new();
     if !curve.is_seen(along_mm) {
@@ -219,9 +216,8 @@ impl Found {
         let faint = standing_out(turns, gates);
         let first = |turns: &[Extremum], above_mm: f64, is_maximum: bool| {
             let inner = 1..turns.len().saturating_sub(1);
-            let fits = |i: &usize| {
-                turns[*i].is_maximum == is_maximum && turns[*i].along_mm > above_mm
-            };
+            let fits =
+                |i: &usize| turns[*i].is_maximum == is_maximum && turns[*i].along_mm > above_mm;
             inner.clone().find(fits).map(|i| (turns[i], prominence_mm(turns, i)))
         };
         let b = first(&clear, 0.0, false).or_else(|| first(&faint, 0.0, false));

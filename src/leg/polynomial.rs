@@ -68,7 +68,11 @@ mod tests {
     fn a_polynomial_of_order_15_is_found_again_with_its_derivatives() {
         let truth = |t: f64| {
             let x = t / PI;
-            [30.0 + x - 2.0 * x.powi(15), (1.0 - 30.0 * x.powi(14)) / PI, -420.0 * x.powi(13) / PI / PI]
+            [
+                30.0 + x - 2.0 * x.powi(15),
+                (1.0 - 30.0 * x.powi(14)) / PI,
+                -420.0 * x.powi(13) / PI / PI,
+            ]
         };
         let angles: Vec<f64> = (0..200).map(|i| -PI + PI * f64::from(i) / 100.0).collect();
         let radii: Vec<f64> = angles.iter().map(|t| truth(*t)[0]).collect();

@@ -5,7 +5,7 @@ use super::feature::{Feature, features};
 use super::finding::{Finding, LegFault, What};
 use super::girth::{GirthCurve, girth_curve};
 use super::landmark::{Landmark, Level, landmarks};
-use super::section::{Section, SPACING_MM, Sections, sections};
+use super::section::{SPACING_MM, Section, Sections, sections};
 use super::segment::{Leg, Side};
 use super::surface::{LegSurface, surface};
 use super::{Body, Method};

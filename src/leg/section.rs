@@ -226,12 +226,7 @@ fn polar(points: &[Point2<f64>], centre: Point2<f64>) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Fits one section about the centroid of its outline; none where too few points or too wide a gap leave it open.
-pub fn section(
-    axis: &LegAxis,
-    along_mm: f64,
-    points: &[Point2<f64>],
-    fit: Fit,
-) -> Option<Section> {
+pub fn section(axis: &LegAxis, along_mm: f64, points: &[Point2<f64>], fit: Fit) -> Option<Section> {
     if points.len() < POINTS_MIN {
         return None;
     }

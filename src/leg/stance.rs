@@ -96,7 +96,9 @@ pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, usize> {
     let feet_points = feet(mesh, shanks, FOOT_SHARE * stature_mm);
     let middle = |points: &[[f64; 3]], shank: Point2<f64>| match points.len() {
         0 => shank,
-        n => points.iter().fold(Point2::origin(), |sum, p| sum + Vector2::new(p[0], p[1]) / n as f64),
+        n => {
+            points.iter().fold(Point2::origin(), |sum, p| sum + Vector2::new(p[0], p[1]) / n as f64)
+        }
     };
     let feet = [middle(&feet_points[0], shanks[0]), middle(&feet_points[1], shanks[1])];
     Ok(Stance { shanks, feet, toes: toes(shanks, &feet_points), floor_mm: floor_mm(&feet_points) })
@@ -137,10 +139,7 @@ fn feet(mesh: &Mesh, shanks: [Point2<f64>; 2], top_mm: f64) -> [Vec<[f64; 3]>; 2
 /// Where both feet's toes point together: halfway between the feet's own mean direction and the
 /// square to the line through the ankles, since a foot turned out spoils the one and a foot set
 /// forward the other.
-fn toes(
-    shanks: [Point2<f64>; 2],
-    feet: &[Vec<[f64; 3]>; 2],
-) -> Result<Vector2<f64>, FeetUnclear> {
+fn toes(shanks: [Point2<f64>; 2], feet: &[Vec<[f64; 3]>; 2]) -> Result<Vector2<f64>, FeetUnclear> {
     let directions = [toe_direction(shanks[0], &feet[0])?, toe_direction(shanks[1], &feet[1])?];
     let spread_deg = directions[0].angle(&directions[1]).to_degrees();
     if spread_deg > FEET_SPREAD_MAX_DEG {

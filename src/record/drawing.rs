@@ -106,7 +106,8 @@ impl Chart {
             girth_mm = [girth_mm[0].min(girth.tape_mm), girth_mm[1].max(girth.tape_mm)];
             height_mm[1] = height_mm[1].max(height);
         }
-        let whole = |[low, high]: [f64; 2]| [(low / 50.0).floor() * 50.0, (high / 50.0).ceil() * 50.0];
+        let whole =
+            |[low, high]: [f64; 2]| [(low / 50.0).floor() * 50.0, (high / 50.0).ceil() * 50.0];
         Chart { girth_mm: whole(girth_mm), height_mm: whole(height_mm) }
     }
 

@@ -13,9 +13,36 @@ use super::{CutSign, Scan, ScanFault};
 /// Statements of the OBJ format (Wavefront specification, version 3.0) and the usual extensions.
 /// A file whose first statement is none of these is no OBJ.
 const STATEMENTS: [&str; 30] = [
-    "v", "vt", "vn", "vp", "f", "fo", "l", "p", "o", "g", "s", "mg", "mtllib", "usemtl", "usemap",
-    "maplib", "lod", "deg", "bmat", "step", "cstype", "curv", "curv2", "surf", "parm", "trim",
-    "hole", "end", "shadow_obj", "trace_obj",
+    "v",
+    "vt",
+    "vn",
+    "vp",
+    "f",
+    "fo",
+    "l",
+    "p",
+    "o",
+    "g",
+    "s",
+    "mg",
+    "mtllib",
+    "usemtl",
+    "usemap",
+    "maplib",
+    "lod",
+    "deg",
+    "bmat",
+    "step",
+    "cstype",
+    "curv",
+    "curv2",
+    "surf",
+    "parm",
+    "trim",
+    "hole",
+    "end",
+    "shadow_obj",
+    "trace_obj",
 ];
 
 /// More unused points than this share of all means that the face list was cut off. Exports of
@@ -96,7 +123,8 @@ impl Statements {
     /// index space, and names in any encoding do no harm. Colours after a point's coordinates go
     /// too, because tobj refuses a file where only some points have them.
     fn of(bytes: &[u8]) -> Result<Statements, ScanFault> {
-        let mut found = Statements { geometry: Vec::with_capacity(bytes.len()), points: 0, faces: 0 };
+        let mut found =
+            Statements { geometry: Vec::with_capacity(bytes.len()), points: 0, faces: 0 };
         let mut first = true;
         for (index, line) in bytes.split(|&b| b == b'\n').enumerate() {
             let line = line.trim_ascii();
