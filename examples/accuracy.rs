@@ -93,11 +93,9 @@ fn errors(leg: &LegReport, level: Level, truth: &Value) -> String {
     let undecidable = truth["undecidable"].as_array();
     let undecidable = undecidable.is_some_and(|list| list.iter().any(|l| l == level.name()));
     match (found(leg, level), landmark["tape_mm"].as_f64(), landmark["height_mm"].as_f64()) {
-        (Some(found), Some(tape_mm), Some(height_mm)) => format!(
-            "{:+.2} | {:+.1}",
-            found.girth_tape_mm - tape_mm,
-            found.height_mm - height_mm
-        ),
+        (Some(found), Some(tape_mm), Some(height_mm)) => {
+            format!("{:+.2} | {:+.1}", found.girth_tape_mm - tape_mm, found.height_mm - height_mm)
+        }
         (None, None, _) => "absent | ".to_owned(),
         _ if undecidable => "undecidable | ".to_owned(),
         (None, ..) => "missed | ".to_owned(),

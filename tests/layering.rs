@@ -16,22 +16,14 @@ struct Rule {
 const PURE: [Rule; 6] = [
     Rule { layer: "scan", layers: &[], crates: &["nalgebra", "thiserror", "tobj"] },
     Rule { layer: "spline", layers: &[], crates: &["nalgebra", "rayon", "thiserror"] },
-    Rule {
-        layer: "leg",
-        layers: &["scan", "spline"],
-        crates: &["nalgebra", "rayon", "thiserror"],
-    },
+    Rule { layer: "leg", layers: &["scan", "spline"], crates: &["nalgebra", "rayon", "thiserror"] },
     Rule { layer: "cad", layers: &["spline"], crates: &["nalgebra"] },
     Rule {
         layer: "record",
         layers: &["scan", "spline", "leg", "cad"],
         crates: &["jiff", "nalgebra", "serde", "serde_json", "sha2", "thiserror"],
     },
-    Rule {
-        layer: "flow",
-        layers: &["record"],
-        crates: &["jiff", "regex", "serde", "thiserror"],
-    },
+    Rule { layer: "flow", layers: &["record"], crates: &["jiff", "regex", "serde", "thiserror"] },
 ];
 
 /// Layers with effects, and which of the others they may use.
@@ -42,17 +34,20 @@ const EFFECTS: [Rule; 3] = [
         layers: &["scan", "leg", "record", "flow", "store", "config"],
         crates: &[],
     },
-    Rule {
-        layer: "config",
-        layers: &["leg"],
-        crates: &[],
-    },
+    Rule { layer: "config", layers: &["leg"], crates: &[] },
 ];
 
 /// What no pure layer may name.
 const EFFECTFUL: [&str; 9] = [
-    "std::fs", "std::env", "std::net", "std::process", "std::thread", "Instant", "SystemTime",
-    "HashMap", "HashSet",
+    "std::fs",
+    "std::env",
+    "std::net",
+    "std::process",
+    "std::thread",
+    "Instant",
+    "SystemTime",
+    "HashMap",
+    "HashSet",
 ];
 
 /// Longest file, lines.
@@ -137,7 +132,8 @@ fn pure_layers_use_only_their_crates_and_no_effects() {
     for rule in &PURE {
         for path in files(rule.layer) {
             for (number, line) in code(&path) {
-                let banned = dependencies.iter().filter(|name| !rule.crates.contains(&name.as_str()));
+                let banned =
+                    dependencies.iter().filter(|name| !rule.crates.contains(&name.as_str()));
                 let crates = banned.map(|name| format!("{name}::"));
                 let effects = EFFECTFUL.iter().map(|&word| word.to_owned());
                 for word in crates.chain(effects).filter(|word| contains_word(&line, word)) {
@@ -170,7 +166,9 @@ fn every_pure_layer_switches_clippys_bans_on() {
 #[test]
 fn every_file_says_what_it_is_and_none_is_too_long() {
     let mut found = Vec::new();
-    ["src", "tests", "benches", "examples"].iter().for_each(|f| collect(&root().join(f), &mut found));
+    ["src", "tests", "benches", "examples"]
+        .iter()
+        .for_each(|f| collect(&root().join(f), &mut found));
     assert!(found.len() > 50, "only {} files were looked at", found.len());
     for path in found {
         let text = fs::read_to_string(&path).unwrap();
