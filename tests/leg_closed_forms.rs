@@ -186,6 +186,22 @@ fn the_axis_of_a_tilted_tube_is_found_with_its_foot_and_its_heights() {
     }
 }
 
+#[test]
+fn the_axis_goes_through_the_centroid_of_the_area_inside_not_of_the_hull() {
+    let radius = |t: f64| 50.0 + 9.0 * (3.0 * t).cos() + 8.0 * t.cos() + 5.0 * (2.0 * t).sin();
+    let shape = |angle: f64, _: f64| radius(angle);
+    // Area and first moments in polar coordinates, by the trapezoid rule, exact for such a sum.
+    let integral = |f: &dyn Fn(f64) -> f64| {
+        (0..360).map(|i| f(f64::from(i).to_radians())).sum::<f64>() * TAU / 360.0
+    };
+    let area = integral(&|t| radius(t).powi(2) / 2.0);
+    let ahead = integral(&|t| radius(t).powi(3) * t.cos() / 3.0) / area;
+    let aside = integral(&|t| radius(t).powi(3) * t.sin() / 3.0) / area;
+    let foot = Tube::of(&shape).sections(SectionFit::Periodic).axis.foot;
+    near(foot.y, -ahead, 0.05, "front");
+    near(foot.x, aside, 0.05, "lateral");
+}
+
 /// A hole of this width around this direction, at all heights, degrees.
 fn hole(width_deg: f64, at_deg: f64) -> impl Fn(f64, f64) -> bool {
     move |angle: f64, _| off_deg(angle.to_degrees(), at_deg) < width_deg / 2.0

@@ -178,8 +178,9 @@ fn equal(found: &Value, expected: &Value, name: &str, numbers: &mut usize) {
 
 #[test]
 fn every_unit_gives_the_same_record() {
-    for unit in Unit::ALL {
-        let bytes = obj(&moved(|p| p / unit.in_mm()));
+    let units = [(Unit::Mm, 1.0), (Unit::Cm, 10.0), (Unit::In, 25.4), (Unit::M, 1000.0)];
+    for (unit, in_mm) in units {
+        let bytes = obj(&moved(|p| p / in_mm));
         for choice in [UnitChoice::Auto, UnitChoice::Declared(unit)] {
             let method = Method { unit: choice, ..Method::default() };
             let (_, record) = record_of(&bytes, &method);
