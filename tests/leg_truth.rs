@@ -1,0 +1,249 @@
+//! The recorded bodies against the exact truth of the skin behind them (fixtures/README.md).
+
+#![allow(clippy::unwrap_used)]
+
+#[path = "support/bodies.rs"]
+mod bodies;
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::sync::LazyLock;
+
+use bodies::{export, record_of, truth};
+use gaiter::leg::Method;
+use gaiter::record::Record;
+use gaiter::record::schema::LegFigures;
+use serde_json::Value;
+
+const CLEAN: [&str; 2] = ["f_average_clean", "m_average_clean"];
+const ALL: [&str; 3] = ["f_average_clean", "m_average_clean", "f_average_tc2"];
+
+/// Tape girth of B, C and D, mm.
+const GIRTH_MM: f64 = 1.0;
+
+/// Height of B, C and D, mm, or the truth's `flat_mm` where that is more.
+const HEIGHT_MM: f64 = 6.0;
+
+/// Slope at B1, as a share of the largest.
+const SLOPE_SHARE: f64 = 0.9;
+
+/// Mean relative distance of the clean bodies' sections from the surface.
+const SURFACE_SHARE: f64 = 0.0015;
+
+const FACING_DEG: f64 = 5.0;
+
+/// The soles are never seen, so the floor may be too high by some millimetres.
+const STATURE_MM: f64 = 5.0;
+
+/// Thighs nearer to each other than the points of the skin may be taken for one: 12 mm.
+const CROTCH_MM: f64 = 12.0;
+
+/// Each body measured once for all tests, with its truth.
+static BODIES: LazyLock<BTreeMap<&str, (Record, Value)>> = LazyLock::new(|| {
+    let body = |name| (record_of(&export(name), &Method::default()).1, truth(name));
+    ALL.into_iter().map(|name| (name, body(name))).collect()
+});
+
+/// A number of the truth.
+#[track_caller]
+fn number(truth: &Value) -> f64 {
+    truth.as_f64().unwrap()
+}
+
+/// A column of a leg's true profile at a height, between the two nearest rows.
+fn profile(leg: &Value, column: &str, height_mm: f64) -> Option<f64> {
+    let cells = |name: &str| leg["profile"][name].as_array().unwrap().iter().map(Value::as_f64);
+    let rows = cells("height_mm").zip(cells(column)).filter_map(|(h, v)| Some((h?, v?)));
+    let rows: Vec<(f64, f64)> = rows.collect();
+    let pairs = rows.windows(2).map(|pair| (pair[0], pair[1]));
+    let (low, high) =
+        pairs.into_iter().find(|(low, high)| low.0 <= height_mm && height_mm < high.0)?;
+    Some(low.1 + (high.1 - low.1) * (height_mm - low.0) / (high.0 - low.0))
+}
+
+/// The figures of a body beside the true ones; a fault is marked and counted.
+#[derive(Default)]
+struct Table {
+    text: String,
+    rows: usize,
+    faults: usize,
+}
+
+impl Table {
+    fn row(&mut self, what: &str, found: f64, true_value: f64, is_good: bool) {
+        let mark = if is_good { "" } else { "   <-- beyond the limit" };
+        let off = found - true_value;
+        writeln!(self.text, "{what:34} {found:10.4} {true_value:10.4} {off:+9.4}{mark}").unwrap();
+        self.rows += 1;
+        self.faults += usize::from(!is_good);
+    }
+
+    /// Fails with the whole table where a row is at fault or rows are missing.
+    #[track_caller]
+    fn check(&self, rows: usize) {
+        let Table { text, faults, .. } = self;
+        assert_eq!(self.rows, rows, "rows are missing:\n{text}");
+        assert!(self.faults == 0, "{faults} of {rows} beyond their limits:\n{text}");
+    }
+}
+
+/// All legs of all bodies with their truth.
+fn each_leg(names: &[&str], mut what: impl FnMut(&str, &LegFigures, &Value)) {
+    for name in names {
+        let (record, truth) = &BODIES[name];
+        let sides: Vec<&str> = record.legs.iter().map(|leg| leg.side.as_str()).collect();
+        assert_eq!(sides, ["left", "right"], "{name}");
+        for leg in &record.legs {
+            what(&format!("{name} {}", leg.side), leg, &truth["legs"][&leg.side]);
+        }
+    }
+}
+
+#[test]
+fn b_c_and_d_have_the_true_girth_and_height() {
+    let mut table = Table::default();
+    each_leg(&ALL, |name, leg, truth| {
+        for level in ["B", "C", "D"] {
+            let (found, truth) = (&leg.landmarks[level], &truth["landmarks"][level]);
+            let girth_mm = number(&truth["tape_mm"]);
+            let off = (found.girth_tape_mm - girth_mm).abs();
+            table.row(
+                &format!("{name} {level} tape"),
+                found.girth_tape_mm,
+                girth_mm,
+                off <= GIRTH_MM,
+            );
+            let height_mm = number(&truth["height_mm"]);
+            let limit = HEIGHT_MM.max(number(&truth["flat_mm"]));
+            let is_good = (found.height_mm - height_mm).abs() <= limit;
+            table.row(&format!("{name} {level} height"), found.height_mm, height_mm, is_good);
+        }
+    });
+    table.check(3 * 2 * 3 * 2);
+}
+
+#[test]
+fn the_true_girth_grows_at_b1_nearly_as_fast_as_anywhere() {
+    let mut table = Table::default();
+    each_leg(&ALL, |name, leg, truth| {
+        let slope = profile(truth, "slope", leg.landmarks["B1"].height_mm).unwrap();
+        let largest = number(&truth["landmarks"]["B1"]["slope"]);
+        table.row(&format!("{name} B1 slope"), slope, largest, slope >= SLOPE_SHARE * largest);
+    });
+    table.check(3 * 2);
+}
+
+#[test]
+fn no_level_is_missed_and_none_is_invented() {
+    each_leg(&ALL, |name, leg, truth| {
+        let undecidable = truth["undecidable"].as_array().unwrap();
+        for level in ["B", "B1", "C", "D"] {
+            if undecidable.iter().all(|either| either != level) {
+                let is_there = truth["landmarks"].get(level).is_some();
+                assert_eq!(leg.landmarks.contains_key(level), is_there, "{name} {level}");
+            }
+        }
+        assert!(leg.landmarks.len() <= 4, "{name}: {:?}", leg.landmarks.keys());
+    });
+}
+
+#[test]
+fn the_sides_are_the_patient_s_own() {
+    for name in ALL {
+        let (record, truth) = &BODIES[name];
+        let girths = |side: &str| {
+            ["B", "C"].map(|l| number(&truth["legs"][side]["landmarks"][l]["tape_mm"]))
+        };
+        let differ = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
+        let (left, right) = (girths("left"), girths("right"));
+        assert!(differ(left, right) > 3.0 * GIRTH_MM, "{name} cannot tell its sides");
+        for leg in &record.legs {
+            let found = ["B", "C"].map(|level| leg.landmarks[level].girth_tape_mm);
+            let (own, other) = if leg.side == "left" { (left, right) } else { (right, left) };
+            assert!(differ(found, own) < differ(found, other) / 2.0, "{name} {}", leg.side);
+        }
+        // The patient's left is +X: to the left of somebody who looks along −Y.
+        for leg in &record.legs {
+            let sign = if leg.side == "left" { 1.0 } else { -1.0 };
+            assert!(!leg.features.is_empty());
+            assert!(
+                leg.features.iter().all(|f| f.position_mm[0] * sign > 0.0),
+                "{name} {}",
+                leg.side
+            );
+        }
+    }
+}
+
+#[test]
+fn the_surface_of_a_clean_body_is_within_0_15_percent_of_its_sections() {
+    let mut table = Table::default();
+    each_leg(&CLEAN, |name, leg, _| {
+        let surface = leg.surface.as_ref().unwrap();
+        let share = surface.to_sections.mean_relative;
+        table.row(
+            &format!("{name} to sections"),
+            share,
+            0.0,
+            share <= SURFACE_SHARE && share > 0.0,
+        );
+        let reach = leg.landmarks["B"].height_mm - surface.from_height_mm;
+        table.row(&format!("{name} reach below B"), reach, 20.0, reach >= 20.0);
+        assert_eq!(surface.control_points, [30, 24]);
+    });
+    table.check(2 * 2 * 2);
+}
+
+#[test]
+fn the_girth_curve_of_a_clean_body_is_the_true_one_from_below_b_to_above_d() {
+    for name in CLEAN {
+        let (record, truth) = &BODIES[name];
+        // Heights lack what the unseen soles lack; girths do not.
+        let sole_mm = number(&truth["stature_mm"]) - record.body.stature_mm;
+        for leg in &record.legs {
+            let column = &leg.girth_curve;
+            let rows = column.height_mm.iter().zip(&column.tape_mm);
+            let from = leg.landmarks["B"].height_mm - 20.0;
+            let to = leg.landmarks["D"].height_mm + 20.0;
+            let mut table = Table::default();
+            for (height_mm, tape_mm) in rows.filter_map(|(h, t)| Some(((*h)?, (*t)?))) {
+                if (from..to).contains(&height_mm) {
+                    let truth = &truth["legs"][&leg.side];
+                    let girth_mm = profile(truth, "tape_mm", height_mm + sole_mm).unwrap();
+                    let off = (tape_mm - girth_mm).abs();
+                    table.row(
+                        &format!("{name} {} {height_mm}", leg.side),
+                        tape_mm,
+                        girth_mm,
+                        off <= 1.5,
+                    );
+                }
+            }
+            assert!(5.5 * table.rows as f64 > to - from, "{} rows", table.rows);
+            table.check(table.rows);
+        }
+    }
+}
+
+#[test]
+fn facing_stature_crotch_unit_and_tilt_are_the_body_s() {
+    let mut table = Table::default();
+    for name in ALL {
+        let (record, truth) = &BODIES[name];
+        let body = &record.body;
+        let pairs = [
+            ("facing", body.facing_deg, &truth["facing_deg"], FACING_DEG),
+            ("stature", body.stature_mm, &truth["stature_mm"], STATURE_MM),
+            ("crotch", body.crotch_height_mm, &truth["crotch_height_mm"], CROTCH_MM),
+            ("left tilt", record.legs[0].tilt_deg, &truth["legs"]["left"]["tilt_deg"], 0.5),
+            ("right tilt", record.legs[1].tilt_deg, &truth["legs"]["right"]["tilt_deg"], 0.5),
+        ];
+        for (what, found, true_value, limit) in pairs {
+            let is_good = (found - number(true_value)).abs() <= limit;
+            table.row(&format!("{name} {what}"), found, number(true_value), is_good);
+        }
+        assert_eq!(record.scan.unit, truth["unit"], "{name}");
+        assert!(record.scan.unit_inferred && body.facing_from == "feet");
+    }
+    table.check(3 * 5);
+}

@@ -1,0 +1,58 @@
+//! The recorded bodies of `fixtures/scans` and their truth; bodies changed and written again.
+
+// Each test crate uses its own part.
+#![allow(dead_code)]
+#![allow(clippy::unwrap_used)]
+
+use std::fmt::Write;
+use std::fs;
+use std::io::Read;
+use std::path::PathBuf;
+
+use gaiter::leg::{Extraction, Method, extract};
+use gaiter::record::{Provenance, Record, record, sha256};
+use gaiter::scan::{Format, Scan, read};
+use serde_json::Value;
+
+fn path(file: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("fixtures/scans").join(file)
+}
+
+/// The export of a recorded body, as the scanner wrote it.
+pub fn export(name: &str) -> Vec<u8> {
+    let packed = fs::read(path(&format!("{name}.obj.gz"))).unwrap();
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(packed.as_slice()).read_to_end(&mut bytes).unwrap();
+    bytes
+}
+
+/// What is true of the body behind a recorded export.
+pub fn truth(name: &str) -> Value {
+    serde_json::from_slice(&fs::read(path(&format!("{name}.truth.json"))).unwrap()).unwrap()
+}
+
+/// Points and triangles of a recorded body, in the export's unit and axes.
+pub fn scan(name: &str) -> Scan {
+    read(&export(name), Format::Obj).unwrap()
+}
+
+/// A body written as an export, every digit kept.
+pub fn obj(scan: &Scan) -> Vec<u8> {
+    let mut text = String::new();
+    for p in &scan.points {
+        writeln!(text, "v {} {} {}", p.x, p.y, p.z).unwrap();
+    }
+    for [a, b, c] in &scan.triangles {
+        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
+    }
+    text.into_bytes()
+}
+
+/// The record of an export that nobody says more about.
+pub fn record_of(bytes: &[u8], method: &Method) -> (Extraction, Record) {
+    let extraction = extract(bytes, Format::Obj, method).unwrap();
+    let provenance =
+        Provenance { station: None, patient: None, acquired: None, sha256: sha256(bytes) };
+    let record = record(&extraction, &provenance, method);
+    (extraction, record)
+}
