@@ -5,9 +5,9 @@
 //! equations of the scattered data themselves are then solved (`tensor_equations`). Outliers lose
 //! their weight round by round.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
-use super::basis::{Basis, Row};
+use super::basis::{Basis, DEGREE, Row};
 use super::fit::FitFault;
 use super::kronecker::{Direction, best_by_gcv};
 use super::robust::biweights;
@@ -38,6 +38,31 @@ pub struct TensorFit {
     pub edf: f64,
     /// Smoothing along and around, relative to the roughness of the cells' grid.
     pub lambdas: [f64; 2],
+    directions: [Direction; 2],
+    /// Weight of the data per cell.
+    density: f64,
+}
+
+impl TensorFit {
+    /// Standard error of the mean over one turn, or of its `derivative` along (0 to 3), at `u`, if
+    /// the data were spread evenly: the Bayesian form, σ² bᵀ(AᵀA ⊗ BᵀB + penalty)⁻¹ b.
+    pub fn mean_around_sd(&self, u: f64, derivative: usize) -> f64 {
+        let [along, around] = &self.directions;
+        let mut places = DVector::zeros(along.gram.nrows());
+        let row = self.function.along().rows(u)[derivative.min(DEGREE)];
+        row.indices.into_iter().zip(row.values).for_each(|(i, value)| places[i] += value);
+        // The basis functions around are alike, so the mean over a turn weighs them alike.
+        let mean = DVector::from_element(around.gram.nrows(), 1.0 / around.gram.nrows() as f64);
+        let (places, mean) = (along.vectors.tr_mul(&places), around.vectors.tr_mul(&mean));
+        let mut variance = 0.0;
+        for (place, rough_a) in places.iter().zip(&along.eigenvalues) {
+            for (share, rough_b) in mean.iter().zip(&around.eigenvalues) {
+                let size = 1.0 + self.lambdas[0] * rough_a + self.lambdas[1] * rough_b;
+                variance += (place * share).powi(2) / size;
+            }
+        }
+        self.sigma * (variance / self.density).sqrt()
+    }
 }
 
 /// Rounds of reweighting and choosing the smoothing; both have settled to 1 % after three.
@@ -85,7 +110,9 @@ pub fn fit_scatter(
     let freedom = weights.iter().sum::<f64>() - edf;
     let sigma = (rss / freedom.max(1.0)).sqrt();
     let by_rows = coefficients.transpose().as_slice().to_vec();
-    Ok(TensorFit { function: Tensor::new(along, around, by_rows), weights, sigma, edf, lambdas })
+    let function = Tensor::new(along, around, by_rows);
+    let density = equations.density();
+    Ok(TensorFit { function, weights, sigma, edf, lambdas, density, directions })
 }
 
 fn residuals(rows: &[(Row, Row)], values: &[f64], coefficients: &DMatrix<f64>) -> Vec<f64> {
