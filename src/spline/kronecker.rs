@@ -30,6 +30,8 @@ pub struct Direction {
     pub design: DMatrix<f64>,
     /// Generalised eigenvectors, functions × functions: UᵀAᵀA U = 1, UᵀR U = diag(eigenvalues).
     pub vectors: DMatrix<f64>,
+    /// Their transpose, which a product by it wants laid out.
+    pub vectors_transposed: DMatrix<f64>,
     /// Roughness of each eigenvector, at least 0.
     pub eigenvalues: Vec<f64>,
     /// Gram matrix AᵀA with its ridge.
@@ -66,9 +68,10 @@ impl Direction {
         let factor = gram.clone().cholesky().ok_or(singular.clone())?;
         let inverse = factor.l().try_inverse().ok_or(singular)?;
         let eigen = SymmetricEigen::new(&inverse * &rough * inverse.transpose());
-        let vectors = inverse.tr_mul(&eigen.eigenvectors);
+        let vectors = inverse.transpose() * &eigen.eigenvectors;
         let eigenvalues = eigen.eigenvalues.iter().map(|value| value.max(0.0)).collect();
-        Ok(Direction { design, vectors, eigenvalues, gram, roughness: rough })
+        let vectors_transposed = vectors.transpose();
+        Ok(Direction { design, vectors, vectors_transposed, eigenvalues, gram, roughness: rough })
     }
 
     /// The unit in which lambdas are searched: one over the median positive eigenvalue.

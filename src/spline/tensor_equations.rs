@@ -10,7 +10,7 @@ use super::kronecker::Direction;
 const REACH: usize = 2 * DEGREE + 1;
 
 /// Conjugate gradients end when the residual has fallen to this share of the right-hand side …
-const SOLVED: f64 = 1e-7;
+const SOLVED: f64 = 1e-6;
 
 /// … or after so many steps; a usual leg needs about 15.
 const STEPS_MAX: usize = 80;
@@ -144,14 +144,14 @@ impl<'a> Equations<'a> {
     /// The solution if the data were spread evenly over the cells.
     fn evenly_solved(&self, lambdas: [f64; 2], of: &DMatrix<f64>) -> DMatrix<f64> {
         let [along, around] = self.directions;
-        let mut projected = along.vectors.tr_mul(of) * &around.vectors;
+        let mut projected = &along.vectors_transposed * of * &around.vectors;
         for (b, rough_b) in around.eigenvalues.iter().enumerate() {
             for (a, rough_a) in along.eigenvalues.iter().enumerate() {
                 let size = 1.0 + lambdas[0] * rough_a + lambdas[1] * rough_b;
                 projected[(a, b)] /= self.density * size;
             }
         }
-        &along.vectors * projected * around.vectors.transpose()
+        &along.vectors * projected * &around.vectors_transposed
     }
 }
 
