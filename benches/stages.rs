@@ -43,7 +43,9 @@ fn left_sections() -> (Body, Legs, Sections) {
     let (body, legs) = legs();
     let axis = axis::axis(&legs.legs.left, body.stature_mm, legs.crotch_height_mm)
         .unwrap_or_else(|fault| stop(&fault));
-    let sections = sections(&legs.legs.left, axis, legs.crotch_height_mm, SectionFit::Periodic);
+    let span_mm = [60.0, legs.crotch_height_mm];
+    let sections = sections(&legs.legs.left, axis, span_mm, SectionFit::Skin)
+        .unwrap_or_else(|| stop(&"no sections"));
     (body, legs, sections)
 }
 
@@ -91,7 +93,7 @@ fn f_sections_of_one_leg(bencher: Bencher) {
     let (_, legs, found) = left_sections();
     bencher.bench(|| {
         let axis = found.axis.clone();
-        sections(&legs.legs.left, axis, legs.crotch_height_mm, SectionFit::Periodic)
+        sections(&legs.legs.left, axis, [60.0, legs.crotch_height_mm], SectionFit::Skin)
     });
 }
 

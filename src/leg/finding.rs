@@ -81,6 +81,9 @@ pub enum LegFault {
     /// It has no axis.
     #[error(transparent)]
     Axis(#[from] AxisFault),
+    /// It has hardly any points.
+    #[error("the leg has too few points")]
+    TooFewPoints,
     /// Too few sections close.
     #[error("only {measured} of {planes} sections close")]
     TooFewSections {

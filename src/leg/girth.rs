@@ -33,6 +33,9 @@ pub struct GirthCurve {
     pub rows: Vec<GirthRow>,
     tape: Spline,
     contour: Spline,
+    /// Standard errors of the tape girth and of its first two derivatives where the sections know
+    /// them themselves, by their distance along the axis.
+    known_sd: Vec<(f64, [f64; 3])>,
 }
 
 /// The girth of one section plane.
@@ -72,6 +75,7 @@ pub fn girth_curve(sections: &Sections, stature_mm: f64) -> Option<GirthCurve> {
         rows: rows.collect(),
         tape: fit(&basis, &along, &tape_mm, &weights, smoothing).ok()?,
         contour: fit(&basis, &along, &column(|g| g.contour_mm), &weights, smoothing).ok()?,
+        known_sd: measured.iter().filter_map(|s| Some((s.along_mm, s.girth_sd?))).collect(),
     })
 }
 
@@ -108,7 +112,10 @@ impl GirthCurve {
 
     /// Standard error of the tape girth (`derivative` 0) or of one of its derivatives.
     pub fn tape_sd(&self, along_mm: f64, derivative: usize) -> f64 {
-        ROWS_PER_INDEPENDENT.sqrt() * self.tape.sd(along_mm, derivative)
+        let far = |known: &&(f64, [f64; 3])| (known.0 - along_mm).abs();
+        let nearest = self.known_sd.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+        let known = nearest.and_then(|(_, sd)| sd.get(derivative).copied());
+        known.unwrap_or_else(|| ROWS_PER_INDEPENDENT.sqrt() * self.tape.sd(along_mm, derivative))
     }
 
     /// Coefficient of determination of the tape curve over the measured sections.

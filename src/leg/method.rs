@@ -114,8 +114,12 @@ pub enum Axis {
 /// The closed curve fitted to the points of a section.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SectionFit {
-    /// Radius over angle as a periodic smoothing spline, C2 across the seam.
+    /// The section through the leg's skin as one smooth function of angle and height, fitted to all
+    /// points at once.
     #[default]
+    Skin,
+    /// Radius over angle as a periodic smoothing spline, C2 across the seam, through the crossings
+    /// of the mesh with the plane.
     Periodic,
     /// The paper's: radius over angle in (−π, π] as a polynomial of order 15, orthogonal basis.
     Polynomial,
@@ -125,6 +129,7 @@ impl SectionFit {
     /// The word used in records.
     pub fn word(self) -> &'static str {
         match self {
+            SectionFit::Skin => "skin",
             SectionFit::Periodic => "periodic",
             SectionFit::Polynomial => "polynomial",
         }

@@ -20,6 +20,9 @@ const KNEE_CROTCH_SHARE: f64 = 0.575;
 /// Where B is absent the surface begins above the malleoli, as a share of stature.
 const ANKLE_STATURE_SHARE: f64 = 0.06;
 
+/// The lowest section, as a share of stature: above the instep, below every malleolus.
+const LOWEST_STATURE_SHARE: f64 = 0.035;
+
 /// Everything measured on one leg.
 #[derive(Debug, Clone)]
 pub struct LegReport {
@@ -59,7 +62,9 @@ pub fn leg_report(
     method: &Method,
 ) -> Result<(LegReport, Vec<Finding>), LegFault> {
     let axis = axis(leg, body.stature_mm, crotch_height_mm)?;
-    let sections = sections(leg, axis, crotch_height_mm, method.fit);
+    let up_mm = |height_mm: f64| height_mm / axis.direction.z;
+    let span_mm = [up_mm(LOWEST_STATURE_SHARE * body.stature_mm), up_mm(crotch_height_mm)];
+    let sections = sections(leg, axis, span_mm, method.fit).ok_or(LegFault::TooFewPoints)?;
     let curve = girth_curve(&sections, body.stature_mm).ok_or_else(|| {
         let measured = sections.rows.iter().filter(|row| row.section.is_some()).count();
         LegFault::TooFewSections { measured, planes: sections.rows.len() }

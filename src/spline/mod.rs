@@ -20,12 +20,16 @@
 pub mod basis;
 pub mod fit;
 pub mod foot;
+mod kronecker;
 mod normal;
 mod penalty;
 mod robust;
 pub mod solve;
 pub mod surface;
 pub mod surface_fit;
+mod tensor;
+mod tensor_equations;
+mod tensor_fit;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
 pub use fit::{FitFault, Smoothing, Spline, fit};
@@ -33,3 +37,5 @@ pub use foot::Foot;
 pub use robust::{Robust, robust_fit};
 pub use surface::{Derivatives, Surface, SurfaceFault};
 pub use surface_fit::{GridData, SurfaceFit, fit_grid};
+pub use tensor::Tensor;
+pub use tensor_fit::{Scatter, TensorFit, fit_scatter};

@@ -60,7 +60,7 @@ pub fn robust_fit(
 }
 
 /// Tukey's weights of residuals, scaled by their median absolute deviation.
-fn biweights(residuals: &[f64], least_scale: f64) -> Vec<f64> {
+pub fn biweights(residuals: &[f64], least_scale: f64) -> Vec<f64> {
     let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
     let middle = sizes.len() / 2;
     let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);

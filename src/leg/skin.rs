@@ -1,0 +1,172 @@
+//! The skin of a leg as one smooth function: radius over the distance along the axis and the angle
+//! around it, fitted to every point of the scan at once.
+//!
+//! A section through it uses all the points near its plane, not only those within a few
+//! millimetres of it, and none of the flat facets between them. Holes are bridged from all sides.
+//! How much is smoothed away, along and around, is for the points to say (cross-validation).
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Point2;
+
+use super::axis::{LegAxis, outline_centroid};
+use super::section::{Curve, GAP_MAX_DEG, Section, girth, largest_gap_deg};
+use super::segment::Leg;
+use crate::spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
+
+/// Pieces of the function around: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh.
+const INTERVALS_AROUND: usize = 48;
+
+/// Length of its pieces along, mm: about the width of the smallest bump, a malleolus (σ 13 mm).
+const INTERVAL_ALONG_MM: f64 = 12.0;
+
+/// Residuals below this are never outliers, mm: no scanner is better.
+const SCALE_MIN_MM: f64 = 0.1;
+
+/// Distance of the outlines that give the middle of the leg, mm.
+const MIDDLE_SPACING_MM: f64 = 20.0;
+
+/// Length of the pieces of the middle's curve, mm.
+const MIDDLE_INTERVAL_MM: f64 = 60.0;
+
+/// A section counts as seen in a direction where there is a point within this many point spacings
+/// of its plane.
+const SEEN_SPACINGS: f64 = 1.5;
+
+/// The skin of one leg between two distances along its axis.
+#[derive(Debug, Clone)]
+pub struct Skin {
+    /// The middle of the leg, (front, lateral) in mm from the axis, over the distance along it.
+    middle: [Spline; 2],
+    fit: TensorFit,
+    /// Points of the scan that the fit believes, by their distance along the axis.
+    points: Vec<SkinPoint>,
+    /// Mean distance of neighbouring points, mm.
+    spacing_mm: f64,
+    /// Points per mm along the axis, averaged over the leg.
+    points_per_mm: f64,
+}
+
+/// A point of the scan in the skin's coordinates.
+#[derive(Debug, Clone, Copy)]
+struct SkinPoint {
+    along_mm: f64,
+    angle: f64,
+    radius_mm: f64,
+}
+
+impl Skin {
+    /// Fits the skin of a leg between two distances along its axis; none where there are too few
+    /// points.
+    pub fn of(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<Skin> {
+        let middle = middle(leg, axis, from_mm, to_mm)?;
+        let place = |along_mm: f64| Point2::new(middle[0].value(along_mm), middle[1].value(along_mm));
+        let mut points: Vec<SkinPoint> = Vec::new();
+        for point in leg.mesh.points() {
+            let along_mm = axis.along(point);
+            if (from_mm..=to_mm).contains(&along_mm) {
+                let arm = axis.in_plane(point) - place(along_mm);
+                let (angle, radius_mm) = (arm.y.atan2(arm.x), arm.norm());
+                points.push(SkinPoint { along_mm, angle, radius_mm });
+            }
+        }
+        points.sort_by(|p, q| p.along_mm.total_cmp(&q.along_mm));
+        let intervals = ((to_mm - from_mm) / INTERVAL_ALONG_MM).ceil() as usize;
+        let along = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
+        let around = Basis::uniform_periodic(-PI, TAU, INTERVALS_AROUND).ok()?;
+        let column = |value: fn(&SkinPoint) -> f64| points.iter().map(value).collect::<Vec<_>>();
+        let (u, v) = (column(|p| p.along_mm), column(|p| p.angle));
+        let radii = column(|p| p.radius_mm);
+        let data = Scatter { u: &u, v: &v, value: &radii };
+        let fit = fit_scatter(&data, along, around, SCALE_MIN_MM).ok()?;
+        let believed = points.into_iter().zip(&fit.weights).filter(|(_, weight)| **weight > 0.0);
+        let points: Vec<SkinPoint> = believed.map(|(point, _)| point).collect();
+        let count = points.len() as f64;
+        let area: f64 = points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
+        let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
+        Some(Skin { middle, fit, points, spacing_mm, points_per_mm })
+    }
+
+    /// The section at a distance along the axis; none outside the skin or where too much of it was
+    /// not seen.
+    pub fn section(&self, axis: &LegAxis, along_mm: f64) -> Option<Section> {
+        let (from_mm, to_mm) = self.fit.function.along().domain();
+        if !(from_mm..=to_mm).contains(&along_mm) {
+            return None;
+        }
+        let near = self.near(along_mm);
+        let angles: Vec<f64> = near.iter().map(|point| point.angle).collect();
+        let largest_gap_deg = largest_gap_deg(&angles);
+        if largest_gap_deg > GAP_MAX_DEG {
+            return None;
+        }
+        let basis = self.fit.function.around().clone();
+        let curve = Curve::Periodic { coefficients: self.fit.function.around_at(along_mm), basis };
+        let centre = self.middle.each_ref().map(|middle| middle.value(along_mm));
+        let centre = Point2::new(centre[0], centre[1]);
+        let (r2, rms_mm) = self.goodness(near);
+        Some(Section {
+            along_mm,
+            height_mm: axis.at(along_mm, &centre).z,
+            centre,
+            girth: girth(&curve)?,
+            girth_sd: Some(self.girth_sd(along_mm, near.len())),
+            points: near.len(),
+            r2,
+            rms_mm,
+            largest_gap_deg,
+            curve,
+        })
+    }
+
+    /// The believed points whose distance from a plane says whether it was seen.
+    fn near(&self, along_mm: f64) -> &[SkinPoint] {
+        let reach_mm = SEEN_SPACINGS * self.spacing_mm;
+        let first = self.points.partition_point(|point| point.along_mm < along_mm - reach_mm);
+        let last = self.points.partition_point(|point| point.along_mm <= along_mm + reach_mm);
+        &self.points[first..last]
+    }
+
+    /// Coefficient of determination and root mean square residual of some points.
+    fn goodness(&self, points: &[SkinPoint]) -> (f64, f64) {
+        let count = points.len() as f64;
+        let mean = points.iter().map(|point| point.radius_mm).sum::<f64>() / count;
+        let (mut rss, mut spread) = (0.0, 0.0);
+        for point in points {
+            let fitted = self.fit.function.value(point.along_mm, point.angle);
+            rss += (point.radius_mm - fitted).powi(2);
+            spread += (point.radius_mm - mean).powi(2);
+        }
+        let r2 = if spread > 0.0 { 1.0 - rss / spread } else { 1.0 };
+        (r2, (rss / count).sqrt())
+    }
+
+    /// Standard error of the girth and of its first two derivatives along the axis, mm: 2π times
+    /// that of the mean radius, for as many points as there are here.
+    fn girth_sd(&self, along_mm: f64, near: usize) -> [f64; 3] {
+        let here = near as f64 / (2.0 * SEEN_SPACINGS * self.spacing_mm);
+        let scarcity = (self.points_per_mm / here).sqrt();
+        [0, 1, 2].map(|order| TAU * scarcity * self.fit.mean_around_sd(along_mm, order))
+    }
+}
+
+/// The middle of the leg as two smooth curves through the centroids of outlines.
+fn middle(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<[Spline; 2]> {
+    let count = ((to_mm - from_mm) / MIDDLE_SPACING_MM).ceil() as usize;
+    let step = (to_mm - from_mm) / count.max(1) as f64;
+    let along: Vec<f64> = (0..=count).map(|index| from_mm + step * index as f64).collect();
+    let slices = axis.slices(leg, &along);
+    let centroids = along.iter().zip(&slices);
+    let centroids: Vec<(f64, Point2<f64>)> = centroids
+        .filter_map(|(along, slice)| Some((*along, outline_centroid(&axis.points(slice))?)))
+        .collect();
+    let intervals = ((to_mm - from_mm) / MIDDLE_INTERVAL_MM).ceil() as usize;
+    let basis = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
+    let places: Vec<f64> = centroids.iter().map(|(along, _)| *along).collect();
+    let weights = vec![1.0; places.len()];
+    let one = |axis: usize| {
+        let values: Vec<f64> = centroids.iter().map(|(_, centroid)| centroid[axis]).collect();
+        fit(&basis, &places, &values, &weights, Smoothing::Gcv).ok()
+    };
+    Some([one(0)?, one(1)?])
+}

@@ -1,0 +1,125 @@
+//! Smoothing on a full grid of cells, one small eigenproblem a direction; nurbs.md 6.7 with the
+//! two penalties added instead of multiplied.
+//!
+//! With A, B the basis matrices of the cells' rows and columns, generalised eigenvectors U of
+//! (R, AᵀA) make AᵀA the identity and the roughness R diagonal. Then a fit with any pair of
+//! lambdas is a division, and so are its degrees of freedom and its residual.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::basis::Basis;
+use super::penalty::roughness;
+use super::solve::Singular;
+
+/// The derivative whose square is penalised.
+const PENALISED: usize = 2;
+
+/// What is added to a Gram matrix, relative to its mean diagonal, so that a cell-less stretch does
+/// not make it singular.
+const RIDGE: f64 = 1e-9;
+
+/// Exponents of ten of the lambdas that are tried, relative to the median eigenvalue, in halves.
+/// The first halves the middle of the basis: with less, a stretch without data is not bridged but
+/// swings.
+const SEARCH_HALVES: std::ops::RangeInclusive<i32> = -1..=10;
+
+/// One direction of the grid.
+#[derive(Debug, Clone)]
+pub struct Direction {
+    /// Basis values at the cells' middles, cells × functions.
+    pub design: DMatrix<f64>,
+    /// Generalised eigenvectors, functions × functions: UᵀAᵀA U = 1, UᵀR U = diag(eigenvalues).
+    pub vectors: DMatrix<f64>,
+    /// Their transpose, which a product by it wants laid out.
+    pub vectors_transposed: DMatrix<f64>,
+    /// Roughness of each eigenvector, at least 0.
+    pub eigenvalues: Vec<f64>,
+    /// Gram matrix AᵀA with its ridge.
+    pub gram: DMatrix<f64>,
+    /// Roughness matrix.
+    pub roughness: DMatrix<f64>,
+}
+
+impl Direction {
+    /// The direction of a basis with cells at `middles`.
+    ///
+    /// # Errors
+    /// [`Singular`] where the cells leave the basis undetermined.
+    pub fn new(basis: &Basis, middles: &[f64]) -> Result<Direction, Singular> {
+        let count = basis.count();
+        let mut design = DMatrix::zeros(middles.len(), count);
+        for (cell, middle) in middles.iter().enumerate() {
+            let row = basis.row(*middle);
+            row.indices.into_iter().zip(row.values).for_each(|(j, value)| design[(cell, j)] += value);
+        }
+        let skyline = roughness(basis, PENALISED);
+        let mut rough = DMatrix::zeros(count, count);
+        for i in 0..count {
+            // Functions that overlap are at most three apart, around the seam too.
+            for j in (0..4).map(|step| (i + step) % count).filter(|&j| basis.is_periodic() || j >= i) {
+                let value = skyline.entry(i, j);
+                (rough[(i, j)], rough[(j, i)]) = (value, value);
+            }
+        }
+        let mut gram = design.tr_mul(&design);
+        let ridge = RIDGE * gram.trace() / count as f64;
+        (0..count).for_each(|i| gram[(i, i)] += ridge);
+        let singular = Singular { row: 0, relative_pivot: 0.0 };
+        let factor = gram.clone().cholesky().ok_or(singular.clone())?;
+        let inverse = factor.l().try_inverse().ok_or(singular)?;
+        let eigen = SymmetricEigen::new(&inverse * &rough * inverse.transpose());
+        let vectors = inverse.transpose() * &eigen.eigenvectors;
+        let eigenvalues = eigen.eigenvalues.iter().map(|value| value.max(0.0)).collect();
+        let vectors_transposed = vectors.transpose();
+        Ok(Direction { design, vectors, vectors_transposed, eigenvalues, gram, roughness: rough })
+    }
+
+    /// The unit in which lambdas are searched: one over the median positive eigenvalue.
+    pub fn unit(&self) -> f64 {
+        let largest = self.eigenvalues.iter().copied().fold(0.0, f64::max);
+        let mut positive: Vec<f64> =
+            self.eigenvalues.iter().copied().filter(|value| *value > 1e-9 * largest).collect();
+        positive.sort_by(f64::total_cmp);
+        positive.get(positive.len() / 2).map_or(1.0, |median| 1.0 / median)
+    }
+}
+
+/// The pair of lambdas of least generalised cross-validation score for values on the grid's cells,
+/// of which `seen` hold data. Returns it with the degrees of freedom that the fit then uses.
+pub fn best_by_gcv(
+    along: &Direction,
+    around: &Direction,
+    cells: &DMatrix<f64>,
+    seen: usize,
+) -> ([f64; 2], f64) {
+    let projected = (&along.design * &along.vectors).tr_mul(cells) * &around.design * &around.vectors;
+    let outside = cells.norm_squared() - projected.norm_squared();
+    let score = |lambdas: [f64; 2]| {
+        let (mut rss, mut edf) = (outside.max(0.0), 0.0);
+        for (b, rough_b) in around.eigenvalues.iter().enumerate() {
+            for (a, rough_a) in along.eigenvalues.iter().enumerate() {
+                let kept = 1.0 / (1.0 + lambdas[0] * rough_a + lambdas[1] * rough_b);
+                rss += (projected[(a, b)] * (1.0 - kept)).powi(2);
+                edf += kept;
+            }
+        }
+        let freedom = (seen as f64 - edf).max(1e-3 * seen as f64);
+        (rss / (freedom * freedom), edf)
+    };
+    let units = [along.unit(), around.unit()];
+    let lambdas = |exponents: [f64; 2]| [0, 1].map(|d| units[d] * 10.0_f64.powf(exponents[d]));
+    let judged = |exponents: [f64; 2]| (score(lambdas(exponents)).0, exponents);
+    let better = |a: &(f64, [f64; 2]), b: &(f64, [f64; 2])| a.0.total_cmp(&b.0);
+    let halves = || SEARCH_HALVES.map(|half| 0.5 * f64::from(half));
+    let coarse = halves().flat_map(|a| halves().map(move |b| [a, b]));
+    let mut best = coarse.map(judged).min_by(better).map_or([0.0; 2], |(_, best)| best);
+    let least = 0.5 * f64::from(*SEARCH_HALVES.start());
+    for step in [0.25, 0.125] {
+        let offsets = [-step, 0.0, step];
+        let near = offsets.into_iter().flat_map(|a| offsets.map(|b| [best[0] + a, best[1] + b]));
+        let near = near.map(|exponents| exponents.map(|exponent| exponent.max(least)));
+        best = near.map(judged).min_by(better).map_or(best, |(_, best)| best);
+    }
+    let best = lambdas(best);
+    (best, score(best).1)
+}

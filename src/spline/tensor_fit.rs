@@ -1,0 +1,185 @@
+//! Robust smoothing fit of a tensor-product spline to scattered data.
+//!
+//! Minimises Σ w (y − f)² + λu ∬ f_uu² + λv ∬ f_vv². The two lambdas are chosen by generalised
+//! cross-validation on a grid of cells into which the data are averaged (`kronecker`); the
+//! equations of the scattered data themselves are then solved (`tensor_equations`). Outliers lose
+//! their weight round by round.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::basis::{Basis, DEGREE, Row};
+use super::fit::FitFault;
+use super::kronecker::{Direction, best_by_gcv};
+use super::robust::biweights;
+use super::tensor::Tensor;
+use super::tensor_equations::Equations;
+
+/// Scattered data of a function of two variables; all slices are as long.
+#[derive(Debug, Clone, Copy)]
+pub struct Scatter<'a> {
+    /// Places along, within the clamped basis.
+    pub u: &'a [f64],
+    /// Places around, wrapped.
+    pub v: &'a [f64],
+    /// Values.
+    pub value: &'a [f64],
+}
+
+/// A fitted function and how well it is known.
+#[derive(Debug, Clone)]
+pub struct TensorFit {
+    /// The function.
+    pub function: Tensor,
+    /// The weight that each datum kept, 0 to 1.
+    pub weights: Vec<f64>,
+    /// Standard deviation of a datum.
+    pub sigma: f64,
+    /// Effective degrees of freedom.
+    pub edf: f64,
+    /// Smoothing along and around, relative to the roughness of the cells' grid.
+    pub lambdas: [f64; 2],
+    directions: [Direction; 2],
+    /// Weight of the data per cell.
+    density: f64,
+}
+
+impl TensorFit {
+    /// Standard error of the mean over one turn, or of its `derivative` along (0 to 3), at `u`, if
+    /// the data were spread evenly: the Bayesian form, σ² bᵀ(AᵀA ⊗ BᵀB + penalty)⁻¹ b.
+    pub fn mean_around_sd(&self, u: f64, derivative: usize) -> f64 {
+        let [along, around] = &self.directions;
+        let mut places = DVector::zeros(along.gram.nrows());
+        let row = self.function.along().rows(u)[derivative.min(DEGREE)];
+        row.indices.into_iter().zip(row.values).for_each(|(i, value)| places[i] += value);
+        // The basis functions around are alike, so the mean over a turn weighs them alike.
+        let mean = DVector::from_element(around.gram.nrows(), 1.0 / around.gram.nrows() as f64);
+        let (places, mean) = (along.vectors.tr_mul(&places), around.vectors.tr_mul(&mean));
+        let mut variance = 0.0;
+        for (place, rough_a) in places.iter().zip(&along.eigenvalues) {
+            for (share, rough_b) in mean.iter().zip(&around.eigenvalues) {
+                let size = 1.0 + self.lambdas[0] * rough_a + self.lambdas[1] * rough_b;
+                variance += (place * share).powi(2) / size;
+            }
+        }
+        self.sigma * (variance / self.density).sqrt()
+    }
+}
+
+/// Rounds of reweighting and choosing the smoothing; both have settled to 1 % after three.
+const ROUNDS: usize = 3;
+
+/// Smoothing of the first round, relative to the median roughness: enough to bridge holes.
+const FIRST_SMOOTHING: f64 = 1e-2;
+
+/// Fits the function. Residuals of `least_scale` are never outliers.
+///
+/// # Errors
+/// A [`FitFault`] where there are too few data to fit anything.
+pub fn fit_scatter(
+    data: &Scatter,
+    along: Basis,
+    around: Basis,
+    least_scale: f64,
+) -> Result<TensorFit, FitFault> {
+    let (found, needed) = (data.value.len(), along.count() + around.count());
+    if found < needed {
+        return Err(FitFault::TooFewPlaces { found, needed });
+    }
+    let grid = Grid { along: halved(along.breakpoints()), around: around.breakpoints().to_vec() };
+    let directions = [
+        Direction::new(&along, &middles(&grid.along))?,
+        Direction::new(&around, &middles(&grid.around))?,
+    ];
+    let rows: Vec<(Row, Row)> =
+        data.u.iter().zip(data.v).map(|(u, v)| (along.row(*u), around.row(*v))).collect();
+    let mut weights = vec![1.0; found];
+    let mut lambdas = [0, 1].map(|d: usize| FIRST_SMOOTHING * directions[d].unit());
+    let mut equations = Equations::new(&rows, data.value, &weights, &directions);
+    let mut coefficients = equations.solved(lambdas, equations.zero());
+    let mut edf = 0.0;
+    for _ in 0..ROUNDS {
+        let residuals = residuals(&rows, data.value, &coefficients);
+        weights = biweights(&residuals, least_scale);
+        let (cells, seen) = grid.cells(data, &residuals, &weights, &coefficients, &directions);
+        (lambdas, edf) = best_by_gcv(&directions[0], &directions[1], &cells, seen);
+        equations = Equations::new(&rows, data.value, &weights, &directions);
+        coefficients = equations.solved(lambdas, coefficients);
+    }
+    let left = residuals(&rows, data.value, &coefficients);
+    let rss: f64 = left.iter().zip(&weights).map(|(r, w)| w * r * r).sum();
+    let freedom = weights.iter().sum::<f64>() - edf;
+    let sigma = (rss / freedom.max(1.0)).sqrt();
+    let by_rows = coefficients.transpose().as_slice().to_vec();
+    let function = Tensor::new(along, around, by_rows);
+    let density = equations.density();
+    Ok(TensorFit { function, weights, sigma, edf, lambdas, density, directions })
+}
+
+fn residuals(rows: &[(Row, Row)], values: &[f64], coefficients: &DMatrix<f64>) -> Vec<f64> {
+    let value = |(along, around): &(Row, Row)| {
+        let mut sum = 0.0;
+        for (i, a) in along.indices.into_iter().zip(along.values) {
+            for (j, b) in around.indices.into_iter().zip(around.values) {
+                sum += a * b * coefficients[(i, j)];
+            }
+        }
+        sum
+    };
+    rows.iter().zip(values).map(|(row, y)| y - value(row)).collect()
+}
+
+/// Cells between the breakpoints of both bases.
+struct Grid {
+    along: Vec<f64>,
+    around: Vec<f64>,
+}
+
+impl Grid {
+    /// Cell averages: the fit at each cell's middle plus the weighted mean of the residuals in it,
+    /// so that where in its cell a datum lies makes no difference; and how many cells hold data.
+    fn cells(
+        &self,
+        data: &Scatter,
+        residuals: &[f64],
+        weights: &[f64],
+        coefficients: &DMatrix<f64>,
+        [along, around]: &[Direction; 2],
+    ) -> (DMatrix<f64>, usize) {
+        let mut cells = &along.design * coefficients * around.design.transpose();
+        let mut sums: DMatrix<f64> = DMatrix::zeros(cells.nrows(), cells.ncols());
+        let mut counts: DMatrix<f64> = DMatrix::zeros(cells.nrows(), cells.ncols());
+        let period = self.around[self.around.len() - 1] - self.around[0];
+        for (((u, v), residual), weight) in data.u.iter().zip(data.v).zip(residuals).zip(weights) {
+            let home = self.around[0] + (v - self.around[0]).rem_euclid(period);
+            let cell = (place(&self.along, *u), place(&self.around, home));
+            sums[cell] += weight * residual;
+            counts[cell] += weight;
+        }
+        let mut seen = 0;
+        for ((cell, sum), count) in cells.iter_mut().zip(sums.iter()).zip(counts.iter()) {
+            if *count > 0.0 {
+                *cell += sum / count;
+                seen += 1;
+            }
+        }
+        (cells, seen)
+    }
+}
+
+/// The interval of ascending breakpoints that holds `x`, the nearest one where none does.
+fn place(breakpoints: &[f64], x: f64) -> usize {
+    let last = breakpoints.len() - 2;
+    breakpoints.partition_point(|breakpoint| *breakpoint <= x).saturating_sub(1).min(last)
+}
+
+/// Breakpoints with the middle of each interval between them: a clamped basis has three functions
+/// more than intervals, which one cell an interval could not tell apart.
+fn halved(breakpoints: &[f64]) -> Vec<f64> {
+    let last = breakpoints.last().copied();
+    let pairs = breakpoints.windows(2);
+    pairs.flat_map(|pair| [pair[0], (pair[0] + pair[1]) / 2.0]).chain(last).collect()
+}
+
+fn middles(breakpoints: &[f64]) -> Vec<f64> {
+    breakpoints.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0).collect()
+}
