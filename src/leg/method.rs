@@ -64,7 +64,7 @@ impl Unit {
 /// The export's axis that points up.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Up {
-    /// +y, as [TC]2 exports it.
+    /// +y, as \[TC\]2 exports it.
     #[default]
     Y,
     /// +z.

@@ -1,0 +1,179 @@
+//! The rules of the house, read from the source: who may use whom, and how long a file may be.
+//! `src/lib.rs` states them for readers.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// A layer, the layers it may use besides itself, and the crates it may use besides `std`.
+struct Rule {
+    layer: &'static str,
+    layers: &'static [&'static str],
+    crates: &'static [&'static str],
+}
+
+const PURE: [Rule; 6] = [
+    Rule { layer: "scan", layers: &[], crates: &["nalgebra", "thiserror", "tobj"] },
+    Rule { layer: "spline", layers: &[], crates: &["nalgebra", "rayon", "thiserror"] },
+    Rule { layer: "leg", layers: &["scan", "spline"], crates: &["nalgebra", "rayon", "thiserror"] },
+    Rule { layer: "cad", layers: &["spline"], crates: &["nalgebra"] },
+    Rule {
+        layer: "record",
+        layers: &["scan", "spline", "leg", "cad"],
+        crates: &["jiff", "nalgebra", "serde", "serde_json", "sha2", "thiserror"],
+    },
+    Rule { layer: "flow", layers: &["record"], crates: &["jiff", "regex", "serde", "thiserror"] },
+];
+
+/// Layers with effects, and which of the others they may use.
+const EFFECTS: [Rule; 3] = [
+    Rule { layer: "store", layers: &["record", "flow"], crates: &[] },
+    Rule {
+        layer: "station",
+        layers: &["scan", "leg", "record", "flow", "store", "config"],
+        crates: &[],
+    },
+    Rule { layer: "config", layers: &["leg"], crates: &[] },
+];
+
+/// What no pure layer may name.
+const EFFECTFUL: [&str; 9] = [
+    "std::fs",
+    "std::env",
+    "std::net",
+    "std::process",
+    "std::thread",
+    "Instant",
+    "SystemTime",
+    "HashMap",
+    "HashSet",
+];
+
+/// Longest file, lines.
+const LINES_MAX: usize = 400;
+
+/// Every crate of Cargo.toml, so that a new one cannot slip into a pure layer unseen.
+fn dependencies() -> Vec<String> {
+    let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
+    let manifest: toml::Table = manifest.parse().unwrap();
+    let named = ["dependencies", "dev-dependencies"].map(|part| manifest[part].as_table().unwrap());
+    named.iter().flat_map(|part| part.keys()).map(|name| name.replace('-', "_")).collect()
+}
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The Rust files of a layer: `src/<layer>.rs` and everything below `src/<layer>/`.
+fn files(layer: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let file = root().join(format!("src/{layer}.rs"));
+    found.extend(file.exists().then_some(file));
+    collect(&root().join("src").join(layer), &mut found);
+    assert!(!found.is_empty(), "no file of layer {layer}: the rule looks at nothing");
+    found
+}
+
+fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for path in entries.map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            collect(&path, found);
+        } else if path.extension().is_some_and(|ending| ending == "rs") {
+            found.push(path);
+        }
+    }
+}
+
+/// Code lines with their numbers: comments, and the tests at the foot of a file, may name anything.
+fn code(path: &Path) -> Vec<(usize, String)> {
+    if path.file_stem().is_some_and(|stem| stem == "tests") {
+        return Vec::new();
+    }
+    let text = fs::read_to_string(path).unwrap();
+    let code = text.split("#[cfg(test)]\nmod tests {").next().unwrap();
+    let lines = code.lines().enumerate().map(|(index, line)| (index + 1, line));
+    let lines = lines.map(|(number, line)| (number, line.split("//").next().unwrap().to_owned()));
+    lines.filter(|(_, line)| !line.trim().is_empty()).collect()
+}
+
+/// Words that follow `prefix` in a line, up to the next character that belongs to no name.
+fn named<'a>(line: &'a str, prefix: &'a str) -> impl Iterator<Item = &'a str> {
+    let name = |rest: &'a str| rest.split(|c: char| !c.is_alphanumeric() && c != '_').next();
+    line.match_indices(prefix).filter_map(move |(at, _)| name(&line[at + prefix.len()..]))
+}
+
+fn layers_used(rule: &Rule, faults: &mut Vec<String>) {
+    for path in files(rule.layer) {
+        for (number, line) in code(&path) {
+            for used in named(&line, "crate::").filter(|used| *used != rule.layer) {
+                if !rule.layers.contains(&used) {
+                    let place = format!("{}:{number}", path.display());
+                    faults.push(format!("{place}: `{}` may not use `crate::{used}`", rule.layer));
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_layer_uses_only_layers_above_it() {
+    let mut faults = Vec::new();
+    PURE.iter().chain(&EFFECTS).for_each(|rule| layers_used(rule, &mut faults));
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn pure_layers_use_only_their_crates_and_no_effects() {
+    let dependencies = dependencies();
+    assert!(dependencies.len() > 10, "Cargo.toml was not read: {dependencies:?}");
+    let mut faults = Vec::new();
+    for rule in &PURE {
+        for path in files(rule.layer) {
+            for (number, line) in code(&path) {
+                let banned =
+                    dependencies.iter().filter(|name| !rule.crates.contains(&name.as_str()));
+                let crates = banned.map(|name| format!("{name}::"));
+                let effects = EFFECTFUL.iter().map(|&word| word.to_owned());
+                for word in crates.chain(effects).filter(|word| contains_word(&line, word)) {
+                    let place = format!("{}:{number}", path.display());
+                    faults.push(format!("{place}: `{}` may not use `{word}`", rule.layer));
+                }
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Whether `word` stands in the line and is not the tail of a longer name.
+fn contains_word(line: &str, word: &str) -> bool {
+    line.match_indices(word).any(|(at, _)| {
+        let before = line[..at].chars().next_back();
+        !before.is_some_and(|c| c.is_alphanumeric() || c == '_')
+    })
+}
+
+#[test]
+fn every_pure_layer_switches_clippys_bans_on() {
+    for rule in &PURE {
+        let text = fs::read_to_string(root().join(format!("src/{}/mod.rs", rule.layer))).unwrap();
+        let ban = "#![deny(clippy::disallowed_methods, clippy::disallowed_types)]";
+        assert!(text.contains(ban), "src/{}/mod.rs lacks {ban}", rule.layer);
+    }
+}
+
+#[test]
+fn every_file_says_what_it_is_and_none_is_too_long() {
+    let mut found = Vec::new();
+    ["src", "tests", "benches", "examples"]
+        .iter()
+        .for_each(|f| collect(&root().join(f), &mut found));
+    assert!(found.len() > 50, "only {} files were looked at", found.len());
+    for path in found {
+        let text = fs::read_to_string(&path).unwrap();
+        assert!(text.starts_with("//!"), "{} does not open with `//!`", path.display());
+        let lines = text.lines().count();
+        assert!(lines <= LINES_MAX, "{} has {lines} lines", path.display());
+    }
+}
