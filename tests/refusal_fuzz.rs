@@ -23,7 +23,7 @@ use proptest::test_runner::RngSeed;
 /// A scan of 14 000 points takes 0.1 s in the dev profile; this long is a hang.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// Measuring a megabyte of text takes some 50 MB; two tests at once and their inputs some more.
+/// Measuring a megabyte of text takes some 50 MB; three tests at once and their inputs some more.
 const MEMORY_MAX_KB: u64 = 1_000_000;
 
 const SEED: u64 = 2022;
@@ -333,13 +333,14 @@ proptest! {
     ) {
         let value = |index: usize| chance(seed, index as u64);
         let corner = |index: usize| (value(index) * points as f64) as usize % points;
-        let mut soup = Mesh::default();
-        soup.points = (0..points)
-            .map(|i| [width * value(3 * i), 1700.0 * value(3 * i + 1), width * value(3 * i + 2)])
-            .collect();
-        soup.triangles = (0..triangles)
-            .map(|i| [0, 1, 2].map(|k| corner(3 * points + 3 * i + k)))
-            .collect();
+        let point = |i: usize| {
+            [width * value(3 * i), 1700.0 * value(3 * i + 1), width * value(3 * i + 2)]
+        };
+        let triangle = |i: usize| [0, 1, 2].map(|k| corner(3 * points + 3 * i + k));
+        let soup = Mesh {
+            points: (0..points).map(point).collect(),
+            triangles: (0..triangles).map(triangle).collect(),
+        };
         check(&soup.obj(), &Method::default());
     }
 }
