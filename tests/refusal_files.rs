@@ -1,0 +1,168 @@
+//! Every file that is no scan, or not a whole one, ends in its named refusal: from `leg::extract`
+//! with its code and figures, and from the real program with exit 65, nothing on standard output
+//! and one line that names the file.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+#[path = "support/mesh.rs"]
+mod mesh;
+#[path = "support/refusal.rs"]
+mod refusal;
+
+use mesh::{Mesh, fixture};
+use refusal::{case, check};
+
+/// The mannequin with one of its lines replaced by another.
+fn with_line(number: usize, line: &str) -> Vec<u8> {
+    let text = String::from_utf8(Mesh::mannequin().obj()).unwrap();
+    let mut lines: Vec<&str> = text.lines().collect();
+    lines[number - 1] = line;
+    lines.join("\n").into_bytes().into_iter().chain(*b"\n").collect()
+}
+
+/// Number of the first face line.
+fn first_face() -> usize {
+    Mesh::mannequin().points.len() + 1
+}
+
+#[test]
+fn a_file_that_is_no_obj_text_is_refused() {
+    let zip = b"PK\x03\x04\x14\x00\x00\x00\x08\x00v 1 2 3\nf 1 2 3\n";
+    let garbage: Vec<u8> =
+        (0..5000_u32).map(|i| (i.wrapping_mul(2_654_435_761) >> 13) as u8).collect();
+    let latin1_prose = b"Gr\xfc\xdfe aus der Kabine\nv 1 2 3\n".to_vec();
+    check(&[
+        case("empty", b"", "scan-empty", &[]),
+        case("white space", b" \r\n\t\n \n", "scan-empty", &[]),
+        case("png", b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\n", "scan-binary", &["byte 8 is 0x00"]),
+        case("zip", zip, "scan-binary", &["byte 2 is 0x03"]),
+        case("garbage", garbage, "scan-binary", &["byte "]),
+        case("utf-16", b"\xff\xfev\0 \x001\0", "scan-binary", &["byte 3 is 0x00"]),
+        case(
+            "stl text",
+            "solid body\nfacet normal 0 0 1\n",
+            "scan-not-this-format",
+            &["line 1", "solid body"],
+        ),
+        case("ply text", "ply\nformat ascii 1.0\n", "scan-not-this-format", &["line 1", "ply"]),
+        case(
+            "prose after comments",
+            "# a\n\n# b\nHello there\n",
+            "scan-not-this-format",
+            &["line 4", "Hello"],
+        ),
+        case("latin-1 prose", latin1_prose, "scan-not-this-format", &["line 1", "Gr??e aus"]),
+        case("json", "{\"points\": []}\n", "scan-not-this-format", &["line 1"]),
+        case("comments only", "# nothing\n# here\n", "scan-malformed", &["not one point"]),
+        case("faces only", "f 1 2 3\n", "scan-malformed", &["not one point"]),
+    ]);
+}
+
+#[test]
+fn a_number_that_is_none_is_refused_with_its_line() {
+    let far = first_face();
+    check(&[
+        case("nan", with_line(7, "v 0 nan 0"), "scan-not-finite", &["line 7", "\"nan\""]),
+        case("inf", with_line(9000, "v -inf 1 0"), "scan-not-finite", &["line 9000", "\"-inf\""]),
+        case("1e999", with_line(3, "v 0 0 1e999"), "scan-not-finite", &["line 3", "\"1e999\""]),
+        case("comma", with_line(5, "v 0,5 1 2"), "scan-malformed", &["line 5", "\"0,5\""]),
+        case("two coordinates", with_line(6, "v 1 2"), "scan-malformed", &["line 6", "three"]),
+        case("word", with_line(8, "v 1 two 3"), "scan-malformed", &["line 8", "\"two\""]),
+        case(
+            "index too large",
+            with_line(far, "f 1 2 999999"),
+            "scan-malformed",
+            &["\"999999\"", &format!("line {far}")],
+        ),
+        case(
+            "index 0",
+            with_line(far + 2, "f 1 0 2"),
+            "scan-malformed",
+            &["\"0\"", &format!("line {}", far + 2)],
+        ),
+        case(
+            "index below the first",
+            with_line(far, "f -1 -2 -99999"),
+            "scan-malformed",
+            &["\"-99999\""],
+        ),
+        case("index no number", with_line(far, "f 1 2 x"), "scan-malformed", &["\"x\""]),
+        case(
+            "index beyond integers",
+            with_line(far, "f 1 2 99999999999999999999"),
+            "scan-malformed",
+            &["line"],
+        ),
+    ]);
+}
+
+#[test]
+fn a_body_without_a_surface_is_refused() {
+    let mut points_only = Mesh::mannequin();
+    points_only.triangles.clear();
+    let mut lines_only = points_only.obj();
+    (1..500).for_each(|i| lines_only.extend(format!("l {i} {}\n", i + 1).bytes()));
+    let mut two_corners = points_only.obj();
+    (1..500).for_each(|i| two_corners.extend(format!("f {i} {}\n", i + 1).bytes()));
+    let mut degenerate = Mesh::mannequin();
+    degenerate.triangles.iter_mut().for_each(|t| t[1] = t[0]);
+    let count = format!("{} points", points_only.points.len());
+    check(&[
+        case("no faces", points_only.obj(), "scan-no-faces", &[&count]),
+        case("lines only", lines_only, "scan-no-faces", &[&count]),
+        case("faces of two corners", two_corners, "scan-no-faces", &[&count]),
+        case("all triangles degenerate", degenerate.obj(), "scan-no-faces", &[&count]),
+        case(
+            "one triangle",
+            "v 0 0 0\nv 9 1700 0\nv 0 0 99\nf 1 2 3\n",
+            "body-not-two-legs",
+            &["0 "],
+        ),
+    ]);
+}
+
+/// The bytes up to this share of a file, and up to the last whole line before it.
+fn cut(bytes: &[u8], share: f64) -> [Vec<u8>; 2] {
+    let mut at = (share * bytes.len() as f64) as usize;
+    if bytes[at - 1] == b'\n' {
+        at -= 1;
+    }
+    let line = bytes[..at].iter().rposition(|&byte| byte == b'\n').unwrap();
+    [bytes[..at].to_vec(), bytes[..=line].to_vec()]
+}
+
+#[test]
+fn a_real_export_cut_in_the_middle_of_a_line_is_cut_short_wherever_that_is() {
+    for name in ["f_average_clean", "f_average_tc2"] {
+        let bytes = fixture(name);
+        let cases = [0.001, 0.02, 0.25, 0.44, 0.46, 0.6, 0.9, 0.97, 0.999, 0.99999].map(|share| {
+            let [middle, _] = cut(&bytes, share);
+            let line = middle.iter().filter(|&&byte| byte == b'\n').count() + 1;
+            let says = format!("line {line}, the last");
+            case(&format!("{name} {share}"), middle, "scan-cut-short", &[&says])
+        });
+        check(&cases);
+    }
+}
+
+#[test]
+fn a_real_export_cut_at_a_line_end_is_no_surface_or_cut_short() {
+    let bytes = fixture("f_average_clean");
+    // The points end at 39 % of the file.
+    let among_points = [0.1, 0.3].map(|share| {
+        let [_, whole_lines] = cut(&bytes, share);
+        let points = whole_lines.iter().filter(|&&byte| byte == b'v').count();
+        let says = format!("{points} points but no faces");
+        case(&format!("points {share}"), whole_lines, "scan-no-faces", &[&says])
+    });
+    let among_faces = [0.45, 0.6, 0.8].map(|share| {
+        let [_, whole_lines] = cut(&bytes, share);
+        let says = ["of 55957 points belong to no face"];
+        case(&format!("faces {share}"), whole_lines, "scan-cut-short", &says)
+    });
+    check(&among_points);
+    check(&among_faces);
+    // Here all but a few points are used and a leg is missing all the same.
+    let [_, whole_lines] = cut(&bytes, 0.9);
+    check(&[case("faces 0.9", whole_lines, "segment-leg-ends", &["left leg", "621 mm"])]);
+}
