@@ -56,7 +56,7 @@ fn horizontal(leg: &Leg, fit: SectionFit) -> Sections {
         front: -Vector3::y_axis(),
         lateral: -Vector3::x_axis(),
     };
-    sections(leg, axis, test_leg::HEIGHT_MM, fit)
+    sections(leg, axis, [40.0, test_leg::HEIGHT_MM], fit).unwrap()
 }
 
 fn curve(leg: &Leg, fit: SectionFit) -> GirthCurve {

@@ -29,12 +29,11 @@ pub const FACINGS: Words<FacingChoice> = &[
 ];
 
 /// `method.fit`
-pub const FITS: Words<SectionFit> =
-    &[
-        ("skin", SectionFit::Skin),
-        ("periodic", SectionFit::Periodic),
-        ("polynomial", SectionFit::Polynomial),
-    ];
+pub const FITS: Words<SectionFit> = &[
+    ("skin", SectionFit::Skin),
+    ("periodic", SectionFit::Periodic),
+    ("polynomial", SectionFit::Polynomial),
+];
 
 /// What a word means; `None` for a word that is none of these.
 pub fn meaning<T: Copy>(words: Words<T>, word: &str) -> Option<T> {

@@ -153,4 +153,3 @@ fn fitted(points: &[Point2<f64>], centre: Point2<f64>, fit: PlaneFit) -> Option<
     let r2 = if spread > 0.0 { 1.0 - rss / spread } else { 1.0 };
     Some(Fitted { curve, angles, weights, r2, rms_mm: (weighted / total).sqrt() })
 }
-

@@ -60,7 +60,8 @@ impl Skin {
     /// points.
     pub fn of(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<Skin> {
         let middle = middle(leg, axis, from_mm, to_mm)?;
-        let place = |along_mm: f64| Point2::new(middle[0].value(along_mm), middle[1].value(along_mm));
+        let place =
+            |along_mm: f64| Point2::new(middle[0].value(along_mm), middle[1].value(along_mm));
         let mut points: Vec<SkinPoint> = Vec::new();
         for point in leg.mesh.points() {
             let along_mm = axis.along(point);
@@ -82,7 +83,8 @@ impl Skin {
         let believed = points.into_iter().zip(&fit.weights).filter(|(_, weight)| **weight > 0.0);
         let points: Vec<SkinPoint> = believed.map(|(point, _)| point).collect();
         let count = points.len() as f64;
-        let area: f64 = points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
+        let area: f64 =
+            points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
         let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
         Some(Skin { middle, fit, points, spacing_mm, points_per_mm })
     }

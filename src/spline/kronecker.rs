@@ -50,13 +50,18 @@ impl Direction {
         let mut design = DMatrix::zeros(middles.len(), count);
         for (cell, middle) in middles.iter().enumerate() {
             let row = basis.row(*middle);
-            row.indices.into_iter().zip(row.values).for_each(|(j, value)| design[(cell, j)] += value);
+            row.indices
+                .into_iter()
+                .zip(row.values)
+                .for_each(|(j, value)| design[(cell, j)] += value);
         }
         let skyline = roughness(basis, PENALISED);
         let mut rough = DMatrix::zeros(count, count);
         for i in 0..count {
             // Functions that overlap are at most three apart, around the seam too.
-            for j in (0..4).map(|step| (i + step) % count).filter(|&j| basis.is_periodic() || j >= i) {
+            for j in
+                (0..4).map(|step| (i + step) % count).filter(|&j| basis.is_periodic() || j >= i)
+            {
                 let value = skyline.entry(i, j);
                 (rough[(i, j)], rough[(j, i)]) = (value, value);
             }
@@ -92,7 +97,8 @@ pub fn best_by_gcv(
     cells: &DMatrix<f64>,
     seen: usize,
 ) -> ([f64; 2], f64) {
-    let projected = (&along.design * &along.vectors).tr_mul(cells) * &around.design * &around.vectors;
+    let projected =
+        (&along.design * &along.vectors).tr_mul(cells) * &around.design * &around.vectors;
     let outside = cells.norm_squared() - projected.norm_squared();
     let score = |lambdas: [f64; 2]| {
         let (mut rss, mut edf) = (outside.max(0.0), 0.0);

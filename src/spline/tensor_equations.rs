@@ -105,8 +105,11 @@ impl<'a> Equations<'a> {
                     let other_i = i + a - DEGREE;
                     for b in 0..REACH {
                         let other_j = (j + width + b - DEGREE) % width;
-                        let rough = lambdas[0] * along.roughness[(i, other_i)] * around.gram[(j, other_j)]
-                            + lambdas[1] * along.gram[(i, other_i)] * around.roughness[(j, other_j)];
+                        let rough =
+                            lambdas[0] * along.roughness[(i, other_i)] * around.gram[(j, other_j)]
+                                + lambdas[1]
+                                    * along.gram[(i, other_i)]
+                                    * around.roughness[(j, other_j)];
                         system[i * width + j][a * REACH + b] += self.density * rough;
                     }
                 }

@@ -107,7 +107,8 @@ impl<'a> Tube<'a> {
     pub fn sections(&self, fit: SectionFit) -> Sections {
         let leg = self.leg();
         let axis = axis(&leg, STATURE_MM, CROTCH_MM).unwrap();
-        sections(&leg, axis, CROTCH_MM, fit)
+        let span_mm = [40.0, CROTCH_MM / axis.direction.z];
+        sections(&leg, axis, span_mm, fit).unwrap()
     }
 }
 
