@@ -17,7 +17,7 @@ use solids::{
     REGULAR_MM, SCATTERED_MM, Tube, all, contour_mm, curve_of, ellipse, near, off_deg, tape_mm,
 };
 
-const FITS: [SectionFit; 2] = [SectionFit::Periodic, SectionFit::Polynomial];
+const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Polynomial];
 
 #[test]
 fn a_cylinder_has_the_girth_of_its_radius_at_every_height() {
@@ -226,25 +226,36 @@ fn a_hole_of_up_to_40_degrees_costs_less_than_a_fifth_of_a_millimetre_of_girth()
     }
 }
 
+/// Sections are open exactly where, between 300 and 400 mm, the hole is `wide` and not `narrow`.
+fn open_where_wide(fit: SectionFit, at: f64, [narrow, wide]: [f64; 2]) {
+    let round = |_: f64, _: f64| 50.0;
+    let (wide, narrow) = (hole(wide, at), hole(narrow, at));
+    let hole = |angle: f64, along: f64| {
+        if (300.0..400.0).contains(&along) { wide(angle, along) } else { narrow(angle, along) }
+    };
+    let tube = Tube { columns: 360, hole: &hole, ..Tube::of(&round) };
+    for row in &tube.sections(fit).rows {
+        let is_wide = (300.0..400.0).contains(&row.along_mm);
+        // The skin sees a plane by the points of a few millimetres to either side of it.
+        let rim_mm = if fit == SectionFit::Skin { 12.0 } else { 6.0 };
+        let at_rim = [300.0, 400.0].iter().any(|end| (row.along_mm - end).abs() < rim_mm);
+        let is_right = at_rim || row.section.is_none() == is_wide;
+        assert!(is_right, "{fit:?} {at}° {} mm", row.along_mm);
+    }
+}
+
 #[test]
 fn a_gap_beyond_60_degrees_leaves_a_section_open_and_one_below_does_not() {
-    let round = |_: f64, _: f64| 50.0;
-    for (fit, at) in FITS.into_iter().flat_map(|fit| [0.0, 75.0, 180.0].map(|at| (fit, at))) {
-        // Only between 300 and 400 mm is the hole wider than 60°.
-        let (wide, narrow) = (hole(65.0, at), hole(57.0, at));
-        let hole = |angle: f64, along: f64| {
-            if (300.0..400.0).contains(&along) { wide(angle, along) } else { narrow(angle, along) }
-        };
-        let tube = Tube { columns: 360, hole: &hole, ..Tube::of(&round) };
-        for row in &tube.sections(fit).rows {
-            let is_wide = (300.0..400.0).contains(&row.along_mm);
-            let at_rim = (row.along_mm - 300.0).abs() < 6.0 || (row.along_mm - 400.0).abs() < 6.0;
-            assert!(
-                at_rim || row.section.is_none() == is_wide,
-                "{fit:?} {at}° {} mm",
-                row.along_mm
-            );
-        }
+    for at in [0.0, 75.0, 180.0] {
+        open_where_wide(SectionFit::Skin, at, [57.0, 65.0]);
+        open_where_wide(SectionFit::Periodic, at, [57.0, 65.0]);
+    }
+}
+
+#[test]
+fn a_polynomial_which_swings_in_gaps_bridges_none_beyond_20_degrees() {
+    for at in [0.0, 75.0, 180.0] {
+        open_where_wide(SectionFit::Polynomial, at, [17.0, 25.0]);
     }
 }
 

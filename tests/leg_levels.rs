@@ -15,10 +15,11 @@ use gaiter::leg::section::Sections;
 use nalgebra::Vector3;
 use solids::{CROTCH_MM, STATURE_MM, Tube, curve_of, near};
 
-const FITS: [SectionFit; 2] = [SectionFit::Periodic, SectionFit::Polynomial];
+const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Polynomial];
 
 fn levels(sections: &Sections) -> Vec<Landmark> {
-    landmarks(&curve_of(sections), STATURE_MM, CROTCH_MM, |_| 5.0)
+    let near = |along_mm: f64| sections.nearest(along_mm);
+    landmarks(&curve_of(sections), STATURE_MM, CROTCH_MM, near)
 }
 
 fn names(found: &[Landmark]) -> Vec<Level> {

@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 use gaiter::leg::Level;
 use gaiter::leg::axis::LegAxis;
 use gaiter::leg::girth::{GirthCurve, girth_curve};
-use gaiter::leg::landmark::landmarks;
+use gaiter::leg::landmark::{Landmark, landmarks};
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::section::{Sections, sections};
 use gaiter::leg::segment::{Leg, Side};
@@ -63,6 +63,12 @@ fn curve(leg: &Leg, fit: SectionFit) -> GirthCurve {
     girth_curve(&horizontal(leg, fit), STATURE_MM).unwrap()
 }
 
+fn levels(leg: &Leg, fit: SectionFit) -> Vec<Landmark> {
+    let sections = horizontal(leg, fit);
+    let curve = girth_curve(&sections, STATURE_MM).unwrap();
+    landmarks(&curve, STATURE_MM, test_leg::HEIGHT_MM, |along_mm| sections.nearest(along_mm))
+}
+
 #[track_caller]
 fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
     let off = found - expected;
@@ -105,16 +111,17 @@ fn the_levels_are_the_printed_extrema_with_either_fit() {
         (Level::D, 398.0, 354.56, 1.0),
     ];
     let leg = leg(120, 4.0);
-    for fit in [SectionFit::Periodic, SectionFit::Polynomial] {
-        let curve = curve(&leg, fit);
-        let found = landmarks(&curve, STATURE_MM, test_leg::HEIGHT_MM, |_| 5.0);
+    for fit in [SectionFit::Skin, SectionFit::Periodic, SectionFit::Polynomial] {
+        let found = levels(&leg, fit);
         let levels: Vec<Level> = found.iter().map(|landmark| landmark.level).collect();
         assert_eq!(levels, Level::ALL, "{fit:?}");
         for (level, height, girth, tolerance) in printed {
             let landmark = found.iter().find(|landmark| landmark.level == level).unwrap();
             let what = format!("{fit:?} {level:?}");
             near(landmark.height_mm, height, tolerance, &what);
-            near(landmark.girth_tape_mm, girth, 0.05, &what);
+            // The skin is smoothed along the leg as well, which costs a little at the sharpest bumps.
+            let reach = if fit == SectionFit::Skin { 0.1 } else { 0.05 };
+            near(landmark.girth_tape_mm, girth, reach, &what);
             assert_eq!(landmark.doubts, [], "{what}");
         }
     }
@@ -135,12 +142,7 @@ fn the_extrema_of_the_knee_are_in_the_girth_curve() {
 
 #[test]
 fn the_girth_grows_at_b1_as_fast_as_anywhere_between_b_and_c() {
-    let found = landmarks(
-        &curve(&leg(120, 4.0), SectionFit::Periodic),
-        STATURE_MM,
-        test_leg::HEIGHT_MM,
-        |_| 5.0,
-    );
+    let found = levels(&leg(120, 4.0), SectionFit::Skin);
     let b1 = found.iter().find(|landmark| landmark.level == Level::B1).unwrap();
     let slope =
         |z: f64| (test_leg::circumference(z + 0.5) - test_leg::circumference(z - 0.5)).abs();

@@ -71,7 +71,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
 
     let pattern =
         reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
-    let fit = reader.text("method.fit", Default("periodic"), parse::word(FITS));
+    let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
 
     twice(reader, &exports);

@@ -129,9 +129,13 @@ pub fn axis(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<LegAxis
         }
         let (through, direction) = line_through(&centroids);
         axis = LegAxis::new(through, direction, leg.side);
+        // In every round, because the next one's planes are as many as the axis leans.
+        let tilt_deg = axis.tilt_deg();
+        if tilt_deg.is_nan() || tilt_deg > TILT_MAX_DEG {
+            return Err(AxisFault::Leaning { tilt_deg });
+        }
     }
-    let tilt_deg = axis.tilt_deg();
-    if tilt_deg > TILT_MAX_DEG { Err(AxisFault::Leaning { tilt_deg }) } else { Ok(axis) }
+    Ok(axis)
 }
 
 /// Centroid of the area inside an outline that is given as unordered points, by their angle about

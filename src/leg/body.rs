@@ -6,7 +6,7 @@ use nalgebra::{Matrix4, Point2, Point3, Rotation3, Translation3, Vector2, Vector
 use super::method::{Axis, FacingChoice, Method, Unit, UnitChoice, Up};
 use super::shell::without_fragments;
 use super::slice::Mesh;
-use super::stance::{FeetUnclear, Stance, stance};
+use super::stance::{FeetUnclear, NotTwoLegs, Stance, stance};
 use crate::scan::Scan;
 
 /// Plausible statures, mm. The ratio of the limits is below that of inch to centimetre, so at most
@@ -47,21 +47,25 @@ pub struct Sides<T> {
 }
 
 /// What the facing was taken from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FacingFrom {
     /// The toes.
     Feet,
-    /// The declaration; the feet say nothing.
-    Declared,
+    /// The declaration; the feet say nothing, for this reason.
+    Declared(FeetUnclear),
 }
 
 /// Why a scan is no standing body that can be measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BodyFault {
+    /// All shells are tiny.
+    #[error("nothing but fragments: no connected surface holds more than 0.5 % of the points")]
+    OnlyFragments,
     /// No unit gives a plausible stature.
     #[error(
-        "no unit makes this a standing person: {height} units high along {up:?} \
-         ({x} × {y} × {z}); is the body whole, and is `up` right?"
+        "no unit makes this a standing person: {} units high along {} ({} × {} × {}); \
+         is the body whole in the scan, and is `up` right?",
+        figure(*height), up.word(), figure(*x), figure(*y), figure(*z)
     )]
     NoPlausibleUnit {
         /// The axis taken as up.
@@ -77,8 +81,9 @@ pub enum BodyFault {
     },
     /// The declared unit gives no plausible stature.
     #[error(
-        "the declared unit {} makes the stature {stature_mm:.0} mm, outside {} to {} mm",
-        unit.word(), STATURE_MM[0], STATURE_MM[1]
+        "the declared unit {} makes the stature {} mm, outside {} to {} mm: set `unit` to auto, or \
+         to what the scanner exports",
+        unit.word(), figure(*stature_mm), STATURE_MM[0], STATURE_MM[1]
     )]
     UnitImplausible {
         /// As declared.
@@ -87,16 +92,30 @@ pub enum BodyFault {
         stature_mm: f64,
     },
     /// There are not two legs on the floor.
-    #[error("{shanks} shanks where two are expected, 8 % to 15 % of the height above the floor")]
+    #[error(
+        "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
+         stature ({most} at most at one height): is nobody there, is a leg hidden, do the legs \
+         touch, or is somebody or something beside the patient?"
+    )]
     NotTwoLegs {
+        /// Heights at which exactly two were seen.
+        pairs: usize,
+        /// Heights that were looked at.
+        heights: usize,
         /// The most that were seen at one height.
-        shanks: usize,
+        most: usize,
     },
     /// The feet do not show where the body faces and nobody declared it.
-    #[error("left and right cannot be told: {0}")]
+    #[error(
+        "left and right cannot be told: {0}; both feet must be seen whole, with nothing else on \
+         the floor"
+    )]
     FacingUnclear(FeetUnclear),
     /// The declared facing and the feet disagree.
-    #[error("the declared facing is {off_deg:.0} degrees from where the toes point")]
+    #[error(
+        "the declared facing is {off_deg:.0} degrees from where the toes point: set `facing` to \
+         auto, or to what the scanner exports"
+    )]
     FacingContradicted {
         /// Angle between them, degrees.
         off_deg: f64,
@@ -110,6 +129,7 @@ impl BodyFault {
     /// The stable code of this fault, for `reason.json` and programs.
     pub fn code(&self) -> &'static str {
         match self {
+            BodyFault::OnlyFragments => "body-only-fragments",
             BodyFault::NoPlausibleUnit { .. } => "body-no-plausible-unit",
             BodyFault::UnitImplausible { .. } => "body-unit-implausible",
             BodyFault::NotTwoLegs { .. } => "body-not-two-legs",
@@ -120,12 +140,27 @@ impl BodyFault {
     }
 }
 
+/// A length of unknown unit for people: one decimal, or powers of ten where it is absurd.
+fn figure(value: f64) -> String {
+    let usual = (0.1..1e6).contains(&value);
+    if usual { format!("{value:.1}") } else { format!("{value:.1e}") }
+}
+
+impl From<NotTwoLegs> for BodyFault {
+    fn from(NotTwoLegs { pairs, heights, most }: NotTwoLegs) -> BodyFault {
+        BodyFault::NotTwoLegs { pairs, heights, most }
+    }
+}
+
 /// Brings a scan into the body frame.
 ///
 /// # Errors
 /// A [`BodyFault`] where the scan is no whole standing body or its sides cannot be told.
 pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     let scan = &without_fragments(scan);
+    if scan.triangles.is_empty() {
+        return Err(BodyFault::OnlyFragments);
+    }
     let upright = upright(method.up);
     let (unit, low) = unit(scan, method, &upright)?;
     let to_mm = Translation3::new(0.0, 0.0, -low.z * unit.in_mm()).to_homogeneous()
@@ -133,7 +168,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         * upright.to_homogeneous();
     let standing = moved(scan, &to_mm);
     let top_mm = standing.highest_mm();
-    let stance = stance(&standing, top_mm).map_err(|shanks| BodyFault::NotTwoLegs { shanks })?;
+    let stance = stance(&standing, top_mm)?;
     let (toes, facing_from) = facing(&stance, method.facing, &upright)?;
     let facing = toes.x.atan2(-toes.y);
     let origin = nalgebra::center(&stance.feet[0], &stance.feet[1]);
@@ -210,8 +245,11 @@ fn facing(
     if declared.norm() < 0.5 {
         return Err(BodyFault::FacingVertical);
     }
-    let Ok(toes) = stance.toes else {
-        return Ok((declared, FacingFrom::Declared));
+    let toes = match stance.toes {
+        Ok(toes) => toes,
+        // The floor is not where it seems, so heights would be wrong as well.
+        Err(unclear @ FeetUnclear::NoFoot { .. }) => return Err(BodyFault::FacingUnclear(unclear)),
+        Err(unclear) => return Ok((declared, FacingFrom::Declared(unclear))),
     };
     let off_deg = declared.angle(&toes).to_degrees();
     if off_deg > DECLARED_FACING_MAX_DEG {

@@ -4,21 +4,50 @@ use nalgebra::Point2;
 
 use super::shell::DisjointSets;
 
+/// A cell of the plane, half a link wide.
+type Cell = [i64; 2];
+
 /// Groups points so that each is at most `link` from another of its group; groups in the order of
 /// their first point, members in the given order.
+///
+/// Two points of one cell are always near enough, so a crowded cell costs no more than its count.
 pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
-    let mut by_x: Vec<u32> = (0..points.len() as u32).collect();
-    by_x.sort_by(|&a, &b| points[a as usize].x.total_cmp(&points[b as usize].x));
+    let cell = |p: &Point2<f64>| [p.x, p.y].map(|value| (value / (link / 2.0)).floor() as i64);
+    let mut by_cell: Vec<(Cell, u32)> =
+        points.iter().zip(0..).map(|(point, index)| (cell(point), index)).collect();
+    by_cell.sort_unstable();
     let mut sets = DisjointSets::new(points.len());
-    for (rank, &a) in by_x.iter().enumerate() {
-        let p = points[a as usize];
-        let near = by_x[rank + 1..].iter().take_while(|&&b| points[b as usize].x - p.x <= link);
-        for &b in near {
-            if (points[b as usize] - p).norm_squared() <= link * link {
-                sets.join(a, b);
+    let near =
+        |a: u32, b: u32| (points[a as usize] - points[b as usize]).norm_squared() <= link * link;
+    for own in by_cell.chunk_by(|a, b| a.0 == b.0) {
+        let (place, first) = own[0];
+        own[1..].iter().for_each(|&(_, other)| sets.join(first, other));
+        for others in neighbours(&by_cell, place) {
+            // Cells that belong together already need not be compared point by point.
+            if sets.root(first) != sets.root(others[0].1)
+                && own.iter().any(|&(_, a)| others.iter().any(|&(_, b)| near(a, b)))
+            {
+                sets.join(first, others[0].1);
             }
         }
     }
+    grouped(points, &mut sets)
+}
+
+/// The points of each inhabited cell that comes after `place` in order and lies within a link.
+fn neighbours(by_cell: &[(Cell, u32)], [x, y]: Cell) -> impl Iterator<Item = &[(Cell, u32)]> {
+    const REACH: i64 = 2;
+    let offsets = (0..=REACH).flat_map(|dx| (-REACH..=REACH).map(move |dy| (dx, dy)));
+    let after = offsets.filter(|offset| *offset > (0, 0));
+    after.filter_map(move |(dx, dy)| {
+        let of = [x.saturating_add(dx), y.saturating_add(dy)];
+        let from = by_cell.partition_point(|entry| entry.0 < of);
+        let to = from + by_cell[from..].partition_point(|entry| entry.0 == of);
+        (from < to).then(|| &by_cell[from..to])
+    })
+}
+
+fn grouped(points: &[Point2<f64>], sets: &mut DisjointSets) -> Vec<Vec<Point2<f64>>> {
     let mut group_of_root = vec![usize::MAX; points.len()];
     let mut groups: Vec<Vec<Point2<f64>>> = Vec::new();
     for (index, &point) in points.iter().enumerate() {
@@ -42,5 +71,26 @@ mod tests {
         let groups = clusters(&points, 2.0);
         assert_eq!(groups, [points[..3].to_vec(), points[3..].to_vec()]);
         assert_eq!(clusters(&points, 6.0).len(), 1);
+    }
+
+    #[test]
+    fn groups_are_those_of_comparing_every_pair() {
+        let mut seed = 7u64;
+        let mut next = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+            (seed >> 33) as f64 / f64::from(1u32 << 31) * 100.0 - 50.0
+        };
+        let points: Vec<_> = (0..400).map(|_| Point2::new(next(), next())).collect();
+        for link in [1.0, 3.0, 4.5, 8.0] {
+            let mut sets = DisjointSets::new(points.len());
+            for (a, p) in points.iter().enumerate() {
+                for (b, q) in points.iter().enumerate() {
+                    if (p - q).norm() <= link {
+                        sets.join(a as u32, b as u32);
+                    }
+                }
+            }
+            assert_eq!(clusters(&points, link), grouped(&points, &mut sets), "link {link}");
+        }
     }
 }

@@ -3,6 +3,7 @@
 use super::axis::AxisFault;
 use super::landmark::Level;
 use super::segment::Side;
+use super::stance::FeetUnclear;
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,6 +44,15 @@ pub enum What {
     /// The level is not on this leg.
     #[error("the girth curve has no such turning point: the level is absent")]
     LevelAbsent,
+    /// A girth that no leg has.
+    #[error("a girth of {girth_mm:.0} mm is no leg's: the level is left out")]
+    LevelImplausible {
+        /// What was measured, mm.
+        girth_mm: f64,
+    },
+    /// Nobody saw the feet, and the declared facing was believed.
+    #[error("left and right rest on the declared facing alone: {0}")]
+    FacingUnchecked(FeetUnclear),
     /// A doubt about a landmark.
     #[error("{0}")]
     Doubtful(Doubt),
@@ -50,13 +60,13 @@ pub enum What {
     #[error("the leg was not measured: {0}")]
     LegNotMeasured(LegFault),
     /// The sections allow no surface.
-    #[error("no surface: {rows} sections in a row are seen between {from_mm:.0} and {to_mm:.0} mm")]
+    #[error("no surface: only {rows} sections are seen between {from_mm:.0} and {to_mm:.0} mm")]
     NoSurface {
         /// Sections seen.
         rows: usize,
-        /// From this distance along the axis, mm.
+        /// From this height, mm.
         from_mm: f64,
-        /// To this distance along the axis, mm.
+        /// To this height, mm.
         to_mm: f64,
     },
     /// The surface does not cover the range that a stocking needs.
@@ -109,6 +119,18 @@ pub enum Doubt {
         /// Width of the gap as seen from the section's centre, degrees.
         gap_deg: f64,
     },
+    /// The points there are not one skin.
+    #[error("the points scatter by {rms_mm:.1} mm there: cloth, a second layer, or a movement?")]
+    Scatter {
+        /// Root mean square distance of the points from the section, mm.
+        rms_mm: f64,
+    },
+    /// The skin there is longer than a tape around it.
+    #[error("the skin is {percent:.1} % longer than a tape around it: is it folded there?")]
+    Folds {
+        /// Excess of the contour over the tape girth, percent.
+        percent: f64,
+    },
     /// The sections there could not be measured; the curve bridges them.
     #[error("the skin there was not seen; the girth is bridged")]
     NotSeen,
@@ -120,6 +142,8 @@ impl Doubt {
         match self {
             Doubt::Shallow { .. } => "shallow",
             Doubt::Gap { .. } => "gap",
+            Doubt::Scatter { .. } => "scatter",
+            Doubt::Folds { .. } => "folds",
             Doubt::NotSeen => "not-seen",
         }
     }
@@ -130,6 +154,8 @@ impl Finding {
     pub fn code(&self) -> &'static str {
         match &self.what {
             What::LevelAbsent => "level-absent",
+            What::LevelImplausible { .. } => "level-implausible",
+            What::FacingUnchecked(_) => "facing-unchecked",
             What::Doubtful(doubt) => doubt.code(),
             What::LegNotMeasured(_) => "leg-not-measured",
             What::NoSurface { .. } => "no-surface",
@@ -140,8 +166,13 @@ impl Finding {
     /// How much it matters.
     pub fn severity(&self) -> Severity {
         match self.what {
-            What::LevelAbsent | What::Doubtful(_) | What::SurfaceShort { .. } => Severity::Warning,
-            What::LegNotMeasured(_) | What::NoSurface { .. } => Severity::Error,
+            What::LevelAbsent
+            | What::Doubtful(_)
+            | What::FacingUnchecked(_)
+            | What::SurfaceShort { .. } => Severity::Warning,
+            What::LevelImplausible { .. } | What::LegNotMeasured(_) | What::NoSurface { .. } => {
+                Severity::Error
+            }
         }
     }
 }

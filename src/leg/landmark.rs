@@ -6,6 +6,7 @@
 
 use super::finding::Doubt;
 use super::girth::GirthCurve;
+use super::section::Section;
 
 /// An extremum that stands out by less than this is no clear one, mm; a tape reads to 1 to 2 mm.
 pub const CLEAR_MM: f64 = 1.5;
@@ -15,6 +16,9 @@ const CLEAR_SDS: f64 = 3.0;
 
 /// An extremum below this many standard errors is noise and not looked at, even in doubt.
 const NOISE_SDS: f64 = 2.0;
+
+/// … nor below this, mm: perfect data have no noise, but rounding.
+const NOISE_MIN_MM: f64 = 0.1;
 
 /// Levels are looked for from here, as a share of stature: above the malleoli (ANSUR II, lateral
 /// malleolus: mean 0.042, 99th percentile 0.048).
@@ -31,6 +35,17 @@ const SLOPE_SPAN_MM: f64 = 30.0;
 
 /// A gap in the skin wider than this is named as a doubt, degrees.
 const GAP_DOUBT_DEG: f64 = 30.0;
+
+/// Points that scatter more than this about the section are not one skin, mm: cloth, a second
+/// layer, a patient who moved. Scanners scatter by 1 mm, poor ones by 1.5.
+const SCATTER_DOUBT_MM: f64 = 2.0;
+
+/// Skin that is longer than the tape by more than this share is folded, or no skin.
+const FOLDS_DOUBT_SHARE: f64 = 0.01;
+
+/// Girths of legs, mm, from a small child's ankle to a thigh with elephantiasis; what lies outside
+/// was not measured on a leg.
+const GIRTH_MM: [f64; 2] = [90.0, 1200.0];
 
 /// A level of the leg (RAL-GZ 387).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -89,77 +104,100 @@ struct Extremum {
     is_maximum: bool,
 }
 
-/// Finds the levels, lowest first. `gap_deg` tells the widest gap of the section nearest to a
-/// distance along the axis.
-pub fn landmarks(
+/// Finds the levels, lowest first. `near` gives the section nearest to a distance along the axis,
+/// where it could be measured.
+pub fn landmarks<'a>(
     curve: &GirthCurve,
     stature_mm: f64,
     crotch_height_mm: f64,
-    gap_deg: impl Fn(f64) -> f64,
+    near: impl Fn(f64) -> Option<&'a Section>,
 ) -> Vec<Landmark> {
     let (from, to) = curve.domain();
     let from_mm = from.max(FROM_STATURE_SHARE * stature_mm);
     let to_mm = to.min(TO_CROTCH_SHARE * crotch_height_mm);
     let turns = extrema(curve, from_mm, to_mm);
     let found = Found::among(&turns, &noise_gates(curve, &turns));
-    let tilted = |along_mm: f64| curve.height_mm(along_mm);
-    let extreme = |level, extremum: Option<(Extremum, f64)>| {
-        let (extremum, prominence_mm) = extremum?;
+    let at = Levels { curve, near };
+    let b1 = || at.slope(found.b?.0.along_mm, found.c?.0.along_mm);
+    let [b, c, d] = [(Level::B, found.b), (Level::C, found.c), (Level::D, found.d)]
+        .map(|(level, extremum)| at.extremum(level, extremum?));
+    [b, b1(), c, d].into_iter().flatten().collect()
+}
+
+/// Makes landmarks of places on the girth curve.
+struct Levels<'c, F> {
+    curve: &'c GirthCurve,
+    near: F,
+}
+
+impl<'a, F: Fn(f64) -> Option<&'a Section>> Levels<'_, F> {
+    /// A level at an extremum that stands out by so much.
+    fn extremum(
+        &self,
+        level: Level,
+        (extremum, prominence_mm): (Extremum, f64),
+    ) -> Option<Landmark> {
         let along_mm = extremum.along_mm;
-        let [_, _, bend, _] = curve.tape(along_mm);
-        let height_sd_mm = curve.tape_sd(along_mm, 1) / bend.abs().max(f64::MIN_POSITIVE);
-        let girth_sd_mm = curve.tape_sd(along_mm, 0);
-        let mut doubts = common_doubts(curve, along_mm, &gap_deg);
+        let [_, _, bend, _] = self.curve.tape(along_mm);
+        let height_sd_mm = self.curve.tape_sd(along_mm, 1) / bend.abs().max(f64::MIN_POSITIVE);
+        let girth_sd_mm = self.curve.tape_sd(along_mm, 0);
+        let mut landmark = self.landmark(level, along_mm, [height_sd_mm, girth_sd_mm])?;
         if prominence_mm < CLEAR_MM.max(CLEAR_SDS * girth_sd_mm) {
-            doubts.push(Doubt::Shallow { prominence_mm });
+            landmark.doubts.push(Doubt::Shallow { prominence_mm });
         }
-        let height_mm = tilted(along_mm)?;
-        Some(landmark(curve, level, along_mm, height_mm, [height_sd_mm, girth_sd_mm], doubts))
-    };
-    let b1 = || {
-        let along_mm = steepest(curve, found.b?.0.along_mm, found.c?.0.along_mm)?;
-        let [_, slope, _, bend_change] = curve.tape(along_mm);
-        let height_sd_mm = curve.tape_sd(along_mm, 2) / bend_change.abs().max(f64::MIN_POSITIVE);
+        Some(landmark)
+    }
+
+    /// B1 between B and C.
+    fn slope(&self, b_mm: f64, c_mm: f64) -> Option<Landmark> {
+        let along_mm = steepest(self.curve, b_mm, c_mm)?;
+        let [_, slope, _, bend_change] = self.curve.tape(along_mm);
+        let height_sd_mm =
+            self.curve.tape_sd(along_mm, 2) / bend_change.abs().max(f64::MIN_POSITIVE);
         let height_sd_mm = height_sd_mm.min(SLOPE_SPAN_MM);
-        let girth_sd_mm = curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
-        let doubts = common_doubts(curve, along_mm, &gap_deg);
-        let height_mm = tilted(along_mm)?;
-        Some(landmark(curve, Level::B1, along_mm, height_mm, [height_sd_mm, girth_sd_mm], doubts))
-    };
-    let all =
-        [extreme(Level::B, found.b), b1(), extreme(Level::C, found.c), extreme(Level::D, found.d)];
-    all.into_iter().flatten().collect()
-}
+        let girth_sd_mm = self.curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
+        self.landmark(Level::B1, along_mm, [height_sd_mm, girth_sd_mm])
+    }
 
-fn landmark(
-    curve: &GirthCurve,
-    level: Level,
-    along_mm: f64,
-    height_mm: f64,
-    [height_sd_mm, girth_sd_mm]: [f64; 2],
-    doubts: Vec<Doubt>,
-) -> Landmark {
-    Landmark {
-        level,
-        along_mm,
-        height_mm,
-        girth_tape_mm: curve.tape(along_mm)[0],
-        girth_contour_mm: curve.contour_mm(along_mm),
-        height_sd_mm,
-        girth_sd_mm,
-        doubts,
+    fn landmark(
+        &self,
+        level: Level,
+        along_mm: f64,
+        [height_sd_mm, girth_sd_mm]: [f64; 2],
+    ) -> Option<Landmark> {
+        Some(Landmark {
+            level,
+            along_mm,
+            height_mm: self.curve.height_mm(along_mm)?,
+            girth_tape_mm: self.curve.tape(along_mm)[0],
+            girth_contour_mm: self.curve.contour_mm(along_mm),
+            height_sd_mm,
+            girth_sd_mm,
+            doubts: self.doubts(along_mm),
+        })
+    }
+
+    /// What the skin around a level gives to doubt.
+    fn doubts(&self, along_mm: f64) -> Vec<Doubt> {
+        let Some(section) = (self.near)(along_mm).filter(|_| self.curve.is_seen(along_mm)) else {
+            return vec![Doubt::NotSeen];
+        };
+        let (gap_deg, rms_mm) = (section.largest_gap_deg, section.rms_mm);
+        let excess = section.girth.contour_mm / section.girth.tape_mm - 1.0;
+        let all = [
+            (gap_deg > GAP_DOUBT_DEG, Doubt::Gap { gap_deg }),
+            (rms_mm > SCATTER_DOUBT_MM, Doubt::Scatter { rms_mm }),
+            (excess > FOLDS_DOUBT_SHARE, Doubt::Folds { percent: 100.0 * excess }),
+        ];
+        all.into_iter().filter(|(holds, _)| *holds).map(|(_, doubt)| doubt).collect()
     }
 }
 
-fn common_doubts(curve: &GirthCurve, along_mm: f64, gap_deg: &impl Fn(f64) -> f64) -> Vec<Doubt> {
-    let gap_deg = gap_deg(along_mm);
-    let mut doubts = Vec::new();
-    if !curve.is_seen(along_mm) {
-        doubts.push(Doubt::NotSeen);
-    } else if gap_deg > GAP_DOUBT_DEG {
-        doubts.push(Doubt::Gap { gap_deg });
+impl Landmark {
+    /// Whether a leg can have this girth at all.
+    pub fn is_plausible(&self) -> bool {
+        (GIRTH_MM[0]..=GIRTH_MM[1]).contains(&self.girth_tape_mm)
     }
-    doubts
 }
 
 /// Turning points of the curve in a range, ascending, with the range's two ends as the first and
@@ -200,7 +238,8 @@ fn root(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
 
 /// What an extremum must stand out by to be more than noise, mm, for each turning point.
 fn noise_gates(curve: &GirthCurve, turns: &[Extremum]) -> Vec<f64> {
-    turns.iter().map(|turn| NOISE_SDS * curve.tape_sd(turn.along_mm, 0)).collect()
+    let gate = |turn: &Extremum| (NOISE_SDS * curve.tape_sd(turn.along_mm, 0)).max(NOISE_MIN_MM);
+    turns.iter().map(gate).collect()
 }
 
 /// The extrema of the levels with how far each stands out, mm.
@@ -220,7 +259,9 @@ impl Found {
                 |i: &usize| turns[*i].is_maximum == is_maximum && turns[*i].along_mm > above_mm;
             inner.clone().find(fits).map(|i| (turns[i], prominence_mm(turns, i)))
         };
-        let b = first(&clear, 0.0, false).or_else(|| first(&faint, 0.0, false));
+        // Where the curve begins lower still, the lowest minimum is not in sight.
+        let lowest = |b: &(Extremum, f64)| turns.iter().take(1).all(|t| b.0.tape_mm < t.tape_mm);
+        let b = first(&clear, 0.0, false).or_else(|| first(&faint, 0.0, false)).filter(lowest);
         let above_b = b.map_or(f64::INFINITY, |(b, _)| b.along_mm);
         let c = first(&clear, above_b, true).or_else(|| {
             let inner = 1..faint.len().saturating_sub(1);

@@ -40,7 +40,7 @@ pub mod surface;
 use rayon::prelude::*;
 
 use crate::scan::{self, Format, ScanFault};
-pub use body::{Body, BodyFault};
+pub use body::{Body, BodyFault, FacingFrom};
 pub use finding::{Finding, What};
 pub use landmark::{Landmark, Level};
 pub use method::Method;
@@ -118,6 +118,9 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
     let (mut legs, mut findings) = (Vec::new(), Vec::new());
+    if let FacingFrom::Declared(unclear) = body.facing_from {
+        findings.push(Finding { side: None, level: None, what: What::FacingUnchecked(unclear) });
+    }
     for (side, report) in Side::BOTH.into_iter().zip(reports) {
         match report {
             Ok((leg, found)) => {

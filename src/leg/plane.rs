@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use super::axis::{LegAxis, outline_centroid};
 use super::polynomial;
-use super::section::{Curve, GAP_MAX_DEG, Section, girth, largest_gap_deg};
+use super::section::{Curve, GAP_MAX_DEG, Section, girth, largest_gap_deg, r2};
 use super::slice::Crossing;
 use crate::spline::{Basis, Smoothing, Spline, fit, robust_fit};
 
@@ -29,6 +29,10 @@ const SMOOTHING_STRIDE: usize = 6;
 
 /// A section with fewer points than this is not fitted.
 const POINTS_MIN: usize = 24;
+
+/// A polynomial of order 15 swings in a gap wider than this, degrees: beyond, its girth is off by
+/// centimetres while its R² stays at 0.9998.
+const POLYNOMIAL_GAP_MAX_DEG: f64 = 20.0;
 
 /// How the plane sections of one leg are fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,7 +60,7 @@ impl PlaneFit {
 /// the data and serves for all of them.
 fn lambda(axis: &LegAxis, slices: &[Vec<Crossing>]) -> f64 {
     let one = |slice: &Vec<Crossing>| {
-        let points = axis.points(&independent(slice));
+        let points = axis.points(&independent(axis, slice));
         let centre = outline_centroid(&points)?;
         let (angles, radii) = polar(&points, centre);
         let weights = vec![1.0; radii.len()];
@@ -72,14 +76,21 @@ fn basis() -> Option<Basis> {
     Basis::uniform_periodic(-PI, TAU, INTERVALS).ok()
 }
 
-/// Crossings of which no two share a point of the mesh, as many as come first.
-fn independent(slice: &[Crossing]) -> Vec<Crossing> {
+/// Crossings of which no two share a point of the mesh, as many as come first around the leg; the
+/// order of the file makes no difference.
+fn independent(axis: &LegAxis, slice: &[Crossing]) -> Vec<Crossing> {
+    let mut ordered = slice.to_vec();
+    let place = |crossing: &Crossing| axis.in_plane(&crossing.position);
+    ordered.sort_by(|a, b| {
+        let (a, b) = (place(a), place(b));
+        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
+    });
     let mut used = BTreeSet::new();
-    let fresh = |crossing: &&Crossing| {
+    ordered.retain(|crossing| {
         let [from, to] = crossing.edge;
         !used.contains(&from) && !used.contains(&to) && used.insert(from) && used.insert(to)
-    };
-    slice.iter().filter(fresh).copied().collect()
+    });
+    ordered
 }
 
 /// Angles and radii of points about a centre.
@@ -103,7 +114,7 @@ pub fn section(
     let found = fitted(points, centre, fit)?;
     let counts = found.angles.iter().zip(&found.weights).filter(|(_, weight)| **weight > 0.0);
     let largest_gap_deg = largest_gap_deg(&counts.map(|(angle, _)| *angle).collect::<Vec<_>>());
-    if largest_gap_deg > GAP_MAX_DEG {
+    if largest_gap_deg > gap_max_deg(fit) {
         return None;
     }
     Some(Section {
@@ -118,6 +129,14 @@ pub fn section(
         largest_gap_deg,
         curve: found.curve,
     })
+}
+
+/// The widest gap that a curve bridges, degrees.
+fn gap_max_deg(fit: PlaneFit) -> f64 {
+    match fit {
+        PlaneFit::Periodic { .. } => GAP_MAX_DEG,
+        PlaneFit::Polynomial => POLYNOMIAL_GAP_MAX_DEG,
+    }
 }
 
 /// A curve and the data it was fitted to.
@@ -150,6 +169,6 @@ fn fitted(points: &[Point2<f64>], centre: Point2<f64>, fit: PlaneFit) -> Option<
         weighted += weight * residual * residual;
         spread += (radius - mean).powi(2);
     }
-    let r2 = if spread > 0.0 { 1.0 - rss / spread } else { 1.0 };
+    let r2 = r2(rss, spread, mean * mean * radii.len() as f64);
     Some(Fitted { curve, angles, weights, r2, rms_mm: (weighted / total).sqrt() })
 }

@@ -5,7 +5,7 @@ use super::feature::{Feature, features};
 use super::finding::{Finding, LegFault, What};
 use super::girth::{GirthCurve, girth_curve};
 use super::landmark::{Landmark, Level, landmarks};
-use super::section::{SPACING_MM, Section, Sections, sections};
+use super::section::{Section, Sections, sections};
 use super::segment::{Leg, Side};
 use super::surface::{LegSurface, surface};
 use super::{Body, Method};
@@ -69,12 +69,13 @@ pub fn leg_report(
         let measured = sections.rows.iter().filter(|row| row.section.is_some()).count();
         LegFault::TooFewSections { measured, planes: sections.rows.len() }
     })?;
-    let gap = |along_mm: f64| gap_deg(&sections, along_mm);
-    let landmarks = landmarks(&curve, body.stature_mm, crotch_height_mm, gap);
+    let near = |along_mm: f64| sections.nearest(along_mm);
+    let found = landmarks(&curve, body.stature_mm, crotch_height_mm, near);
     let mut findings = Findings { side: leg.side, found: Vec::new() };
-    findings.about_levels(&landmarks);
-    let range_mm = surface_range_mm(&landmarks, &sections.axis, body.stature_mm, crotch_height_mm);
-    let surface = match surface(leg, &sections, range_mm) {
+    findings.about_levels(&found);
+    let landmarks: Vec<Landmark> = found.into_iter().filter(Landmark::is_plausible).collect();
+    let wanted_mm = surface_heights_mm(&landmarks, body.stature_mm, crotch_height_mm);
+    let surface = match surface(leg, &sections, wanted_mm) {
         Ok(surface) => Some(surface),
         Err(what) => {
             findings.add(None, what);
@@ -82,7 +83,7 @@ pub fn leg_report(
         }
     };
     if let Some(surface) = &surface {
-        findings.about_extent(surface, &curve, range_mm);
+        findings.about_extent(surface, wanted_mm);
     }
     let along_mm: Vec<f64> = landmarks.iter().map(|landmark| landmark.along_mm).collect();
     let at_levels = landmarks.iter().zip(sections.at(leg, &along_mm));
@@ -102,28 +103,15 @@ pub fn leg_report(
     Ok((report, findings.found))
 }
 
-/// The widest gap of the section plane nearest to a distance along the axis; 360 where it is open.
-fn gap_deg(sections: &Sections, along_mm: f64) -> f64 {
-    let far = |row: &&super::section::Row| (row.along_mm - along_mm).abs();
-    let nearest = sections.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
-    let section = nearest.and_then(|row| row.section.as_ref());
-    section.map_or(360.0, |section| section.largest_gap_deg)
-}
-
-/// The range that the surface must cover, mm along the axis, one section more at either end.
-fn surface_range_mm(
-    landmarks: &[Landmark],
-    axis: &LegAxis,
-    stature_mm: f64,
-    crotch_height_mm: f64,
-) -> [f64; 2] {
-    let at = |level: Level| landmarks.iter().find(|l| l.level == level).map(|l| l.along_mm);
-    let margin_mm = SURFACE_MARGIN_MM / axis.direction.z + SPACING_MM;
+/// The heights between which the surface must lie, mm.
+fn surface_heights_mm(landmarks: &[Landmark], stature_mm: f64, crotch_height_mm: f64) -> [f64; 2] {
+    let at = |level: Level| landmarks.iter().find(|l| l.level == level).map(|l| l.height_mm);
     let ankle_mm = ANKLE_STATURE_SHARE * stature_mm;
-    let knee_mm = KNEE_CROTCH_SHARE * crotch_height_mm / axis.direction.z;
-    let from_mm = at(Level::B).unwrap_or(ankle_mm + margin_mm) - margin_mm;
-    let to_mm = at(Level::D).unwrap_or(knee_mm - margin_mm) + margin_mm;
-    [from_mm, to_mm]
+    let knee_mm = KNEE_CROTCH_SHARE * crotch_height_mm;
+    [
+        at(Level::B).map_or(ankle_mm, |height_mm| height_mm - SURFACE_MARGIN_MM),
+        at(Level::D).map_or(knee_mm, |height_mm| height_mm + SURFACE_MARGIN_MM),
+    ]
 }
 
 /// The findings of one leg, collected as its stages pass.
@@ -142,6 +130,10 @@ impl Findings {
         for level in Level::ALL {
             match landmarks.iter().find(|landmark| landmark.level == level) {
                 None => self.add(Some(level), What::LevelAbsent),
+                Some(landmark) if !landmark.is_plausible() => {
+                    let girth_mm = landmark.girth_tape_mm;
+                    self.add(Some(level), What::LevelImplausible { girth_mm });
+                }
                 Some(landmark) => {
                     landmark.doubts.iter().for_each(|d| self.add(Some(level), What::Doubtful(*d)));
                 }
@@ -149,15 +141,12 @@ impl Findings {
         }
     }
 
-    /// A surface whose ends lack more than the section that was asked for in addition.
-    fn about_extent(&mut self, surface: &LegSurface, curve: &GirthCurve, range_mm: [f64; 2]) {
-        let (low, high) = surface.surface.along().domain();
-        if low - range_mm[0] <= 2.0 * SPACING_MM && range_mm[1] - high <= 2.0 * SPACING_MM {
-            return;
-        }
+    /// A surface that lacks a part of the wanted heights.
+    fn about_extent(&mut self, surface: &LegSurface, wanted_mm: [f64; 2]) {
         let [from_mm, to_mm] = surface.height_mm;
-        let wanted = range_mm.map(|along_mm| curve.height_mm(along_mm).unwrap_or(along_mm));
-        let [wanted_from_mm, wanted_to_mm] = wanted;
-        self.add(None, What::SurfaceShort { from_mm, to_mm, wanted_from_mm, wanted_to_mm });
+        let [wanted_from_mm, wanted_to_mm] = wanted_mm;
+        if from_mm > wanted_from_mm || to_mm < wanted_to_mm {
+            self.add(None, What::SurfaceShort { from_mm, to_mm, wanted_from_mm, wanted_to_mm });
+        }
     }
 }

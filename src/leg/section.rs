@@ -19,9 +19,8 @@ use crate::spline::Basis;
 /// Distance of neighbouring sections along the axis, mm.
 pub const SPACING_MM: f64 = 5.0;
 
-/// Angles at which a curve's girth is measured; the chord error is 1.3·10⁻⁵ of the girth, 5 µm on a
-/// calf.
-const GIRTH_ANGLES: usize = 360;
+/// Angles at which a curve's girth is measured; the chord error is 3·10⁻⁶ of the girth.
+const GIRTH_ANGLES: usize = 720;
 
 /// A section with a gap wider than this in its points is not measured, degrees: a bridge over
 /// more is a guess.
@@ -169,6 +168,13 @@ pub fn sections(
 }
 
 impl Sections {
+    /// The section of the plane nearest to a distance along the axis; none where it is open.
+    pub fn nearest(&self, along_mm: f64) -> Option<&Section> {
+        let far = |row: &&Row| (row.along_mm - along_mm).abs();
+        let row = self.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
+        row.and_then(|row| row.section.as_ref())
+    }
+
     /// The sections of the same leg at other distances along the axis, which must ascend, from the
     /// same source; none where the skin does not close.
     pub fn at(&self, leg: &Leg, along_mm: &[f64]) -> Vec<Option<Section>> {
@@ -185,6 +191,13 @@ impl Sections {
             }
         }
     }
+}
+
+/// Coefficient of determination from the sums of squared residuals, of squared deviations from the
+/// mean, and of squared values; 1 where the values differ by rounding only.
+pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
+    const ROUNDING: f64 = 1e-18;
+    if deviations > ROUNDING * values { 1.0 - residuals / deviations } else { 1.0 }
 }
 
 /// Widest angle between neighbours among angles in radians, degrees; 360 where there are none.

@@ -34,6 +34,10 @@ const START_SHARE: f64 = 0.11;
 /// 0.52; children and patients need some room.
 const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
 
+/// A triangle with a longer edge is no piece of skin but a spike or a bridge, mm; ten times the edges
+/// of a usual export, and no hole that could be closed honestly is as wide.
+const EDGE_MAX_MM: f64 = 60.0;
+
 /// A cluster is both legs' when each holds more than this share of its points.
 const SHARED_MIN_SHARE: f64 = 0.1;
 
@@ -93,7 +97,11 @@ pub struct Legs {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SegmentFault {
     /// A leg ends where a leg goes on.
-    #[error("the {} leg ends at {height_mm:.0} mm, below any crotch", side.word())]
+    #[error(
+        "the {} leg ends at {height_mm:.0} mm, below any crotch: a part of it is missing in the \
+         scan; scan again",
+        side.word()
+    )]
     LegEnds {
         /// Which leg.
         side: Side,
@@ -101,13 +109,19 @@ pub enum SegmentFault {
         height_mm: f64,
     },
     /// The legs become one below any crotch.
-    #[error("the legs become one at {height_mm:.0} mm, below any crotch: do the thighs touch?")]
+    #[error(
+        "the legs become one at {height_mm:.0} mm, below any crotch: do the thighs touch? scan \
+         again with the legs further apart"
+    )]
     JoinTooLow {
         /// Where, mm.
         height_mm: f64,
     },
     /// The legs never become one.
-    #[error("the legs are still apart at {height_mm:.0} mm, above any crotch")]
+    #[error(
+        "the legs are still apart at {height_mm:.0} mm, above any crotch: is the upper body \
+         missing in the scan?"
+    )]
     NeverJoin {
         /// Height of the last slice, mm.
         height_mm: f64,
@@ -311,8 +325,10 @@ fn cut(mesh: &Mesh, side: Side, mid_x_mm: f64, foot: &Zone, shank: &Zone) -> Mes
     let own = |triangle: &[u32; 3]| {
         let [a, b, c] = triangle.map(|corner| mesh.points()[corner as usize].coords);
         let middle = (a + b + c) / 3.0;
+        let longest = (a - b).norm().max((b - c).norm()).max((c - a).norm());
         let zone = if middle.z < foot.top_mm { foot } else { shank };
-        middle.z < zone.top_mm
+        longest <= EDGE_MAX_MM
+            && middle.z < zone.top_mm
             && (middle.x - mid_x_mm) * side.lateral_sign() > 0.0
             && zone.holds(&middle.xy().into(), middle.z)
     };

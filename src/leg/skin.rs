@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Point2;
 
 use super::axis::{LegAxis, outline_centroid};
-use super::section::{Curve, GAP_MAX_DEG, Section, girth, largest_gap_deg};
+use super::section::{Curve, GAP_MAX_DEG, Section, girth, largest_gap_deg, r2};
 use super::segment::Leg;
 use crate::spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
 
@@ -32,6 +32,10 @@ const MIDDLE_INTERVAL_MM: f64 = 60.0;
 /// A section counts as seen in a direction where there is a point within this many point spacings
 /// of its plane.
 const SEEN_SPACINGS: f64 = 1.5;
+
+/// … and at least this far from it, mm: scanners that sweep put their points in rows that are
+/// further apart than the points in them.
+const SEEN_MIN_MM: f64 = 5.5;
 
 /// The skin of one leg between two distances along its axis.
 #[derive(Debug, Clone)]
@@ -121,9 +125,14 @@ impl Skin {
         })
     }
 
+    /// How far from a plane points still tell whether it was seen, mm.
+    fn reach_mm(&self) -> f64 {
+        (SEEN_SPACINGS * self.spacing_mm).max(SEEN_MIN_MM)
+    }
+
     /// The believed points whose distance from a plane says whether it was seen.
     fn near(&self, along_mm: f64) -> &[SkinPoint] {
-        let reach_mm = SEEN_SPACINGS * self.spacing_mm;
+        let reach_mm = self.reach_mm();
         let first = self.points.partition_point(|point| point.along_mm < along_mm - reach_mm);
         let last = self.points.partition_point(|point| point.along_mm <= along_mm + reach_mm);
         &self.points[first..last]
@@ -139,14 +148,13 @@ impl Skin {
             rss += (point.radius_mm - fitted).powi(2);
             spread += (point.radius_mm - mean).powi(2);
         }
-        let r2 = if spread > 0.0 { 1.0 - rss / spread } else { 1.0 };
-        (r2, (rss / count).sqrt())
+        (r2(rss, spread, mean * mean * count), (rss / count).sqrt())
     }
 
     /// Standard error of the girth and of its first two derivatives along the axis, mm: 2π times
     /// that of the mean radius, for as many points as there are here.
     fn girth_sd(&self, along_mm: f64, near: usize) -> [f64; 3] {
-        let here = near as f64 / (2.0 * SEEN_SPACINGS * self.spacing_mm);
+        let here = near as f64 / (2.0 * self.reach_mm());
         let scarcity = (self.points_per_mm / here).sqrt();
         [0, 1, 2].map(|order| TAU * scarcity * self.fit.mean_around_sd(along_mm, order))
     }
@@ -168,7 +176,7 @@ fn middle(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<[Spline
     let weights = vec![1.0; places.len()];
     let one = |axis: usize| {
         let values: Vec<f64> = centroids.iter().map(|(_, centroid)| centroid[axis]).collect();
-        fit(&basis, &places, &values, &weights, Smoothing::Gcv).ok()
+        fit(&basis, &places, &values, &weights, Smoothing::None).ok()
     };
     Some([one(0)?, one(1)?])
 }

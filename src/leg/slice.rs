@@ -18,7 +18,7 @@ const SMOOTH_EDGE_MIN_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 pub struct Mesh {
     points: Vec<Point3<f64>>,
     triangles: Vec<[u32; 3]>,
-    /// Area-weighted mean normal of the triangles around each point; zero where they cancel.
+    /// Area-weighted mean normal of the triangles around each point, of either sign.
     normals: Vec<Vector3<f64>>,
 }
 
@@ -38,7 +38,12 @@ impl Mesh {
         for triangle in &triangles {
             let [a, b, c] = triangle.map(|corner| points[corner as usize]);
             let normal = (b - a).cross(&(c - a));
-            triangle.iter().for_each(|&corner| normals[corner as usize] += normal);
+            for &corner in triangle {
+                // Facets around a point need not be oriented alike; around smooth skin they lie
+                // within a right angle of each other, so the sign can be told.
+                let sum: &mut Vector3<f64> = &mut normals[corner as usize];
+                *sum += if sum.dot(&normal) < 0.0 { -normal } else { normal };
+            }
         }
         for normal in &mut normals {
             *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
@@ -119,6 +124,7 @@ impl Mesh {
         let edge = self.points[to] - self.points[from];
         let chord_point = self.points[from] + edge * t;
         let (n0, n1) = (self.normals[from], self.normals[to]);
+        let n1 = if n0.dot(&n1) < 0.0 { -n1 } else { n1 };
         if n0.dot(&n1) < SMOOTH_EDGE_MIN_COSINE {
             return chord_point;
         }

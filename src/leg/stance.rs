@@ -3,6 +3,7 @@
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
 use super::cluster::clusters;
+use super::hull::Hull;
 use super::slice::{Crossing, Mesh};
 
 /// Heights at which the shanks are looked for, as shares of stature: above the malleoli (0.045),
@@ -25,6 +26,14 @@ const SHANK_SECTORS_MIN: usize = 5;
 
 /// Points below this share of stature belong to the feet: under the malleoli.
 const FOOT_SHARE: f64 = 0.035;
+
+/// Length of a foot as a share of stature, least and most. ANSUR II: 0.139 to 0.169 from first to
+/// last percentile; a skin that ends above the sole is a little shorter, a swollen foot longer.
+const FOOT_LENGTH_SHARE: [f64; 2] = [0.115, 0.19];
+
+/// Widest foot as a share of stature. ANSUR II: 0.066 at the last percentile; swollen feet are wider,
+/// a plate or a platform under the feet is far wider.
+const FOOT_WIDTH_MAX_SHARE: f64 = 0.10;
 
 /// A foot reaches at least this far ahead of its ankle, compared with behind it; a foot that is
 /// seen whole reaches 2 to 4 times as far.
@@ -62,6 +71,17 @@ pub enum FeetUnclear {
         /// Points of the foot that has fewer.
         points: usize,
     },
+    /// What stands on the floor is no foot: a platform, a plate, or a leg without its foot.
+    #[error(
+        "what stands on the floor is {length_percent:.0} % of the stature long and \
+         {width_percent:.0} % wide, which is no foot"
+    )]
+    NoFoot {
+        /// Length, percent of the stature.
+        length_percent: f64,
+        /// Width, percent of the stature.
+        width_percent: f64,
+    },
     /// A foot that reaches as far ahead of the ankle as behind it.
     #[error("a foot reaches {ratio:.2} times as far ahead of its ankle as behind it")]
     NoToes {
@@ -82,15 +102,30 @@ pub enum FeetUnclear {
     },
 }
 
-/// Finds the stance. The number returned in place of it is the most shanks seen at one height.
-pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, usize> {
+/// What was seen where two shanks were expected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NotTwoLegs {
+    /// Heights at which exactly two were seen.
+    pub pairs: usize,
+    /// Heights that were looked at.
+    pub heights: usize,
+    /// The most that were seen at one height.
+    pub most: usize,
+}
+
+/// Finds the stance.
+///
+/// # Errors
+/// [`NotTwoLegs`] where too few heights show exactly two shanks.
+pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NotTwoLegs> {
     let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
     let slices = mesh.slices(&Vector3::z_axis(), &heights);
     let rings: Vec<Vec<Point2<f64>>> = slices.iter().map(|slice| shank_middles(slice)).collect();
     let pairs: Vec<[Point2<f64>; 2]> =
         rings.iter().filter_map(|found| <[_; 2]>::try_from(found.as_slice()).ok()).collect();
     if pairs.len() < SHANK_SLICES_MIN {
-        return Err(rings.iter().map(Vec::len).max().unwrap_or(0));
+        let most = rings.iter().map(Vec::len).max().unwrap_or(0);
+        return Err(NotTwoLegs { pairs: pairs.len(), heights: rings.len(), most });
     }
     let shanks = pairs[0];
     let feet_points = feet(mesh, shanks, FOOT_SHARE * stature_mm);
@@ -101,7 +136,12 @@ pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, usize> {
         }
     };
     let feet = [middle(&feet_points[0], shanks[0]), middle(&feet_points[1], shanks[1])];
-    Ok(Stance { shanks, feet, toes: toes(shanks, &feet_points), floor_mm: floor_mm(&feet_points) })
+    Ok(Stance {
+        shanks,
+        feet,
+        toes: toes(shanks, &feet_points, stature_mm),
+        floor_mm: floor_mm(&feet_points),
+    })
 }
 
 /// Middles of the rings in a slice that can be shanks.
@@ -115,7 +155,7 @@ fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
     let first = *ring.first()?;
     let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
     let size = (high - low).max();
-    let middle = nalgebra::center(&low, &high);
+    let middle = Hull::of(ring)?.centroid();
     let mut sectors = [false; 8];
     for point in ring {
         let turn = (point.y - middle.y).atan2(point.x - middle.x) / std::f64::consts::TAU + 0.5;
@@ -139,8 +179,15 @@ fn feet(mesh: &Mesh, shanks: [Point2<f64>; 2], top_mm: f64) -> [Vec<[f64; 3]>; 2
 /// Where both feet's toes point together: halfway between the feet's own mean direction and the
 /// square to the line through the ankles, since a foot turned out spoils the one and a foot set
 /// forward the other.
-fn toes(shanks: [Point2<f64>; 2], feet: &[Vec<[f64; 3]>; 2]) -> Result<Vector2<f64>, FeetUnclear> {
-    let directions = [toe_direction(shanks[0], &feet[0])?, toe_direction(shanks[1], &feet[1])?];
+fn toes(
+    shanks: [Point2<f64>; 2],
+    feet: &[Vec<[f64; 3]>; 2],
+    stature_mm: f64,
+) -> Result<Vector2<f64>, FeetUnclear> {
+    let directions = [
+        toe_direction(shanks[0], &feet[0], stature_mm)?,
+        toe_direction(shanks[1], &feet[1], stature_mm)?,
+    ];
     let spread_deg = directions[0].angle(&directions[1]).to_degrees();
     if spread_deg > FEET_SPREAD_MAX_DEG {
         return Err(FeetUnclear::Apart { spread_deg });
@@ -157,7 +204,11 @@ fn toes(shanks: [Point2<f64>; 2], feet: &[Vec<[f64; 3]>; 2]) -> Result<Vector2<f
 }
 
 /// The long axis of one foot, pointing to the end that is further from the ankle.
-fn toe_direction(ankle: Point2<f64>, foot: &[[f64; 3]]) -> Result<Vector2<f64>, FeetUnclear> {
+fn toe_direction(
+    ankle: Point2<f64>,
+    foot: &[[f64; 3]],
+    stature_mm: f64,
+) -> Result<Vector2<f64>, FeetUnclear> {
     const FOOT_POINTS_MIN: usize = 50;
     if foot.len() < FOOT_POINTS_MIN {
         return Err(FeetUnclear::NotSeen { points: foot.len() });
@@ -169,6 +220,17 @@ fn toe_direction(ankle: Point2<f64>, foot: &[[f64; 3]]) -> Result<Vector2<f64>, 
         (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
     }
     let long = Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x();
+    let [length, width] = [long, Vector2::new(-long.y, long.x)].map(|axis| {
+        let reach = points.iter().map(|p| p.dot(&axis));
+        let (low, high) = reach
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
+        (high - low) / stature_mm
+    });
+    let [shortest, longest] = FOOT_LENGTH_SHARE;
+    if !(shortest..=longest).contains(&length) || width > FOOT_WIDTH_MAX_SHARE {
+        let (length_percent, width_percent) = (100.0 * length, 100.0 * width);
+        return Err(FeetUnclear::NoFoot { length_percent, width_percent });
+    }
     let reach = points.iter().map(|p| (p - ankle.coords).dot(&long));
     let (back, ahead) = reach.fold((0.0_f64, 0.0_f64), |(b, a), r| (b.max(-r), a.max(r)));
     let ratio = ahead.max(back) / ahead.min(back).max(1.0);

@@ -45,15 +45,16 @@ pub struct FitError {
     pub max_mm: f64,
 }
 
-/// Fits the surface over a range along the axis, both ends within the sections.
+/// Fits the surface between two heights: from the highest seen section that is not above the lower
+/// to the lowest that is not below the upper, as far as there are such.
 ///
 /// # Errors
 /// [`What::NoSurface`] where too few sections are seen in the range to determine it.
-pub fn surface(leg: &Leg, sections: &Sections, range_mm: [f64; 2]) -> Result<LegSurface, What> {
-    let [from_mm, to_mm] = range_mm;
+pub fn surface(leg: &Leg, sections: &Sections, heights_mm: [f64; 2]) -> Result<LegSurface, What> {
+    let [from_mm, to_mm] = along_mm(sections, heights_mm);
     let grid = Grid::of(sections, from_mm, to_mm);
     let rows = grid.along_mm.len();
-    let none = What::NoSurface { rows, from_mm, to_mm };
+    let none = What::NoSurface { rows, from_mm: heights_mm[0], to_mm: heights_mm[1] };
     let [along_count, around_count] = CONTROL_POINTS;
     let (Some(&low), Some(&high)) = (grid.along_mm.first(), grid.along_mm.last()) else {
         return Err(none);
@@ -74,6 +75,17 @@ pub fn surface(leg: &Leg, sections: &Sections, range_mm: [f64; 2]) -> Result<Leg
         to_points: to_points(&fit.surface, leg, sections, &inner),
         surface: fit.surface,
     })
+}
+
+/// Distances along the axis of the sections that enclose two heights.
+fn along_mm(sections: &Sections, [low_mm, high_mm]: [f64; 2]) -> [f64; 2] {
+    let seen = sections.rows.iter().filter_map(|row| row.section.as_ref());
+    let below = seen.clone().rfind(|section| section.height_mm <= low_mm);
+    let above = seen.clone().find(|section| section.height_mm >= high_mm);
+    [
+        below.map_or(f64::NEG_INFINITY, |section| section.along_mm),
+        above.map_or(f64::INFINITY, |section| section.along_mm),
+    ]
 }
 
 /// A place of the skin to be compared: where, where on the surface it should be, its local radius

@@ -188,7 +188,8 @@ pub(super) fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Soluti
     // An interpolation leaves of m − edf what rounding and the ridge take from edf.
     let freedom = data - edf;
     let sigma = if freedom > LEAST_FREEDOM { (rss / freedom).sqrt() } else { f64::INFINITY };
-    let r2 = if spread > 0.0 { 1.0 - rss / spread } else { 1.0 };
+    // Values that differ by rounding only are constant.
+    let r2 = if spread > 1e-18 * mean * mean * total { 1.0 - rss / spread } else { 1.0 };
     let rms = (rss / total).sqrt();
     Spline { basis: basis.clone(), coefficients, lambda, edf, sigma, r2, rms, inverse }
 }

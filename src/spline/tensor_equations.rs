@@ -10,7 +10,7 @@ use super::kronecker::Direction;
 const REACH: usize = 2 * DEGREE + 1;
 
 /// Conjugate gradients end when the residual has fallen to this share of the right-hand side …
-const SOLVED: f64 = 1e-6;
+const SOLVED: f64 = 1e-8;
 
 /// … or after so many steps; a usual leg needs about 15.
 const STEPS_MAX: usize = 80;

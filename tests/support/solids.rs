@@ -100,7 +100,8 @@ impl<'a> Tube<'a> {
                 triangles.extend([[a, b, c], [a, c, d]]);
             }
         }
-        Leg { side: self.side, mesh: Mesh::new(points, triangles) }
+        // Points of the holes belong to no triangle and go, as they do from a scan.
+        Leg { side: self.side, mesh: Mesh::new(points, triangles).part(|_| true) }
     }
 
     /// The tube's sections, square to the axis that gaiter finds.
