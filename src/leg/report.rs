@@ -5,7 +5,7 @@ use super::feature::{Feature, features};
 use super::finding::{Finding, LegFault, What};
 use super::girth::{GirthCurve, girth_curve};
 use super::landmark::{Landmark, Level, landmarks};
-use super::section::{Section, Sections, sections};
+use super::section::{Section, sections};
 use super::segment::{Leg, Side};
 use super::surface::{LegSurface, surface};
 use super::{Body, Method};
