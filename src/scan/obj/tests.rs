@@ -26,7 +26,10 @@ fn everyday_variants_give_the_same_mesh() {
     let slashed = TETRAHEDRON.replace("f 1 2 4", "f 1// 2// 4//");
     let named = format!("# unit inches\nmtllib a.mtl\no M\u{fc}ller\n{TETRAHEDRON}");
     let grouped = TETRAHEDRON.replace("f 1 3 4", "g shin\nusemtl skin\nf 1 3 4");
-    for variant in [crlf, negative, coloured, slashed, named, grouped] {
+    let cr = TETRAHEDRON.replace('\n', "\r");
+    let mixed = TETRAHEDRON.replacen('\n', "\r\n", 3).replacen("0\nf", "0\rf", 1);
+    let marked = format!("\u{feff}{TETRAHEDRON}");
+    for variant in [cr, mixed, marked, crlf, negative, coloured, slashed, named, grouped] {
         assert_eq!(read(variant.as_bytes()).unwrap(), plain, "{variant}");
     }
     let latin1 = [b"o M\xfcller\n".as_slice(), TETRAHEDRON.as_bytes()].concat();
@@ -43,13 +46,41 @@ fn a_polygon_becomes_a_fan_and_degenerate_faces_go() {
 fn nothing_at_all_is_empty() {
     assert_eq!(fault(""), ScanFault::Empty);
     assert_eq!(fault(" \n\r\n"), ScanFault::Empty);
+    assert_eq!(fault("\u{feff}"), ScanFault::Empty);
+    assert_eq!(fault("\u{feff}\r\n"), ScanFault::Empty);
 }
 
 #[test]
 fn a_missing_line_end_is_a_cut_file() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3";
     let what = CutSign::NoLineEnd { line: 4 };
-    assert_eq!(fault(text), ScanFault::CutShort { what });
+    for end in ["\n", "\r\n", "\r"] {
+        let cut = ScanFault::CutShort { what: what.clone() };
+        assert_eq!(fault(&text.replace('\n', end)), cut, "{end:?}");
+    }
+}
+
+#[test]
+fn lines_are_counted_alike_whatever_ends_them() {
+    let nan = TETRAHEDRON.replace("v 0 1 0\n", "\n# blank lines count\nv 0 nan 0\n");
+    for end in ["\n", "\r\n", "\r"] {
+        for mark in ["", "\u{feff}"] {
+            let text = format!("{mark}{}", nan.replace('\n', end));
+            let placed = ScanFault::NotFinite { line: 5, found: "nan".into() };
+            assert_eq!(fault(&text), placed, "{text:?}");
+        }
+    }
+}
+
+#[test]
+fn only_the_mark_of_utf_8_is_skipped_and_only_at_the_start() {
+    let utf16 = TETRAHEDRON.encode_utf16().flat_map(u16::to_le_bytes);
+    let utf16: Vec<u8> = [0xff, 0xfe].into_iter().chain(utf16).collect();
+    assert_eq!(read(&utf16), Err(ScanFault::Binary { at: 3, value: 0 }));
+    let twice = fault(&format!("\u{feff}\u{feff}{TETRAHEDRON}"));
+    assert_eq!(twice, ScanFault::NotThisFormat { line: 1, found: "???v 0 0 0".into() });
+    let binary = fault("\u{feff}v 0 0 0\0\n");
+    assert_eq!(binary, ScanFault::Binary { at: 10, value: 0 }, "counted from the file's start");
 }
 
 #[test]
