@@ -45,9 +45,11 @@ const STATEMENTS: [&str; 30] = [
     "trace_obj",
 ];
 
-/// More unused points than this share of all means that the face list was cut off. Exports of
-/// closed or trimmed surfaces use every point, up to a few stray ones.
-const UNUSED_POINTS_MAX_SHARE: f64 = 0.02;
+/// More unused points than this share of all means that the face list was cut off. Every known
+/// export of a whole surface uses all of its points. A test body cut at
+/// 90 % of its bytes leaves 1.6 % unused and lacks a leg, so no more than a few stray points are
+/// let through: 57 of 57 000.
+const UNUSED_POINTS_MAX_SHARE: f64 = 0.001;
 
 /// What some editors and exporters put before UTF-8 text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
@@ -64,7 +66,7 @@ pub fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let bytes = without_mark(bytes);
     let statements = Statements::of(bytes)?;
     if statements.points == 0 {
-        return Err(ScanFault::Malformed { line: 0, what: "it has not one point".to_owned() });
+        return Err(ScanFault::NoPoints);
     }
     if statements.faces == 0 {
         return Err(ScanFault::NoFaces { points: statements.points });

@@ -85,10 +85,39 @@ fn only_the_mark_of_utf_8_is_skipped_and_only_at_the_start() {
 
 #[test]
 fn a_face_list_cut_at_a_line_is_a_cut_file() {
-    let mut text: String = (0..100).map(|i| format!("v {i} 0 {}\n", i % 7)).collect();
-    (1..90).for_each(|i| text.push_str(&format!("f {} {} {}\n", i, i + 1, i + 2)));
-    let what = CutSign::UnusedPoints { unused: 9, points: 100 };
-    assert_eq!(fault(&text), ScanFault::CutShort { what });
+    let strip = |faces: usize| {
+        let points = (0..2000).map(|i| format!("v {i} 0 {}\n", i % 7));
+        let faces = (1..=faces).map(|i| format!("f {} {} {}\n", i, i + 1, i + 2));
+        points.chain(faces).collect::<String>()
+    };
+    // All used, and one in a thousand stray: whole.
+    assert_eq!(read(strip(1998).as_bytes()).unwrap().points.len(), 2000);
+    assert_eq!(read(strip(1996).as_bytes()).unwrap().points.len(), 1998);
+    let what = CutSign::UnusedPoints { unused: 3, points: 2000 };
+    assert_eq!(fault(&strip(1995)), ScanFault::CutShort { what });
+}
+
+#[test]
+fn a_cut_or_empty_file_is_to_be_exported_again() {
+    let no_line_end = fault("v 0 0 0\nf 1").to_string();
+    assert!(no_line_end.contains("line 2, the last, has no line end; export it again (if your"));
+    for text in ["", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n"] {
+        let said = fault(text).to_string();
+        assert!(said.ends_with("; export it again"), "{said}");
+    }
+}
+
+#[test]
+fn a_file_without_points_names_no_line() {
+    for text in ["# nothing\n", "f 1 2 3\n"] {
+        assert_eq!(fault(text), ScanFault::NoPoints, "{text}");
+    }
+    let unplaced = ScanFault::Malformed { line: 0, what: "wrong".into() };
+    for said in [ScanFault::NoPoints.to_string(), unplaced.to_string()] {
+        assert!(!said.contains("line 0"), "{said}");
+    }
+    let placed = ScanFault::Malformed { line: 7, what: "wrong".into() };
+    assert_eq!(placed.to_string(), "line 7: wrong");
 }
 
 #[test]
