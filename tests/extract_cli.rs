@@ -225,32 +225,6 @@ fn of_several_scans_all_are_measured_and_the_worst_decides_the_exit_code() {
     assert_eq!(names, ["a.obj", "z.obj"], "the table says which scan is whose");
 }
 
-#[test]
-fn a_file_that_cannot_be_had_is_named_with_its_reason() {
-    let folder = folder_with(&[]);
-    fs::create_dir(folder.path().join("folder.obj")).unwrap();
-    let done = extract(folder.path(), &["missing.obj"]);
-    assert_eq!((done.status.code(), stdout(&done)), (Some(66), ""));
-    assert!(stderr(&done).starts_with("gaiter: missing.obj: No such file"), "{}", stderr(&done));
-    let done = extract(folder.path(), &["folder.obj"]);
-    assert_eq!((done.status.code(), stdout(&done)), (Some(74), ""));
-    assert!(stderr(&done).starts_with("gaiter: folder.obj: Is a directory"), "{}", stderr(&done));
-}
-
-#[test]
-fn an_ending_that_is_no_scan_s_is_refused_whatever_is_inside() {
-    let folder = folder_with(&["scan.stl", "scan", "scan.obj.part", "scan.OBJ"]);
-    for (name, ending) in [("scan.stl", "\"stl\""), ("scan", "\"\""), ("scan.obj.part", "\"part\"")]
-    {
-        let done = extract(folder.path(), &[name]);
-        assert_eq!((done.status.code(), stdout(&done)), (Some(65), ""), "{name}");
-        let said = stderr(&done);
-        assert!(said.contains("[scan-unknown-ending]") && said.contains(ending), "{said}");
-        assert!(said.contains(".obj"), "says what it reads: {said}");
-    }
-    assert_eq!(extract(folder.path(), &["scan.OBJ"]).status.code(), Some(0));
-}
-
 fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -296,6 +270,58 @@ fn the_record_folder_holds_the_record_the_surfaces_and_the_scan_under_their_sums
             serde_json::from_slice(&fs::read(record.join("record.json")).unwrap()).unwrap();
         assert_eq!(written, serde_json::from_str::<Value>(line).unwrap());
     }
+}
+
+#[test]
+fn a_later_record_of_a_scan_replaces_the_earlier_one_whole() {
+    let folder = folder_with(&["a.obj"]);
+    let record = folder.path().join("out/a");
+    fs::create_dir_all(&record).unwrap();
+    let run = || extract(folder.path(), &["a.obj", "--out", "out", "--json"]);
+    assert_eq!(run().status.code(), Some(0), "an empty folder is in nobody's way");
+    // As an earlier gaiter would have left it, with a file that is no longer written.
+    fs::write(record.join("report.txt"), "old").unwrap();
+    let sums = fs::read_to_string(record.join("SHA256SUMS")).unwrap();
+    let earlier = format!("{}  report.txt\n{sums}", sha256(b"old"));
+    fs::write(record.join("SHA256SUMS"), earlier).unwrap();
+    assert_eq!(run().status.code(), Some(0), "{}", stderr(&run()));
+    assert_sums(&record);
+    assert!(!record.join("report.txt").exists());
+    assert_eq!(names(&folder.path().join("out")), ["a"], "nothing is left beside it");
+}
+
+#[test]
+fn what_is_no_record_of_this_scan_stays_as_it_is() {
+    let occupied = |why: &str, change: &dyn Fn(&Path)| {
+        let folder = folder_with(&["a.obj"]);
+        let run = || extract(folder.path(), &["a.obj", "--out", "out", "--json"]);
+        assert_eq!(run().status.code(), Some(0));
+        let record = folder.path().join("out/a");
+        change(folder.path());
+        let held = names(&folder.path().join("out"));
+        let done = run();
+        let said = stderr(&done);
+        assert_eq!(done.status.code(), Some(74), "{why}: {said}");
+        assert!(said.starts_with("gaiter: a.obj: out/a is not") && said.contains(why), "{said}");
+        assert_eq!(said.lines().count(), 1, "{said}");
+        assert_eq!(names(&folder.path().join("out")), held, "{why}");
+        record
+    };
+    let other = |at: &Path| {
+        let scan = [b"# other\n".as_slice(), &Mesh::mannequin().obj()].concat();
+        fs::write(at.join("a.obj"), scan).unwrap();
+    };
+    occupied("another scan", &other);
+    occupied("its notes\\n.txt is no file", &|at| {
+        fs::write(at.join("out/a/notes\n.txt"), "").unwrap()
+    });
+    occupied("its deeper is no file", &|at| fs::create_dir(at.join("out/a/deeper")).unwrap());
+    occupied("legs.svg was changed", &|at| fs::write(at.join("out/a/legs.svg"), "mine").unwrap());
+    occupied("SHA256SUMS", &|at| fs::remove_file(at.join("out/a/SHA256SUMS")).unwrap());
+    occupied("no folder", &|at| {
+        fs::rename(at.join("out/a"), at.join("elsewhere")).unwrap();
+        std::os::unix::fs::symlink(at.join("elsewhere"), at.join("out/a")).unwrap();
+    });
 }
 
 #[test]
@@ -358,26 +384,4 @@ fn names_of_all_kinds_are_taken() {
     for name in &names {
         assert_sums(&folder.path().join("out").join(name.file_stem().unwrap()));
     }
-}
-
-#[test]
-fn a_wrong_command_line_is_explained_and_ends_with_64() {
-    let folder = folder_with(&["a.obj"]);
-    let wrong: [&[&str]; 7] = [
-        &[],
-        &["--json"],
-        &["a.obj", "--unit", "ft"],
-        &["a.obj", "--up", "w"],
-        &["a.obj", "--facing", "front"],
-        &["a.obj", "--no-such-option"],
-        &["a.obj", "--out"],
-    ];
-    for arguments in wrong {
-        let done = extract(folder.path(), arguments);
-        assert_eq!((done.status.code(), stdout(&done)), (Some(64), ""), "{arguments:?}");
-        assert!(stderr(&done).contains("--help"), "{arguments:?}: {}", stderr(&done));
-    }
-    let done = extract(folder.path(), &["--help"]);
-    assert_eq!((done.status.code(), stderr(&done)), (Some(0), ""));
-    assert!(stdout(&done).contains("--facing"));
 }

@@ -1,6 +1,7 @@
 //! Every file that is no scan, or not a whole one, ends in its named refusal: from `leg::extract`
 //! with its code and figures, and from the real program with exit 65, nothing on standard output
-//! and one line that names the file.
+//! and one line that names the file. So do files that cannot be had and wrong command lines, each
+//! with its own exit code.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -9,8 +10,15 @@ mod mesh;
 #[path = "support/refusal.rs"]
 mod refusal;
 
+use std::ffi::OsStr;
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
 use mesh::{Mesh, fixture};
 use refusal::{case, check};
+use tempfile::TempDir;
 
 /// The mannequin with one of its lines replaced by another.
 fn with_line(number: usize, line: &str) -> Vec<u8> {
@@ -53,8 +61,8 @@ fn a_file_that_is_no_obj_text_is_refused() {
         ),
         case("latin-1 prose", latin1_prose, "scan-not-this-format", &["line 1", "Gr??e aus"]),
         case("json", "{\"points\": []}\n", "scan-not-this-format", &["line 1"]),
-        case("comments only", "# nothing\n# here\n", "scan-malformed", &["not one point"]),
-        case("faces only", "f 1 2 3\n", "scan-malformed", &["not one point"]),
+        case("comments only", "# nothing\n# here\n", "scan-no-points", &["not one point"]),
+        case("faces only", "f 1 2 3\n", "scan-no-points", &["not one point"]),
     ]);
 }
 
@@ -155,14 +163,126 @@ fn a_real_export_cut_at_a_line_end_is_no_surface_or_cut_short() {
         let says = format!("{points} points but no faces");
         case(&format!("points {share}"), whole_lines, "scan-no-faces", &[&says])
     });
-    let among_faces = [0.45, 0.6, 0.8].map(|share| {
+    let among_faces = [0.45, 0.6, 0.8, 0.9].map(|share| {
         let [_, whole_lines] = cut(&bytes, share);
         let says = ["of 55957 points belong to no face"];
         case(&format!("faces {share}"), whole_lines, "scan-cut-short", &says)
     });
     check(&among_points);
     check(&among_faces);
-    // Here all but a few points are used and a leg is missing all the same.
-    let [_, whole_lines] = cut(&bytes, 0.9);
-    check(&[case("faces 0.9", whole_lines, "segment-leg-ends", &["left leg", "621 mm"])]);
+}
+
+/// How `gaiter extract NAME` ends in `folder`, and the one line it says. It must not hang.
+fn refused(folder: &Path, name: &str) -> (Option<i32>, String) {
+    let stderr = folder.join("stderr");
+    let mut gaiter = Command::new(env!("CARGO_BIN_EXE_gaiter"))
+        .current_dir(folder)
+        .args([OsStr::new("extract"), OsStr::new("--"), OsStr::new(name)])
+        .stdout(fs::File::create(folder.join("stdout")).unwrap())
+        .stderr(fs::File::create(&stderr).unwrap())
+        .spawn()
+        .unwrap();
+    let started = Instant::now();
+    let status = loop {
+        if let Some(status) = gaiter.try_wait().unwrap() {
+            break status;
+        }
+        if started.elapsed() > Duration::from_secs(20) {
+            gaiter.kill().unwrap();
+            panic!("gaiter hangs on {name:?}");
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    };
+    let said = fs::read_to_string(stderr).unwrap();
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert_eq!(fs::read(folder.join("stdout")).unwrap(), b"", "{name:?}");
+    (status.code(), said)
+}
+
+#[test]
+fn a_file_that_cannot_be_had_is_named_with_its_reason() {
+    let folder = TempDir::new().unwrap();
+    fs::create_dir(folder.path().join("folder.obj")).unwrap();
+    let made = Command::new("mkfifo").arg(folder.path().join("pipe.obj")).status().unwrap();
+    assert!(made.success());
+    let (code, said) = refused(folder.path(), "missing.obj");
+    assert_eq!(code, Some(66));
+    assert!(said.starts_with("gaiter: missing.obj: No such file"), "{said}");
+    for name in ["folder.obj", "pipe.obj"] {
+        let (code, said) = refused(folder.path(), name);
+        assert_eq!(code, Some(74), "{said}");
+        assert!(said.starts_with(&format!("gaiter: {name}: is no regular file")), "{said}");
+    }
+}
+
+#[test]
+fn a_name_cannot_forge_a_line() {
+    let folder = TempDir::new().unwrap();
+    let bad = "a\ngaiter: b.obj: fine\u{1b}[2J.obj";
+    fs::write(folder.path().join(bad), "").unwrap();
+    let shown = r"gaiter: a\ngaiter: b.obj: fine\u{1b}[2J.obj: cannot be measured [scan-empty]";
+    let (code, said) = refused(folder.path(), bad);
+    assert_eq!(code, Some(65));
+    assert!(said.starts_with(shown), "{said}");
+    fs::write(folder.path().join("a.x\ny\u{1b}"), "").unwrap();
+    let (code, said) = refused(folder.path(), "a.x\ny\u{1b}");
+    assert_eq!(code, Some(65));
+    assert!(said.contains(r#"the ending "x\ny\u{1b}" is no scan"#), "{said}");
+}
+
+#[test]
+fn an_ending_that_is_no_scan_s_is_refused_whatever_is_inside() {
+    let folder = TempDir::new().unwrap();
+    let endings = [("scan.stl", "\"stl\""), ("scan", "\"\""), ("scan.obj.part", "\"part\"")];
+    for (name, ending) in endings {
+        fs::write(folder.path().join(name), Mesh::mannequin().obj()).unwrap();
+        let (code, said) = refused(folder.path(), name);
+        assert_eq!(code, Some(65), "{name}");
+        assert!(said.contains("[scan-unknown-ending]") && said.contains(ending), "{said}");
+        assert!(said.contains(".obj"), "says what it reads: {said}");
+    }
+}
+
+/// Runs `gaiter extract` in a folder with the same scan under three names.
+fn extract(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String, String) {
+    for name in ["a.obj", "b.obj", "a.OBJ"] {
+        fs::write(folder.path().join(name), Mesh::mannequin().obj()).unwrap();
+    }
+    let mut gaiter = Command::new(env!("CARGO_BIN_EXE_gaiter"));
+    let done = gaiter.current_dir(folder.path()).arg("extract").args(arguments).output().unwrap();
+    let [stdout, stderr] = [done.stdout, done.stderr].map(|said| String::from_utf8(said).unwrap());
+    (done.status.code(), stdout, stderr)
+}
+
+#[test]
+fn two_scans_for_one_folder_are_a_fault_before_anything_is_done() {
+    let folder = TempDir::new().unwrap();
+    let (code, stdout, stderr) = extract(&folder, &["b.obj", "a.obj", "./a.OBJ", "--out", "out"]);
+    assert_eq!((code, stdout.as_str()), (Some(64), ""));
+    assert!(stderr.starts_with("gaiter: a.obj and ./a.OBJ would both go to out/a;"), "{stderr}");
+    assert!(!folder.path().join("out").exists());
+    let (code, _, stderr) = extract(&folder, &["a.obj", "./a.OBJ"]);
+    assert_eq!(code, Some(0), "without --out nothing collides: {stderr}");
+}
+
+#[test]
+fn a_wrong_command_line_is_explained_and_ends_with_64() {
+    let folder = TempDir::new().unwrap();
+    let wrong: [&[&str]; 7] = [
+        &[],
+        &["--json"],
+        &["a.obj", "--unit", "ft"],
+        &["a.obj", "--up", "w"],
+        &["a.obj", "--facing", "front"],
+        &["a.obj", "--no-such-option"],
+        &["a.obj", "--out"],
+    ];
+    for arguments in wrong {
+        let (code, stdout, stderr) = extract(&folder, arguments);
+        assert_eq!((code, stdout.as_str()), (Some(64), ""), "{arguments:?}");
+        assert!(stderr.contains("--help"), "{arguments:?}: {stderr}");
+    }
+    let (code, stdout, stderr) = extract(&folder, &["--help"]);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    assert!(stdout.contains("--facing"));
 }

@@ -63,6 +63,21 @@ pub fn complain(text: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
+/// A text from outside, a file's name above all, on one line: control characters, line separators
+/// and marks that turn the writing direction are shown escaped, so that no name can forge a line
+/// or move the cursor.
+pub fn shown(text: impl Display) -> String {
+    let mut shown = String::new();
+    for c in text.to_string().chars() {
+        match c {
+            '\u{2028}'..='\u{202e}' | '\u{2066}'..='\u{2069}' => shown.extend(c.escape_default()),
+            c if c.is_control() => shown.extend(c.escape_default()),
+            c => shown.push(c),
+        }
+    }
+    shown
+}
+
 /// How a verb ends that got no configuration.
 pub fn exit_of(error: &ConfigError) -> Exit {
     match error {
@@ -78,13 +93,27 @@ pub fn exit_of(error: &ConfigError) -> Exit {
 pub fn explain_config(error: &ConfigError) -> Exit {
     match error {
         ConfigError::Unreadable { source, .. } => {
-            complain(format_args!("gaiter: {error}: {source}"));
+            complain(format_args!("gaiter: {}: {source}", shown(error)));
             complain("  hint: name the configuration with --config FILE");
         }
         ConfigError::Faults { faults, .. } => {
             faults.iter().for_each(complain);
-            complain(format_args!("gaiter: {error}"));
+            complain(format_args!("gaiter: {}", shown(error)));
         }
     }
     exit_of(error)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_cannot_forge_a_line() {
+        let forged = "a\r\n\u{1b}[2Jgaiter: b.obj\u{9b}\u{2028}\u{202e}\t\u{7f}";
+        let escaped = r"a\r\n\u{1b}[2Jgaiter: b.obj\u{9b}\u{2028}\u{202e}\t\u{7f}";
+        assert_eq!(shown(forged), escaped);
+        let honest = "Jürgen's \"Müßig\" – 扫描.obj";
+        assert_eq!(shown(honest), honest);
+    }
 }

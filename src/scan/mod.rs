@@ -28,10 +28,10 @@ pub struct Scan {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScanFault {
     /// The file has no bytes or only white space.
-    #[error("the file is empty")]
+    #[error("the file is empty; export it again")]
     Empty,
     /// The file-name ending is none that gaiter reads.
-    #[error("the ending \"{ending}\" is no scan format that gaiter reads (it reads .obj)")]
+    #[error("the ending {ending:?} is no scan format that gaiter reads (it reads .obj)")]
     UnknownEnding {
         /// The ending as found, without the dot; empty when the name has none.
         ending: String,
@@ -59,13 +59,16 @@ pub enum ScanFault {
         what: CutSign,
     },
     /// A coordinate is not a finite number.
-    #[error("line {line}: the coordinate \"{found}\" is not a finite number")]
+    #[error("{}the coordinate \"{found}\" is not a finite number", place(*line))]
     NotFinite {
-        /// 1-based line.
+        /// 1-based line, 0 where the reader does not say.
         line: usize,
         /// The text of the coordinate.
         found: String,
     },
+    /// Statements but not one point.
+    #[error("the file holds not one point: there is no body in it; scan and export again")]
+    NoPoints,
     /// Points but not one triangle.
     #[error("{points} points but no faces: a bare point cloud cannot be measured")]
     NoFaces {
@@ -73,7 +76,7 @@ pub enum ScanFault {
         points: usize,
     },
     /// The reader of the format refused the file.
-    #[error("line {line}: {what}")]
+    #[error("{}{what}", place(*line))]
     Malformed {
         /// 1-based line, 0 where the reader does not say.
         line: usize,
@@ -82,17 +85,25 @@ pub enum ScanFault {
     },
 }
 
+/// The place of a fault as a message begins with it; nothing where it is not known.
+fn place(line: usize) -> String {
+    if line == 0 { String::new() } else { format!("line {line}: ") }
+}
+
 /// What shows that a file was cut short.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CutSign {
     /// The last line has no line end.
-    #[error("line {line}, the last, has no line end")]
+    #[error(
+        "line {line}, the last, has no line end; export it again (if your exporter never writes \
+         a last line end, tell us)"
+    )]
     NoLineEnd {
         /// 1-based number of that line.
         line: usize,
     },
     /// Points that no face uses: the face list was cut.
-    #[error("{unused} of {points} points belong to no face")]
+    #[error("{unused} of {points} points belong to no face; export it again")]
     UnusedPoints {
         /// Number of points that no face uses.
         unused: usize,
@@ -111,6 +122,7 @@ impl ScanFault {
             ScanFault::Binary { .. } => "scan-binary",
             ScanFault::CutShort { .. } => "scan-cut-short",
             ScanFault::NotFinite { .. } => "scan-not-finite",
+            ScanFault::NoPoints => "scan-no-points",
             ScanFault::NoFaces { .. } => "scan-no-faces",
             ScanFault::Malformed { .. } => "scan-malformed",
         }
