@@ -20,8 +20,9 @@ const INTERVALS_AROUND: usize = 48;
 /// Length of its pieces along, mm: about the width of the smallest bump, a malleolus (σ 13 mm).
 const INTERVAL_ALONG_MM: f64 = 12.0;
 
-/// Residuals below this are never outliers, mm: no scanner is better.
-const SCALE_MIN_MM: f64 = 0.1;
+/// Least scale of residuals, mm, so that nothing within 1.4 mm is an outlier: a malleolus that the
+/// first, smoothest fit cuts off must not lose its points. Scanners scatter by 0.5 to 1.5 mm.
+const SCALE_MIN_MM: f64 = 0.3;
 
 /// Distance of the outlines that give the middle of the leg, mm.
 const MIDDLE_SPACING_MM: f64 = 20.0;

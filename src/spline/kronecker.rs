@@ -18,10 +18,10 @@ const PENALISED: usize = 2;
 /// not make it singular.
 const RIDGE: f64 = 1e-9;
 
-/// Exponents of ten of the lambdas that are tried, relative to the median eigenvalue, in halves.
-/// The first halves the middle of the basis: with less, a stretch without data is not bridged but
-/// swings.
-const SEARCH_HALVES: std::ops::RangeInclusive<i32> = -1..=10;
+/// Exponents of ten of the lambdas that are tried, relative to the median eigenvalue, in halves,
+/// along and around. At 0 the middle of the basis is halved; with much less than that around, a
+/// stretch without data is not bridged but swings, and its equations are close to singular.
+const SEARCH_HALVES: [std::ops::RangeInclusive<i32>; 2] = [-2..=10, -1..=10];
 
 /// One direction of the grid.
 #[derive(Debug, Clone)]
@@ -116,14 +116,14 @@ pub fn best_by_gcv(
     let lambdas = |exponents: [f64; 2]| [0, 1].map(|d| units[d] * 10.0_f64.powf(exponents[d]));
     let judged = |exponents: [f64; 2]| (score(lambdas(exponents)).0, exponents);
     let better = |a: &(f64, [f64; 2]), b: &(f64, [f64; 2])| a.0.total_cmp(&b.0);
-    let halves = || SEARCH_HALVES.map(|half| 0.5 * f64::from(half));
-    let coarse = halves().flat_map(|a| halves().map(move |b| [a, b]));
+    let halves = |d: usize| SEARCH_HALVES[d].clone().map(|half| 0.5 * f64::from(half));
+    let coarse = halves(0).flat_map(|a| halves(1).map(move |b| [a, b]));
     let mut best = coarse.map(judged).min_by(better).map_or([0.0; 2], |(_, best)| best);
-    let least = 0.5 * f64::from(*SEARCH_HALVES.start());
+    let least = [0, 1].map(|d: usize| 0.5 * f64::from(*SEARCH_HALVES[d].start()));
     for step in [0.25, 0.125] {
         let offsets = [-step, 0.0, step];
         let near = offsets.into_iter().flat_map(|a| offsets.map(|b| [best[0] + a, best[1] + b]));
-        let near = near.map(|exponents| exponents.map(|exponent| exponent.max(least)));
+        let near = near.map(|[a, b]| [a.max(least[0]), b.max(least[1])]);
         best = near.map(judged).min_by(better).map_or(best, |(_, best)| best);
     }
     let best = lambdas(best);

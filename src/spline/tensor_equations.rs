@@ -10,10 +10,10 @@ use super::kronecker::Direction;
 const REACH: usize = 2 * DEGREE + 1;
 
 /// Conjugate gradients end when the residual has fallen to this share of the right-hand side …
-const SOLVED: f64 = 1e-8;
+const SOLVED: f64 = 1e-9;
 
-/// … or after so many steps; a usual leg needs about 15.
-const STEPS_MAX: usize = 80;
+/// … or after so many steps; a usual leg needs 20 to 40, one with wide holes 100.
+const STEPS_MAX: usize = 400;
 
 /// (BᵀWB + penalty) c = BᵀWy, coefficients as a matrix: along × around.
 pub struct Equations<'a> {

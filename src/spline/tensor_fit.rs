@@ -68,8 +68,9 @@ impl TensorFit {
 /// Rounds of reweighting and choosing the smoothing; both have settled to 1 % after three.
 const ROUNDS: usize = 3;
 
-/// Smoothing of the first round, relative to the median roughness: enough to bridge holes.
-const FIRST_SMOOTHING: f64 = 1e-2;
+/// Smoothing of the first round, relative to the median roughness: enough that holes are bridged
+/// and outliers stand out.
+const FIRST_SMOOTHING: f64 = 1.0;
 
 /// Fits the function. Residuals of `least_scale` are never outliers.
 ///
