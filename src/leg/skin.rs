@@ -24,6 +24,10 @@ const INTERVAL_ALONG_MM: f64 = 12.0;
 /// first, smoothest fit cuts off must not lose its points. Scanners scatter by 0.5 to 1.5 mm.
 const SCALE_MIN_MM: f64 = 0.3;
 
+/// Standard error of a girth even where the points show no noise, mm: what is left of the girth's
+/// error on noise-free bodies of known truth, from the shape between the points.
+const GIRTH_SD_MIN_MM: f64 = 0.1;
+
 /// Distance of the outlines that give the middle of the leg, mm.
 const MIDDLE_SPACING_MM: f64 = 20.0;
 
@@ -157,7 +161,8 @@ impl Skin {
     fn girth_sd(&self, along_mm: f64, near: usize) -> [f64; 3] {
         let here = near as f64 / (2.0 * self.reach_mm());
         let scarcity = (self.points_per_mm / here).sqrt();
-        [0, 1, 2].map(|order| TAU * scarcity * self.fit.mean_around_sd(along_mm, order))
+        let sd = |order| TAU * scarcity * self.fit.mean_around_sd(along_mm, order);
+        [sd(0).hypot(GIRTH_SD_MIN_MM), sd(1), sd(2)]
     }
 }
 
