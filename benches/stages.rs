@@ -8,7 +8,7 @@ use flate2::read::GzDecoder;
 use gaiter::leg::body::{Body, body};
 use gaiter::leg::girth::girth_curve;
 use gaiter::leg::method::SectionFit;
-use gaiter::leg::section::{Sections, sections};
+use gaiter::leg::sections::{Sections, sections};
 use gaiter::leg::segment::{Legs, segment};
 use gaiter::leg::{Method, axis, extract, surface};
 use gaiter::scan::{Format, Scan, read};

@@ -11,7 +11,7 @@ use gaiter::leg::Level;
 use gaiter::leg::finding::Doubt;
 use gaiter::leg::landmark::{Landmark, landmarks};
 use gaiter::leg::method::SectionFit;
-use gaiter::leg::section::Sections;
+use gaiter::leg::sections::Sections;
 use nalgebra::Vector3;
 use solids::{CROTCH_MM, STATURE_MM, Tube, curve_of, near};
 

@@ -13,7 +13,7 @@ use gaiter::leg::axis::LegAxis;
 use gaiter::leg::girth::{GirthCurve, girth_curve};
 use gaiter::leg::landmark::{Landmark, landmarks};
 use gaiter::leg::method::SectionFit;
-use gaiter::leg::section::{Sections, sections};
+use gaiter::leg::sections::{Sections, sections};
 use gaiter::leg::segment::{Leg, Side};
 use gaiter::leg::slice::Mesh;
 use gaiter::leg::surface::{LegSurface, surface};

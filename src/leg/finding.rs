@@ -1,7 +1,7 @@
 //! What the operator or a later step must know: findings about a scan or leg, doubts about a level.
 
 use super::axis::AxisFault;
-use super::landmark::Level;
+use super::level::Level;
 use super::segment::Side;
 use super::stance::FeetUnclear;
 

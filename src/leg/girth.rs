@@ -1,7 +1,8 @@
 //! The girth curve: girth over height, measured section by section and fitted by a smooth
 //! continuous curve (paper 1.2, fig. 3a).
 
-use super::section::{Girth, SPACING_MM, Sections};
+use super::section::Girth;
+use super::sections::{SPACING_MM, Sections};
 use crate::spline::{Basis, Smoothing, Spline, fit};
 
 /// Length of the pieces of the fitted curve, mm: shorter than half of any muscle's bulge (60 mm).

@@ -5,7 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point3;
 
-use super::section::{Section, Sections};
+use super::section::Section;
+use super::sections::Sections;
 
 /// Columns: one every 5°, three times the surface's 24 control points.
 pub const COLUMNS: usize = 72;

@@ -6,6 +6,7 @@
 
 use super::finding::Doubt;
 use super::girth::GirthCurve;
+use super::level::Level;
 use super::section::Section;
 
 /// An extremum that stands out by less than this is no clear one, mm; a tape reads to 1 to 2 mm.
@@ -46,34 +47,6 @@ const FOLDS_DOUBT_SHARE: f64 = 0.01;
 /// Girths of legs, mm, from a small child's ankle to a thigh with elephantiasis; what lies outside
 /// was not measured on a leg.
 const GIRTH_MM: [f64; 2] = [90.0, 1200.0];
-
-/// A level of the leg (RAL-GZ 387).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Level {
-    /// Smallest girth above the malleoli.
-    B,
-    /// Largest slope of the girth between B and C: where the Achilles tendon meets the muscle.
-    B1,
-    /// Largest girth of the calf.
-    C,
-    /// First minimum above the calf.
-    D,
-}
-
-impl Level {
-    /// All levels, lowest first.
-    pub const ALL: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
-
-    /// The name used on paper and in records.
-    pub fn name(self) -> &'static str {
-        match self {
-            Level::B => "B",
-            Level::B1 => "B1",
-            Level::C => "C",
-            Level::D => "D",
-        }
-    }
-}
 
 /// A level found on a leg.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@
 //! | unit, up, facing, floor | 1.1 | [`body`], [`stance`] |
 //! | legs cut at the crotch | 1.1, fig. 2a | [`segment`] |
 //! | made upright | 1.1 | [`axis`] |
-//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`skin`], [`plane`], [`polynomial`] |
+//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`landmark`] |
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] |
@@ -25,11 +25,13 @@ pub mod girth;
 pub mod grid;
 mod hull;
 pub mod landmark;
+pub mod level;
 pub mod method;
 pub mod plane;
 pub mod polynomial;
 pub mod report;
 pub mod section;
+pub mod sections;
 pub mod segment;
 mod shell;
 pub mod skin;
@@ -42,7 +44,8 @@ use rayon::prelude::*;
 use crate::scan::{self, Format, ScanFault};
 pub use body::{Body, BodyFault, FacingFrom};
 pub use finding::{Finding, What};
-pub use landmark::{Landmark, Level};
+pub use landmark::Landmark;
+pub use level::Level;
 pub use method::Method;
 pub use report::{LegReport, LevelSection};
 pub use segment::{SegmentFault, Side};

@@ -4,20 +4,11 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point2;
-use rayon::prelude::*;
 
 use super::axis::LegAxis;
 use super::hull::Hull;
-use super::method::SectionFit;
-use super::plane::{self, PlaneFit};
 use super::polynomial::Polynomial;
-use super::segment::Leg;
-use super::skin::Skin;
-use super::slice::Crossing;
 use crate::spline::Basis;
-
-/// Distance of neighbouring sections along the axis, mm.
-pub const SPACING_MM: f64 = 5.0;
 
 /// Angles at which a curve's girth is measured; the chord error is 3·10⁻⁶ of the girth.
 const GIRTH_ANGLES: usize = 720;
@@ -25,26 +16,6 @@ const GIRTH_ANGLES: usize = 720;
 /// A section with a gap wider than this in its points is not measured, degrees: a bridge over
 /// more is a guess.
 pub const GAP_MAX_DEG: f64 = 60.0;
-
-/// The sections of a leg from the foot to the groin.
-#[derive(Debug, Clone)]
-pub struct Sections {
-    /// The frame the sections lie in.
-    pub axis: LegAxis,
-    /// What every one of them was taken from.
-    pub source: Source,
-    /// One entry a plane, [`SPACING_MM`] apart, ascending; none where the skin does not close.
-    pub rows: Vec<Row>,
-}
-
-/// One section plane.
-#[derive(Debug, Clone)]
-pub struct Row {
-    /// Distance of the plane along the axis, mm.
-    pub along_mm: f64,
-    /// The section, where it could be measured.
-    pub section: Option<Section>,
-}
 
 /// A measured section.
 #[derive(Debug, Clone)]
@@ -131,65 +102,6 @@ impl Section {
     /// The skin's point at an angle, in the body frame.
     pub fn point(&self, axis: &LegAxis, angle: f64) -> nalgebra::Point3<f64> {
         axis.at(self.along_mm, &(self.centre + self.curve.point(angle).coords))
-    }
-}
-
-/// What the sections of one leg are taken from.
-#[derive(Debug, Clone)]
-pub enum Source {
-    /// The skin as one function, fitted to all points.
-    Skin(Box<Skin>),
-    /// Each plane's own crossings.
-    Planes(PlaneFit),
-}
-
-/// Cuts a leg into sections between two distances along its axis, from above the foot to the
-/// crotch; none where it has hardly any points.
-pub fn sections(
-    leg: &Leg,
-    axis: LegAxis,
-    [from_mm, to_mm]: [f64; 2],
-    fit: SectionFit,
-) -> Option<Sections> {
-    let count = ((to_mm - from_mm) / SPACING_MM).max(0.0) as usize;
-    let along_mm: Vec<f64> = (0..count).map(|i| from_mm + SPACING_MM * i as f64).collect();
-    let source = match fit {
-        SectionFit::Skin => Source::Skin(Box::new(Skin::of(leg, &axis, from_mm, to_mm)?)),
-        SectionFit::Periodic => {
-            Source::Planes(PlaneFit::periodic(&axis, &axis.slices(leg, &along_mm)))
-        }
-        SectionFit::Polynomial => Source::Planes(PlaneFit::Polynomial),
-    };
-    let mut sections = Sections { axis, source, rows: Vec::new() };
-    let found = sections.at(leg, &along_mm);
-    let rows = along_mm.into_iter().zip(found);
-    sections.rows = rows.map(|(along_mm, section)| Row { along_mm, section }).collect();
-    Some(sections)
-}
-
-impl Sections {
-    /// The section of the plane nearest to a distance along the axis; none where it is open.
-    pub fn nearest(&self, along_mm: f64) -> Option<&Section> {
-        let far = |row: &&Row| (row.along_mm - along_mm).abs();
-        let row = self.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
-        row.and_then(|row| row.section.as_ref())
-    }
-
-    /// The sections of the same leg at other distances along the axis, which must ascend, from the
-    /// same source; none where the skin does not close.
-    pub fn at(&self, leg: &Leg, along_mm: &[f64]) -> Vec<Option<Section>> {
-        match &self.source {
-            Source::Skin(skin) => {
-                along_mm.par_iter().map(|along_mm| skin.section(&self.axis, *along_mm)).collect()
-            }
-            Source::Planes(fit) => {
-                let slices = self.axis.slices(leg, along_mm);
-                let one = |(&along_mm, slice): (&f64, &Vec<Crossing>)| {
-                    plane::section(&self.axis, along_mm, slice, *fit)
-                };
-                along_mm.par_iter().zip(&slices).map(one).collect()
-            }
-        }
     }
 }
 

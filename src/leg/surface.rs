@@ -8,7 +8,8 @@ use rayon::prelude::*;
 
 use super::finding::What;
 use super::grid::{Grid, measured};
-use super::section::{Section, Sections};
+use super::section::Section;
+use super::sections::Sections;
 use super::segment::Leg;
 use crate::spline::{Basis, GridData, Surface, fit_grid};
 
