@@ -24,16 +24,10 @@ pub fn of(record: &Record) -> String {
         let _ = writeln!(text, "  {level:<4}  {left}  {right}");
     }
     for finding in &record.findings {
-        let place = [finding.leg.as_deref(), finding.level.as_deref()];
-        let place: Vec<&str> = place.into_iter().flatten().collect();
-        let _ = writeln!(
-            text,
-            "  {}: {} [{}] {}",
-            finding.severity,
-            place.join(" "),
-            finding.code,
-            finding.message
-        );
+        let place = [finding.leg.as_deref(), finding.level.as_deref()].into_iter().flatten();
+        let place: String = place.flat_map(|word| [word, " "]).collect();
+        let (severity, code) = (&finding.severity, &finding.code);
+        let _ = writeln!(text, "  {severity}: {place}[{code}] {}", finding.message);
     }
     text.pop();
     text

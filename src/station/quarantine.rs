@@ -70,16 +70,7 @@ impl Quarantine {
     /// # Errors
     /// Any I/O error.
     pub fn open(state_dir: &Path) -> io::Result<Quarantine> {
-        let folder = state_dir.join("quarantine");
-        durable::make_folder_once(&folder)?;
-        durable::sync_folder(state_dir)?;
-        for entry in fs::read_dir(&folder)? {
-            let entry = entry?;
-            if entry.file_name().to_string_lossy().starts_with('.') {
-                durable::remove_folder(&entry.path())?;
-            }
-        }
-        Ok(Quarantine { folder })
+        Ok(Quarantine { folder: durable::open_folder(state_dir, "quarantine")? })
     }
 
     /// Whether a scan lies here.

@@ -60,16 +60,7 @@ impl Spool {
     /// # Errors
     /// Any I/O error.
     pub fn open(state_dir: &Path) -> io::Result<Spool> {
-        let folder = state_dir.join("spool");
-        durable::make_folder_once(&folder)?;
-        durable::sync_folder(state_dir)?;
-        for entry in fs::read_dir(&folder)? {
-            let entry = entry?;
-            if entry.file_name().to_string_lossy().starts_with('.') {
-                durable::remove_folder(&entry.path())?;
-            }
-        }
-        Ok(Spool { folder })
+        Ok(Spool { folder: durable::open_folder(state_dir, "spool")? })
     }
 
     /// The scans in the spool.

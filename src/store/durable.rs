@@ -3,7 +3,7 @@
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Write};
 use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 use rustix::io::Errno;
@@ -41,6 +41,24 @@ pub fn make_folder_once(path: &Path) -> io::Result<()> {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => Ok(()),
         other => other,
     }
+}
+
+/// Opens a folder of ours within another, made if there is none, and removes what a crash left half
+/// made in it: everything under a dot name. Its path.
+///
+/// # Errors
+/// Any I/O error.
+pub fn open_folder(within: &Path, name: &str) -> io::Result<PathBuf> {
+    let folder = within.join(name);
+    make_folder_once(&folder)?;
+    sync_folder(within)?;
+    for entry in fs::read_dir(&folder)? {
+        let entry = entry?;
+        if entry.file_name().to_string_lossy().starts_with('.') {
+            remove_folder(&entry.path())?;
+        }
+    }
+    Ok(folder)
 }
 
 /// Makes the names within a folder durable.
