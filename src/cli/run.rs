@@ -10,6 +10,7 @@ use tracing_subscriber::EnvFilter;
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
 use crate::config;
+use crate::station::error::chain;
 use crate::station::{self, StationError};
 
 /// What is logged where the environment says nothing else.
@@ -65,12 +66,7 @@ fn log_to_stderr() {
 
 /// Tells why the station ended, every cause of it.
 fn explain(error: &StationError) -> Exit {
-    complain(format_args!("gaiter: {error}"));
-    let mut cause = std::error::Error::source(error);
-    while let Some(why) = cause {
-        complain(format_args!("  because: {why}"));
-        cause = why.source();
-    }
+    complain(format_args!("gaiter: {}", chain(error)));
     match error {
         StationError::State { .. } | StationError::Lock(_) | StationError::Journal { .. } => {
             Exit::Io
