@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 use gaiter::leg::feature::features;
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::section::Section;
-use gaiter::leg::segment::Side;
+use gaiter::leg::side::Side;
 use gaiter::leg::surface::surface;
 use nalgebra::{Point3, Vector3};
 use solids::{

@@ -7,7 +7,7 @@ mod solids;
 
 use gaiter::leg::feature::{Feature, Kind, features};
 use gaiter::leg::method::SectionFit;
-use gaiter::leg::segment::Side;
+use gaiter::leg::side::Side;
 use nalgebra::{Point3, Vector3};
 use solids::{REGULAR_MM, Tube, all, contour_mm, ellipse, near, off_deg, tape_mm};
 

@@ -14,7 +14,8 @@ use gaiter::leg::girth::{GirthCurve, girth_curve};
 use gaiter::leg::landmark::{Landmark, landmarks};
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::sections::{Sections, sections};
-use gaiter::leg::segment::{Leg, Side};
+use gaiter::leg::segment::Leg;
+use gaiter::leg::side::Side;
 use gaiter::leg::slice::Mesh;
 use gaiter::leg::surface::{LegSurface, surface};
 use nalgebra::{Point3, Vector3};
@@ -45,7 +46,7 @@ fn leg(columns: usize, ring_mm: f64) -> Leg {
         [[a, b, c], [a, c, d]]
     };
     let triangles = places.clone().filter(|(ring, _)| *ring > 0).flat_map(pair).collect();
-    Leg { side: Side::Right, mesh: Mesh::new(places.map(point).collect(), triangles) }
+    Leg { side: Side::Right, mesh: Mesh::new(places.map(point).collect(), triangles), cut_mm: None }
 }
 
 /// The sections at whole heights, as the printed figures are.

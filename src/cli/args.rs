@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
 
-use crate::config::words::{self, FACINGS, UNITS, UPS, Words};
-use crate::leg::method::{FacingChoice, UnitChoice, Up};
+use crate::config::words::{self, FACINGS, SCOPES, UNITS, UPS, Words};
+use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -74,6 +74,9 @@ pub struct ExtractArgs {
     /// Also write a record folder for every scan: DIR/NAME-OF-SCAN/
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// What the scan holds: a whole body, or one leg with its foot, whose side it does not show
+    #[arg(long, value_parser = of_words(SCOPES))]
+    pub scope: Option<Scope>,
     /// The unit of the scan's coordinates; auto finds it from the height of the body
     #[arg(long, value_parser = of_words(UNITS))]
     pub unit: Option<UnitChoice>,

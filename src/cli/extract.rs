@@ -58,6 +58,7 @@ fn method(args: &ExtractArgs) -> Result<Method, Exit> {
         Some(path) => config::read(path).map_err(|error| explain_config(&error))?.method,
         None => Method::default(),
     };
+    method.scope = args.scope.unwrap_or(method.scope);
     method.unit = args.unit.unwrap_or(method.unit);
     method.up = args.up.unwrap_or(method.up);
     method.facing = args.facing.unwrap_or(method.facing);

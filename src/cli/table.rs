@@ -8,10 +8,11 @@ use crate::record::schema::LegFigures;
 
 /// The measures of a record as a table, findings below it; ends without a line end.
 pub fn of(record: &Record) -> String {
+    let height = |mm: Option<f64>| mm.map_or("-".to_owned(), |mm| format!("{} cm", cm(mm)));
     let mut text = format!(
-        "stature {} cm, crotch {} cm, unit {}{}\n",
-        cm(record.body.stature_mm),
-        cm(record.body.crotch_height_mm),
+        "stature {}, crotch {}, unit {}{}\n",
+        height(record.body.stature_mm),
+        height(record.body.crotch_height_mm),
         record.scan.unit,
         if record.scan.unit_inferred { " (found)" } else { "" },
     );

@@ -9,7 +9,7 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
-use super::words::{FACINGS, FITS, UNITS, UPS, Words, faces_up_or_down};
+use super::words::{FACINGS, FITS, SCOPES, UNITS, UPS, Words, faces_up_or_down};
 use super::{
     Config, FolderStoreConfig, PatientConfig, ScannerConfig, StationConfig, StoreConfig, notation,
 };
@@ -63,6 +63,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let short_wait = reader.text("scanner.short_wait", Default("60s"), parse::duration_in(bounds));
     let bounds = Bounds { least: "1kB", most: "4GB" };
     let max_scan = reader.text("scanner.max_scan", Default("200MB"), parse::size_in(bounds));
+    let scope = reader.text("scanner.scope", Default("body"), parse::word(SCOPES));
     let unit = reader.text("scanner.unit", Default("auto"), parse::word(UNITS));
     let up = reader.text("scanner.up", Default("y"), parse::word(UPS));
     let facing = reader.text("scanner.facing", Default("auto"), parse::word(FACINGS));
@@ -95,7 +96,13 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             file_name: file_name.map(|found| found.value),
         },
         patient: PatientConfig { pattern: pattern?.value },
-        method: Method { unit: unit?.value, up: up?.value, facing: facing?.value, fit: fit?.value },
+        method: Method {
+            scope: scope?.value,
+            unit: unit?.value,
+            up: up?.value,
+            facing: facing?.value,
+            fit: fit?.value,
+        },
         store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
     })
 }

@@ -1,9 +1,17 @@
 //! The words for choices, shared by the configuration and the command line.
 
-use crate::leg::method::{Axis, FacingChoice, SectionFit, Unit, UnitChoice, Up};
+use crate::leg::Side;
+use crate::leg::method::{Axis, FacingChoice, Scope, SectionFit, Unit, UnitChoice, Up};
 
 /// The words of one choice and what each means, in the order they are shown.
 pub type Words<T> = &'static [(&'static str, T)];
+
+/// `scanner.scope`, `--scope`
+pub const SCOPES: Words<Scope> = &[
+    ("body", Scope::Body),
+    ("left-leg", Scope::Leg(Side::Left)),
+    ("right-leg", Scope::Leg(Side::Right)),
+];
 
 /// `scanner.unit`, `--unit`
 pub const UNITS: Words<UnitChoice> = &[

@@ -7,7 +7,8 @@
 use nalgebra::{Matrix3, Point2, Point3, SymmetricEigen, Unit, Vector3};
 
 use super::hull::Hull;
-use super::segment::{Leg, Side};
+use super::segment::Leg;
+use super::side::Side;
 use super::slice::Crossing;
 
 /// The axis is laid through centroids from here, as a share of stature: above the foot.

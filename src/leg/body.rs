@@ -3,10 +3,16 @@
 
 use nalgebra::{Matrix4, Point2, Point3, Rotation3, Translation3, Vector2, Vector3};
 
-use super::method::{Axis, FacingChoice, Method, Unit, UnitChoice, Up};
+use super::cloud;
+use super::cluster::clusters;
+use super::follow::{LINK_MM, slices};
+use super::hull::Hull;
+use super::method::{Axis, FacingChoice, Method, Scope, Unit, UnitChoice, Up};
+use super::section::{GAP_MAX_DEG, largest_gap_deg};
 use super::shell::without_fragments;
+use super::side::{Side, Sides};
 use super::slice::Mesh;
-use super::stance::{FeetUnclear, NotTwoLegs, Stance, stance};
+use super::stance::{FeetUnclear, NoLegs, Stance, long_axis, stance};
 use crate::scan::Scan;
 
 /// Plausible statures, mm. The ratio of the limits is below that of inch to centimetre, so at most
@@ -16,15 +22,41 @@ pub const STATURE_MM: [f64; 2] = [1000.0, 2300.0];
 /// A declared facing and the feet must agree within this angle, degrees.
 const DECLARED_FACING_MAX_DEG: f64 = 45.0;
 
+/// What lies this low belongs to a lone leg's foot, mm: under the ankle.
+const LONE_FOOT_MM: f64 = 60.0;
+
+/// Lengths of feet, mm, from a child's to the longest; the ratio of the limits is below that of
+/// inch to centimetre, so at most one unit can be plausible.
+const LONE_FOOT_LENGTH_MM: [f64; 2] = [150.0, 340.0];
+
+/// Heights of scans of a lone leg or lower leg, mm: more than half a calf, less than a long leg.
+const LONE_LEG_MM: [f64; 2] = [200.0, 1150.0];
+
+/// Length of the foot as a share of stature (ANSUR II, mean of men and women).
+const FOOT_LENGTH_MEAN_SHARE: f64 = 0.152;
+
+/// Heights at which the trunk is looked at, as shares of stature: above every crotch, below the
+/// ribs.
+const TRUNK_SHARES: [f64; 4] = [0.57, 0.59, 0.61, 0.63];
+
+/// A lone leg stands at least this far beside the trunk's middle, mm; hips are 80 to 100 mm off it,
+/// and who stands on one leg moves it in.
+const BESIDE_TRUNK_MIN_MM: f64 = 40.0;
+
 /// A scan in the body frame.
 #[derive(Debug, Clone)]
 pub struct Body {
     /// The skin in the body frame, fragments left out.
     pub mesh: Mesh,
-    /// Height of the highest point above the floor, mm.
-    pub stature_mm: f64,
-    /// Middle of the right and of the left shank, looking along −Z, mm.
-    pub shanks: Sides<Point2<f64>>,
+    /// Height of the highest point above the floor, mm; none where only a leg was scanned.
+    pub stature_mm: Option<f64>,
+    /// The stature by which heights are looked for: the body's own, or that which goes with a lone
+    /// leg's foot, mm.
+    pub scale_mm: f64,
+    /// Middle of each shank that is there, looking along −Z, mm.
+    pub shanks: Sides<Option<Point2<f64>>>,
+    /// Standard error of the floor's height, mm.
+    pub floor_sd_mm: f64,
     /// Where the toes point in the export: degrees about up, counter-clockwise from above.
     pub facing_deg: f64,
     /// What `facing_deg` was taken from.
@@ -35,15 +67,6 @@ pub struct Body {
     pub unit_inferred: bool,
     /// From the export's coordinates, in its own unit, to the body frame.
     pub from_export: Matrix4<f64>,
-}
-
-/// One thing for each of the patient's sides.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sides<T> {
-    /// The patient's left.
-    pub left: T,
-    /// The patient's right.
-    pub right: T,
 }
 
 /// What the facing was taken from.
@@ -91,15 +114,17 @@ pub enum BodyFault {
         /// What it leads to, mm.
         stature_mm: f64,
     },
-    /// There are not two legs on the floor.
+    /// There are not two legs on the floor, nor one alone.
     #[error(
         "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
-         stature ({most} at most at one height): is nobody there, is a leg hidden, do the legs \
-         touch, or is somebody or something beside the patient?"
+         stature, one alone at {singles} ({most} at most at one height): is nobody there, is a leg \
+         hidden, do the legs touch, or is somebody or something beside the patient?"
     )]
     NotTwoLegs {
         /// Heights at which exactly two were seen.
         pairs: usize,
+        /// Heights at which exactly one was seen.
+        singles: usize,
         /// Heights that were looked at.
         heights: usize,
         /// The most that were seen at one height.
@@ -123,6 +148,29 @@ pub enum BodyFault {
     /// The declared facing is the up axis.
     #[error("the declared facing is along the up axis")]
     FacingVertical,
+    /// One leg alone, and it stands under the middle of the trunk.
+    #[error(
+        "only one leg is seen, {off_mm:.0} mm beside the middle of the trunk: whether it is the left \
+         or the right cannot be told; scan it as a lone leg, with its side declared"
+    )]
+    SideUnclear {
+        /// Distance of the shank from the trunk's middle across the body, mm.
+        off_mm: f64,
+    },
+    /// No unit makes the scan of a lone leg a leg.
+    #[error(
+        "no unit makes this a lone leg: {} units high, its foot {} units long; is `scope` right?",
+        figure(*height), figure(*foot)
+    )]
+    NoPlausibleLeg {
+        /// Extent along the up axis, export units.
+        height: f64,
+        /// Length of what stands on the floor, export units.
+        foot: f64,
+    },
+    /// A lone leg was declared and two are there.
+    #[error("a lone leg was declared and two are seen: `scope` must be \"body\" for this scan")]
+    TwoLegs,
 }
 
 impl BodyFault {
@@ -136,6 +184,9 @@ impl BodyFault {
             BodyFault::FacingUnclear(_) => "body-facing-unclear",
             BodyFault::FacingContradicted { .. } => "body-facing-contradicted",
             BodyFault::FacingVertical => "body-facing-vertical",
+            BodyFault::SideUnclear { .. } => "body-side-unclear",
+            BodyFault::NoPlausibleLeg { .. } => "body-no-plausible-leg",
+            BodyFault::TwoLegs => "body-two-legs",
         }
     }
 }
@@ -146,47 +197,107 @@ fn figure(value: f64) -> String {
     if usual { format!("{value:.1}") } else { format!("{value:.1e}") }
 }
 
-impl From<NotTwoLegs> for BodyFault {
-    fn from(NotTwoLegs { pairs, heights, most }: NotTwoLegs) -> BodyFault {
-        BodyFault::NotTwoLegs { pairs, heights, most }
+impl From<NoLegs> for BodyFault {
+    fn from(NoLegs { pairs, singles, heights, most }: NoLegs) -> BodyFault {
+        BodyFault::NotTwoLegs { pairs, singles, heights, most }
     }
 }
 
 /// Brings a scan into the body frame.
 ///
 /// # Errors
-/// A [`BodyFault`] where the scan is no whole standing body or its sides cannot be told.
+/// A [`BodyFault`] where the scan is no whole standing body, or no lone leg where one was declared,
+/// or its sides cannot be told.
 pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     let scan = &without_fragments(scan);
-    if scan.triangles.is_empty() {
+    if scan.points.is_empty() {
         return Err(BodyFault::OnlyFragments);
     }
     let upright = upright(method.up);
-    let (unit, low) = unit(scan, method, &upright)?;
+    let (low, high) = extent(scan.points.iter().map(|point| upright * point));
+    let size = match method.scope {
+        Scope::Body => whole_body(method, &upright, high - low)?,
+        Scope::Leg(_) => lone_leg(scan, method, &upright, [low.z, high.z])?,
+    };
+    let unit = size.unit;
     let to_mm = Translation3::new(0.0, 0.0, -low.z * unit.in_mm()).to_homogeneous()
         * Matrix4::new_scaling(unit.in_mm())
         * upright.to_homogeneous();
-    let standing = moved(scan, &to_mm);
-    let top_mm = standing.highest_mm();
-    let stance = stance(&standing, top_mm)?;
+    let standing = moved(scan, &to_mm, unit);
+    let stance = stance(&standing, size.scale_mm)?;
     let (toes, facing_from) = facing(&stance, method.facing, &upright)?;
     let facing = toes.x.atan2(-toes.y);
-    let origin = nalgebra::center(&stance.feet[0], &stance.feet[1]);
+    let (sides, origin) = sides(&standing, &stance, toes, &size, method.scope)?;
     let to_body = Rotation3::from_axis_angle(&Vector3::z_axis(), -facing).to_homogeneous()
-        * Translation3::new(-origin.x, -origin.y, -stance.floor_mm).to_homogeneous();
+        * Translation3::new(-origin.x, -origin.y, -stance.floor.height_mm).to_homogeneous();
     let in_body = |p: Point2<f64>| to_body.transform_point(&Point3::new(p.x, p.y, 0.0)).xy();
-    let [a, b] = stance.shanks.map(in_body);
-    let (left, right) = if a.x > b.x { (a, b) } else { (b, a) };
+    let stature_mm = size.is_whole.then(|| standing.highest_mm() - stance.floor.height_mm);
     Ok(Body {
-        mesh: moved(scan, &(to_body * to_mm)),
-        stature_mm: top_mm - stance.floor_mm,
-        shanks: Sides { left, right },
+        mesh: moved(scan, &(to_body * to_mm), unit),
+        stature_mm,
+        scale_mm: stature_mm.unwrap_or(size.scale_mm),
+        shanks: Sides { left: sides.left.map(in_body), right: sides.right.map(in_body) },
+        floor_sd_mm: stance.floor.sd_mm,
         facing_deg: facing.to_degrees(),
         facing_from,
         unit,
         unit_inferred: method.unit == UnitChoice::Auto,
         from_export: to_body * to_mm,
     })
+}
+
+/// Which shank is whose, and the place on the floor that becomes the origin.
+fn sides(
+    standing: &Mesh,
+    stance: &Stance,
+    toes: Vector2<f64>,
+    size: &Size,
+    scope: Scope,
+) -> Result<(Sides<Option<Point2<f64>>>, Point2<f64>), BodyFault> {
+    let left = Vector2::new(-toes.y, toes.x);
+    match (scope, stance.shanks.as_slice(), stance.feet.as_slice()) {
+        (Scope::Body, &[a, b], &[foot_a, foot_b]) => {
+            let (left, right) = if (a - b).dot(&left) > 0.0 { (a, b) } else { (b, a) };
+            let both = Sides { left: Some(left), right: Some(right) };
+            Ok((both, nalgebra::center(&foot_a, &foot_b)))
+        }
+        (Scope::Body, &[shank], &[foot]) => {
+            let trunk = trunk_middle(standing, size.scale_mm).unwrap_or(shank);
+            let off_mm = (shank - trunk).dot(&left);
+            if off_mm.abs() < BESIDE_TRUNK_MIN_MM {
+                return Err(BodyFault::SideUnclear { off_mm: off_mm.abs() });
+            }
+            let side = if off_mm > 0.0 { Side::Left } else { Side::Right };
+            Ok((only(side, shank), trunk + toes * (foot - trunk).dot(&toes)))
+        }
+        (Scope::Leg(side), &[shank], &[foot]) => Ok((only(side, shank), foot)),
+        _ => Err(BodyFault::TwoLegs),
+    }
+}
+
+fn only(side: Side, shank: Point2<f64>) -> Sides<Option<Point2<f64>>> {
+    Sides::of_each(|of| (of == side).then_some(shank))
+}
+
+/// The middle of the trunk: of the largest outline at heights above the crotch; none where it is
+/// not seen from all sides, because half a trunk has its middle elsewhere.
+fn trunk_middle(standing: &Mesh, stature_mm: f64) -> Option<Point2<f64>> {
+    let heights: Vec<f64> = TRUNK_SHARES.iter().map(|share| share * stature_mm).collect();
+    let middles: Vec<Point2<f64>> =
+        slices(standing, &heights).iter().filter_map(|slice| outline_middle(slice)).collect();
+    let sum: Vector2<f64> = middles.iter().map(|middle| middle.coords).sum();
+    (!middles.is_empty()).then(|| (sum / middles.len() as f64).into())
+}
+
+/// The middle of the largest outline in a slice, where it closes.
+fn outline_middle(slice: &[Point2<f64>]) -> Option<Point2<f64>> {
+    let outlines = clusters(slice, LINK_MM).into_iter();
+    let hulls = outlines.filter_map(|outline| Some((Hull::of(&outline)?, outline)));
+    let (hull, outline) = hulls.max_by(|a, b| a.0.perimeter().total_cmp(&b.0.perimeter()))?;
+    let middle = hull.centroid();
+    let angles: Vec<f64> =
+        outline.iter().map(|point| (point.y - middle.y).atan2(point.x - middle.x)).collect();
+    (largest_gap_deg(&angles) < GAP_MAX_DEG).then_some(middle)
 }
 
 /// The rotation that brings the export's up axis to +z and keeps it right-handed.
@@ -199,19 +310,30 @@ fn upright(up: Up) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&columns))
 }
 
-/// The unit of the export and the lowest corner of the upright body in it.
-fn unit(
-    scan: &Scan,
+/// The size of what was scanned.
+struct Size {
+    unit: Unit,
+    /// The stature that heights are looked for by, mm.
+    scale_mm: f64,
+    /// Whether that is the height of the scan.
+    is_whole: bool,
+}
+
+/// Lowest and highest corner of points.
+fn extent(points: impl Iterator<Item = Point3<f64>>) -> (Point3<f64>, Point3<f64>) {
+    let none = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
+    points.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)))
+}
+
+/// The size of a standing body with this extent, upright, in export units.
+fn whole_body(
     method: &Method,
     upright: &Rotation3<f64>,
-) -> Result<(Unit, Point3<f64>), BodyFault> {
-    let points = scan.points.iter().map(|point| upright * point);
-    let none = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
-    let (low, high) = points.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)));
-    let extent = high - low;
+    extent: Vector3<f64>,
+) -> Result<Size, BodyFault> {
     let [least, most] = STATURE_MM;
     let plausible = |unit: &Unit| (least..=most).contains(&(extent.z * unit.in_mm()));
-    let found = match method.unit {
+    let unit = match method.unit {
         UnitChoice::Declared(unit) if plausible(&unit) => unit,
         UnitChoice::Declared(unit) => {
             let stature_mm = extent.z * unit.in_mm();
@@ -223,12 +345,48 @@ fn unit(
             BodyFault::NoPlausibleUnit { up, height, x: own.x, y: own.y, z: own.z }
         })?,
     };
-    Ok((found, low))
+    Ok(Size { unit, scale_mm: extent.z * unit.in_mm(), is_whole: true })
 }
 
-/// The scan's mesh under an affine map.
-fn moved(scan: &Scan, map: &Matrix4<f64>) -> Mesh {
-    let points = scan.points.iter().map(|p| map.transform_point(p)).collect();
+/// The size of a lone leg between two heights, export units: told by its foot, because a leg may be
+/// cut anywhere.
+fn lone_leg(
+    scan: &Scan,
+    method: &Method,
+    upright: &Rotation3<f64>,
+    [low, high]: [f64; 2],
+) -> Result<Size, BodyFault> {
+    let foot_length = |unit: Unit| {
+        let top = low + LONE_FOOT_MM / unit.in_mm();
+        let points = scan.points.iter().map(|point| upright * point);
+        let foot: Vec<[f64; 3]> = points.filter(|p| p.z < top).map(|p| [p.x, p.y, p.z]).collect();
+        long_axis(&foot).length
+    };
+    let plausible = |unit: &Unit| {
+        let (foot_mm, height_mm) = (foot_length(*unit) * unit.in_mm(), (high - low) * unit.in_mm());
+        (LONE_FOOT_LENGTH_MM[0]..=LONE_FOOT_LENGTH_MM[1]).contains(&foot_mm)
+            && (LONE_LEG_MM[0]..=LONE_LEG_MM[1]).contains(&height_mm)
+    };
+    let units: Vec<Unit> = match method.unit {
+        UnitChoice::Declared(unit) => vec![unit],
+        UnitChoice::Auto => Unit::ALL.to_vec(),
+    };
+    let found: Vec<Unit> = units.iter().copied().filter(plausible).collect();
+    let &[unit] = found.as_slice() else {
+        let foot = units.first().map_or(0.0, |unit| foot_length(*unit));
+        return Err(BodyFault::NoPlausibleLeg { height: high - low, foot });
+    };
+    let scale_mm = foot_length(unit) * unit.in_mm() / FOOT_LENGTH_MEAN_SHARE;
+    Ok(Size { unit, scale_mm, is_whole: false })
+}
+
+/// The scan's skin under an affine map from this unit to millimetres.
+fn moved(scan: &Scan, map: &Matrix4<f64>, unit: Unit) -> Mesh {
+    let points: Vec<Point3<f64>> = scan.points.iter().map(|p| map.transform_point(p)).collect();
+    if scan.triangles.is_empty() {
+        let spacing_mm = cloud::spacing(&scan.points) * unit.in_mm();
+        return Mesh::cloud(points, spacing_mm);
+    }
     Mesh::new(points, scan.triangles.clone())
 }
 

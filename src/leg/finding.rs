@@ -2,7 +2,7 @@
 
 use super::axis::AxisFault;
 use super::level::Level;
-use super::segment::Side;
+use super::side::Side;
 use super::stance::FeetUnclear;
 
 /// How much a finding matters.
@@ -53,6 +53,30 @@ pub enum What {
     /// Nobody saw the feet, and the declared facing was believed.
     #[error("left and right rest on the declared facing alone: {0}")]
     FacingUnchecked(FeetUnclear),
+    /// The thighs touch below the crotch.
+    #[error(
+        "the legs are one from {from_mm:.0} mm up: do the thighs touch, or is there cloth? they were \
+         parted along the fold, and the skin in it was not seen"
+    )]
+    ThighsTouch {
+        /// Height from which on they touch, mm.
+        from_mm: f64,
+    },
+    /// A crotch where hardly anybody has it.
+    #[error(
+        "the crotch is at {percent:.0} % of the stature, where nearly everybody has it at 44 to 53 %: \
+         are head and feet whole in the scan?"
+    )]
+    Proportions {
+        /// Height of the crotch, percent of the stature.
+        percent: f64,
+    },
+    /// A leg that ends below the crotch.
+    #[error("the leg is seen up to {end_mm:.0} mm only: nothing was measured above")]
+    LegCut {
+        /// Height of its last skin, mm.
+        end_mm: f64,
+    },
     /// A doubt about a landmark.
     #[error("{0}")]
     Doubtful(Doubt),
@@ -88,6 +112,9 @@ pub enum What {
 /// Why a leg could not be measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LegFault {
+    /// It is not in the scan.
+    #[error("it is not in the scan, or ends below the calf")]
+    NotThere,
     /// It has no axis.
     #[error(transparent)]
     Axis(#[from] AxisFault),
@@ -156,6 +183,9 @@ impl Finding {
             What::LevelAbsent => "level-absent",
             What::LevelImplausible { .. } => "level-implausible",
             What::FacingUnchecked(_) => "facing-unchecked",
+            What::ThighsTouch { .. } => "thighs-touch",
+            What::Proportions { .. } => "proportions",
+            What::LegCut { .. } => "leg-cut",
             What::Doubtful(doubt) => doubt.code(),
             What::LegNotMeasured(_) => "leg-not-measured",
             What::NoSurface { .. } => "no-surface",
@@ -169,6 +199,9 @@ impl Finding {
             What::LevelAbsent
             | What::Doubtful(_)
             | What::FacingUnchecked(_)
+            | What::ThighsTouch { .. }
+            | What::Proportions { .. }
+            | What::LegCut { .. }
             | What::SurfaceShort { .. } => Severity::Warning,
             What::LevelImplausible { .. } | What::LegNotMeasured(_) | What::NoSurface { .. } => {
                 Severity::Error

@@ -2,55 +2,74 @@
 //! of edges (a discrete oriented polytope). It exceeds the convex hull by 2 % of the radius at
 //! most and is asked for every point of the next slice, so it must be quick.
 
+use std::f64::consts::FRAC_1_SQRT_2 as C45;
+
 use nalgebra::{Point2, Vector2};
 
-/// Edges of the polygon.
-const DIRECTIONS: usize = 16;
+/// Cosine of 22.5°.
+const C22: f64 = 0.923_879_532_511_286_7;
+
+/// Sine of 22.5°.
+const S22: f64 = 0.382_683_432_365_089_8;
+
+/// Directions of the polygon's edges, unit vectors at equal angles.
+const DIRECTIONS: [[f64; 2]; 16] = [
+    [1.0, 0.0],
+    [C22, S22],
+    [C45, C45],
+    [S22, C22],
+    [0.0, 1.0],
+    [-S22, C22],
+    [-C45, C45],
+    [-C22, S22],
+    [-1.0, 0.0],
+    [-C22, -S22],
+    [-C45, -C45],
+    [-S22, -C22],
+    [0.0, -1.0],
+    [S22, -C22],
+    [C45, -C45],
+    [C22, -S22],
+];
 
 /// A leg's extent at one height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Footprint {
-    /// The height, mm.
-    pub height_mm: f64,
     /// Mean of the points, mm.
     pub middle: Point2<f64>,
     /// Furthest reach of the points in each direction, mm.
-    reach: [f64; DIRECTIONS],
-}
-
-/// Unit vectors at equal angles.
-fn directions() -> [Vector2<f64>; DIRECTIONS] {
-    std::array::from_fn(|index| {
-        let (sin, cos) = (std::f64::consts::TAU * index as f64 / DIRECTIONS as f64).sin_cos();
-        Vector2::new(cos, sin)
-    })
+    reach: [f64; DIRECTIONS.len()],
 }
 
 impl Footprint {
     /// The footprint of points; none where there are fewer than three.
-    pub fn of(points: &[Point2<f64>], height_mm: f64) -> Option<Footprint> {
+    pub fn of(points: &[Point2<f64>]) -> Option<Footprint> {
         const POINTS_MIN: usize = 3;
         if points.len() < POINTS_MIN {
             return None;
         }
-        let directions = directions();
-        let mut reach = [f64::NEG_INFINITY; DIRECTIONS];
+        let mut reach = [f64::NEG_INFINITY; DIRECTIONS.len()];
         for point in points {
-            for (reach, direction) in reach.iter_mut().zip(&directions) {
-                *reach = reach.max(direction.dot(&point.coords));
+            for (reach, [x, y]) in reach.iter_mut().zip(DIRECTIONS) {
+                *reach = reach.max(x * point.x + y * point.y);
             }
         }
         let sum: Vector2<f64> = points.iter().map(|point| point.coords).sum();
-        Some(Footprint { height_mm, middle: (sum / points.len() as f64).into(), reach })
+        Some(Footprint { middle: (sum / points.len() as f64).into(), reach })
     }
 
-    /// A test whether points lie within the polygon or at most `margin_mm` beyond it.
-    pub fn holds(&self, margin_mm: f64) -> impl Fn(&Point2<f64>) -> bool + '_ {
-        let directions = directions();
-        move |point| {
-            let mut edges = self.reach.iter().zip(&directions);
-            edges.all(|(reach, direction)| direction.dot(&point.coords) <= reach + margin_mm)
-        }
+    /// How far a point lies beyond the polygon, mm; negative within.
+    pub fn beyond_mm(&self, point: &Point2<f64>) -> f64 {
+        let reaches = self.reach.iter().zip(DIRECTIONS);
+        reaches.fold(f64::NEG_INFINITY, |beyond, (reach, [x, y])| {
+            beyond.max(x * point.x + y * point.y - reach)
+        })
+    }
+
+    /// The share of points that lie at most `margin_mm` beyond the polygon.
+    pub fn share_of(&self, points: &[Point2<f64>], margin_mm: f64) -> f64 {
+        let held = points.iter().filter(|point| self.beyond_mm(point) <= margin_mm).count();
+        held as f64 / points.len().max(1) as f64
     }
 }
 
@@ -64,16 +83,26 @@ mod tests {
             .map(|i| f64::from(4 * i).to_radians())
             .map(|t| Point2::new(100.0 + 50.0 * t.cos(), 50.0 * t.sin()))
             .collect();
-        let footprint = Footprint::of(&ring, 300.0).unwrap();
-        let holds = footprint.holds(10.0);
-        assert!(holds(&Point2::new(100.0, 0.0)));
-        assert!(holds(&Point2::new(159.9, 0.0)));
-        assert!(!holds(&Point2::new(162.0, 0.0)));
-        assert!(!holds(&Point2::new(100.0, -62.0)));
+        let footprint = Footprint::of(&ring).unwrap();
+        let holds = |x, y| footprint.beyond_mm(&Point2::new(x, y)) <= 10.0;
+        assert!(holds(100.0, 0.0));
+        assert!(holds(159.9, 0.0));
+        assert!(!holds(162.0, 0.0));
+        assert!(!holds(100.0, -62.0));
+        assert_eq!(footprint.share_of(&ring, 0.0), 1.0);
+        assert_eq!(footprint.share_of(&[Point2::new(0.0, 0.0), ring[0]], 10.0), 0.5);
+    }
+
+    #[test]
+    fn the_edges_have_equal_angles() {
+        for (index, [x, y]) in DIRECTIONS.iter().enumerate() {
+            let (sin, cos) = (22.5 * index as f64).to_radians().sin_cos();
+            assert!((cos - x).abs() < 1e-15 && (sin - y).abs() < 1e-15, "{index}");
+        }
     }
 
     #[test]
     fn two_points_make_no_footprint() {
-        assert_eq!(Footprint::of(&[Point2::origin(); 2], 0.0), None);
+        assert_eq!(Footprint::of(&[Point2::origin(); 2]), None);
     }
 }

@@ -1,8 +1,12 @@
 //! The choices of the method: what the export declares, and which of the paper's steps are used.
 
+use super::side::Side;
+
 /// How to read and measure a scan. `Default` is what gaiter does when nobody chooses.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Method {
+    /// What is in the scan.
+    pub scope: Scope,
     /// The unit of the export's coordinates.
     pub unit: UnitChoice,
     /// The export's axis that points up.
@@ -11,6 +15,27 @@ pub struct Method {
     pub facing: FacingChoice,
     /// The curve that is fitted to each section.
     pub fit: SectionFit,
+}
+
+/// What is in the scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scope {
+    /// A whole standing body.
+    #[default]
+    Body,
+    /// One leg or lower leg with its foot, alone; a lone leg does not show whose it is.
+    Leg(Side),
+}
+
+impl Scope {
+    /// The words used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Scope::Body => "body",
+            Scope::Leg(Side::Left) => "left leg",
+            Scope::Leg(Side::Right) => "right leg",
+        }
+    }
 }
 
 /// The unit of the export's coordinates.

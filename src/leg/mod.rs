@@ -3,8 +3,8 @@
 //!
 //! | stage | paper | file |
 //! |---|---|---|
-//! | unit, up, facing, floor | 1.1 | [`body`], [`stance`] |
-//! | legs cut at the crotch | 1.1, fig. 2a | [`segment`] |
+//! | unit, up, facing, floor | 1.1 | [`body`], [`stance`], [`floor`] |
+//! | legs cut at the crotch | 1.1, fig. 2a | [`segment`], [`follow`], [`crotch`] |
 //! | made upright | 1.1 | [`axis`] |
 //! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
@@ -16,17 +16,22 @@
 
 pub mod axis;
 pub mod body;
+mod cloud;
 mod cluster;
+pub mod crotch;
 pub mod curvature;
 pub mod feature;
 pub mod finding;
-mod footprint;
+pub mod floor;
+pub mod follow;
+pub mod footprint;
 pub mod girth;
 pub mod grid;
 mod hull;
 pub mod landmark;
 pub mod level;
 pub mod method;
+pub mod neck;
 pub mod plane;
 pub mod polynomial;
 pub mod report;
@@ -34,6 +39,7 @@ pub mod section;
 pub mod sections;
 pub mod segment;
 mod shell;
+pub mod side;
 pub mod skin;
 pub mod slice;
 pub mod stance;
@@ -43,12 +49,14 @@ use rayon::prelude::*;
 
 use crate::scan::{self, Format, ScanFault};
 pub use body::{Body, BodyFault, FacingFrom};
-pub use finding::{Finding, What};
+pub use crotch::{Crotch, CrotchFrom};
+pub use finding::{Finding, LegFault, What};
 pub use landmark::Landmark;
 pub use level::Level;
 pub use method::Method;
 pub use report::{LegReport, LevelSection};
-pub use segment::{SegmentFault, Side};
+pub use segment::SegmentFault;
+pub use side::Side;
 
 /// What one scan gave: the legs that could be measured and what must be known about them.
 #[derive(Debug, Clone)]
@@ -61,8 +69,8 @@ pub struct Extraction {
     pub triangles: usize,
     /// The format of the scan's file.
     pub format: Format,
-    /// Height of the crotch above the floor, mm.
-    pub crotch_height_mm: f64,
+    /// The crotch.
+    pub crotch: Crotch,
     /// Measured legs, left before right; at least one.
     pub legs: Vec<LegReport>,
     /// What must be known, in the order of the stages.
@@ -85,9 +93,9 @@ pub enum Refusal {
     #[error("neither leg can be measured: left: {left}; right: {right}")]
     NoLeg {
         /// Why not the left.
-        left: finding::LegFault,
+        left: LegFault,
         /// Why not the right.
-        right: finding::LegFault,
+        right: LegFault,
     },
 }
 
@@ -112,24 +120,24 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
     let scan = scan::read(bytes, format)?;
     let body = body::body(&scan, method)?;
     let cut = segment::segment(&body)?;
-    let crotch_height_mm = cut.crotch_height_mm;
-    let reports: Vec<_> = [&cut.legs.left, &cut.legs.right]
-        .into_par_iter()
-        .map(|leg| report::leg_report(leg, &body, crotch_height_mm, method))
-        .collect();
+    let reports = Side::BOTH.into_par_iter().map(|side| {
+        let leg = cut.legs.get(side).as_ref().ok_or(LegFault::NotThere)?;
+        report::leg_report(leg, &body, &cut.crotch, method)
+    });
+    let reports: Vec<_> = reports.collect();
     if let [Err(left), Err(right)] = reports.as_slice() {
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
-    let (mut legs, mut findings) = (Vec::new(), Vec::new());
-    if let FacingFrom::Declared(unclear) = body.facing_from {
-        findings.push(Finding { side: None, level: None, what: What::FacingUnchecked(unclear) });
-    }
+    let mut findings = about_body(&body, &cut.crotch);
+    let mut legs = Vec::new();
     for (side, report) in Side::BOTH.into_iter().zip(reports) {
         match report {
             Ok((leg, found)) => {
                 legs.push(leg);
                 findings.extend(found);
             }
+            // Whoever scans a lone leg does not miss the other.
+            Err(LegFault::NotThere) if body.stature_mm.is_none() => {}
             Err(fault) => {
                 let what = What::LegNotMeasured(fault);
                 findings.push(Finding { side: Some(side), level: None, what });
@@ -137,5 +145,27 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         }
     }
     let (points, triangles) = (scan.points.len(), scan.triangles.len());
-    Ok(Extraction { body, points, triangles, format, crotch_height_mm, legs, findings })
+    Ok(Extraction { body, points, triangles, format, crotch: cut.crotch, legs, findings })
+}
+
+/// Crotches of standing people as shares of stature: ANSUR II, mean 0.48, first to last percentile
+/// 0.45 to 0.52, with some room. A head or the feet that are missing move it out.
+const CROTCH_USUAL_SHARE: [f64; 2] = [0.435, 0.535];
+
+/// What must be known about the body as a whole.
+fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
+    let mut found = Vec::new();
+    if let FacingFrom::Declared(unclear) = body.facing_from {
+        found.push(What::FacingUnchecked(unclear));
+    }
+    if let Some(from_mm) = crotch.touching_from_mm() {
+        found.push(What::ThighsTouch { from_mm });
+    }
+    if let Some(stature_mm) = body.stature_mm.filter(|_| crotch.is_seen()) {
+        let share = crotch.height_mm / stature_mm;
+        if !(CROTCH_USUAL_SHARE[0]..=CROTCH_USUAL_SHARE[1]).contains(&share) {
+            found.push(What::Proportions { percent: 100.0 * share });
+        }
+    }
+    found.into_iter().map(|what| Finding { side: None, level: None, what }).collect()
 }

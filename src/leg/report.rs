@@ -1,6 +1,7 @@
 //! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
 
 use super::axis::{LegAxis, axis};
+use super::crotch::Crotch;
 use super::feature::{Feature, features};
 use super::finding::{Finding, LegFault, What};
 use super::girth::{GirthCurve, girth_curve};
@@ -8,7 +9,8 @@ use super::landmark::{Landmark, landmarks};
 use super::level::Level;
 use super::section::Section;
 use super::sections::sections;
-use super::segment::{Leg, Side};
+use super::segment::Leg;
+use super::side::Side;
 use super::surface::{LegSurface, surface};
 use super::{Body, Method};
 
@@ -24,6 +26,10 @@ const ANKLE_STATURE_SHARE: f64 = 0.06;
 
 /// The lowest section, as a share of stature: above the instep, below every malleolus.
 const LOWEST_STATURE_SHARE: f64 = 0.035;
+
+/// A leg that is cut is measured up to this far below its end, mm: the slices in which it was
+/// followed are as far apart.
+const CUT_MARGIN_MM: f64 = 10.0;
 
 /// Everything measured on one leg.
 #[derive(Debug, Clone)]
@@ -60,23 +66,28 @@ pub struct LevelSection {
 pub fn leg_report(
     leg: &Leg,
     body: &Body,
-    crotch_height_mm: f64,
+    crotch: &Crotch,
     method: &Method,
 ) -> Result<(LegReport, Vec<Finding>), LegFault> {
-    let axis = axis(leg, body.stature_mm, crotch_height_mm)?;
+    let (scale_mm, crotch_height_mm) = (body.scale_mm, crotch.height_mm);
+    let axis = axis(leg, scale_mm, crotch_height_mm)?;
     let up_mm = |height_mm: f64| height_mm / axis.direction.z;
-    let span_mm = [up_mm(LOWEST_STATURE_SHARE * body.stature_mm), up_mm(crotch_height_mm)];
+    let end_mm = leg.cut_mm.map_or(crotch_height_mm, |cut_mm| cut_mm - CUT_MARGIN_MM);
+    let span_mm = [up_mm(LOWEST_STATURE_SHARE * scale_mm), up_mm(end_mm)];
     let sections = sections(leg, axis, span_mm, method.fit).ok_or(LegFault::TooFewPoints)?;
-    let curve = girth_curve(&sections, body.stature_mm).ok_or_else(|| {
+    let curve = girth_curve(&sections, scale_mm).ok_or_else(|| {
         let measured = sections.rows.iter().filter(|row| row.section.is_some()).count();
         LegFault::TooFewSections { measured, planes: sections.rows.len() }
     })?;
     let near = |along_mm: f64| sections.nearest(along_mm);
-    let found = landmarks(&curve, body.stature_mm, crotch_height_mm, near);
+    let found = landmarks(&curve, scale_mm, crotch_height_mm, near);
     let mut findings = Findings { side: leg.side, found: Vec::new() };
+    if let (Some(end_mm), Some(_)) = (leg.cut_mm, body.stature_mm) {
+        findings.add(None, What::LegCut { end_mm });
+    }
     findings.about_levels(&found);
     let landmarks: Vec<Landmark> = found.into_iter().filter(Landmark::is_plausible).collect();
-    let wanted_mm = surface_heights_mm(&landmarks, body.stature_mm, crotch_height_mm);
+    let wanted_mm = surface_heights_mm(&landmarks, scale_mm, crotch_height_mm);
     let surface = match surface(leg, &sections, wanted_mm) {
         Ok(surface) => Some(surface),
         Err(what) => {

@@ -1,24 +1,20 @@
 //! Segmentation: the two legs cut from the body, and the crotch where they meet (paper 1, fig. 2a).
 //!
-//! Each leg is followed slice by slice from its shank, upwards until both are one, downwards to
-//! the floor. What lies where the leg was one slice ago is the leg; hands, specks and floor pieces
-//! never do. Nothing is assumed about shells, holes or closed outlines.
+//! Each leg is followed slice by slice from its shank, upwards into the trunk, downwards to the
+//! floor. Thighs that touch are parted along the neck between them. A leg that is not there, or
+//! ends early, does not keep the other from being cut.
 
-use nalgebra::{Point2, Vector3};
+use nalgebra::Point2;
 
-use super::body::{Body, Sides};
-use super::cluster::clusters;
+use super::body::Body;
+use super::crotch::{Crotch, crotch};
+use super::follow::{Parting, Step, Track, follow, slices};
 use super::footprint::Footprint;
+use super::side::{Side, Sides};
 use super::slice::Mesh;
 
 /// Distance of the slices in which a leg is followed, mm.
 const STEP_MM: f64 = 10.0;
-
-/// Distance of the slices in which the crotch is then found, mm.
-const CROTCH_STEP_MM: f64 = 1.0;
-
-/// Points nearer than this belong together, mm: twice the spacing of a usual export (6 mm).
-const LINK_MM: f64 = 12.0;
 
 /// From one slice to the next a leg may widen by this, mm: a slope of 45° and some noise.
 const GROWTH_UP_MM: f64 = 12.0;
@@ -27,53 +23,23 @@ const GROWTH_UP_MM: f64 = 12.0;
 const GROWTH_DOWN_MM: f64 = 30.0;
 
 /// Height at which following begins, as a share of stature: the middle of the heights in which
-/// the stance saw two shanks.
+/// the stance saw the shanks.
 const START_SHARE: f64 = 0.11;
 
 /// Where crotches are, as shares of stature. ANSUR II: mean 0.48, first to last percentile 0.45 to
 /// 0.52; children and patients need some room.
 const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
 
+/// A leg that ends below this share of stature has no calf and is not measured.
+const LEG_MIN_SHARE: f64 = 0.20;
+
 /// A triangle with a longer edge is no piece of skin but a spike or a bridge, mm; ten times the edges
 /// of a usual export, and no hole that could be closed honestly is as wide.
 const EDGE_MAX_MM: f64 = 60.0;
 
-/// A cluster is both legs' when each holds more than this share of its points.
-const SHARED_MIN_SHARE: f64 = 0.1;
-
 /// A leg keeps this much skin above the crotch, mm: a section square to a tilted axis reaches
 /// higher at the hip than at the crotch.
 const ABOVE_CROTCH_MM: f64 = 60.0;
-
-/// The patient's own side.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Side {
-    /// Left.
-    Left,
-    /// Right.
-    Right,
-}
-
-impl Side {
-    /// Both sides, left first.
-    pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
-
-    /// `left` or `right`.
-    pub fn word(self) -> &'static str {
-        match self {
-            Side::Left => "left",
-            Side::Right => "right",
-        }
-    }
-
-    /// +1 for the left, whose lateral side is +X; −1 for the right.
-    pub fn lateral_sign(self) -> f64 {
-        match self {
-            Side::Left => 1.0,
-            Side::Right => -1.0,
-        }
-    }
-}
 
 /// One leg's skin in the body frame, foot included, cut above the crotch.
 #[derive(Debug, Clone)]
@@ -82,36 +48,35 @@ pub struct Leg {
     pub side: Side,
     /// The leg's skin.
     pub mesh: Mesh,
+    /// Where the leg ends below the crotch, mm; none where it reaches it.
+    pub cut_mm: Option<f64>,
 }
 
-/// Both legs and where they part.
+/// The legs and where they part.
 #[derive(Debug, Clone)]
 pub struct Legs {
-    /// The legs.
-    pub legs: Sides<Leg>,
-    /// Height of the crotch above the floor, mm.
-    pub crotch_height_mm: f64,
+    /// The legs; none where a leg is not in the scan.
+    pub legs: Sides<Option<Leg>>,
+    /// Where they part.
+    pub crotch: Crotch,
 }
 
 /// Why the legs cannot be parted.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SegmentFault {
-    /// A leg ends where a leg goes on.
+    /// Every leg ends where a leg goes on.
     #[error(
-        "the {} leg ends at {height_mm:.0} mm, below any crotch: a part of it is missing in the \
-         scan; scan again",
-        side.word()
+        "no leg goes on above {height_mm:.0} mm: the upper part of the legs is missing in the \
+         scan; scan again"
     )]
-    LegEnds {
-        /// Which leg.
-        side: Side,
-        /// Height of its last slice, mm.
+    LegsEnd {
+        /// Height of the last slice that shows one, mm.
         height_mm: f64,
     },
-    /// The legs become one below any crotch.
+    /// The legs become one where calves are.
     #[error(
-        "the legs become one at {height_mm:.0} mm, below any crotch: do the thighs touch? scan \
-         again with the legs further apart"
+        "the legs become one at {height_mm:.0} mm, on the calf: is there cloth around them? scan \
+         again with the legs bare and apart"
     )]
     JoinTooLow {
         /// Where, mm.
@@ -132,7 +97,7 @@ impl SegmentFault {
     /// The stable code of this fault, for `reason.json` and programs.
     pub fn code(&self) -> &'static str {
         match self {
-            SegmentFault::LegEnds { .. } => "segment-leg-ends",
+            SegmentFault::LegsEnd { .. } => "segment-legs-end",
             SegmentFault::JoinTooLow { .. } => "segment-join-too-low",
             SegmentFault::NeverJoin { .. } => "segment-never-join",
         }
@@ -142,167 +107,111 @@ impl SegmentFault {
 /// Cuts the body into its legs.
 ///
 /// # Errors
-/// A [`SegmentFault`] where the legs cannot be followed to where they meet.
+/// A [`SegmentFault`] where no leg can be followed to where the legs meet.
 pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
-    let start_mm = START_SHARE * body.stature_mm;
-    let [lowest_crotch_mm, highest_crotch_mm] = CROTCH_SHARE.map(|share| share * body.stature_mm);
-    let mesh = &body.mesh.below(highest_crotch_mm + ABOVE_CROTCH_MM);
-    let seeds = seeds(mesh, &body.shanks, start_mm)?;
-    let upwards = heights(start_mm, highest_crotch_mm, STEP_MM);
-    let up = follow(mesh, seeds.clone(), &upwards, GROWTH_UP_MM, true);
-    let height_mm = up.left.last().map_or(start_mm, |print| print.height_mm);
-    match up.end {
-        End::Lost(side) => return Err(SegmentFault::LegEnds { side, height_mm }),
-        End::Heights => return Err(SegmentFault::NeverJoin { height_mm }),
-        End::Joined if height_mm < lowest_crotch_mm => {
-            return Err(SegmentFault::JoinTooLow { height_mm });
-        }
-        End::Joined => {}
-    }
-    let last = Sides {
-        left: up.left.last().cloned().unwrap_or_else(|| seeds.left.clone()),
-        right: up.right.last().cloned().unwrap_or_else(|| seeds.right.clone()),
-    };
-    let fine = heights(height_mm, height_mm + STEP_MM, CROTCH_STEP_MM);
-    let apart = follow(mesh, last.clone(), &fine, GROWTH_UP_MM, true);
-    let crotch_height_mm =
-        CROTCH_STEP_MM + apart.left.last().map_or(height_mm, |print| print.height_mm);
-    let mut downwards = heights(0.0, start_mm, STEP_MM);
+    let stature_mm = body.scale_mm;
+    let start_mm = START_SHARE * stature_mm;
+    let top_mm = CROTCH_SHARE[1] * stature_mm + ABOVE_CROTCH_MM;
+    let mesh = &body.mesh.below(top_mm + EDGE_MAX_MM);
+    let seeds = seeds(mesh, &body.shanks, start_mm);
+    let up = follow(mesh, &seeds, &heights(start_mm, top_mm), GROWTH_UP_MM, Parting::Neck);
+    let crotch = found_crotch(body, mesh, &up)?;
+    let mut downwards = heights(0.0, start_mm);
     downwards.reverse();
-    let mut down = follow(mesh, seeds, &downwards, GROWTH_DOWN_MM, false);
-    down.left.reverse();
-    down.right.reverse();
-    let mid_x_mm = (last.left.middle.x + last.right.middle.x) / 2.0;
-    let leg = |side: Side, below: &[Footprint], above: &[Footprint]| {
-        let foot = Zone { prints: below, margin_mm: GROWTH_DOWN_MM, top_mm: start_mm };
-        let top_mm = crotch_height_mm + ABOVE_CROTCH_MM;
-        let shank = Zone { prints: above, margin_mm: GROWTH_UP_MM, top_mm };
-        Leg { side, mesh: cut(mesh, side, mid_x_mm, &foot, &shank) }
+    let mut down = follow(mesh, &seeds, &downwards, GROWTH_DOWN_MM, Parting::Nearest);
+    down.steps.reverse();
+    let leg_top_mm = crotch.height_mm + ABOVE_CROTCH_MM;
+    let zones = [
+        Zone { track: &down, margin_mm: GROWTH_DOWN_MM, top_mm: start_mm },
+        Zone { track: &up, margin_mm: GROWTH_UP_MM, top_mm: leg_top_mm },
+    ];
+    let leg = |side: Side| {
+        seeds.get(side).as_ref()?;
+        let ends = [*up.ends_mm.get(side), crotch.hidden_from_mm()].into_iter().flatten();
+        let end_mm = ends.reduce(f64::min).filter(|end_mm| *end_mm < crotch.height_mm);
+        if end_mm.is_some_and(|end_mm| end_mm < LEG_MIN_SHARE * stature_mm) {
+            return None;
+        }
+        Some(Leg { side, mesh: cut(mesh, side, &zones), cut_mm: end_mm })
     };
-    let (left, right) = rayon::join(
-        || leg(Side::Left, &down.left, &up.left),
-        || leg(Side::Right, &down.right, &up.right),
-    );
-    Ok(Legs { legs: Sides { left, right }, crotch_height_mm })
+    let (left, right) = rayon::join(|| leg(Side::Left), || leg(Side::Right));
+    Ok(Legs { legs: Sides { left, right }, crotch })
 }
 
-/// Heights from `from` to below `to`, ascending, `step` apart, the first half a step above `from`.
-fn heights(from_mm: f64, to_mm: f64, step_mm: f64) -> Vec<f64> {
-    let count = ((to_mm - from_mm) / step_mm).max(0.0) as usize;
-    (0..count).map(|index| from_mm + (index as f64 + 0.5) * step_mm).collect()
+/// Heights from `from` to below `to`, ascending, the first half a step above `from`.
+fn heights(from_mm: f64, to_mm: f64) -> Vec<f64> {
+    let count = ((to_mm - from_mm) / STEP_MM).max(0.0) as usize;
+    (0..count).map(|index| from_mm + (index as f64 + 0.5) * STEP_MM).collect()
 }
 
-/// Both legs' footprints where following begins.
+/// The legs' footprints where following begins.
 fn seeds(
     mesh: &Mesh,
-    shanks: &Sides<Point2<f64>>,
+    shanks: &Sides<Option<Point2<f64>>>,
     start_mm: f64,
-) -> Result<Sides<Footprint>, SegmentFault> {
+) -> Sides<Option<Footprint>> {
     let slice = &slices(mesh, &[start_mm])[0];
-    let seed = |side: Side, own: Point2<f64>, other: Point2<f64>| {
-        let nearer = |p: &&Point2<f64>| (*p - own).norm() < (*p - other).norm();
-        let points: Vec<_> = slice.iter().filter(nearer).copied().collect();
-        let lost = SegmentFault::LegEnds { side, height_mm: start_mm };
-        Footprint::of(&points, start_mm).ok_or(lost)
-    };
-    Ok(Sides {
-        left: seed(Side::Left, shanks.left, shanks.right)?,
-        right: seed(Side::Right, shanks.right, shanks.left)?,
+    Sides::of_each(|side| {
+        let own = (*shanks.get(side))?;
+        let other = *shanks.get(side.other());
+        let nearer = |p: &&Point2<f64>| other.is_none_or(|o| (*p - own).norm() < (*p - o).norm());
+        let near = |p: &&Point2<f64>| (*p - own).norm() < SHANK_REACH_MM;
+        let points: Vec<_> = slice.iter().filter(nearer).filter(near).copied().collect();
+        Footprint::of(&points)
     })
 }
 
-fn slices(mesh: &Mesh, heights_mm: &[f64]) -> Vec<Vec<Point2<f64>>> {
-    let slices = mesh.slices(&Vector3::z_axis(), heights_mm);
-    slices.iter().map(|slice| slice.iter().map(|c| c.position.xy()).collect()).collect()
-}
+/// Points of a shank are no further from its middle than this, mm; lymphoedema included.
+const SHANK_REACH_MM: f64 = 160.0;
 
-/// The footprints passed and why following ended.
-struct Track {
-    left: Vec<Footprint>,
-    right: Vec<Footprint>,
-    end: End,
-}
-
-/// Why following ended.
-enum End {
-    /// All heights were passed.
-    Heights,
-    /// The legs are one.
-    Joined,
-    /// Nothing lies where this leg was.
-    Lost(Side),
-}
-
-/// Follows both legs through slices at ascending or descending heights. With `until_joined` it
-/// ends where one cluster is both legs'; without, such a cluster is shared out point by point.
-fn follow(
-    mesh: &Mesh,
-    from: Sides<Footprint>,
-    heights_mm: &[f64],
-    growth_mm: f64,
-    until_joined: bool,
-) -> Track {
-    let mut ascending = heights_mm.to_vec();
-    ascending.sort_by(f64::total_cmp);
-    let mut slices = slices(mesh, &ascending);
-    if heights_mm != ascending {
-        slices.reverse();
+/// The crotch, checked against where crotches are.
+fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentFault> {
+    let stature_mm = body.scale_mm;
+    if body.stature_mm.is_none() {
+        return Ok(Crotch::unseen(stature_mm));
     }
-    let mut last = from;
-    let mut track = Track { left: Vec::new(), right: Vec::new(), end: End::Heights };
-    for (&height_mm, slice) in heights_mm.iter().zip(&slices) {
-        let Some([left, right]) = share_out(slice, &last, growth_mm, until_joined) else {
-            track.end = End::Joined;
-            break;
-        };
-        let prints = [Footprint::of(&left, height_mm), Footprint::of(&right, height_mm)];
-        let [Some(left), Some(right)] = prints else {
-            track.end = End::Lost(if prints[0].is_none() { Side::Left } else { Side::Right });
-            break;
-        };
-        last = Sides { left, right };
-        track.left.push(last.left.clone());
-        track.right.push(last.right.clone());
-    }
-    track
-}
-
-/// The points of a slice that are the left and the right leg's; none where a cluster is both legs'
-/// and `until_joined` says to end there.
-fn share_out(
-    slice: &[Point2<f64>],
-    last: &Sides<Footprint>,
-    growth_mm: f64,
-    until_joined: bool,
-) -> Option<[Vec<Point2<f64>>; 2]> {
-    let holds = [last.left.holds(growth_mm), last.right.holds(growth_mm)];
-    let mut own = [Vec::new(), Vec::new()];
-    for cluster in clusters(slice, LINK_MM) {
-        let within = [0, 1].map(|side| {
-            let count = cluster.iter().filter(|p| holds[side](p)).count();
-            count as f64 / cluster.len() as f64
-        });
-        if within.iter().all(|&share| share > SHARED_MIN_SHARE) {
-            if until_joined {
-                return None;
+    let [lowest_mm, highest_mm] = CROTCH_SHARE.map(|share| share * stature_mm);
+    let height_mm = up.steps.last().map_or(0.0, |step| step.height_mm);
+    let crotch = match joined(up) {
+        Some(steps) => {
+            let found = crotch(mesh, steps, GROWTH_UP_MM, stature_mm);
+            if found.height_mm < LEG_MIN_SHARE * stature_mm {
+                return Err(SegmentFault::JoinTooLow { height_mm: found.height_mm });
             }
-            let [left, right] = [last.left.middle, last.right.middle];
-            for point in cluster {
-                own[usize::from((point - right).norm() < (point - left).norm())].push(point);
+            // No fold shows where the crotch is: cloth, or thighs pressed together.
+            let touching_from_mm = found.height_mm;
+            let is_hidden = found.height_mm < lowest_mm;
+            if is_hidden { Crotch::hidden(touching_from_mm, stature_mm) } else { found }
+        }
+        None => {
+            let ends = [up.ends_mm.left, up.ends_mm.right];
+            let end_mm = ends.into_iter().flatten().reduce(f64::max);
+            let end_mm = end_mm.ok_or(SegmentFault::NeverJoin { height_mm })?;
+            if end_mm < lowest_mm {
+                return Err(SegmentFault::LegsEnd { height_mm: end_mm });
             }
-            continue;
+            Crotch::of_one_leg(end_mm)
         }
-        let side = usize::from(within[1] > within[0]);
-        if within[side] > 0.5 {
-            own[side].extend(cluster);
-        }
+    };
+    if crotch.height_mm > highest_mm {
+        return Err(SegmentFault::NeverJoin { height_mm: crotch.height_mm });
     }
-    Some(own)
+    Ok(crotch)
 }
 
-/// A range of heights of one leg with its footprints, ascending.
+/// The steps in which both legs are followed, where they end as one.
+fn joined(up: &Track) -> Option<&[Step]> {
+    let ends = [up.ends_mm.left, up.ends_mm.right];
+    let end_mm = ends.into_iter().flatten().fold(f64::INFINITY, f64::min);
+    let count = up.steps.partition_point(|step| step.height_mm <= end_mm);
+    let steps = &up.steps[..count];
+    steps.last().is_some_and(|step| step.neck.is_some()).then_some(steps)
+}
+
+/// A range of heights of both legs, ascending.
 struct Zone<'a> {
-    prints: &'a [Footprint],
+    /// The slices passed, ascending.
+    track: &'a Track,
     /// How far beyond a footprint skin still belongs to the leg, mm.
     margin_mm: f64,
     /// The zone ends here, mm.
@@ -310,27 +219,32 @@ struct Zone<'a> {
 }
 
 impl Zone<'_> {
-    /// Whether a point at this height lies where the leg lies.
-    fn holds(&self, x_y: &Point2<f64>, height_mm: f64) -> bool {
-        let above = self.prints.partition_point(|print| print.height_mm < height_mm);
-        let around = &self.prints[above.saturating_sub(1)..(above + 1).min(self.prints.len())];
-        let far = |print: &&Footprint| (print.height_mm - height_mm).abs();
-        let nearest = around.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
-        nearest.is_some_and(|print| print.holds(self.margin_mm)(x_y))
+    /// Whose leg a place at this height belongs to; none where it is neither's.
+    fn owner(&self, place: &Point2<f64>, height_mm: f64) -> Option<Side> {
+        let steps = &self.track.steps;
+        let above = steps.partition_point(|step| step.height_mm < height_mm);
+        let around = &steps[above.saturating_sub(1)..(above + 1).min(steps.len())];
+        let far = |step: &&Step| (step.height_mm - height_mm).abs();
+        let nearest = around.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+        let beyond_mm = Sides::of_each(|side| {
+            let print = nearest.prints.get(side).as_ref();
+            print.map_or(f64::INFINITY, |print| print.beyond_mm(place))
+        });
+        let is_left = match nearest.neck {
+            Some(neck) if self.track.parting == Parting::Neck => neck.is_left(place),
+            _ => beyond_mm.left <= beyond_mm.right,
+        };
+        let side = if is_left { Side::Left } else { Side::Right };
+        (*beyond_mm.get(side) <= self.margin_mm).then_some(side)
     }
 }
 
-/// The triangles of one leg: in its zone, and on its side of the middle where both legs are one.
-fn cut(mesh: &Mesh, side: Side, mid_x_mm: f64, foot: &Zone, shank: &Zone) -> Mesh {
-    let own = |triangle: &[u32; 3]| {
-        let [a, b, c] = triangle.map(|corner| mesh.points()[corner as usize].coords);
-        let middle = (a + b + c) / 3.0;
-        let longest = (a - b).norm().max((b - c).norm()).max((c - a).norm());
+/// One leg's skin: what the zones give to its side.
+fn cut(mesh: &Mesh, side: Side, [foot, shank]: &[Zone; 2]) -> Mesh {
+    mesh.part(|middle, longest_mm| {
         let zone = if middle.z < foot.top_mm { foot } else { shank };
-        longest <= EDGE_MAX_MM
+        longest_mm <= EDGE_MAX_MM
             && middle.z < zone.top_mm
-            && (middle.x - mid_x_mm) * side.lateral_sign() > 0.0
-            && zone.holds(&middle.xy().into(), middle.z)
-    };
-    mesh.part(own)
+            && zone.owner(&middle.xy(), middle.z) == Some(side)
+    })
 }

@@ -1,6 +1,7 @@
 //! Connected shells of the mesh: the body in one or more large ones, and small fragments that are
 //! specks in the air or pieces of the floor.
 
+use super::cloud;
 use crate::scan::Scan;
 
 /// A shell with fewer than this share of all points is a fragment. Body parts that scanners export
@@ -8,21 +9,34 @@ use crate::scan::Scan;
 const FRAGMENT_MAX_SHARE: f64 = 0.005;
 
 /// All shells that are no fragments: their triangles, in their given order, and the points that
-/// these use.
+/// these use. Of a bare cloud, the points that hang together with many.
 pub fn without_fragments(scan: &Scan) -> Scan {
     let count = scan.points.len();
+    let roots = if scan.triangles.is_empty() {
+        cloud::roots(&scan.points, cloud::spacing(&scan.points))
+    } else {
+        connected(count, &scan.triangles)
+    };
+    let mut sizes = vec![0usize; count];
+    roots.iter().for_each(|&root| sizes[root as usize] += 1);
+    let least = FRAGMENT_MAX_SHARE * count as f64;
+    let large = |point: usize| sizes[roots[point] as usize] as f64 > least;
+    if scan.triangles.is_empty() {
+        let points = scan.points.iter().enumerate().filter(|(point, _)| large(*point));
+        return Scan { points: points.map(|(_, place)| *place).collect(), triangles: Vec::new() };
+    }
+    let (triangles, used) = part(count, &scan.triangles, |corners| large(corners[0] as usize));
+    Scan { points: used.into_iter().map(|point| scan.points[point as usize]).collect(), triangles }
+}
+
+/// For each point the number of a point that stands for its shell.
+fn connected(count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut shells = DisjointSets::new(count);
-    for &[a, b, c] in &scan.triangles {
+    for &[a, b, c] in triangles {
         shells.join(a, b);
         shells.join(b, c);
     }
-    let mut sizes = vec![0usize; count];
-    let roots: Vec<u32> = (0..count as u32).map(|point| shells.root(point)).collect();
-    roots.iter().for_each(|&root| sizes[root as usize] += 1);
-    let least = FRAGMENT_MAX_SHARE * count as f64;
-    let large = |triangle: &[u32; 3]| sizes[roots[triangle[0] as usize] as usize] as f64 > least;
-    let (triangles, used) = part(count, &scan.triangles, large);
-    Scan { points: used.into_iter().map(|point| scan.points[point as usize]).collect(), triangles }
+    (0..count as u32).map(|point| shells.root(point)).collect()
 }
 
 /// The triangles that `keeps` chooses, with their points numbered anew, and the old numbers of

@@ -1,4 +1,5 @@
-//! Parallel planes through the mesh: the points where its edges cross them.
+//! Parallel planes through the skin: the points where the mesh's edges cross them, or, of a bare
+//! point cloud, the points near them.
 //!
 //! A facet's edge is a chord of the skin: its points lie up to e²/8R inside. On an ankle of radius
 //! 28 mm with edges of 6 mm that makes the girth 0.3 mm too small. So a crossing is moved out to
@@ -13,19 +14,27 @@ use super::shell;
 /// skin (a fold, a rim, facets of opposite orientation); then the chord stands. Cosine of 45°.
 const SMOOTH_EDGE_MIN_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// A triangle mesh to be sliced, with the normals of its points.
+/// Of a point cloud the points up to this far from a plane make its slice, mm, or up to one
+/// spacing where that is more: scanners that sweep put their points in rows up to 10 mm apart.
+const SLAB_HALF_MIN_MM: f64 = 5.5;
+
+/// A skin to be sliced: a triangle mesh with the normals of its points, or a bare point cloud.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     points: Vec<Point3<f64>>,
+    /// None of a point cloud.
     triangles: Vec<[u32; 3]>,
-    /// Area-weighted mean normal of the triangles around each point, of either sign.
+    /// Area-weighted mean normal of the triangles around each point, of either sign; none of a
+    /// point cloud.
     normals: Vec<Vector3<f64>>,
+    /// Half the thickness of a point cloud's slices, mm.
+    slab_half_mm: f64,
 }
 
-/// Where an edge of the mesh crosses a plane.
+/// Where an edge of the mesh crosses a plane, or the foot of a point near it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// The edge's two points, smaller index first.
+    /// The edge's two points, smaller index first; of a point cloud twice the point.
     pub edge: [u32; 2],
     /// The place.
     pub position: Point3<f64>,
@@ -48,7 +57,13 @@ impl Mesh {
         for normal in &mut normals {
             *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
         }
-        Mesh { points, triangles, normals }
+        Mesh { points, triangles, normals, slab_half_mm: 0.0 }
+    }
+
+    /// A bare point cloud with this distance of neighbouring points.
+    pub fn cloud(points: Vec<Point3<f64>>, spacing_mm: f64) -> Mesh {
+        let slab_half_mm = spacing_mm.max(SLAB_HALF_MIN_MM);
+        Mesh { points, triangles: Vec::new(), normals: Vec::new(), slab_half_mm }
     }
 
     /// Points.
@@ -61,18 +76,35 @@ impl Mesh {
         &self.triangles
     }
 
-    /// The triangles that lie below a height in whole, and their points.
+    /// What lies below a height.
     pub fn below(&self, height_mm: f64) -> Mesh {
-        self.part(|triangle| triangle.iter().all(|&c| self.points[c as usize].z < height_mm))
+        self.part(|middle, _| middle.z < height_mm)
     }
 
-    /// The triangles that `keeps` chooses and their points; normals stay those of the whole mesh.
-    pub fn part(&self, keeps: impl Fn(&[u32; 3]) -> bool) -> Mesh {
+    /// The triangles that `keeps` chooses by their middle and their longest edge, mm, and their
+    /// points; of a point cloud the points, whose edges are 0. Normals stay those of the whole mesh.
+    pub fn part(&self, keeps: impl Fn(&Point3<f64>, f64) -> bool) -> Mesh {
+        if self.triangles.is_empty() {
+            let points = self.points.iter().filter(|point| keeps(point, 0.0));
+            let (points, normals) = (points.copied().collect(), Vec::new());
+            return Mesh {
+                points,
+                triangles: Vec::new(),
+                normals,
+                slab_half_mm: self.slab_half_mm,
+            };
+        }
+        let keeps = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|corner| self.points[corner as usize].coords);
+            let longest = (a - b).norm().max((b - c).norm()).max((c - a).norm());
+            keeps(&((a + b + c) / 3.0).into(), longest)
+        };
         let (triangles, used) = shell::part(self.points.len(), &self.triangles, keeps);
         Mesh {
             points: used.iter().map(|&point| self.points[point as usize]).collect(),
             normals: used.iter().map(|&point| self.normals[point as usize]).collect(),
             triangles,
+            slab_half_mm: self.slab_half_mm,
         }
     }
 
@@ -82,8 +114,12 @@ impl Mesh {
     }
 
     /// Crossings of the mesh's edges with the planes `direction · p = offset`, one list an offset,
-    /// each edge once, in the order of the edges' indices. `offsets` must ascend.
+    /// each edge once, in the order of the edges' indices; of a point cloud the feet of the points
+    /// near each plane, in their order. `offsets` must ascend.
     pub fn slices(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
+        if self.triangles.is_empty() {
+            return self.slabs(direction, offsets);
+        }
         let heights: Vec<f64> = self.points.iter().map(|p| direction.dot(&p.coords)).collect();
         let mut edges: Vec<Vec<[u32; 2]>> = vec![Vec::new(); offsets.len()];
         for &[a, b, c] in &self.triangles {
@@ -109,6 +145,22 @@ impl Mesh {
             edges.into_iter().map(at).collect()
         };
         offsets.iter().zip(edges).map(|(&offset, edges)| crossing(offset, edges)).collect()
+    }
+
+    /// The points of a cloud near each plane, moved onto it.
+    fn slabs(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
+        let mut slices = vec![Vec::new(); offsets.len()];
+        for (point, index) in self.points.iter().zip(0..) {
+            let height = direction.dot(&point.coords);
+            let first = offsets.partition_point(|&offset| offset < height - self.slab_half_mm);
+            let near = offsets[first..].iter();
+            let near = near.take_while(|&&offset| offset <= height + self.slab_half_mm);
+            for (offset, slice) in near.zip(&mut slices[first..]) {
+                let position = point + direction.into_inner() * (offset - height);
+                slice.push(Crossing { edge: [index, index], position });
+            }
+        }
+        slices
     }
 
     /// Where one edge crosses a plane, on the curved skin above the edge.

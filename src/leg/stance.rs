@@ -1,8 +1,9 @@
-//! How a body stands: its two shanks, its feet, where the toes point, where the floor is.
+//! How a body stands: its shanks, its feet, where the toes point, where the floor is.
 
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
 use super::cluster::clusters;
+use super::floor::{Floor, floor};
 use super::hull::Hull;
 use super::slice::{Crossing, Mesh};
 
@@ -10,8 +11,11 @@ use super::slice::{Crossing, Mesh};
 /// below the calf's belly (0.20), where no hand hangs and legs hardly ever touch.
 const SHANK_SHARES: [f64; 8] = [0.08, 0.09, 0.10, 0.11, 0.12, 0.13, 0.14, 0.15];
 
-/// At least this many of these heights must show exactly two shanks.
+/// At least this many of these heights must show exactly two shanks …
 const SHANK_SLICES_MIN: usize = 3;
+
+/// … or this many exactly one and none more: a hole that hides a shank is not as high.
+const LONE_SLICES_MIN: usize = 6;
 
 /// Points of one shank nearer than this belong together, mm: three times the spacing of a coarse
 /// export, less than the gap between two shanks.
@@ -46,20 +50,17 @@ const FEET_SPREAD_MAX_DEG: f64 = 100.0;
 /// this is contradictory, degrees.
 const SQUARE_MAX_DEG: f64 = 35.0;
 
-/// Share of a foot's points that may lie below the floor: noise and stray points.
-const FLOOR_QUANTILE: f64 = 0.002;
-
 /// The stance of an upright body whose lowest point is at about z = 0, mm.
 #[derive(Debug, Clone)]
 pub struct Stance {
-    /// Middle of the two shanks, in no order, at their lowest common height.
-    pub shanks: [Point2<f64>; 2],
-    /// Middle of the two feet, in the order of `shanks`.
-    pub feet: [Point2<f64>; 2],
+    /// Middle of each shank, one or two in no order, at their lowest common height.
+    pub shanks: Vec<Point2<f64>>,
+    /// Middle of each foot, in the order of `shanks`.
+    pub feet: Vec<Point2<f64>>,
     /// Direction of the toes, as far as the feet show it.
     pub toes: Result<Vector2<f64>, FeetUnclear>,
-    /// Height of the floor under the soles, mm.
-    pub floor_mm: f64,
+    /// The floor under the soles.
+    pub floor: Floor,
 }
 
 /// Why the feet do not show where the body faces.
@@ -102,46 +103,56 @@ pub enum FeetUnclear {
     },
 }
 
-/// What was seen where two shanks were expected.
+/// What was seen where two shanks, or one alone, were expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct NotTwoLegs {
+pub struct NoLegs {
     /// Heights at which exactly two were seen.
     pub pairs: usize,
+    /// Heights at which exactly one was seen.
+    pub singles: usize,
     /// Heights that were looked at.
     pub heights: usize,
     /// The most that were seen at one height.
     pub most: usize,
 }
 
-/// Finds the stance.
+/// Finds the stance of a body with this stature, mm.
 ///
 /// # Errors
-/// [`NotTwoLegs`] where too few heights show exactly two shanks.
-pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NotTwoLegs> {
+/// [`NoLegs`] where too few heights show exactly two shanks, or one and nothing else.
+pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
     let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
     let slices = mesh.slices(&Vector3::z_axis(), &heights);
     let rings: Vec<Vec<Point2<f64>>> = slices.iter().map(|slice| shank_middles(slice)).collect();
-    let pairs: Vec<[Point2<f64>; 2]> =
-        rings.iter().filter_map(|found| <[_; 2]>::try_from(found.as_slice()).ok()).collect();
-    if pairs.len() < SHANK_SLICES_MIN {
-        let most = rings.iter().map(Vec::len).max().unwrap_or(0);
-        return Err(NotTwoLegs { pairs: pairs.len(), heights: rings.len(), most });
-    }
-    let shanks = pairs[0];
-    let feet_points = feet(mesh, shanks, FOOT_SHARE * stature_mm);
-    let middle = |points: &[[f64; 3]], shank: Point2<f64>| match points.len() {
-        0 => shank,
+    let shanks = shanks(rings)?;
+    let feet_points = feet(mesh, &shanks, FOOT_SHARE * stature_mm);
+    let middle = |(points, shank): (&Vec<[f64; 3]>, &Point2<f64>)| match points.len() {
+        0 => *shank,
         n => {
             points.iter().fold(Point2::origin(), |sum, p| sum + Vector2::new(p[0], p[1]) / n as f64)
         }
     };
-    let feet = [middle(&feet_points[0], shanks[0]), middle(&feet_points[1], shanks[1])];
     Ok(Stance {
+        feet: feet_points.iter().zip(&shanks).map(middle).collect(),
+        toes: toes(&shanks, &feet_points, stature_mm),
+        floor: floor(&feet_points).unwrap_or(Floor { height_mm: 0.0, sd_mm: f64::INFINITY }),
         shanks,
-        feet,
-        toes: toes(shanks, &feet_points, stature_mm),
-        floor_mm: floor_mm(&feet_points),
     })
+}
+
+/// The shanks at the lowest height that shows as many as the body has.
+fn shanks(rings: Vec<Vec<Point2<f64>>>) -> Result<Vec<Point2<f64>>, NoLegs> {
+    let of_count = |count: usize| rings.iter().filter(|found| found.len() == count).count();
+    let (pairs, singles) = (of_count(2), of_count(1));
+    let most = rings.iter().map(Vec::len).max().unwrap_or(0);
+    let legs = if pairs >= SHANK_SLICES_MIN {
+        2
+    } else if singles >= LONE_SLICES_MIN && most == 1 {
+        1
+    } else {
+        return Err(NoLegs { pairs, singles, heights: rings.len(), most });
+    };
+    Ok(rings.into_iter().find(|found| found.len() == legs).unwrap_or_default())
 }
 
 /// Middles of the rings in a slice that can be shanks.
@@ -167,32 +178,38 @@ fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
 }
 
 /// Points of each foot: those below `top_mm`, each with the shank that is nearer.
-fn feet(mesh: &Mesh, shanks: [Point2<f64>; 2], top_mm: f64) -> [Vec<[f64; 3]>; 2] {
-    let mut feet = [Vec::new(), Vec::new()];
+fn feet(mesh: &Mesh, shanks: &[Point2<f64>], top_mm: f64) -> Vec<Vec<[f64; 3]>> {
+    let mut feet = vec![Vec::new(); shanks.len()];
     for point in mesh.points().iter().filter(|point| point.z < top_mm) {
-        let [a, b] = shanks.map(|shank| (point.xy() - shank).norm_squared());
-        feet[usize::from(b < a)].push([point.x, point.y, point.z]);
+        let far = |shank: &Point2<f64>| (point.xy() - shank).norm_squared();
+        let nearest =
+            (0..shanks.len()).min_by(|a, b| far(&shanks[*a]).total_cmp(&far(&shanks[*b])));
+        if let Some(nearest) = nearest {
+            feet[nearest].push([point.x, point.y, point.z]);
+        }
     }
     feet
 }
 
-/// Where both feet's toes point together: halfway between the feet's own mean direction and the
-/// square to the line through the ankles, since a foot turned out spoils the one and a foot set
-/// forward the other.
+/// Where the toes point: of one foot its own direction; of two halfway between the feet's mean
+/// direction and the square to the line through the ankles, since a foot turned out spoils the one
+/// and a foot set forward the other.
 fn toes(
-    shanks: [Point2<f64>; 2],
-    feet: &[Vec<[f64; 3]>; 2],
+    shanks: &[Point2<f64>],
+    feet: &[Vec<[f64; 3]>],
     stature_mm: f64,
 ) -> Result<Vector2<f64>, FeetUnclear> {
-    let directions = [
-        toe_direction(shanks[0], &feet[0], stature_mm)?,
-        toe_direction(shanks[1], &feet[1], stature_mm)?,
-    ];
-    let spread_deg = directions[0].angle(&directions[1]).to_degrees();
+    let one =
+        |(shank, foot): (&Point2<f64>, &Vec<[f64; 3]>)| toe_direction(*shank, foot, stature_mm);
+    let directions = shanks.iter().zip(feet).map(one).collect::<Result<Vec<_>, _>>()?;
+    let &[first, second] = directions.as_slice() else {
+        return directions.first().copied().ok_or(FeetUnclear::NotSeen { points: 0 });
+    };
+    let spread_deg = first.angle(&second).to_degrees();
     if spread_deg > FEET_SPREAD_MAX_DEG {
         return Err(FeetUnclear::Apart { spread_deg });
     }
-    let toes = (directions[0] + directions[1]).normalize();
+    let toes = (first + second).normalize();
     let across = (shanks[1] - shanks[0]).normalize();
     let square = Vector2::new(-across.y, across.x);
     let square = if square.dot(&toes) < 0.0 { -square } else { square };
@@ -213,25 +230,14 @@ fn toe_direction(
     if foot.len() < FOOT_POINTS_MIN {
         return Err(FeetUnclear::NotSeen { points: foot.len() });
     }
-    let points: Vec<Vector2<f64>> = foot.iter().map(|p| Vector2::new(p[0], p[1])).collect();
-    let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for d in points.iter().map(|p| p - middle) {
-        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
-    }
-    let long = Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x();
-    let [length, width] = [long, Vector2::new(-long.y, long.x)].map(|axis| {
-        let reach = points.iter().map(|p| p.dot(&axis));
-        let (low, high) = reach
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
-        (high - low) / stature_mm
-    });
+    let LongAxis { direction: long, length, width } = long_axis(foot);
+    let [length, width] = [length, width].map(|extent| extent / stature_mm);
     let [shortest, longest] = FOOT_LENGTH_SHARE;
     if !(shortest..=longest).contains(&length) || width > FOOT_WIDTH_MAX_SHARE {
         let (length_percent, width_percent) = (100.0 * length, 100.0 * width);
         return Err(FeetUnclear::NoFoot { length_percent, width_percent });
     }
-    let reach = points.iter().map(|p| (p - ankle.coords).dot(&long));
+    let reach = foot.iter().map(|p| (Point2::new(p[0], p[1]) - ankle).dot(&long));
     let (back, ahead) = reach.fold((0.0_f64, 0.0_f64), |(b, a), r| (b.max(-r), a.max(r)));
     let ratio = ahead.max(back) / ahead.min(back).max(1.0);
     if ratio < TOE_TO_HEEL_MIN {
@@ -240,12 +246,30 @@ fn toe_direction(
     Ok(if ahead > back { long } else { -long })
 }
 
-/// Height of the lower foot's sole; the lowest of all points where no foot is seen.
-fn floor_mm(feet: &[Vec<[f64; 3]>; 2]) -> f64 {
-    let sole = |foot: &Vec<[f64; 3]>| {
-        let mut heights: Vec<f64> = foot.iter().map(|p| p[2]).collect();
-        heights.sort_by(f64::total_cmp);
-        heights.get((FLOOR_QUANTILE * heights.len() as f64) as usize).copied()
-    };
-    feet.iter().filter_map(sole).fold(f64::INFINITY, f64::min).min(f64::MAX)
+/// The long axis of points seen from above, and their extents.
+pub struct LongAxis {
+    /// Unit vector along it, of either sign.
+    pub direction: Vector2<f64>,
+    /// Extent along it, in the unit of the points.
+    pub length: f64,
+    /// Extent across it.
+    pub width: f64,
+}
+
+/// The first principal axis of points seen from above.
+pub fn long_axis(of: &[[f64; 3]]) -> LongAxis {
+    let points: Vec<Vector2<f64>> = of.iter().map(|p| Vector2::new(p[0], p[1])).collect();
+    let middle = points.iter().sum::<Vector2<f64>>() / points.len().max(1) as f64;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for d in points.iter().map(|p| p - middle) {
+        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+    }
+    let direction = Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x();
+    let [length, width] = [direction, Vector2::new(-direction.y, direction.x)].map(|axis| {
+        let reach = points.iter().map(|p| p.dot(&axis));
+        let (low, high) = reach
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
+        high - low
+    });
+    LongAxis { direction, length, width }
 }

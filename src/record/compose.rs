@@ -20,7 +20,7 @@ const FIRST_REVISION: u32 = 1;
 
 /// The record of an extraction.
 pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method) -> Record {
-    let body = &extraction.body;
+    let (body, crotch) = (&extraction.body, &extraction.crotch);
     Record {
         schema: SCHEMA.to_owned(),
         revision: FIRST_REVISION,
@@ -40,8 +40,8 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             triangles: extraction.triangles,
         },
         body: BodyFigures {
-            stature_mm: mm(body.stature_mm),
-            crotch_height_mm: mm(extraction.crotch_height_mm),
+            stature_mm: body.stature_mm.map(mm),
+            crotch_height_mm: crotch.is_seen().then(|| mm(crotch.height_mm)),
             facing_deg: degrees(body.facing_deg),
             facing_from: match body.facing_from {
                 FacingFrom::Feet => "feet".to_owned(),
@@ -59,7 +59,12 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         UnitChoice::Auto => "auto",
         UnitChoice::Declared(unit) => unit.word(),
     };
-    let words = [("unit", unit), ("up", method.up.word()), ("fit", method.fit.word())];
+    let words = [
+        ("scope", method.scope.word()),
+        ("unit", unit),
+        ("up", method.up.word()),
+        ("fit", method.fit.word()),
+    ];
     words.into_iter().map(|(key, word)| (key.to_owned(), word.to_owned())).collect()
 }
 

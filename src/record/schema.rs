@@ -66,10 +66,10 @@ pub struct ScanFile {
 /// Figures of the whole body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct BodyFigures {
-    /// Height of the highest point above the floor.
-    pub stature_mm: f64,
-    /// Height of the crotch above the floor.
-    pub crotch_height_mm: f64,
+    /// Height of the highest point above the floor; null for a lone leg.
+    pub stature_mm: Option<f64>,
+    /// Height of the crotch above the floor; null where it is not in the scan.
+    pub crotch_height_mm: Option<f64>,
     /// Where the toes point in the export.
     pub facing_deg: f64,
     /// `feet` or `declared`.

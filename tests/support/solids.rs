@@ -12,7 +12,8 @@ use gaiter::leg::girth::{GirthCurve, girth_curve};
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::section::Section;
 use gaiter::leg::sections::{Sections, sections};
-use gaiter::leg::segment::{Leg, Side};
+use gaiter::leg::segment::Leg;
+use gaiter::leg::side::Side;
 use gaiter::leg::slice::Mesh;
 use nalgebra::{Point3, Vector3};
 
@@ -102,7 +103,7 @@ impl<'a> Tube<'a> {
             }
         }
         // Points of the holes belong to no triangle and go, as they do from a scan.
-        Leg { side: self.side, mesh: Mesh::new(points, triangles).part(|_| true) }
+        Leg { side: self.side, mesh: Mesh::new(points, triangles).part(|_, _| true), cut_mm: None }
     }
 
     /// The tube's sections, square to the axis that gaiter finds.

@@ -1,0 +1,154 @@
+//! The crotch: where two legs become one body (paper 1, fig. 2a).
+
+use super::follow::{Parting, Step, follow};
+use super::side::Sides;
+use super::slice::Mesh;
+
+/// Distance of the slices in which the crotch is then found, mm.
+const FINE_STEP_MM: f64 = 1.0;
+
+/// The thighs close in on each other over this height, mm, at a rate that leads on to where they
+/// meet.
+const CLOSING_MM: f64 = 10.0;
+
+/// The crotch is at most this much above the last height at which the thighs were seen apart, mm:
+/// the distance at which points count as one skin.
+const CLOSED_MAX_MM: f64 = 12.0;
+
+/// Standard error of a crotch where the thighs are seen apart up to it, mm.
+const APART_SD_MM: f64 = 3.0;
+
+/// The notch between the thighs in front runs out above the crotch, in the pubic region. It is at
+/// an end where it is shallower than this share of the body's depth.
+const NOTCH_END_SHARE: f64 = 0.10;
+
+/// … and that is this share of stature above the crotch: 12 to 35 mm in bodies of known crotch.
+const NOTCH_ABOVE_CROTCH_SHARE: f64 = 0.0145;
+
+/// Standard error of a crotch that is told from the notch, mm.
+const NOTCH_SD_MM: f64 = 15.0;
+
+/// Thighs that become one this far below the crotch as told from the notch touch, mm: more than
+/// three standard errors.
+const TOUCHING_MIN_MM: f64 = 50.0;
+
+/// Standard error of a crotch where only one leg is followed up to the trunk, mm: the slices'
+/// distance and the slope of a hip.
+const ONE_LEG_SD_MM: f64 = 20.0;
+
+/// The crotch where nobody can see it, as a share of stature (ANSUR II).
+const MEAN_SHARE: f64 = 0.48;
+
+/// Standard deviation of that share among people (ANSUR II), rounded up.
+const SD_SHARE: f64 = 0.015;
+
+/// The height of the crotch and how it was told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crotch {
+    /// Above the floor, mm.
+    pub height_mm: f64,
+    /// Standard error, mm.
+    pub sd_mm: f64,
+    /// What it was told from.
+    pub from: CrotchFrom,
+}
+
+/// What the crotch was told from.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum CrotchFrom {
+    /// The thighs, seen apart up to it.
+    Thighs,
+    /// The end of the notch in front, because the thighs touch.
+    Notch {
+        /// Height from which on they touch, mm.
+        touching_from_mm: f64,
+    },
+    /// Where one leg reaches the trunk, because the other is not there.
+    OneLeg,
+    /// Nothing: it stands where a body of this size has it.
+    Proportion {
+        /// Height from which on the legs are one and no fold shows between them; none where the
+        /// scan does not reach a crotch.
+        touching_from_mm: Option<f64>,
+    },
+}
+
+impl Crotch {
+    /// The crotch where one leg, followed alone, reaches the trunk.
+    pub fn of_one_leg(end_mm: f64) -> Crotch {
+        Crotch { height_mm: end_mm, sd_mm: ONE_LEG_SD_MM, from: CrotchFrom::OneLeg }
+    }
+
+    /// The crotch that is not in the scan.
+    pub fn unseen(stature_mm: f64) -> Crotch {
+        let from = CrotchFrom::Proportion { touching_from_mm: None };
+        Crotch { height_mm: MEAN_SHARE * stature_mm, sd_mm: SD_SHARE * stature_mm, from }
+    }
+
+    /// The crotch that is hidden between legs that are one from some height on.
+    pub fn hidden(touching_from_mm: f64, stature_mm: f64) -> Crotch {
+        let from = CrotchFrom::Proportion { touching_from_mm: Some(touching_from_mm) };
+        Crotch { from, ..Crotch::unseen(stature_mm) }
+    }
+
+    /// Height from which on the legs touch, mm, where they do below it.
+    pub fn touching_from_mm(&self) -> Option<f64> {
+        match self.from {
+            CrotchFrom::Notch { touching_from_mm } => Some(touching_from_mm),
+            CrotchFrom::Proportion { touching_from_mm } => touching_from_mm,
+            CrotchFrom::Thighs | CrotchFrom::OneLeg => None,
+        }
+    }
+
+    /// Height from which on no fold shows between the legs and neither is seen for itself, mm.
+    pub fn hidden_from_mm(&self) -> Option<f64> {
+        if self.is_seen() { None } else { self.touching_from_mm() }
+    }
+
+    /// Whether it was seen at all.
+    pub fn is_seen(&self) -> bool {
+        !matches!(self.from, CrotchFrom::Proportion { .. })
+    }
+}
+
+/// The crotch of legs that were followed upwards until they ended as one. `mesh` is asked again in
+/// finer steps.
+pub fn crotch(mesh: &Mesh, steps: &[Step], growth_mm: f64, stature_mm: f64) -> Crotch {
+    let apart = steps.iter().rposition(|step| step.neck.is_none());
+    let joined = &steps[apart.map_or(0, |index| index + 1)..];
+    let join_mm = joined.first().map_or(0.0, |step| step.height_mm);
+    let notched = joined.iter().take_while(|step| notch_share(step) >= NOTCH_END_SHARE);
+    if let Some(notched) = notched.last() {
+        let height_mm = notched.height_mm - NOTCH_ABOVE_CROTCH_SHARE * stature_mm;
+        if height_mm > join_mm + TOUCHING_MIN_MM {
+            let from = CrotchFrom::Notch { touching_from_mm: join_mm };
+            return Crotch { height_mm, sd_mm: NOTCH_SD_MM, from };
+        }
+    }
+    let last = apart.map(|index| &steps[index]);
+    let height_mm = last.map_or(join_mm, |last| closing_mm(mesh, last, join_mm, growth_mm));
+    Crotch { height_mm, sd_mm: APART_SD_MM, from: CrotchFrom::Thighs }
+}
+
+fn notch_share(step: &Step) -> f64 {
+    step.neck.map_or(0.0, |neck| neck.notch_share)
+}
+
+/// Where thighs that are apart at `last` and one at `join_mm` meet: as their distance, which is
+/// seen until the points of one are as near to the other's as to each other, leads on to zero.
+fn closing_mm(mesh: &Mesh, last: &Step, join_mm: f64, growth_mm: f64) -> f64 {
+    let count = ((join_mm + CLOSING_MM - last.height_mm) / FINE_STEP_MM) as usize + 1;
+    let from_mm = last.height_mm - CLOSING_MM;
+    let below = (CLOSING_MM / FINE_STEP_MM) as usize;
+    let heights: Vec<f64> =
+        (0..count + below).map(|index| from_mm + FINE_STEP_MM * index as f64).collect();
+    let prints = Sides { left: last.prints.left.clone(), right: last.prints.right.clone() };
+    let fine = follow(mesh, &prints, &heights, growth_mm, Parting::Neck);
+    let gaps = fine.steps.iter().take_while(|step| step.neck.is_none());
+    let gaps: Vec<(f64, f64)> =
+        gaps.filter_map(|step| Some((step.height_mm, step.gap_mm?))).collect();
+    let Some(&(last_mm, gap_mm)) = gaps.last() else { return join_mm };
+    let earlier = gaps.iter().find(|(height_mm, _)| *height_mm >= last_mm - CLOSING_MM);
+    let closing = earlier.map_or(0.0, |(height_mm, gap)| (gap - gap_mm) / (last_mm - height_mm));
+    if closing > 0.0 { last_mm + (gap_mm / closing).min(CLOSED_MAX_MM) } else { last_mm }
+}

@@ -1,0 +1,142 @@
+//! The floor under feet whose soles nobody saw.
+//!
+//! A scanner sees the skin of a foot until it turns under. What is lowest there is above the
+//! floor: by 3 mm where the skin is seen almost down to it, by 10 where it is seen only from above. How
+//! far the skin has turned where it ends tells how far the floor is: the edge of a foot is round.
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+
+/// Share of a foot's points that may lie below its lowest skin: noise and stray points.
+const STRAY_SHARE: f64 = 0.002;
+
+/// Radius of the edge of a standing foot's sole, mm: between the heel's (10 to 15) and the outer
+/// edge's (8 to 12), by the turn of the skin over height on registered bodies.
+const EDGE_RADIUS_MM: f64 = 12.0;
+
+/// Skin up to this far above the lowest tells how far it has turned, mm.
+const BAND_MM: f64 = 3.0;
+
+/// The turn of the skin is taken over patches of this radius, mm: the noise of single triangles is
+/// as large as the turn.
+const PATCH_RADIUS_MM: f64 = 8.0;
+
+/// A patch with fewer points than this has no direction.
+const PATCH_POINTS_MIN: usize = 6;
+
+/// Patches looked at; more make no difference.
+const PATCHES: usize = 300;
+
+/// The patches of lowest floor are those that stand on it; arch and toes end higher. Of all
+/// patches this share lies below.
+const CONTACT_SHARE: f64 = 0.25;
+
+/// Standard error of the floor where the skin is seen all the way down, mm.
+const SD_MIN_MM: f64 = 1.0;
+
+/// What was not seen is uncertain by this share of it.
+const UNSEEN_SD_SHARE: f64 = 0.5;
+
+/// The floor's height and how well it is known.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Floor {
+    /// Height, mm.
+    pub height_mm: f64,
+    /// Standard error, mm.
+    pub sd_mm: f64,
+}
+
+/// The floor under feet that are given by their points; none where there are no points.
+pub fn floor(feet: &[Vec<[f64; 3]>]) -> Option<Floor> {
+    let lowest_mm = feet.iter().filter_map(|foot| lowest_mm(foot)).reduce(f64::min)?;
+    let rims: Vec<Vector3<f64>> = feet
+        .iter()
+        .flatten()
+        .filter(|point| point[2] < lowest_mm + BAND_MM + PATCH_RADIUS_MM)
+        .map(|point| Vector3::from(*point))
+        .collect();
+    let low: Vec<&Vector3<f64>> = rims.iter().filter(|p| p.z < lowest_mm + BAND_MM).collect();
+    let stride = low.len().div_ceil(PATCHES).max(1);
+    let mut floors: Vec<f64> =
+        low.into_iter().step_by(stride).filter_map(|middle| floor_under(middle, &rims)).collect();
+    floors.sort_by(f64::total_cmp);
+    let contact = floors.get((CONTACT_SHARE * floors.len() as f64) as usize);
+    let height_mm = contact.map_or(lowest_mm, |floor| floor.min(lowest_mm));
+    let sd_mm = SD_MIN_MM.hypot(UNSEEN_SD_SHARE * (lowest_mm - height_mm));
+    Some(Floor { height_mm, sd_mm })
+}
+
+/// Height of a foot's lowest skin, mm.
+fn lowest_mm(foot: &[[f64; 3]]) -> Option<f64> {
+    let mut heights: Vec<f64> = foot.iter().map(|point| point[2]).collect();
+    let stray = (STRAY_SHARE * heights.len() as f64) as usize;
+    (stray < heights.len()).then(|| *heights.select_nth_unstable_by(stray, f64::total_cmp).1)
+}
+
+/// The floor that the round edge meets of which a patch of skin around `middle` is a piece.
+fn floor_under(middle: &Vector3<f64>, rims: &[Vector3<f64>]) -> Option<f64> {
+    let reach = PATCH_RADIUS_MM * PATCH_RADIUS_MM;
+    let (mut count, mut sum, mut squares) = (0usize, Vector3::zeros(), Matrix3::zeros());
+    for arm in rims.iter().map(|point| point - middle) {
+        if arm.norm_squared() <= reach {
+            count += 1;
+            sum += arm;
+            squares += arm * arm.transpose();
+        }
+    }
+    if count < PATCH_POINTS_MIN {
+        return None;
+    }
+    let mean = sum / count as f64;
+    let eigen = SymmetricEigen::new(squares / count as f64 - mean * mean.transpose());
+    let down = eigen.eigenvectors.column(eigen.eigenvalues.imin()).z.abs();
+    // The mean of a round patch lies inside the skin by R²/8ρ.
+    let inside_mm = reach / (8.0 * EDGE_RADIUS_MM) * down;
+    Some(middle.z + mean.z - inside_mm - EDGE_RADIUS_MM * (1.0 - down))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A foot with a round edge, seen down to where the skin has turned by `turn_deg` from
+    /// upright, standing at `floor_mm`.
+    fn foot(floor_mm: f64, turn_deg: i32) -> Vec<[f64; 3]> {
+        let around = (0..160).map(|i| f64::from(i) * 2.25_f64.to_radians());
+        let seen = (-30..=turn_deg).step_by(12).map(|turn| f64::from(turn).to_radians());
+        around
+            .flat_map(|angle| seen.clone().map(move |turn| (angle, turn)))
+            .map(|(angle, turn)| {
+                let (x, y) = (35.0 * angle.cos(), 110.0 * angle.sin());
+                let out = EDGE_RADIUS_MM * turn.cos() / x.hypot(y);
+                let z = floor_mm + EDGE_RADIUS_MM * (1.0 - turn.sin());
+                [x * (1.0 + out), y * (1.0 + out), z]
+            })
+            .collect()
+    }
+
+    #[test]
+    fn the_floor_is_found_below_soles_that_were_not_seen() {
+        for turn_deg in [30, 45, 60, 75] {
+            let feet = [foot(7.0, turn_deg), foot(7.0, turn_deg)];
+            let found = floor(&feet).unwrap();
+            let lowest = feet[0].iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
+            let off = (found.height_mm - 7.0).abs();
+            assert!(off < 2.0 && off < 2.0 * found.sd_mm, "{turn_deg}: {found:?}, {lowest}");
+            assert!(turn_deg > 60 || off < (lowest - 7.0) / 2.0, "{turn_deg}: {found:?}, {lowest}");
+        }
+    }
+
+    #[test]
+    fn a_sole_that_was_seen_is_the_floor() {
+        let grid = (-20..=20).flat_map(|i| (-60..=60).map(move |j| (i, j)));
+        let sole: Vec<[f64; 3]> =
+            grid.map(|(i, j)| [2.0 * f64::from(i), 2.0 * f64::from(j), 0.0]).collect();
+        let found = floor(&[sole]).unwrap();
+        assert!(found.height_mm.abs() < 1.0, "{found:?}");
+    }
+
+    #[test]
+    fn no_foot_has_no_floor() {
+        assert_eq!(floor(&[Vec::new(), Vec::new()]), None);
+    }
+}
