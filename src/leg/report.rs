@@ -27,10 +27,6 @@ const ANKLE_STATURE_SHARE: f64 = 0.06;
 /// The lowest section, as a share of stature: above the instep, below every malleolus.
 const LOWEST_STATURE_SHARE: f64 = 0.035;
 
-/// A leg that is cut is measured up to this far below its end, mm: the slices in which it was
-/// followed are as far apart.
-const CUT_MARGIN_MM: f64 = 10.0;
-
 /// Everything measured on one leg.
 #[derive(Debug, Clone)]
 pub struct LegReport {
@@ -72,7 +68,7 @@ pub fn leg_report(
     let (scale_mm, crotch_height_mm) = (body.scale_mm, crotch.height_mm);
     let axis = axis(leg, scale_mm, crotch_height_mm)?;
     let up_mm = |height_mm: f64| height_mm / axis.direction.z;
-    let end_mm = leg.cut_mm.map_or(crotch_height_mm, |cut_mm| cut_mm - CUT_MARGIN_MM);
+    let end_mm = leg.cut_mm.unwrap_or(crotch_height_mm);
     let span_mm = [up_mm(LOWEST_STATURE_SHARE * scale_mm), up_mm(end_mm)];
     let sections = sections(leg, axis, span_mm, method.fit).ok_or(LegFault::TooFewPoints)?;
     let curve = girth_curve(&sections, scale_mm).ok_or_else(|| {

@@ -41,6 +41,10 @@ const EDGE_MAX_MM: f64 = 60.0;
 /// higher at the hip than at the crotch.
 const ABOVE_CROTCH_MM: f64 = 60.0;
 
+/// Of a leg that ends early this much is left out, mm: two of the slices in which it was followed,
+/// because the last may lie on what follows.
+const CUT_MARGIN_MM: f64 = 20.0;
+
 /// One leg's skin in the body frame, foot included, cut above the crotch.
 #[derive(Debug, Clone)]
 pub struct Leg {
@@ -120,18 +124,19 @@ pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
     downwards.reverse();
     let mut down = follow(mesh, &seeds, &downwards, GROWTH_DOWN_MM, Parting::Nearest);
     down.steps.reverse();
-    let leg_top_mm = crotch.height_mm + ABOVE_CROTCH_MM;
-    let zones = [
-        Zone { track: &down, margin_mm: GROWTH_DOWN_MM, top_mm: start_mm },
-        Zone { track: &up, margin_mm: GROWTH_UP_MM, top_mm: leg_top_mm },
-    ];
     let leg = |side: Side| {
         seeds.get(side).as_ref()?;
         let ends = [*up.ends_mm.get(side), crotch.hidden_from_mm()].into_iter().flatten();
         let end_mm = ends.reduce(f64::min).filter(|end_mm| *end_mm < crotch.height_mm);
+        let end_mm = end_mm.map(|end_mm| end_mm - CUT_MARGIN_MM);
         if end_mm.is_some_and(|end_mm| end_mm < LEG_MIN_SHARE * stature_mm) {
             return None;
         }
+        let leg_top_mm = end_mm.unwrap_or(crotch.height_mm + ABOVE_CROTCH_MM);
+        let zones = [
+            Zone { track: &down, margin_mm: GROWTH_DOWN_MM, top_mm: start_mm },
+            Zone { track: &up, margin_mm: GROWTH_UP_MM, top_mm: leg_top_mm },
+        ];
         Some(Leg { side, mesh: cut(mesh, side, &zones), cut_mm: end_mm })
     };
     let (left, right) = rayon::join(|| leg(Side::Left), || leg(Side::Right));
