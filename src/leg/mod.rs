@@ -11,13 +11,17 @@
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`landmark`] |
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] |
 //! | quasi-grid, NURBS surface | 2 | [`grid`], [`surface`] |
+//! | volumes, the legs' differences, girths at any height | – | [`volume`], [`difference`], [`at_height`] |
+//! | the scanner's own measures | – | [`second_opinion`] |
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+pub mod at_height;
 pub mod axis;
 pub mod body;
 mod cluster;
 pub mod curvature;
+pub mod difference;
 pub mod feature;
 pub mod finding;
 mod footprint;
@@ -30,6 +34,7 @@ pub mod method;
 pub mod plane;
 pub mod polynomial;
 pub mod report;
+pub mod second_opinion;
 pub mod section;
 pub mod sections;
 pub mod segment;
@@ -38,11 +43,13 @@ pub mod skin;
 pub mod slice;
 pub mod stance;
 pub mod surface;
+pub mod volume;
 
 use rayon::prelude::*;
 
 use crate::scan::{self, Format, ScanFault};
 pub use body::{Body, BodyFault, FacingFrom};
+pub use difference::Differences;
 pub use finding::{Finding, What};
 pub use landmark::Landmark;
 pub use level::Level;
@@ -65,6 +72,8 @@ pub struct Extraction {
     pub crotch_height_mm: f64,
     /// Measured legs, left before right; at least one.
     pub legs: Vec<LegReport>,
+    /// How they differ; none where there is only one.
+    pub differences: Option<Differences>,
     /// What must be known, in the order of the stages.
     pub findings: Vec<Finding>,
 }
@@ -136,6 +145,23 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
             }
         }
     }
+    let differences = difference::differences(&legs);
+    findings.extend(differences.iter().flat_map(swellings));
     let (points, triangles) = (scan.points.len(), scan.triangles.len());
-    Ok(Extraction { body, points, triangles, format, crotch_height_mm, legs, findings })
+    Ok(Extraction {
+        body,
+        points,
+        triangles,
+        format,
+        crotch_height_mm,
+        legs,
+        differences,
+        findings,
+    })
+}
+
+/// The findings about legs that differ.
+fn swellings(differences: &Differences) -> impl Iterator<Item = Finding> {
+    let finding = |(level, differ)| Finding { side: None, level, what: What::LegsDiffer(differ) };
+    differences.swellings().into_iter().map(finding)
 }
