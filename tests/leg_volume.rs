@@ -322,6 +322,8 @@ fn a_larger_calf_is_told_and_percentages_are_of_the_smaller_leg() {
     let [l, r] = [left, right].map(|leg| ml(&leg.volume.areas, span_mm));
     near(whole.ml.value, l - r, 1e-9, "left minus right");
     near(whole.percent, 100.0 * (l - r) / l.min(r), 1e-9, "of the smaller");
+    let [l, r] = [left, right].map(|leg| leg.volume.areas.volume(span_mm[0], span_mm[1]).unwrap());
+    near(whole.ml.sd, (l.sd_ml.powi(2) + r.sd_ml.powi(2)).sqrt(), 1e-9, "independent errors");
     let codes: Vec<_> = extraction.findings.iter().filter(|f| f.code() == "legs-differ").collect();
     // The left calf is 46 mm larger; B1 of either leg is where its muscle begins.
     assert_eq!(codes.iter().map(|f| f.level).collect::<Vec<_>>(), [Some(Level::C)]);
