@@ -9,7 +9,7 @@ use gaiter::leg::body::{Body, body};
 use gaiter::leg::girth::girth_curve;
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::sections::{Sections, sections};
-use gaiter::leg::segment::{Legs, segment};
+use gaiter::leg::segment::{Leg, Legs, segment};
 use gaiter::leg::{Method, axis, extract, surface};
 use gaiter::scan::{Format, Scan, read};
 
@@ -33,20 +33,19 @@ fn standing() -> Body {
     body(&scan(), &Method::default()).unwrap_or_else(|fault| stop(&fault))
 }
 
-fn legs() -> (Body, Legs) {
+/// The left leg with the stature and the crotch's height, mm.
+fn left_leg() -> (Leg, f64, f64) {
     let body = standing();
-    let legs = segment(&body).unwrap_or_else(|fault| stop(&fault));
-    (body, legs)
+    let Legs { legs, crotch } = segment(&body).unwrap_or_else(|fault| stop(&fault));
+    (legs.left.unwrap_or_else(|| stop(&"no leg")), body.scale_mm, crotch.height_mm)
 }
 
-fn left_sections() -> (Body, Legs, Sections) {
-    let (body, legs) = legs();
-    let axis = axis::axis(&legs.legs.left, body.stature_mm, legs.crotch_height_mm)
-        .unwrap_or_else(|fault| stop(&fault));
-    let span_mm = [60.0, legs.crotch_height_mm];
-    let sections = sections(&legs.legs.left, axis, span_mm, SectionFit::Skin)
+fn left_sections() -> (Leg, f64, Sections) {
+    let (leg, stature_mm, crotch_height_mm) = left_leg();
+    let axis = axis::axis(&leg, stature_mm, crotch_height_mm).unwrap_or_else(|fault| stop(&fault));
+    let sections = sections(&leg, axis, [60.0, crotch_height_mm], SectionFit::Skin)
         .unwrap_or_else(|| stop(&"no sections"));
-    (body, legs, sections)
+    (leg, stature_mm, sections)
 }
 
 /// A benchmark without its input is worth nothing.
@@ -84,29 +83,30 @@ fn d_segmentation(bencher: Bencher) {
 
 #[divan::bench]
 fn e_axis_of_one_leg(bencher: Bencher) {
-    let (body, legs) = legs();
-    bencher.bench(|| axis::axis(&legs.legs.left, body.stature_mm, legs.crotch_height_mm));
+    let (leg, stature_mm, crotch_height_mm) = left_leg();
+    bencher.bench(|| axis::axis(&leg, stature_mm, crotch_height_mm));
 }
 
 #[divan::bench]
 fn f_sections_of_one_leg(bencher: Bencher) {
-    let (_, legs, found) = left_sections();
+    let (_, _, crotch_height_mm) = left_leg();
+    let (leg, _, found) = left_sections();
     bencher.bench(|| {
         let axis = found.axis.clone();
-        sections(&legs.legs.left, axis, [60.0, legs.crotch_height_mm], SectionFit::Skin)
+        sections(&leg, axis, [60.0, crotch_height_mm], SectionFit::Skin)
     });
 }
 
 #[divan::bench]
 fn g_girth_curve_of_one_leg(bencher: Bencher) {
-    let (body, _, sections) = left_sections();
-    bencher.bench(|| girth_curve(&sections, body.stature_mm));
+    let (_, stature_mm, sections) = left_sections();
+    bencher.bench(|| girth_curve(&sections, stature_mm));
 }
 
 #[divan::bench]
 fn h_surface_of_one_leg_with_its_error(bencher: Bencher) {
-    let (_, legs, sections) = left_sections();
-    bencher.bench(|| surface::surface(&legs.legs.left, &sections, [95.0, 465.0]));
+    let (leg, _, sections) = left_sections();
+    bencher.bench(|| surface::surface(&leg, &sections, [95.0, 465.0]));
 }
 
 #[divan::bench]

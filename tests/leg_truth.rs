@@ -199,7 +199,7 @@ fn the_girth_curve_of_a_clean_body_is_the_true_one_from_below_b_to_above_d() {
     for name in CLEAN {
         let (record, truth) = &BODIES[name];
         // Heights lack what the unseen soles lack; girths do not.
-        let sole_mm = number(&truth["stature_mm"]) - record.body.stature_mm;
+        let sole_mm = number(&truth["stature_mm"]) - record.body.stature_mm.unwrap();
         for leg in &record.legs {
             let column = &leg.girth_curve;
             let rows = column.height_mm.iter().zip(&column.tape_mm);
@@ -233,8 +233,8 @@ fn facing_stature_crotch_unit_and_tilt_are_the_body_s() {
         let body = &record.body;
         let pairs = [
             ("facing", body.facing_deg, &truth["facing_deg"], FACING_DEG),
-            ("stature", body.stature_mm, &truth["stature_mm"], STATURE_MM),
-            ("crotch", body.crotch_height_mm, &truth["crotch_height_mm"], CROTCH_MM),
+            ("stature", body.stature_mm.unwrap(), &truth["stature_mm"], STATURE_MM),
+            ("crotch", body.crotch_height_mm.unwrap(), &truth["crotch_height_mm"], CROTCH_MM),
             ("left tilt", record.legs[0].tilt_deg, &truth["legs"]["left"]["tilt_deg"], 0.5),
             ("right tilt", record.legs[1].tilt_deg, &truth["legs"]["right"]["tilt_deg"], 0.5),
         ];

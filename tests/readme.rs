@@ -5,12 +5,13 @@
 use std::fs;
 
 /// Files whose `code` functions give codes to records, `reason.json` or standard error.
-const SOURCES: [&str; 6] = [
+const SOURCES: [&str; 7] = [
     "src/scan/mod.rs",
     "src/leg/mod.rs",
     "src/leg/body.rs",
     "src/leg/segment.rs",
     "src/leg/finding.rs",
+    "src/leg/second_opinion.rs",
     "src/store/mod.rs",
 ];
 

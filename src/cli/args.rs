@@ -1,11 +1,12 @@
 //! The command line as types, with the help texts a technician reads.
 
+use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
 
-use crate::config::words::{self, FACINGS, SCOPES, UNITS, UPS, Words};
+use crate::config::words::{self, FACINGS, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
@@ -86,6 +87,9 @@ pub struct ExtractArgs {
     /// The axis of the scan the toes point along; auto finds it from the feet
     #[arg(long, value_parser = of_words(FACINGS), allow_hyphen_values = true)]
     pub facing: Option<FacingChoice>,
+    /// Heights above the floor at which girths are wanted too, in cm: --at 10,20,30.5
+    #[arg(long, value_name = "CM,…", value_delimiter = ',', value_parser = height_mm)]
+    pub at: Option<Vec<f64>>,
     /// Take unit, up, facing and method from this configuration, where no option says otherwise
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
@@ -100,6 +104,13 @@ pub struct CheckArgs {
     /// Print the result as JSON, for programs
     #[arg(long)]
     pub json: bool,
+}
+
+/// A height in cm, in mm.
+fn height_mm(text: &str) -> Result<f64, String> {
+    let Range { start, end } = HEIGHTS_CM;
+    words::height_mm(text)
+        .ok_or_else(|| format!("a height in cm is more than {start} and less than {end}"))
 }
 
 /// A parser of one of the words that the configuration knows too.
@@ -151,8 +162,22 @@ mod tests {
     }
 
     #[test]
+    fn heights_are_centimetres_with_or_without_decimals() {
+        assert_eq!(extract(&["a.obj"]).at, None);
+        for words in [["a.obj", "--at", "10,20,30.5"], ["--json", "--at=10,20,30.5", "a.obj"]] {
+            let args = extract(&words);
+            assert_eq!(args.at, Some(vec![100.0, 200.0, 305.0]));
+            assert_eq!(args.scans.len(), 1);
+        }
+    }
+
+    #[test]
     fn a_word_that_is_not_known_is_refused() {
-        for words in [["--unit", "ft"], ["--up", "-y"], ["--facing", "x"]] {
+        for words in
+            [["--unit", "ft"], ["--up", "-y"], ["--facing", "x"], ["--at", "10,"], ["--at", "0"]]
+                .into_iter()
+                .chain(["200", "-5", "nan", "inf", "ten", "10;20", ""].map(|cm| ["--at", cm]))
+        {
             let line = ["gaiter", "extract", "a.obj"].iter().chain(&words);
             assert!(Args::try_parse_from(line).is_err(), "{words:?}");
         }

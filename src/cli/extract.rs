@@ -9,7 +9,7 @@ use rustix::fs::{CWD, RenameFlags, renameat_with};
 use rustix::io::Errno;
 
 use super::args::ExtractArgs;
-use super::{Exit, complain, explain_config, print, shown, table};
+use super::{Exit, complain, explain_config, ord, print, shown, table};
 use crate::config::{self, words};
 use crate::leg::{Extraction, Method, Refusal, extract as measure};
 use crate::record::{self, Provenance, RecordFile};
@@ -62,6 +62,7 @@ fn method(args: &ExtractArgs) -> Result<Method, Exit> {
     method.unit = args.unit.unwrap_or(method.unit);
     method.up = args.up.unwrap_or(method.up);
     method.facing = args.facing.unwrap_or(method.facing);
+    method.at_heights_mm = args.at.clone().unwrap_or(method.at_heights_mm);
     if words::faces_up_or_down(method.up, method.facing) {
         complain("gaiter: --facing points along the up axis; toes point square to it");
         return Err(Exit::Usage);
@@ -124,7 +125,8 @@ impl<'a> Measured<'a> {
         let bytes = fs::read(path).map_err(FileFault::Unreadable)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let format = Format::of_file_name(&name).map_err(Refusal::from)?;
-        let extraction = measure(&bytes, format, method)?;
+        let mut extraction = measure(&bytes, format, method)?;
+        extraction.findings.extend(ord::opinions(path, &extraction));
         let sha256 = record::sha256(&bytes);
         let provenance = Provenance { station: None, patient: None, acquired: None, sha256 };
         Ok(Measured { path, bytes, format, extraction, provenance })

@@ -5,6 +5,7 @@ pub mod check;
 pub mod demo;
 pub mod exit;
 pub mod extract;
+pub mod ord;
 pub mod run;
 pub mod table;
 

@@ -24,6 +24,12 @@ pub fn of(record: &Record) -> String {
         let [left, right] = legs.map(|leg| cells(leg, level));
         let _ = writeln!(text, "  {level:<4}  {left}  {right}");
     }
+    let asked = record.legs.first().map_or(&[][..], |leg| &leg.at);
+    for (row, at) in asked.iter().enumerate() {
+        let [left, right] = legs.map(|leg| at_cells(leg, row));
+        let label = format!("@{}", at.height_mm / 10.0);
+        let _ = writeln!(text, "  {label:<6}{left}  {right}");
+    }
     for finding in &record.findings {
         let place = [finding.leg.as_deref(), finding.level.as_deref()].into_iter().flatten();
         let place: String = place.flat_map(|word| [word, " "]).collect();
@@ -40,11 +46,31 @@ fn cells(leg: Option<&LegFigures>, level: &str) -> String {
     let Some(landmark) = leg.and_then(|leg| leg.landmarks.get(level)) else {
         return format!("{:>11}  {:>11}", "-", "-");
     };
-    let doubt = if landmark.doubts.is_empty() { "" } else { "?" };
-    let worth = |sd: Option<f64>| sd.map_or(String::new(), |sd| format!(" ±{:.2}", sd / 10.0));
+    let doubt = doubt(&landmark.doubts);
     let height = format!("{}{}", cm(landmark.height_mm), worth(landmark.height_sd_mm));
     let girth = format!("{doubt}{}{}", cm(landmark.girth_tape_mm), worth(landmark.girth_sd_mm));
     format!("{height:>11}  {girth:>11}")
+}
+
+/// As [`cells`], of the height in this row of those that were asked for.
+fn at_cells(leg: Option<&LegFigures>, row: usize) -> String {
+    let at = leg.and_then(|leg| leg.at.get(row));
+    let girth = at.and_then(|at| Some((at, at.girth_tape_mm?)));
+    let Some((at, girth_mm)) = girth else {
+        return format!("{:>11}  {:>11}", "-", "-");
+    };
+    let girth = format!("{}{}{}", doubt(&at.doubts), cm(girth_mm), worth(at.girth_sd_mm));
+    format!("{:>11}  {girth:>11}", cm(at.height_mm))
+}
+
+/// A mark where there is a doubt.
+fn doubt(doubts: &[String]) -> &'static str {
+    if doubts.is_empty() { "" } else { "?" }
+}
+
+/// What a figure is worth.
+fn worth(sd_mm: Option<f64>) -> String {
+    sd_mm.map_or(String::new(), |sd_mm| format!(" ±{:.2}", sd_mm / 10.0))
 }
 
 /// Millimetres as the clinic reads them: centimetres with one decimal.

@@ -1,6 +1,9 @@
 //! A fault of the configuration: where it stands, what is wrong, and what to write instead.
 
 use std::fmt;
+use std::ops::Range;
+
+use super::words::HEIGHTS_CM;
 
 /// One fault in a configuration file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -83,6 +86,9 @@ pub enum What {
         /// The largest value allowed, as it would be written.
         most: &'static str,
     },
+    /// No height of a leg.
+    #[error("{0} is no height on a leg")]
+    NotAHeight(String),
     /// None of the words of a choice.
     #[error("\"{text}\" is none of {}", quoted(words))]
     NotAWord {
@@ -158,6 +164,10 @@ impl What {
             What::NotASize(_) => r#"write a number and a unit: "200MB", "1GB""#.into(),
             What::OutOfRange { least, most, .. } => {
                 format!("anything from \"{least}\" to \"{most}\"")
+            }
+            What::NotAHeight(_) => {
+                let Range { start, end } = HEIGHTS_CM;
+                format!("a height above the floor in cm, more than {start} and less than {end}")
             }
             What::NotAWord { similar, .. } => {
                 return similar.map(|word| format!("did you mean \"{word}\"?"));

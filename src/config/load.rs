@@ -73,6 +73,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let pattern =
         reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
+    let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
 
     twice(reader, &exports);
@@ -102,6 +103,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             up: up?.value,
             facing: facing?.value,
             fit: fit?.value,
+            at_heights_mm: at.into_iter().map(|height| height.value).collect(),
         },
         store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
     })

@@ -7,7 +7,7 @@ use regex::Regex;
 
 use super::fault::What;
 use super::nearest::nearest;
-use super::words::{Words, meaning};
+use super::words::{self, Words, meaning};
 
 /// A number and one of the units; `None` for anything else, a number too large included.
 fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
@@ -73,6 +73,11 @@ pub(super) fn word<T: Copy>(words: Words<T>) -> impl Fn(&str) -> Result<T, What>
             What::NotAWord { text: text.into(), words, similar }
         })
     }
+}
+
+/// A height above the floor in cm, in mm.
+pub(super) fn height_mm(text: &str) -> Result<f64, What> {
+    words::height_mm(text).ok_or_else(|| What::NotAHeight(text.into()))
 }
 
 /// A station's name: it stands in file names, so only the plainest characters.

@@ -36,7 +36,7 @@ pub(super) struct Key {
     pub path: &'static str,
     /// What holds when it is not there.
     pub absent: Absent,
-    /// Whether it is a list of texts.
+    /// Whether it is a list.
     pub list: bool,
 }
 
@@ -143,6 +143,34 @@ impl<'t> Reader<'t> {
             self.note(value.span(), path, What::EmptyList);
         }
         entries.iter().filter_map(|entry| self.entry(key, entry, &parse)).collect()
+    }
+
+    /// A list of numbers and their meanings, without those that are wrong; empty where it is absent.
+    pub fn numbers<T>(
+        &mut self,
+        path: &'static str,
+        example: &'static str,
+        parse: impl Fn(&str) -> Result<T, What>,
+    ) -> Vec<Found<T>> {
+        let key = Key { path, absent: Absent::Default(""), list: true };
+        self.keys.push(key);
+        let Seen::Value(value) = self.find(path) else { return Vec::new() };
+        let line = format!("{} = [{example}]", key.split().1);
+        let wrong = |expected, value: &Spanned<DeValue>| What::Kind {
+            expected,
+            found: kind(value.get_ref()),
+            example: line.clone(),
+        };
+        let DeValue::Array(entries) = value.get_ref() else {
+            self.note(value.span(), path, wrong("a list of numbers in [ ]", value));
+            return Vec::new();
+        };
+        let number = |entry: &Spanned<DeValue>| match entry.get_ref() {
+            DeValue::Integer(number) => parse(&number.to_string()),
+            DeValue::Float(number) => parse(number.as_str()),
+            _ => Err(wrong("a number", entry)),
+        };
+        entries.iter().filter_map(|entry| self.judge(path, entry.span(), number(entry))).collect()
     }
 
     fn entry<T>(

@@ -1,5 +1,7 @@
 //! The words for choices, shared by the configuration and the command line.
 
+use std::ops::Range;
+
 use crate::leg::Side;
 use crate::leg::method::{Axis, FacingChoice, Scope, SectionFit, Unit, UnitChoice, Up};
 
@@ -56,4 +58,14 @@ pub fn faces_up_or_down(up: Up, facing: FacingChoice) -> bool {
         Axis::PlusY | Axis::MinusY => up == Up::Y,
         Axis::PlusZ | Axis::MinusZ => up == Up::Z,
     }
+}
+
+/// Heights at which a girth can be asked for, cm: above the floor and below every hip.
+pub const HEIGHTS_CM: Range<f64> = 0.0..200.0;
+
+/// A height above the floor in cm as it is written, `10` or `10.5`, in mm; `None` for anything
+/// else, 0 and what no leg reaches included.
+pub fn height_mm(text: &str) -> Option<f64> {
+    let cm = text.trim().parse::<f64>().ok()?;
+    (cm > HEIGHTS_CM.start && cm < HEIGHTS_CM.end).then_some(cm * 10.0)
 }

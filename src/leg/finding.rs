@@ -1,7 +1,10 @@
 //! What the operator or a later step must know: findings about a scan or leg, doubts about a level.
 
+use super::at_height::NoGirth;
 use super::axis::AxisFault;
+use super::difference::LegsDiffer;
 use super::level::Level;
+use super::second_opinion::SecondOpinion;
 use super::side::Side;
 use super::stance::FeetUnclear;
 
@@ -107,6 +110,20 @@ pub enum What {
         /// Wanted upper end, height in mm.
         wanted_to_mm: f64,
     },
+    /// There is no girth at a height that was asked for.
+    #[error("no girth at {height_mm:.0} mm: {why}")]
+    HeightNotMeasured {
+        /// The height above the floor, mm.
+        height_mm: f64,
+        /// Why not.
+        why: NoGirth,
+    },
+    /// The legs differ as much as by a swelling.
+    #[error(transparent)]
+    LegsDiffer(#[from] LegsDiffer),
+    /// What the scanner's own measures say to these.
+    #[error(transparent)]
+    SecondOpinion(#[from] SecondOpinion),
 }
 
 /// Why a leg could not be measured.
@@ -190,14 +207,20 @@ impl Finding {
             What::LegNotMeasured(_) => "leg-not-measured",
             What::NoSurface { .. } => "no-surface",
             What::SurfaceShort { .. } => "surface-short",
+            What::HeightNotMeasured { .. } => "height-not-measured",
+            What::LegsDiffer(_) => "legs-differ",
+            What::SecondOpinion(opinion) => opinion.code(),
         }
     }
 
     /// How much it matters.
     pub fn severity(&self) -> Severity {
-        match self.what {
+        match &self.what {
+            What::LegsDiffer(_) => Severity::Info,
+            What::SecondOpinion(opinion) => opinion.severity(),
             What::LevelAbsent
             | What::Doubtful(_)
+            | What::HeightNotMeasured { .. }
             | What::FacingUnchecked(_)
             | What::ThighsTouch { .. }
             | What::Proportions { .. }

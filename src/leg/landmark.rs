@@ -146,24 +146,24 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Levels<'_, F> {
             girth_contour_mm: self.curve.contour_mm(along_mm),
             height_sd_mm,
             girth_sd_mm,
-            doubts: self.doubts(along_mm),
+            doubts: doubts(self.curve, along_mm, (self.near)(along_mm)),
         })
     }
+}
 
-    /// What the skin around a level gives to doubt.
-    fn doubts(&self, along_mm: f64) -> Vec<Doubt> {
-        let Some(section) = (self.near)(along_mm).filter(|_| self.curve.is_seen(along_mm)) else {
-            return vec![Doubt::NotSeen];
-        };
-        let (gap_deg, rms_mm) = (section.largest_gap_deg, section.rms_mm);
-        let excess = section.girth.contour_mm / section.girth.tape_mm - 1.0;
-        let all = [
-            (gap_deg > GAP_DOUBT_DEG, Doubt::Gap { gap_deg }),
-            (rms_mm > SCATTER_DOUBT_MM, Doubt::Scatter { rms_mm }),
-            (excess > FOLDS_DOUBT_SHARE, Doubt::Folds { percent: 100.0 * excess }),
-        ];
-        all.into_iter().filter(|(holds, _)| *holds).map(|(_, doubt)| doubt).collect()
-    }
+/// What the skin at a distance along the axis gives to doubt; `section` is the nearest one.
+pub(super) fn doubts(curve: &GirthCurve, along_mm: f64, section: Option<&Section>) -> Vec<Doubt> {
+    let Some(section) = section.filter(|_| curve.is_seen(along_mm)) else {
+        return vec![Doubt::NotSeen];
+    };
+    let (gap_deg, rms_mm) = (section.largest_gap_deg, section.rms_mm);
+    let excess = section.girth.contour_mm / section.girth.tape_mm - 1.0;
+    let all = [
+        (gap_deg > GAP_DOUBT_DEG, Doubt::Gap { gap_deg }),
+        (rms_mm > SCATTER_DOUBT_MM, Doubt::Scatter { rms_mm }),
+        (excess > FOLDS_DOUBT_SHARE, Doubt::Folds { percent: 100.0 * excess }),
+    ];
+    all.into_iter().filter(|(holds, _)| *holds).map(|(_, doubt)| doubt).collect()
 }
 
 impl Landmark {

@@ -15,6 +15,9 @@ pub struct Method {
     pub facing: FacingChoice,
     /// The curve that is fitted to each section.
     pub fit: SectionFit,
+    /// Heights above the floor at which girths are wanted besides the levels, mm, in the order
+    /// they are reported in.
+    pub at_heights_mm: Vec<f64>,
 }
 
 /// What is in the scan.

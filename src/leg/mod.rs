@@ -11,15 +11,19 @@
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`landmark`] |
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] |
 //! | quasi-grid, NURBS surface | 2 | [`grid`], [`surface`] |
+//! | volumes, the legs' differences, girths at any height | – | [`volume`], [`difference`], [`at_height`] |
+//! | the scanner's own measures | – | [`second_opinion`] |
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+pub mod at_height;
 pub mod axis;
 pub mod body;
 mod cloud;
 mod cluster;
 pub mod crotch;
 pub mod curvature;
+pub mod difference;
 pub mod feature;
 pub mod finding;
 pub mod floor;
@@ -35,6 +39,7 @@ pub mod neck;
 pub mod plane;
 pub mod polynomial;
 pub mod report;
+pub mod second_opinion;
 pub mod section;
 pub mod sections;
 pub mod segment;
@@ -44,12 +49,14 @@ pub mod skin;
 pub mod slice;
 pub mod stance;
 pub mod surface;
+pub mod volume;
 
 use rayon::prelude::*;
 
 use crate::scan::{self, Format, ScanFault};
 pub use body::{Body, BodyFault, FacingFrom};
 pub use crotch::{Crotch, CrotchFrom};
+pub use difference::Differences;
 pub use finding::{Finding, LegFault, What};
 pub use landmark::Landmark;
 pub use level::Level;
@@ -73,6 +80,8 @@ pub struct Extraction {
     pub crotch: Crotch,
     /// Measured legs, left before right; at least one.
     pub legs: Vec<LegReport>,
+    /// How they differ; none where there is only one.
+    pub differences: Option<Differences>,
     /// What must be known, in the order of the stages.
     pub findings: Vec<Finding>,
 }
@@ -144,8 +153,19 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
             }
         }
     }
+    let differences = difference::differences(&legs);
+    findings.extend(differences.iter().flat_map(swellings));
     let (points, triangles) = (scan.points.len(), scan.triangles.len());
-    Ok(Extraction { body, points, triangles, format, crotch: cut.crotch, legs, findings })
+    Ok(Extraction {
+        body,
+        points,
+        triangles,
+        format,
+        crotch: cut.crotch,
+        legs,
+        differences,
+        findings,
+    })
 }
 
 /// Crotches of standing people as shares of stature: ANSUR II, mean 0.48, first to last percentile
@@ -168,4 +188,10 @@ fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
         }
     }
     found.into_iter().map(|what| Finding { side: None, level: None, what }).collect()
+}
+
+/// The findings about legs that differ.
+fn swellings(differences: &Differences) -> impl Iterator<Item = Finding> {
+    let finding = |(level, differ)| Finding { side: None, level, what: What::LegsDiffer(differ) };
+    differences.swellings().into_iter().map(finding)
 }

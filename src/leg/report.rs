@@ -1,5 +1,6 @@
 //! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
 
+use super::at_height::{AtHeight, at_heights};
 use super::axis::{LegAxis, axis};
 use super::crotch::Crotch;
 use super::feature::{Feature, features};
@@ -12,6 +13,7 @@ use super::sections::sections;
 use super::segment::Leg;
 use super::side::Side;
 use super::surface::{LegSurface, surface};
+use super::volume::{LegVolume, leg_volume};
 use super::{Body, Method};
 
 /// The surface covers at least this much below B and above D, mm.
@@ -42,6 +44,10 @@ pub struct LegReport {
     pub level_sections: Vec<LevelSection>,
     /// The surface, where enough of the leg is seen.
     pub surface: Option<LegSurface>,
+    /// Volumes.
+    pub volume: LegVolume,
+    /// Girths at the heights that were asked for.
+    pub at: Vec<AtHeight>,
 }
 
 /// The section at a level and what was found on it.
@@ -94,6 +100,9 @@ pub fn leg_report(
     if let Some(surface) = &surface {
         findings.about_extent(surface, wanted_mm);
     }
+    let volume = leg_volume(&sections, &curve, &landmarks);
+    let at = at_heights(&curve, &method.at_heights_mm, near);
+    findings.about_heights(&at);
     let along_mm: Vec<f64> = landmarks.iter().map(|landmark| landmark.along_mm).collect();
     let at_levels = landmarks.iter().zip(sections.at(leg, &along_mm));
     let level_sections = at_levels.filter_map(|(landmark, section)| {
@@ -108,6 +117,8 @@ pub fn leg_report(
         landmarks,
         girth_curve: curve,
         surface,
+        volume,
+        at,
     };
     Ok((report, findings.found))
 }
@@ -146,6 +157,15 @@ impl Findings {
                 Some(landmark) => {
                     landmark.doubts.iter().for_each(|d| self.add(Some(level), What::Doubtful(*d)));
                 }
+            }
+        }
+    }
+
+    /// Heights that were asked for and have no girth.
+    fn about_heights(&mut self, at: &[AtHeight]) {
+        for AtHeight { height_mm, found } in at {
+            if let Err(why) = *found {
+                self.add(None, What::HeightNotMeasured { height_mm: *height_mm, why });
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use super::chart;
 use super::provenance::Provenance;
 use super::rounding::{degrees, mm, per_mm, share};
 use super::schema::{
@@ -50,6 +51,7 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             from_export: std::array::from_fn(|i| body.from_export[(i / 4, i % 4)]),
         },
         legs: extraction.legs.iter().map(leg).collect(),
+        differences: extraction.differences.as_ref().map(chart::differences),
         findings: extraction.findings.iter().map(note).collect(),
     }
 }
@@ -65,7 +67,15 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("up", method.up.word()),
         ("fit", method.fit.word()),
     ];
-    words.into_iter().map(|(key, word)| (key.to_owned(), word.to_owned())).collect()
+    let words = words.map(|(key, word)| (key.to_owned(), word.to_owned()));
+    words.into_iter().chain(at_words(method)).collect()
+}
+
+/// The heights that were asked for, where there are any.
+fn at_words(method: &Method) -> Option<(String, String)> {
+    let heights: Vec<String> =
+        method.at_heights_mm.iter().map(|height| mm(*height).to_string()).collect();
+    (!heights.is_empty()).then(|| ("at_heights_mm".to_owned(), heights.join(", ")))
 }
 
 fn leg(report: &LegReport) -> LegFigures {
@@ -78,6 +88,8 @@ fn leg(report: &LegReport) -> LegFigures {
         sections: report.level_sections.iter().map(section).collect(),
         features: report.level_sections.iter().flat_map(features).collect(),
         surface: report.surface.as_ref().map(surface),
+        volume: chart::volumes(&report.volume),
+        at: report.at.iter().map(chart::at).collect(),
     }
 }
 

@@ -1,5 +1,8 @@
-//! `measurements.csv`: one line a leg and level, for spreadsheets. RFC 4180, comma, point.
+//! `measurements.csv`: one line a leg and level, and a leg and height that was asked for, for
+//! spreadsheets. RFC 4180, comma, point.
 
+use super::chart::AtFigures;
+use super::rounding;
 use super::schema::{LandmarkFigures, Record};
 use crate::leg::Level;
 
@@ -7,7 +10,7 @@ const HEADER: &str = "leg,level,height_mm,along_axis_mm,girth_tape_mm,girth_cont
                       height_sd_mm,girth_sd_mm,doubts\r\n";
 
 /// All levels of the measured legs; the figures of an absent level are empty and its doubts say
-/// `absent`.
+/// `absent`. The heights that were asked for follow as levels `at 10 cm`.
 pub fn measurements(record: &Record) -> String {
     let mut text = HEADER.to_owned();
     for leg in &record.legs {
@@ -15,12 +18,20 @@ pub fn measurements(record: &Record) -> String {
             let cells = leg.landmarks.get(level).map_or_else(absent, present);
             text.push_str(&format!("{},{level},{cells}\r\n", leg.side));
         }
+        for at in &leg.at {
+            let level = format!("at {} cm", rounding::mm(at.height_mm / 10.0));
+            text.push_str(&format!("{},{level},{}\r\n", leg.side, at_height(at)));
+        }
     }
     text
 }
 
+/// A figure, or nothing where there is none.
+fn judged(figure: Option<f64>) -> String {
+    figure.map_or(String::new(), |figure| figure.to_string())
+}
+
 fn present(landmark: &LandmarkFigures) -> String {
-    let judged = |sd: Option<f64>| sd.map_or(String::new(), |sd| sd.to_string());
     format!(
         "{},{},{},{},{},{},{}",
         landmark.height_mm,
@@ -30,6 +41,19 @@ fn present(landmark: &LandmarkFigures) -> String {
         judged(landmark.height_sd_mm),
         judged(landmark.girth_sd_mm),
         landmark.doubts.join(" ")
+    )
+}
+
+/// A height that was asked for is exact, so its standard error stays empty.
+fn at_height(at: &AtFigures) -> String {
+    format!(
+        "{},{},{},{},,{},{}",
+        at.height_mm,
+        judged(at.along_axis_mm),
+        judged(at.girth_tape_mm),
+        judged(at.girth_contour_mm),
+        judged(at.girth_sd_mm),
+        at.doubts.join(" ")
     )
 }
 

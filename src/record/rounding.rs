@@ -6,6 +6,16 @@ pub fn mm(value: f64) -> f64 {
     to_places(value, 3)
 }
 
+/// Volumes in mL, to 1 mm³.
+pub fn ml(value: f64) -> f64 {
+    to_places(value, 3)
+}
+
+/// Percentages, to 0.01 %.
+pub fn percent(value: f64) -> f64 {
+    to_places(value, 2)
+}
+
 /// Angles, to 0.01°.
 pub fn degrees(value: f64) -> f64 {
     to_places(value, 2)

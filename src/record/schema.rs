@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
 use super::provenance::{Acquired, Patient};
 
 /// Name and number of this schema.
@@ -33,6 +34,8 @@ pub struct Record {
     pub body: BodyFigures,
     /// The measured legs.
     pub legs: Vec<LegFigures>,
+    /// How they differ, left minus right; null where one leg is missing.
+    pub differences: Option<DifferenceFigures>,
     /// What must be known.
     pub findings: Vec<FindingNote>,
 }
@@ -95,6 +98,12 @@ pub struct LegFigures {
     pub features: Vec<FeatureFigures>,
     /// The surface; null where there is none.
     pub surface: Option<SurfaceFigures>,
+    /// Volumes.
+    #[serde(default)]
+    pub volume: VolumeFigures,
+    /// Girths at the heights that were asked for.
+    #[serde(default)]
+    pub at: Vec<AtFigures>,
 }
 
 /// Figures of one level.

@@ -7,6 +7,7 @@
 
 pub mod format;
 pub mod obj;
+pub mod ord;
 
 use nalgebra::Point3;
 

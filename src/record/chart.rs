@@ -1,0 +1,174 @@
+//! What clinics chart of a swollen leg: volumes, girths at any height, and how the legs differ.
+//! Figures as they stand in `record.json`.
+
+use serde::{Deserialize, Serialize};
+
+use super::rounding::{ml, mm, percent};
+use crate::leg::at_height::AtHeight;
+use crate::leg::difference::{Difference, Differences, LevelDifference, VolumeDifference};
+use crate::leg::volume::{LegVolume, Slice, Volume};
+
+/// Volumes of one leg.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+pub struct VolumeFigures {
+    /// From the lowest measured section to the highest, at the crotch; null where a section between
+    /// them is open.
+    pub whole_ml: Option<f64>,
+    /// Height of the lowest section's centre; as `whole_ml`.
+    pub from_height_mm: Option<f64>,
+    /// Height of the highest section's centre; as `whole_ml`.
+    pub to_height_mm: Option<f64>,
+    /// Standard error of `whole_ml`; null where it cannot be judged.
+    pub sd_ml: Option<f64>,
+    /// Between B and D; null where one of them is absent or a section between them is open.
+    pub b_to_d_ml: Option<f64>,
+    /// Standard error of `b_to_d_ml`; null where it cannot be judged.
+    pub b_to_d_sd_ml: Option<f64>,
+    /// Slices of 4 cm along the axis from the floor up.
+    pub slices: Vec<SliceFigures>,
+}
+
+/// The volume of a slice across the axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SliceFigures {
+    /// Lower end, along the axis from the floor.
+    pub from_mm: f64,
+    /// Upper end, along the axis from the floor.
+    pub to_mm: f64,
+    /// What lies between; null where the slice was not measured whole.
+    pub ml: Option<f64>,
+    /// Standard error; null where it cannot be judged.
+    pub sd_ml: Option<f64>,
+}
+
+/// The girth at a height that was asked for; null where it was not measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AtFigures {
+    /// Vertical height of the section's centre above the floor, as asked for.
+    pub height_mm: f64,
+    /// Distance along the leg's axis from the floor.
+    pub along_axis_mm: Option<f64>,
+    /// Circumference of the convex hull, what a tape reads.
+    pub girth_tape_mm: Option<f64>,
+    /// Circumference along the skin.
+    pub girth_contour_mm: Option<f64>,
+    /// Standard error of the tape girth.
+    pub girth_sd_mm: Option<f64>,
+    /// Codes of doubts; `height-not-measured` where there is no girth, its finding says why.
+    pub doubts: Vec<String>,
+}
+
+/// How the legs differ: left minus right everywhere.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DifferenceFigures {
+    /// Levels found on both legs, lowest first.
+    pub levels: Vec<LevelDifferenceFigures>,
+    /// Whole volume over the range that both legs have; null where one has none.
+    pub whole: Option<VolumeDifferenceFigures>,
+    /// Slices that were measured whole on both legs.
+    pub slices: Vec<VolumeDifferenceFigures>,
+}
+
+/// The difference at one level, left minus right.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LevelDifferenceFigures {
+    /// Which level.
+    pub level: String,
+    /// Of the tape girths.
+    pub girth_tape_mm: f64,
+    /// Its standard error; null where it cannot be judged.
+    pub girth_sd_mm: Option<f64>,
+    /// Of the heights of the level.
+    pub height_mm: f64,
+    /// Its standard error; null where it cannot be judged.
+    pub height_sd_mm: Option<f64>,
+}
+
+/// The difference of two volumes between the same two distances along the axes, left minus right.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VolumeDifferenceFigures {
+    /// Lower end, along the axis from the floor.
+    pub from_mm: f64,
+    /// Upper end, along the axis from the floor.
+    pub to_mm: f64,
+    /// Of the volumes.
+    pub ml: f64,
+    /// Its standard error; null where it cannot be judged.
+    pub sd_ml: Option<f64>,
+    /// The same in % of the smaller of the two.
+    pub percent: f64,
+}
+
+/// A figure that may not be known.
+fn known(value: f64, rounded: fn(f64) -> f64) -> Option<f64> {
+    value.is_finite().then(|| rounded(value))
+}
+
+/// The volumes of a leg.
+pub fn volumes(leg: &LegVolume) -> VolumeFigures {
+    let value = |volume: Option<Volume>| volume.and_then(|volume| known(volume.ml, ml));
+    let sd = |volume: Option<Volume>| volume.and_then(|volume| known(volume.sd_ml, ml));
+    let slice = |slice: &Slice| SliceFigures {
+        from_mm: mm(slice.from_mm),
+        to_mm: mm(slice.to_mm),
+        ml: value(slice.volume),
+        sd_ml: sd(slice.volume),
+    };
+    let [from_height_mm, to_height_mm] =
+        [0, 1].map(|end: usize| leg.whole_height_mm.map(|heights| mm(heights[end])));
+    VolumeFigures {
+        whole_ml: value(leg.whole),
+        from_height_mm,
+        to_height_mm,
+        sd_ml: sd(leg.whole),
+        b_to_d_ml: value(leg.b_to_d),
+        b_to_d_sd_ml: sd(leg.b_to_d),
+        slices: leg.slices.iter().map(slice).collect(),
+    }
+}
+
+/// The girth at a height.
+pub fn at(at: &AtHeight) -> AtFigures {
+    let girth = at.found.as_ref().ok();
+    AtFigures {
+        height_mm: mm(at.height_mm),
+        along_axis_mm: girth.map(|girth| mm(girth.along_mm)),
+        girth_tape_mm: girth.map(|girth| mm(girth.girth_tape_mm)),
+        girth_contour_mm: girth.map(|girth| mm(girth.girth_contour_mm)),
+        girth_sd_mm: girth.and_then(|girth| known(girth.girth_sd_mm, mm)),
+        doubts: match girth {
+            Some(girth) => girth.doubts.iter().map(|doubt| doubt.code().to_owned()).collect(),
+            None => vec!["height-not-measured".to_owned()],
+        },
+    }
+}
+
+/// The differences of the legs.
+pub fn differences(legs: &Differences) -> DifferenceFigures {
+    DifferenceFigures {
+        levels: legs.levels.iter().map(level_difference).collect(),
+        whole: legs.whole.as_ref().map(volume_difference),
+        slices: legs.slices.iter().map(volume_difference).collect(),
+    }
+}
+
+fn level_difference(at: &LevelDifference) -> LevelDifferenceFigures {
+    let sd = |difference: Difference| known(difference.sd, mm);
+    LevelDifferenceFigures {
+        level: at.level.name().to_owned(),
+        girth_tape_mm: mm(at.girth_mm.value),
+        girth_sd_mm: sd(at.girth_mm),
+        height_mm: mm(at.height_mm.value),
+        height_sd_mm: sd(at.height_mm),
+    }
+}
+
+fn volume_difference(at: &VolumeDifference) -> VolumeDifferenceFigures {
+    VolumeDifferenceFigures {
+        from_mm: mm(at.from_mm),
+        to_mm: mm(at.to_mm),
+        ml: ml(at.ml.value),
+        sd_ml: known(at.ml.sd, ml),
+        percent: percent(at.percent),
+    }
+}

@@ -1,0 +1,241 @@
+//! The measurement file that a \[TC\]2 scanner writes beside a scan (`.ord`): one measure a line,
+//! `MEASURE Name=value`, in the unit of the line `OPTION UNITS=cm`.
+//!
+//! No public description of the format was found. What is read here is what programs that read
+//! such files expect; lines of any other kind are passed over.
+
+/// A measurement file larger than this is none, bytes: real ones hold some hundred lines.
+pub const BYTES_MAX: usize = 1 << 20;
+
+/// Characters of a line that a fault shows.
+const EXCERPT_CHARS: usize = 40;
+
+/// The measures that the scanner's own program took.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Ord {
+    /// The unit that the file declares.
+    pub unit: OrdUnit,
+    /// Names as written and values in mm, in the order of the file. Angles and counts, which the
+    /// file does not mark, are multiplied too and mean nothing.
+    pub measures: Vec<(String, f64)>,
+}
+
+/// A unit of a measurement file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum OrdUnit {
+    /// Millimetre.
+    Mm,
+    /// Centimetre.
+    Cm,
+    /// Inch, 25.4 mm.
+    In,
+}
+
+impl OrdUnit {
+    /// The unit of a word, letter case aside.
+    fn of_word(word: &str) -> Option<OrdUnit> {
+        match word.to_ascii_lowercase().as_str() {
+            "mm" | "millimeter" | "millimeters" => Some(OrdUnit::Mm),
+            "cm" | "centimeter" | "centimeters" => Some(OrdUnit::Cm),
+            "in" | "inch" | "inches" => Some(OrdUnit::In),
+            _ => None,
+        }
+    }
+
+    /// Millimetres in one of this unit.
+    pub fn in_mm(self) -> f64 {
+        match self {
+            OrdUnit::Mm => 1.0,
+            OrdUnit::Cm => 10.0,
+            OrdUnit::In => 25.4,
+        }
+    }
+
+    /// The word used in messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            OrdUnit::Mm => "mm",
+            OrdUnit::Cm => "cm",
+            OrdUnit::In => "in",
+        }
+    }
+}
+
+/// Why bytes are no measurement file. Lines count from 1.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum OrdFault {
+    /// It is too large.
+    #[error("more than {BYTES_MAX} bytes are no measurement file")]
+    TooLarge,
+    /// It is no text.
+    #[error("line {line}: the file is binary, not text")]
+    Binary {
+        /// The line of the first byte that no text holds.
+        line: usize,
+    },
+    /// A value begins as a number and is none.
+    #[error("line {line}: \"{found}\" is no number")]
+    NotANumber {
+        /// Its line.
+        line: usize,
+        /// The value's beginning, printable ASCII only.
+        found: String,
+    },
+    /// A measure without a name, or a line without `=`.
+    #[error("line {line}: \"{found}\" is no NAME=VALUE")]
+    NoName {
+        /// Its line.
+        line: usize,
+        /// The line's beginning, printable ASCII only.
+        found: String,
+    },
+    /// A unit that is not known.
+    #[error("line {line}: the unit \"{found}\" is none of mm, cm and in")]
+    UnknownUnit {
+        /// Its line.
+        line: usize,
+        /// The word's beginning, printable ASCII only.
+        found: String,
+    },
+    /// Another unit than declared before.
+    #[error("line {line}: the unit is {}, and it was {} before", now.word(), before.word())]
+    TwoUnits {
+        /// The line of the second.
+        line: usize,
+        /// The first.
+        before: OrdUnit,
+        /// The second.
+        now: OrdUnit,
+    },
+    /// No line says the unit.
+    #[error("none of its {lines} lines says the unit (OPTION UNITS=cm)")]
+    NoUnit {
+        /// Number of lines.
+        lines: usize,
+    },
+    /// No line holds a measure.
+    #[error("none of its {lines} lines holds a measure (MEASURE Name=value)")]
+    NoMeasures {
+        /// Number of lines.
+        lines: usize,
+    },
+}
+
+/// Reads a measurement file. A value that does not begin as a number is no measure and is passed
+/// over.
+///
+/// # Errors
+/// The first [`OrdFault`] with its line.
+pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
+    if bytes.len() > BYTES_MAX {
+        return Err(OrdFault::TooLarge);
+    }
+    if let Some(at) = bytes.iter().position(|&byte| is_binary(byte)) {
+        let line = 1 + bytes[..at].iter().filter(|&&byte| byte == b'\n').count();
+        return Err(OrdFault::Binary { line });
+    }
+    let text = decoded(bytes);
+    let mut unit: Option<OrdUnit> = None;
+    let mut written: Vec<(String, f64)> = Vec::new();
+    let mut lines = 0;
+    for (line, text) in (1..).zip(text.lines()) {
+        lines = line;
+        match statement(text) {
+            Some((Keyword::Option, rest)) => {
+                let Some(found) = units(rest) else { continue };
+                let unknown = || OrdFault::UnknownUnit { line, found: excerpt(found) };
+                let now = OrdUnit::of_word(found).ok_or_else(unknown)?;
+                match unit {
+                    Some(before) if before != now => {
+                        return Err(OrdFault::TwoUnits { line, before, now });
+                    }
+                    _ => unit = Some(now),
+                }
+            }
+            Some((Keyword::Measure, rest)) => written.extend(measure(rest, line)?),
+            None => {}
+        }
+    }
+    if written.is_empty() {
+        return Err(OrdFault::NoMeasures { lines });
+    }
+    let unit = unit.ok_or(OrdFault::NoUnit { lines })?;
+    let in_mm = |(name, value): (String, f64)| (name, value * unit.in_mm());
+    Ok(Ord { unit, measures: written.into_iter().map(in_mm).collect() })
+}
+
+/// Whether a file of this name is the measurement file of a scan of that name: the ending is
+/// `.ord`, letter case aside, and the stems are alike where space, `+` and `_` are the same.
+/// Names as bytes, so that no encoding of them is in the way.
+pub fn belongs(name: &[u8], scan_name: &[u8]) -> bool {
+    let parted = |name: &[u8]| -> Option<(Vec<u8>, Vec<u8>)> {
+        let dot = name.iter().rposition(|&byte| byte == b'.')?;
+        let alike = |&byte: &u8| if matches!(byte, b' ' | b'+') { b'_' } else { byte };
+        Some((name[..dot].iter().map(alike).collect(), name[dot + 1..].to_ascii_lowercase()))
+    };
+    let (Some((stem, ending)), Some((scan_stem, _))) = (parted(name), parted(scan_name)) else {
+        return false;
+    };
+    ending == b"ord" && stem == scan_stem
+}
+
+/// A byte that no text of this kind holds: control characters but tab and line ends.
+fn is_binary(byte: u8) -> bool {
+    (byte < b' ' && !matches!(byte, b'\t' | b'\n' | b'\r')) || byte == 0x7f
+}
+
+/// The text: UTF-8 where it is, else Latin-1, in which every byte is a character.
+fn decoded(bytes: &[u8]) -> String {
+    match std::str::from_utf8(bytes) {
+        Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(),
+        Err(_) => bytes.iter().map(|&byte| char::from(byte)).collect(),
+    }
+}
+
+/// The lines that mean something.
+#[derive(Debug, Clone, Copy)]
+enum Keyword {
+    Option,
+    Measure,
+}
+
+/// The keyword of a line and what follows it.
+fn statement(line: &str) -> Option<(Keyword, &str)> {
+    let (word, rest) = line.trim().split_once([' ', '\t'])?;
+    let keyword = match word.to_ascii_uppercase().as_str() {
+        "OPTION" => Keyword::Option,
+        "MEASURE" => Keyword::Measure,
+        _ => return None,
+    };
+    Some((keyword, rest.trim()))
+}
+
+/// The word of `UNITS=word`; none for other options.
+fn units(rest: &str) -> Option<&str> {
+    let (name, word) = rest.split_once('=')?;
+    name.trim().eq_ignore_ascii_case("units").then_some(word.trim())
+}
+
+/// Name and value of `Name=value`; none where the value does not begin as a number.
+fn measure(rest: &str, line: usize) -> Result<Option<(String, f64)>, OrdFault> {
+    let parts = rest.split_once('=').map(|(name, value)| (name.trim(), value.trim()));
+    let Some((name, value)) = parts.filter(|(name, _)| !name.is_empty()) else {
+        return Err(OrdFault::NoName { line, found: excerpt(rest) });
+    };
+    if !value.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c)) {
+        return Ok(None);
+    }
+    // A decimal comma is the point of half of Europe; with both, one of them parts thousands.
+    let number = value.replace(',', ".").parse::<f64>().ok().filter(|number| number.is_finite());
+    let number = number.ok_or_else(|| OrdFault::NotANumber { line, found: excerpt(value) })?;
+    Ok(Some((name.to_owned(), number)))
+}
+
+/// The beginning of a text, printable ASCII only, so that no log can be written through it.
+fn excerpt(text: &str) -> String {
+    let printable = |c: char| if c.is_ascii_graphic() || c == ' ' { c } else { '?' };
+    text.chars().take(EXCERPT_CHARS).map(printable).collect()
+}
+
+#[cfg(test)]
+mod tests;
