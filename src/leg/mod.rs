@@ -9,7 +9,7 @@
 //! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`landmark`] |
-//! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] |
+//! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] with `harmonic`, `turn` |
 //! | quasi-grid, NURBS surface | 2 | [`grid`], [`surface`] |
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
@@ -23,6 +23,7 @@ pub mod finding;
 mod footprint;
 pub mod girth;
 pub mod grid;
+mod harmonic;
 mod hull;
 pub mod landmark;
 pub mod level;
@@ -38,6 +39,7 @@ pub mod skin;
 pub mod slice;
 pub mod stance;
 pub mod surface;
+mod turn;
 
 use rayon::prelude::*;
 
