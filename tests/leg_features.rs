@@ -132,13 +132,15 @@ fn a_ridge_too_fine_for_a_leg_is_no_point_and_a_broad_one_is() {
     assert_eq!(found(|angle| 50.0 + 0.8 * (4.0 * angle).cos()).len(), 8);
 }
 
+/// Radius over angle and distance along.
+type Radius<'a> = &'a dyn Fn(f64, f64) -> f64;
+
 #[test]
 fn noise_alone_makes_no_point() {
     let (ellipse, square) = (ellipse(40.0, 31.0), superellipse(4.0, 45.0, 45.0));
     let circle = |_: f64, _: f64| 45.0;
     let square = |angle: f64, _: f64| square(angle);
-    let shapes: [(&dyn Fn(f64, f64) -> f64, usize); 3] =
-        [(&circle, 0), (&ellipse, 4), (&square, 8)];
+    let shapes: [(Radius, usize); 3] = [(&circle, 0), (&ellipse, 4), (&square, 8)];
     for ((radius, count), noise_mm) in
         shapes.into_iter().flat_map(|shape| [0.3, 1.0, 1.5].map(|noise_mm| (shape, noise_mm)))
     {
