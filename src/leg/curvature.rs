@@ -7,10 +7,6 @@
 
 use nalgebra::Point2;
 
-/// The neighbours of a point are this far along the skin, mm: curvature over less is that of the
-/// noise, whose standard deviation grows with the inverse square of the distance.
-pub const STRIDE_MM: f64 = 8.0;
-
 /// Curvature at `middle`, per unit of length, positive where the curve before → middle → after
 /// turns left. None where two of the points coincide.
 pub fn three_point(before: &Point2<f64>, middle: &Point2<f64>, after: &Point2<f64>) -> Option<f64> {
@@ -26,13 +22,13 @@ pub fn three_point(before: &Point2<f64>, middle: &Point2<f64>, after: &Point2<f6
     (speed > 0.0).then(|| 2.0 * linear.perp(&quadratic) / speed.powi(3))
 }
 
-/// Curvature at each of the points of a closed curve run counter-clockwise, whose neighbours are
-/// about [`STRIDE_MM`] away.
-pub fn around(points: &[Point2<f64>], girth_mm: f64) -> Vec<f64> {
+/// Curvature at each of the points of a closed curve run counter-clockwise; 0 where neighbours
+/// coincide. The curve must be smooth between neighbours: noise of σ in points h apart makes √6 σ/h²
+/// of the curvature.
+pub fn around(points: &[Point2<f64>]) -> Vec<f64> {
     let count = points.len();
-    let stride = (STRIDE_MM / girth_mm * count as f64).round().max(1.0) as usize % count.max(1);
     let at = |index: usize| {
-        let (before, after) = ((index + count - stride) % count, (index + stride) % count);
+        let (before, after) = ((index + count - 1) % count, (index + 1) % count);
         three_point(&points[before], &points[index], &points[after]).unwrap_or(0.0)
     };
     (0..count).map(at).collect()
@@ -71,9 +67,9 @@ mod tests {
             .map(|i| f64::from(i).to_radians() / 2.0)
             .map(|t| Point2::new(long * t.cos(), short * t.sin()))
             .collect();
-        let curvatures = around(&points, 317.3);
+        let curvatures = around(&points);
         let (tip, side) = (long / short.powi(2), short / long.powi(2));
-        assert!((curvatures[0] / tip - 1.0).abs() < 0.01, "{}", curvatures[0]);
-        assert!((curvatures[180] / side - 1.0).abs() < 0.03, "{}", curvatures[180]);
+        assert!((curvatures[0] / tip - 1.0).abs() < 1e-4, "{}", curvatures[0]);
+        assert!((curvatures[180] / side - 1.0).abs() < 1e-4, "{}", curvatures[180]);
     }
 }

@@ -1,19 +1,27 @@
 //! Feature points: peaks and valleys of the curvature around a section (paper 1.3, fig. 4b, 4c).
+//!
+//! The curvature is that of the section's outline without its finest harmonics. A point is where
+//! the curvature turns by more than the leg's roundness and the scan's noise explain. Its place is
+//! the middle of what is curved alike: the flattest spot of a flat side may be anywhere on it.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{PI, SQRT_2, TAU};
 
-use nalgebra::Point3;
+use nalgebra::{Point2, Point3};
 
 use super::axis::LegAxis;
-use super::curvature;
 use super::section::Section;
+use super::turn::{Cap, Turn, standing_out};
+use super::{curvature, harmonic};
 
 /// Angles at which the curvature is taken.
 const ANGLES: usize = 360;
 
 /// A peak or valley stands out by at least this share of the mean curvature 2π / girth; less is a
-/// round side of the leg.
+/// round side of the leg, curved alike.
 const PROMINENCE_MIN_SHARE: f64 = 0.25;
+
+/// … and by at least this many standard errors of a difference of two curvatures; less is noise.
+const PROMINENCE_MIN_SD: f64 = 2.0;
 
 /// What a feature point is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +51,10 @@ pub struct Feature {
     pub angle_deg: f64,
     /// The place on the fitted curve, body frame, mm.
     pub position: Point3<f64>,
-    /// Curvature there, 1/mm, positive where convex.
+    /// Standard error of the place along the skin from the scan's noise, mm.
+    pub position_sd_mm: f64,
+    /// The largest (peak) or smallest (valley) curvature of what is curved alike, 1/mm, positive
+    /// where convex. Waves as fine as n around are told as 1 / (1 + (n / 7.5)⁶) of themselves.
     pub curvature_per_mm: f64,
     /// By how much it stands out from its neighbours, 1/mm.
     pub prominence_per_mm: f64,
@@ -51,79 +62,78 @@ pub struct Feature {
 
 /// The feature points of a section in order around from the front: P1, P2, …
 pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
-    let points = section.curve.points(ANGLES);
-    let curvatures = curvature::around(&points, section.girth.contour_mm);
-    let gate = PROMINENCE_MIN_SHARE * TAU / section.girth.contour_mm;
-    let mut found: Vec<Feature> = standing_out(&curvatures, gate)
-        .into_iter()
-        .map(|turn| {
-            let index = turn.index as f64 + vertex(&curvatures, turn.index);
-            let angle = wrapped(-PI + TAU * index / ANGLES as f64);
-            Feature {
-                kind: if turn.is_peak { Kind::Peak } else { Kind::Valley },
-                angle_deg: angle.to_degrees(),
-                position: section.point(axis, angle),
-                curvature_per_mm: curvatures[turn.index],
-                prominence_per_mm: turn.prominence,
-            }
-        })
-        .collect();
+    let curvatures = curvature::around(&outline(section));
+    let error = CurvatureError::of(section);
+    let alike = PROMINENCE_MIN_SHARE * TAU / section.girth.contour_mm;
+    let needed = alike.max(PROMINENCE_MIN_SD * SQRT_2 * error.sd());
+    let feature = |turn: Turn| {
+        let cap = turn.cap(&curvatures, alike);
+        let angle = wrapped(angle(turn.index as f64 + cap.middle));
+        let [radius_mm, slope, _] = section.curve.derivatives(angle);
+        let step_mm = radius_mm.hypot(slope) * TAU / ANGLES as f64;
+        Feature {
+            kind: if turn.is_peak { Kind::Peak } else { Kind::Valley },
+            angle_deg: angle.to_degrees(),
+            position: section.point(axis, angle),
+            position_sd_mm: step_mm * error.middle_sd(&cap),
+            curvature_per_mm: curvatures[turn.index],
+            prominence_per_mm: turn.prominence,
+        }
+    };
+    let mut found: Vec<Feature> =
+        standing_out(&curvatures, needed).into_iter().map(feature).collect();
     found.sort_by(|a, b| a.angle_deg.rem_euclid(360.0).total_cmp(&b.angle_deg.rem_euclid(360.0)));
     found
 }
 
-/// A turning point of a closed row of values.
-#[derive(Debug, Clone, Copy)]
-struct Turn {
-    index: usize,
-    is_peak: bool,
-    prominence: f64,
+/// The angle of a place in the row of angles.
+fn angle(index: f64) -> f64 {
+    -PI + TAU * index / ANGLES as f64
 }
 
-/// Turning points of a closed row of values that differ from both neighbouring ones by the gate or
-/// more: pairs that differ by less are left out, the closest first.
-fn standing_out(values: &[f64], gate: f64) -> Vec<Turn> {
-    let count = values.len();
-    let turn = |index: usize| {
-        let (before, own) = (values[(index + count - 1) % count], values[index]);
-        let after = values[(index + 1) % count];
-        let is_peak = own > before && own >= after;
-        let is_valley = own < before && own <= after;
-        (is_peak || is_valley).then_some(Turn { index, is_peak, prominence: 0.0 })
-    };
-    let mut turns: Vec<Turn> = (0..count).filter_map(turn).collect();
-    let difference = |a: &Turn, b: &Turn| (values[a.index] - values[b.index]).abs();
-    while turns.len() >= 2 {
-        let next = |place: usize| (place + 1) % turns.len();
-        let gap = |place: &usize| difference(&turns[*place], &turns[next(*place)]);
-        let Some(closest) = (0..turns.len()).min_by(|a, b| gap(a).total_cmp(&gap(b))) else {
-            break;
+/// The section without its finest harmonics, relative to its centre, from −180° on.
+fn outline(section: &Section) -> Vec<Point2<f64>> {
+    let angles = || (0..ANGLES).map(|index| angle(index as f64));
+    let radii: Vec<f64> = angles().map(|angle| section.curve.radius(angle)).collect();
+    let smooth = harmonic::smoothed(&radii);
+    angles().zip(smooth).map(|(angle, r)| Point2::new(r * angle.cos(), r * angle.sin())).collect()
+}
+
+/// What the scan's noise makes of the curvature: standard errors of its harmonics, 1/mm, each for
+/// its sine and its cosine.
+struct CurvatureError([f64; harmonic::FINEST + 1]);
+
+impl CurvatureError {
+    /// A harmonic of the radius has twice the variance of its mean, and n times around it makes
+    /// (n² − 1) / r² of curvature.
+    fn of(section: &Section) -> CurvatureError {
+        let independent = || section.rms_mm / (section.points as f64).sqrt();
+        let mean_radius_sd = section.girth_sd.map_or_else(independent, |sd| sd[0] / TAU);
+        let mean_radius_mm = section.girth.contour_mm / TAU;
+        CurvatureError(std::array::from_fn(|n| {
+            let bend = (n * n).saturating_sub(1) as f64 / mean_radius_mm.powi(2);
+            SQRT_2 * mean_radius_sd * harmonic::kept(n) * bend
+        }))
+    }
+
+    /// Standard error of the curvature at any place.
+    fn sd(&self) -> f64 {
+        self.0.iter().map(|sd| sd * sd).sum::<f64>().sqrt()
+    }
+
+    /// Standard error of a cap's middle, in steps, each harmonic carried through.
+    fn middle_sd(&self, cap: &Cap) -> f64 {
+        let variance = |(n, sd): (usize, &f64)| {
+            let (mut sine, mut cosine) = (0.0, 0.0);
+            for (index, pull) in &cap.pulls {
+                let (sin, cos) = (n as f64 * angle(*index as f64)).sin_cos();
+                sine += pull * sin;
+                cosine += pull * cos;
+            }
+            sd * sd * (sine * sine + cosine * cosine)
         };
-        if gap(&closest) >= gate {
-            break;
-        }
-        let (first, second) = (closest.min(next(closest)), closest.max(next(closest)));
-        turns.remove(second);
-        turns.remove(first);
+        self.0.iter().enumerate().map(variance).sum::<f64>().sqrt()
     }
-    let around = turns.clone();
-    for (place, turn) in turns.iter_mut().enumerate() {
-        let neighbours =
-            [around[(place + around.len() - 1) % around.len()], around[(place + 1) % around.len()]];
-        let gaps = neighbours.map(|neighbour| difference(turn, &neighbour));
-        turn.prominence = gaps[0].min(gaps[1]);
-    }
-    turns
-}
-
-/// Where the parabola through a value and its two neighbours turns, in steps from the value,
-/// −0.5 to 0.5.
-fn vertex(values: &[f64], index: usize) -> f64 {
-    let count = values.len();
-    let (before, own) = (values[(index + count - 1) % count], values[index]);
-    let after = values[(index + 1) % count];
-    let bend = before - 2.0 * own + after;
-    if bend == 0.0 { 0.0 } else { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) }
 }
 
 /// The same angle in (−π, π].
@@ -134,19 +144,6 @@ fn wrapped(angle: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn ripples_below_the_gate_are_no_turning_points() {
-        let values: Vec<f64> = (0..360)
-            .map(|i| f64::from(i).to_radians())
-            .map(|t| (3.0 * t).cos() + 0.05 * (40.0 * t).cos())
-            .collect();
-        let turns = standing_out(&values, 0.5);
-        assert_eq!(turns.len(), 6);
-        assert_eq!(turns.iter().filter(|turn| turn.is_peak).count(), 3);
-        assert!(turns.iter().all(|turn| turn.prominence > 1.9));
-        assert_eq!(standing_out(&values, 3.0).len(), 0);
-    }
 
     #[test]
     fn the_angle_of_the_seam_is_180_degrees() {

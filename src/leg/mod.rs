@@ -9,7 +9,7 @@
 //! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`landmark`] |
-//! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] |
+//! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] with `harmonic`, `turn` |
 //! | quasi-grid, NURBS surface | 2 | [`grid`], [`surface`] |
 //! | volumes, the legs' differences, girths at any height | – | [`volume`], [`difference`], [`at_height`] |
 //! | the scanner's own measures | – | [`second_opinion`] |
@@ -31,6 +31,7 @@ pub mod follow;
 pub mod footprint;
 pub mod girth;
 pub mod grid;
+mod harmonic;
 mod hull;
 pub mod landmark;
 pub mod level;
@@ -49,6 +50,7 @@ pub mod skin;
 pub mod slice;
 pub mod stance;
 pub mod surface;
+mod turn;
 pub mod volume;
 
 use rayon::prelude::*;

@@ -94,7 +94,6 @@ fn leg(report: &LegReport) -> LegFigures {
 }
 
 fn landmark(landmark: &Landmark) -> LandmarkFigures {
-    let judged = |sd: f64| sd.is_finite().then(|| mm(sd));
     LandmarkFigures {
         height_mm: mm(landmark.height_mm),
         along_axis_mm: mm(landmark.along_mm),
@@ -104,6 +103,11 @@ fn landmark(landmark: &Landmark) -> LandmarkFigures {
         girth_sd_mm: judged(landmark.girth_sd_mm),
         doubts: landmark.doubts.iter().map(|doubt| doubt.code().to_owned()).collect(),
     }
+}
+
+/// A standard error; none where it cannot be judged.
+fn judged(sd_mm: f64) -> Option<f64> {
+    sd_mm.is_finite().then(|| mm(sd_mm))
 }
 
 fn girth_columns(curve: &GirthCurve) -> GirthColumns {
@@ -140,6 +144,7 @@ fn features(at: &LevelSection) -> impl Iterator<Item = FeatureFigures> + '_ {
         kind: feature.kind.word().to_owned(),
         angle_deg: degrees(feature.angle_deg),
         position_mm: std::array::from_fn(|axis| mm(feature.position[axis])),
+        position_sd_mm: judged(feature.position_sd_mm),
         curvature_per_mm: per_mm(feature.curvature_per_mm),
         prominence_per_mm: per_mm(feature.prominence_per_mm),
     })

@@ -170,6 +170,8 @@ pub struct FeatureFigures {
     pub angle_deg: f64,
     /// Place in the body frame.
     pub position_mm: [f64; 3],
+    /// Standard error of the place along the skin; null where it cannot be judged.
+    pub position_sd_mm: Option<f64>,
     /// Curvature, positive where convex.
     pub curvature_per_mm: f64,
     /// By how much it stands out from its neighbours.
