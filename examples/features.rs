@@ -125,9 +125,9 @@ fn at_same_heights(
 ) -> Result<Vec<LevelSection>, Box<dyn Error>> {
     let body = body(&read(bytes, Format::Obj)?, method)?;
     let cut = segment(&body)?;
-    let leg = if before.side == Side::Left { &cut.legs.left } else { &cut.legs.right };
+    let leg = cut.legs.get(before.side).as_ref().ok_or("the leg is gone")?;
     let up_mm = |height_mm: f64| height_mm / after.axis.direction.z;
-    let span_mm = [up_mm(LOWEST_STATURE_SHARE * body.stature_mm), up_mm(cut.crotch_height_mm)];
+    let span_mm = [up_mm(LOWEST_STATURE_SHARE * body.scale_mm), up_mm(cut.crotch.height_mm)];
     let sections = sections(leg, after.axis.clone(), span_mm, SectionFit::Skin);
     let sections = sections.ok_or("no sections")?;
     let along_mm: Vec<f64> = before.level_sections.iter().map(|at| at.section.along_mm).collect();

@@ -124,10 +124,8 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Levels<'_, F> {
     /// B1 between B and C.
     fn slope(&self, b_mm: f64, c_mm: f64) -> Option<Landmark> {
         let along_mm = steepest(self.curve, b_mm, c_mm)?;
-        let [_, slope, _, bend_change] = self.curve.tape(along_mm);
-        let height_sd_mm =
-            self.curve.tape_sd(along_mm, 2) / bend_change.abs().max(f64::MIN_POSITIVE);
-        let height_sd_mm = height_sd_mm.min(SLOPE_SPAN_MM);
+        let slope = self.curve.tape(along_mm)[1];
+        let height_sd_mm = steepest_sd_mm(self.curve, along_mm).min(SLOPE_SPAN_MM);
         let girth_sd_mm = self.curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
         self.landmark(Level::B1, along_mm, [height_sd_mm, girth_sd_mm])
     }
@@ -280,13 +278,30 @@ fn standing_out(turns: &[Extremum], gates: &[f64]) -> Vec<Extremum> {
 
 /// Where the curve rises most between two places, over a span; none where they are closer.
 fn steepest(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Option<f64> {
-    let half = SLOPE_SPAN_MM / 2.0;
     let count = ((to_mm - from_mm) / STEP_MM) as usize;
-    let (low, high) = curve.domain();
-    let rise = |along: f64| {
-        let (below, above) = ((along - half).max(low), (along + half).min(high));
-        (curve.tape(above)[0] - curve.tape(below)[0]) / (above - below)
-    };
     let places = (1..count).map(|index| from_mm + STEP_MM * index as f64);
-    places.max_by(|a, b| rise(*a).total_cmp(&rise(*b)))
+    places.max_by(|a, b| rise(curve, *a).total_cmp(&rise(curve, *b)))
+}
+
+/// Slope of the curve over a span, as far as the curve reaches.
+fn rise(curve: &GirthCurve, along_mm: f64) -> f64 {
+    let [below, above] = span(curve, along_mm);
+    (curve.tape(above)[0] - curve.tape(below)[0]) / (above - below)
+}
+
+fn span(curve: &GirthCurve, along_mm: f64) -> [f64; 2] {
+    let (low, high) = curve.domain();
+    let half = SLOPE_SPAN_MM / 2.0;
+    [(along_mm - half).max(low), (along_mm + half).min(high)]
+}
+
+/// Standard error of the place of the largest rise, mm: that of the rise's slope, whose two ends
+/// err apart from each other, over how sharply the rise turns, taken over the span.
+fn steepest_sd_mm(curve: &GirthCurve, along_mm: f64) -> f64 {
+    let [below, above] = span(curve, along_mm);
+    let slope_sd = curve.tape_sd(below, 1).hypot(curve.tape_sd(above, 1)) / (above - below);
+    let half = SLOPE_SPAN_MM / 2.0;
+    let around = [along_mm - half, along_mm, along_mm + half].map(|place| rise(curve, place));
+    let bend = (around[0] - 2.0 * around[1] + around[2]) / (half * half);
+    slope_sd / bend.abs().max(f64::MIN_POSITIVE)
 }

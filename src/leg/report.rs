@@ -82,7 +82,10 @@ pub fn leg_report(
         LegFault::TooFewSections { measured, planes: sections.rows.len() }
     })?;
     let near = |along_mm: f64| sections.nearest(along_mm);
-    let found = landmarks(&curve, scale_mm, crotch_height_mm, near);
+    let mut found = landmarks(&curve, scale_mm, crotch_height_mm, near);
+    for landmark in &mut found {
+        landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
+    }
     let mut findings = Findings { side: leg.side, found: Vec::new() };
     if let (Some(end_mm), Some(_)) = (leg.cut_mm, body.stature_mm) {
         findings.add(None, What::LegCut { end_mm });

@@ -32,7 +32,7 @@ pub struct TensorFit {
     pub function: Tensor,
     /// The weight that each datum kept, 0 to 1.
     pub weights: Vec<f64>,
-    /// Standard deviation of a datum under its weight: 0.910 of that of normal errors.
+    /// Standard deviation of a datum, were its errors normal.
     pub sigma: f64,
     /// Effective degrees of freedom.
     pub edf: f64,
@@ -67,6 +67,10 @@ impl TensorFit {
 
 /// Rounds of reweighting and choosing the smoothing; both have settled to 1 % after three.
 const ROUNDS: usize = 3;
+
+/// Standard deviation of standard normal errors under the biweights that they are given: what is
+/// large counts for less (closed form for Tukey's constant 4.685).
+const WEIGHTED_NORMAL_SD: f64 = 0.910;
 
 /// Smoothing of the first round, relative to the median roughness: enough that holes are bridged
 /// and outliers stand out.
@@ -109,7 +113,7 @@ pub fn fit_scatter(
     let left = residuals(&rows, data.value, &coefficients);
     let rss: f64 = left.iter().zip(&weights).map(|(r, w)| w * r * r).sum();
     let freedom = weights.iter().sum::<f64>() - edf;
-    let sigma = (rss / freedom.max(1.0)).sqrt();
+    let sigma = (rss / freedom.max(1.0)).sqrt() / WEIGHTED_NORMAL_SD;
     let by_rows = coefficients.transpose().as_slice().to_vec();
     let function = Tensor::new(along, around, by_rows);
     let density = equations.density();
