@@ -8,7 +8,8 @@
 //! | made upright | 1.1 | [`axis`] |
 //! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
-//! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`landmark`] |
+//! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`extremum`], [`landmark`] |
+//! | A, Y, E, F, G, lengths | – | [`foot`], `thigh`, `medial` |
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] |
 //! | quasi-grid, NURBS surface | 2 | [`grid`], [`surface`] |
 
@@ -18,18 +19,22 @@ pub mod axis;
 pub mod body;
 mod cluster;
 pub mod curvature;
+pub mod extremum;
 pub mod feature;
 pub mod finding;
+pub mod foot;
 mod footprint;
 pub mod girth;
 pub mod grid;
 mod hull;
 pub mod landmark;
 pub mod level;
+mod medial;
 pub mod method;
 pub mod plane;
 pub mod polynomial;
 pub mod report;
+mod ruler;
 pub mod section;
 pub mod sections;
 pub mod segment;
@@ -38,13 +43,15 @@ pub mod skin;
 pub mod slice;
 pub mod stance;
 pub mod surface;
+mod thigh;
 
 use rayon::prelude::*;
 
 use crate::scan::{self, Format, ScanFault};
 pub use body::{Body, BodyFault, FacingFrom};
 pub use finding::{Finding, What};
-pub use landmark::Landmark;
+pub use foot::Foot;
+pub use landmark::{Estimate, Landmark};
 pub use level::Level;
 pub use method::Method;
 pub use report::{LegReport, LevelSection};

@@ -20,6 +20,10 @@ const CROTCH_STEP_MM: f64 = 1.0;
 /// Points nearer than this belong together, mm: twice the spacing of a usual export (6 mm).
 const LINK_MM: f64 = 12.0;
 
+/// Standard error of the crotch's height, mm: thighs nearer to each other than the linking distance
+/// are taken for one, so it may lie that much too low, and half of it is likely.
+pub const CROTCH_SD_MM: f64 = LINK_MM / 2.0;
+
 /// From one slice to the next a leg may widen by this, mm: a slope of 45° and some noise.
 const GROWTH_UP_MM: f64 = 12.0;
 
