@@ -134,7 +134,7 @@ fn g_and_the_estimates_have_the_true_girth_of_their_heights() {
             // The soles are not seen, so the true girth is that of up to 5 mm further up.
             let [low, high] =
                 [-1.0, STATURE_MM].map(|off| profile(truth, "tape_mm", height_mm + off).unwrap());
-            let is_good = low - GIRTH_MM <= girth_mm && girth_mm <= high + GIRTH_MM;
+            let is_good = (low.min(high) - GIRTH_MM..=low.max(high) + GIRTH_MM).contains(&girth_mm);
             table.row(&format!("{name} {level} tape"), girth_mm, (low + high) / 2.0, is_good);
         }
     });

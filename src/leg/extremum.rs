@@ -53,15 +53,17 @@ pub enum Absence {
     NoTurn,
     /// The curve is lowest where the search begins.
     #[error(
-        "the girth is smaller still at {along_mm:.0} mm, where the search begins: the smallest \
-         girth lies below or was not seen"
+        "the girth is smaller still {along_mm:.0} mm along the leg, where the search begins: its \
+         least lies below or was not seen"
     )]
     BelowSearch {
         /// Lower end of the search, along the axis, mm.
         along_mm: f64,
     },
     /// The curve does not turn up to the end of the search.
-    #[error("the girth does not clearly turn below {along_mm:.0} mm, where the search ends")]
+    #[error(
+        "the girth does not clearly turn up to {along_mm:.0} mm along the leg, where the search ends"
+    )]
     AboveSearch {
         /// Upper end of the search, along the axis, mm.
         along_mm: f64,

@@ -67,8 +67,19 @@ pub struct Landmark {
 impl Landmark {
     /// Whether a leg can have this girth at all.
     pub fn is_plausible(&self) -> bool {
-        (GIRTH_MM[0]..=GIRTH_MM[1]).contains(&self.girth_tape_mm)
+        is_plausible(self.girth_tape_mm)
     }
+}
+
+impl Estimate {
+    /// Whether a leg can have this girth at all.
+    pub fn is_plausible(&self) -> bool {
+        is_plausible(self.girth_tape_mm)
+    }
+}
+
+fn is_plausible(girth_mm: f64) -> bool {
+    (GIRTH_MM[0]..=GIRTH_MM[1]).contains(&girth_mm)
 }
 
 /// A level by proportion, where the skin does not show it: a figure to fall back on, no landmark.

@@ -141,6 +141,7 @@ fn measures(
     let (figures, a, y) = foot.map_or((None, None, None), |foot| (Some(foot.foot), foot.a, foot.y));
     levels.found.extend(y);
     estimates.extend(a);
+    estimates.retain(Estimate::is_plausible);
     levels.found.sort_by_key(|landmark| landmark.level);
     estimates.sort_by_key(|estimate| estimate.level);
     Measures { levels, estimates, foot: figures }
