@@ -94,6 +94,7 @@ fn e_and_f_are_estimates_by_proportion_and_never_landmarks() {
         near(estimate.height_mm, height_mm, 0.01, "height");
         near(estimate.girth_tape_mm, TAU * cone(0.0, height_mm), 0.1, "girth");
         assert!(report.landmarks.iter().all(|landmark| landmark.level != level));
+        assert_eq!(estimate.doubts, []);
         assert!(findings.iter().all(|finding| finding.level != Some(level)), "{findings:?}");
     }
     let e = estimated(&report, Level::E);
@@ -123,6 +124,17 @@ fn only_b_b1_c_and_d_are_missed_where_they_are_absent() {
 /// B1 and C of this wave are at 220 and 320 mm.
 fn wave(_: f64, along: f64) -> f64 {
     45.0 - 8.0 * (TAU * (along - 120.0) / 400.0).cos()
+}
+
+#[test]
+fn a_knee_that_would_lie_below_d_is_doubted() {
+    // D is at 520 mm, E would be at 414 mm.
+    let (report, _) = report(&Tube::of(&wave), &Method::default());
+    for level in [Level::E, Level::F] {
+        let codes: Vec<&str> =
+            estimated(&report, level).doubts.iter().map(|doubt| doubt.code()).collect();
+        assert_eq!(codes, ["below-d"]);
+    }
 }
 
 #[test]

@@ -153,6 +153,12 @@ pub enum Doubt {
     /// The sections there could not be measured; the curve bridges them.
     #[error("the skin there was not seen; the girth is bridged")]
     NotSeen,
+    /// A knee that would lie below D.
+    #[error("by its proportion the knee would lie below D, which is at {d_height_mm:.0} mm")]
+    BelowD {
+        /// Height of D, mm.
+        d_height_mm: f64,
+    },
     /// The tape is closed along the floor, where no scanner looks.
     #[error("the sole is not seen; the tape is closed along the floor")]
     SoleNotSeen,
@@ -170,6 +176,7 @@ impl Doubt {
             Doubt::Scatter { .. } => "scatter",
             Doubt::Folds { .. } => "folds",
             Doubt::NotSeen => "not-seen",
+            Doubt::BelowD { .. } => "below-d",
             Doubt::SoleNotSeen => "sole-not-seen",
         }
     }

@@ -136,7 +136,8 @@ fn measures(
     for landmark in &mut levels.found {
         landmark.surface_length_mm = surface_length_mm(sections, landmark.along_mm);
     }
-    let mut estimates = knee_and_thigh(&ruler, crotch, choices.g_below_crotch_mm);
+    let d = levels.found.iter().find(|landmark| landmark.level == Level::D);
+    let mut estimates = knee_and_thigh(&ruler, crotch, choices.g_below_crotch_mm, d);
     let foot = foot(leg, &sections.axis, stature_mm, method.fit);
     let (figures, a, y) = foot.map_or((None, None, None), |foot| (Some(foot.foot), foot.a, foot.y));
     levels.found.extend(y);

@@ -5,6 +5,7 @@
 //! bend lie between 0.58 and 0.69 of the crotch's height, as fat and muscle above the knee will have
 //! it. So E is an estimate, and so is F, which is measured from it.
 
+use super::finding::Doubt;
 use super::landmark::{Estimate, Landmark};
 use super::level::{By, Level};
 use super::ruler::Ruler;
@@ -36,11 +37,12 @@ pub(super) fn g<'a>(
 }
 
 /// E by its share of the crotch's height and F halfway from there to G, as far as the leg is
-/// measured; lowest first.
+/// measured; lowest first. D, where it was found, is below every knee.
 pub(super) fn knee_and_thigh<'a>(
     ruler: &Ruler<impl Fn(f64) -> Option<&'a Section>>,
     crotch: Crotch,
     distance_mm: f64,
+    d: Option<&Landmark>,
 ) -> Vec<Estimate> {
     let knee_mm = KNEE_CROTCH_SHARE * crotch.height_mm;
     let knee_sd_mm =
@@ -51,5 +53,10 @@ pub(super) fn knee_and_thigh<'a>(
     let e = ruler.at_height(Level::E, by_share, knee_mm, knee_sd_mm);
     let between = By::Between(Level::E, Level::G);
     let f = ruler.at_height(Level::F, between, middle_mm, middle_sd_mm);
-    [e, f].into_iter().flatten().map(Estimate::from).collect()
+    let mut estimates: Vec<Estimate> = [e, f].into_iter().flatten().map(Estimate::from).collect();
+    if let Some(d) = d.filter(|d| d.height_mm > knee_mm) {
+        let doubt = Doubt::BelowD { d_height_mm: d.height_mm };
+        estimates.iter_mut().for_each(|estimate| estimate.doubts.push(doubt));
+    }
+    estimates
 }

@@ -227,7 +227,7 @@ fn foot(leg: &LegReport) -> String {
         girths.map(|(mark, level, mm)| format!("{mark}{} {}", level.name(), cm(mm))).collect();
     words.extend(leg.foot.map(|foot| format!("foot {} long", cm(foot.length_mm))));
     format!(
-        "<text x=\"{}\" y=\"738\" text-anchor=\"middle\">{}</text>\n",
+        "<text x=\"{}\" y=\"738\" text-anchor=\"middle\" font-size=\"11\">{}</text>\n",
         column(leg.side),
         words.join(" · ")
     )
