@@ -70,7 +70,8 @@ fn write_rows(
         for level in [Level::B, Level::C, Level::D] {
             write!(out, " {} |", errors(leg, level, true_leg))?;
         }
-        let section_r2 = leg.level_sections.iter().map(|at| at.section.r2);
+        let sought = leg.level_sections.iter().filter(|at| Level::SOUGHT.contains(&at.level));
+        let section_r2 = sought.map(|at| at.section.r2);
         writeln!(
             out,
             " {} | {:.5} | {:.4} | {} |",

@@ -51,13 +51,20 @@ fn the_table_holds_every_level_of_both_legs_in_centimetres() {
     assert_eq!(heads, ["left", "right"]);
     // The mannequin's own rings: ankle, calf and knee of both legs alike.
     let girths_cm = [("B", 20.1), ("B1", 30.2), ("C", 37.1), ("D", 32.1)];
-    for (line, (level, girth_cm)) in lines[3..7].iter().zip(girths_cm) {
+    let row = |level: &str| {
+        lines.iter().find(|line| line.split_whitespace().next() == Some(level)).unwrap()
+    };
+    for (level, girth_cm) in girths_cm {
+        let line = row(level);
         let words: Vec<&str> = line.split_whitespace().collect();
         assert_eq!((words[0], words.len()), (level, 9), "{line}");
         let [left, right] = [3, 7].map(|at: usize| words[at].parse::<f64>().unwrap());
         assert!((left - girth_cm).abs() < 0.3 && (right - girth_cm).abs() < 0.3, "{line}");
     }
-    assert_eq!(lines.len(), 7, "{lines:?}");
+    // Estimates are marked, and nothing else is.
+    for (level, marks) in [("A", 4), ("E", 4), ("F", 4), ("G", 0), ("foot", 0), ("B", 0)] {
+        assert_eq!(row(level).matches('~').count(), marks, "{}", row(level));
+    }
 }
 
 /// What a key of the record must be.
@@ -139,21 +146,25 @@ fn the_json_record_is_one_line_with_every_key_of_the_contract() {
     for leg in legs {
         assert_keys(leg, "leg", &[("tilt_deg", Number)]);
         let levels: Vec<&String> = leg["landmarks"].as_object().unwrap().keys().collect();
-        assert_eq!(levels, ["B", "B1", "C", "D"]);
-        let landmark = [
+        assert_eq!(levels, ["B", "B1", "C", "D", "G", "Y"]);
+        let place = [
+            ("by", Text),
             ("height_mm", Number),
             ("along_axis_mm", Number),
             ("girth_tape_mm", Number),
-            ("girth_contour_mm", Number),
             ("height_sd_mm", Judged),
             ("girth_sd_mm", Judged),
             ("doubts", Words),
         ];
-        leg["landmarks"]
-            .as_object()
-            .unwrap()
-            .values()
-            .for_each(|at| assert_keys(at, "landmark", &landmark));
+        let landmark = [("girth_contour_mm", Number), ("surface_length_mm", Judged)];
+        for at in leg["landmarks"].as_object().unwrap().values() {
+            assert_keys(at, "landmark", &place);
+            assert_keys(at, "landmark", &landmark);
+        }
+        let estimates = leg["estimates"].as_object().unwrap();
+        assert!(estimates.keys().eq(["A", "E", "F"]), "{estimates:?}");
+        estimates.values().for_each(|at| assert_keys(at, "estimate", &place));
+        assert_keys(&leg["foot"], "foot", &[("length_mm", Number), ("breadth_mm", Number)]);
         let curve = &leg["girth_curve"];
         let columns = ["height_mm", "along_axis_mm", "tape_mm", "contour_mm"];
         assert_keys(curve, "girth_curve", &columns.map(|key| (key, Column)));

@@ -11,8 +11,8 @@ use std::f64::consts::TAU;
 use gaiter::leg::Level;
 use gaiter::leg::axis::LegAxis;
 use gaiter::leg::girth::{GirthCurve, girth_curve};
-use gaiter::leg::landmark::{Landmark, landmarks};
-use gaiter::leg::method::SectionFit;
+use gaiter::leg::landmark::{self, Landmark};
+use gaiter::leg::method::{B1, SectionFit};
 use gaiter::leg::sections::{Sections, sections};
 use gaiter::leg::segment::Leg;
 use gaiter::leg::side::Side;
@@ -67,7 +67,8 @@ fn curve(leg: &Leg, fit: SectionFit) -> GirthCurve {
 fn levels(leg: &Leg, fit: SectionFit) -> Vec<Landmark> {
     let sections = horizontal(leg, fit);
     let curve = girth_curve(&sections, STATURE_MM).unwrap();
-    landmarks(&curve, STATURE_MM, test_leg::HEIGHT_MM, |along_mm| sections.nearest(along_mm))
+    let near = |along_mm: f64| sections.nearest(along_mm);
+    landmark::levels(&curve, STATURE_MM, test_leg::HEIGHT_MM, B1::Steepest, near).found
 }
 
 #[track_caller]
@@ -115,7 +116,7 @@ fn the_levels_are_the_printed_extrema_with_either_fit() {
     for fit in [SectionFit::Skin, SectionFit::Periodic, SectionFit::Polynomial] {
         let found = levels(&leg, fit);
         let levels: Vec<Level> = found.iter().map(|landmark| landmark.level).collect();
-        assert_eq!(levels, Level::ALL, "{fit:?}");
+        assert_eq!(levels, Level::SOUGHT, "{fit:?}");
         for (level, height, girth, tolerance) in printed {
             let landmark = found.iter().find(|landmark| landmark.level == level).unwrap();
             let what = format!("{fit:?} {level:?}");

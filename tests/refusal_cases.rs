@@ -216,10 +216,13 @@ fn a_facing_along_the_up_axis_is_a_wrong_command_line() {
     }
 }
 
-/// Height and tape girth of every level of the left and the right leg.
+/// Height and tape girth of B, B1, C and D of the left and the right leg.
 fn measures(found: &Extraction) -> Vec<(Level, f64, f64)> {
     let levels = found.legs.iter().flat_map(|leg| &leg.landmarks);
-    levels.map(|at| (at.level, at.height_mm, at.girth_tape_mm)).collect()
+    levels
+        .filter(|at| Level::SOUGHT.contains(&at.level))
+        .map(|at| (at.level, at.height_mm, at.girth_tape_mm))
+        .collect()
 }
 
 #[test]

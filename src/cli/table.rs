@@ -20,10 +20,12 @@ pub fn of(record: &Record) -> String {
     let legs = sides.map(|side| record.legs.iter().find(|leg| leg.side == side));
     let _ = writeln!(text, "        {:^24}  {:^24}", sides[0], sides[1]);
     let _ = writeln!(text, "        {0:>11}  {1:>11}  {0:>11}  {1:>11}", "height cm", "girth cm");
-    for level in Level::ALL.map(Level::name) {
+    for level in Level::ALL.into_iter().filter(|level| is_shown(record, *level)) {
+        let level = level.name();
         let [left, right] = legs.map(|leg| cells(leg, level));
         let _ = writeln!(text, "  {level:<4}  {left}  {right}");
     }
+    text += &feet(legs);
     let asked = record.legs.first().map_or(&[][..], |leg| &leg.at);
     for (row, at) in asked.iter().enumerate() {
         let [left, right] = legs.map(|leg| at_cells(leg, row));
@@ -40,16 +42,44 @@ pub fn of(record: &Record) -> String {
     text
 }
 
-/// Height and girth of one level of one leg, with what they are worth; a dash where absent, a mark
-/// where in doubt.
-fn cells(leg: Option<&LegFigures>, level: &str) -> String {
-    let Some(landmark) = leg.and_then(|leg| leg.landmarks.get(level)) else {
-        return format!("{:>11}  {:>11}", "-", "-");
+/// Levels that every leg is searched for always have a row; the others where there is a figure.
+fn is_shown(record: &Record, level: Level) -> bool {
+    let has = |leg: &LegFigures| {
+        leg.landmarks.contains_key(level.name()) || leg.estimates.contains_key(level.name())
     };
-    let doubt = doubt(&landmark.doubts);
-    let height = format!("{}{}", cm(landmark.height_mm), worth(landmark.height_sd_mm));
-    let girth = format!("{doubt}{}{}", cm(landmark.girth_tape_mm), worth(landmark.girth_sd_mm));
-    format!("{height:>11}  {girth:>11}")
+    Level::SOUGHT.contains(&level) || record.legs.iter().any(has)
+}
+
+/// The lengths of the feet, where one is seen.
+fn feet(legs: [Option<&LegFigures>; 2]) -> String {
+    let lengths = legs.map(|leg| leg.and_then(|leg| leg.foot.as_ref()).map(|foot| foot.length_mm));
+    if lengths == [None, None] {
+        return String::new();
+    }
+    let [left, right] = lengths.map(|mm| mm.map_or("-".to_owned(), cm));
+    format!("  foot  {left:>11}  {:>11}  {right:>11}\n", "")
+}
+
+/// Height and girth of one level of one leg, with what they are worth; a dash where absent, a mark
+/// where in doubt, another where estimated by proportion.
+fn cells(leg: Option<&LegFigures>, level: &str) -> String {
+    let landmark = leg.and_then(|leg| leg.landmarks.get(level)).map(|found| {
+        let doubt = doubt(&found.doubts);
+        let heights = (found.height_mm, found.height_sd_mm);
+        pair(["", doubt], heights, (found.girth_tape_mm, found.girth_sd_mm))
+    });
+    let estimate = || {
+        let estimate = leg.and_then(|leg| leg.estimates.get(level))?;
+        let heights = (estimate.height_mm, estimate.height_sd_mm);
+        Some(pair(["~", "~"], heights, (estimate.girth_tape_mm, estimate.girth_sd_mm)))
+    };
+    landmark.or_else(estimate).unwrap_or_else(|| format!("{:>11}  {:>11}", "-", "-"))
+}
+
+/// Height and girth in cm with their marks and standard errors.
+fn pair(marks: [&str; 2], height: (f64, Option<f64>), girth: (f64, Option<f64>)) -> String {
+    let cell = |mark: &str, (mm, sd)| format!("{mark}{}{}", cm(mm), worth(sd));
+    format!("{:>11}  {:>11}", cell(marks[0], height), cell(marks[1], girth))
 }
 
 /// As [`cells`], of the height in this row of those that were asked for.

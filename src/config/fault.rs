@@ -76,7 +76,10 @@ pub enum What {
     /// Not a size at all.
     #[error("\"{0}\" is not a size")]
     NotASize(String),
-    /// A duration or size that makes no sense here.
+    /// Not a length at all.
+    #[error("\"{0}\" is not a length")]
+    NotALength(String),
+    /// A duration, size or length that makes no sense here.
     #[error("\"{text}\" is out of range")]
     OutOfRange {
         /// As written.
@@ -162,6 +165,7 @@ impl What {
                 r#"write a number and a unit: "2s", "500ms", "10m""#.to_string()
             }
             What::NotASize(_) => r#"write a number and a unit: "200MB", "1GB""#.into(),
+            What::NotALength(_) => r#"write a number and a unit: "5cm", "80mm""#.into(),
             What::OutOfRange { least, most, .. } => {
                 format!("anything from \"{least}\" to \"{most}\"")
             }

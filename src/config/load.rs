@@ -9,11 +9,12 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
-use super::words::{FACINGS, FITS, SCOPES, UNITS, UPS, Words, faces_up_or_down};
+use super::words::{B1S, B1Word, FACINGS, FITS, SCOPES, UNITS, UPS, Words, faces_up_or_down};
 use super::{
     Config, FolderStoreConfig, PatientConfig, ScannerConfig, StationConfig, StoreConfig, notation,
 };
 use crate::leg::Method;
+use crate::leg::method::{B1, LevelChoices};
 
 /// Reads the text of a configuration.
 ///
@@ -74,6 +75,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
+    let levels = level_choices(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
 
     twice(reader, &exports);
@@ -104,9 +106,26 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             facing: facing?.value,
             fit: fit?.value,
             at_heights_mm: at.into_iter().map(|height| height.value).collect(),
+            levels: levels?,
         },
         store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
     })
+}
+
+/// The keys of `[method]` that say where levels are.
+fn level_choices(reader: &mut Reader) -> Option<LevelChoices> {
+    use Absent::Default;
+    let b1 = reader.text("method.b1", Default("steepest"), parse::word(B1S));
+    let bounds = Bounds { least: "2cm", most: "20cm" };
+    let above_b = reader.text("method.b1_above_b", Default("8cm"), parse::length_in(bounds));
+    let bounds = Bounds { least: "2cm", most: "10cm" };
+    let below = reader.text("method.g_below_crotch", Default("5cm"), parse::length_in(bounds));
+    let distance_mm = f64::from(above_b?.value);
+    let b1 = match b1?.value {
+        B1Word::Steepest => B1::Steepest,
+        B1Word::AboveB => B1::AboveB { distance_mm },
+    };
+    Some(LevelChoices { b1, g_below_crotch_mm: f64::from(below?.value) })
 }
 
 fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {

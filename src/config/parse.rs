@@ -64,6 +64,19 @@ pub(super) fn size_in(bounds: Bounds) -> impl Fn(&str) -> Result<u64, What> {
     move |text| bounds.hold(text, size(text)?, size)
 }
 
+/// `"5cm"`, `"80mm"`, in millimetres.
+pub(super) fn length(text: &str) -> Result<u32, What> {
+    let millimetres = quantity(text, &[("mm", 1), ("cm", 10)]);
+    millimetres
+        .and_then(|length| length.try_into().ok())
+        .ok_or_else(|| What::NotALength(text.into()))
+}
+
+/// A length within bounds, in millimetres.
+pub(super) fn length_in(bounds: Bounds) -> impl Fn(&str) -> Result<u32, What> {
+    move |text| bounds.hold(text, length(text)?, length)
+}
+
 /// One of the words of a choice.
 pub(super) fn word<T: Copy>(words: Words<T>) -> impl Fn(&str) -> Result<T, What> {
     move |text| {
@@ -156,6 +169,15 @@ mod tests {
         assert_eq!(size("200MB"), Ok(200_000_000));
         assert_eq!(size("1kB"), size("1000B"));
         assert!(size("200 MB").is_err() && size("200").is_err() && size("200M").is_err());
+    }
+
+    #[test]
+    fn lengths_are_in_millimetres() {
+        assert_eq!(length("5cm"), length("50mm"));
+        assert_eq!(length("80mm"), Ok(80));
+        for text in ["5", "5 cm", "0.5cm", "-5cm", "5m", "2in", "99999999999mm"] {
+            assert_eq!(length(text), Err(What::NotALength(text.into())), "{text}");
+        }
     }
 
     #[test]

@@ -5,6 +5,15 @@ use std::ops::Range;
 use crate::leg::Side;
 use crate::leg::method::{Axis, FacingChoice, Scope, SectionFit, Unit, UnitChoice, Up};
 
+/// What `method.b1` may be; the distance of the second stands under a key of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum B1Word {
+    /// Where the girth grows most.
+    Steepest,
+    /// At `method.b1_above_b`.
+    AboveB,
+}
+
 /// The words of one choice and what each means, in the order they are shown.
 pub type Words<T> = &'static [(&'static str, T)];
 
@@ -44,6 +53,9 @@ pub const FITS: Words<SectionFit> = &[
     ("periodic", SectionFit::Periodic),
     ("polynomial", SectionFit::Polynomial),
 ];
+
+/// `method.b1`
+pub const B1S: Words<B1Word> = &[("steepest", B1Word::Steepest), ("above-b", B1Word::AboveB)];
 
 /// What a word means; `None` for a word that is none of these.
 pub fn meaning<T: Copy>(words: Words<T>, word: &str) -> Option<T> {

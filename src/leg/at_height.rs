@@ -3,7 +3,7 @@
 
 use super::finding::Doubt;
 use super::girth::GirthCurve;
-use super::landmark::doubts;
+use super::ruler::doubts;
 use super::section::Section;
 use super::sections::SPACING_MM;
 

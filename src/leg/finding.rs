@@ -3,6 +3,7 @@
 use super::at_height::NoGirth;
 use super::axis::AxisFault;
 use super::difference::LegsDiffer;
+use super::extremum::Absence;
 use super::level::Level;
 use super::second_opinion::SecondOpinion;
 use super::side::Side;
@@ -45,8 +46,8 @@ pub struct Finding {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum What {
     /// The level is not on this leg.
-    #[error("the girth curve has no such turning point: the level is absent")]
-    LevelAbsent,
+    #[error("the level is absent: {0}")]
+    LevelAbsent(Absence),
     /// A girth that no leg has.
     #[error("a girth of {girth_mm:.0} mm is no leg's: the level is left out")]
     LevelImplausible {
@@ -157,6 +158,24 @@ pub enum Doubt {
         /// How far it stands out, mm.
         prominence_mm: f64,
     },
+    /// The height of the extremum is not determined.
+    #[error("the girth is flat there: its height is uncertain by {height_sd_mm:.0} mm")]
+    Flat {
+        /// Standard error of the height, mm.
+        height_sd_mm: f64,
+    },
+    /// Another extremum of the same kind cannot be told from this one.
+    #[error("the girth at {other_height_mm:.0} mm is the same within the noise")]
+    Double {
+        /// Height of the other's centre above the floor, mm.
+        other_height_mm: f64,
+    },
+    /// The extremum lies at an end of what was searched.
+    #[error("the extremum lies {end_mm:.0} mm from the end of what was searched or seen")]
+    Edge {
+        /// Distance to the end along the axis, mm.
+        end_mm: f64,
+    },
     /// The skin there has a gap.
     #[error("{gap_deg:.0} degrees of the skin were not seen there")]
     Gap {
@@ -178,6 +197,15 @@ pub enum Doubt {
     /// The sections there could not be measured; the curve bridges them.
     #[error("the skin there was not seen; the girth is bridged")]
     NotSeen,
+    /// A knee that would lie below D.
+    #[error("by its proportion the knee would lie below D, which is at {d_height_mm:.0} mm")]
+    BelowD {
+        /// Height of D, mm.
+        d_height_mm: f64,
+    },
+    /// The tape is closed along the floor, where no scanner looks.
+    #[error("the sole is not seen; the tape is closed along the floor")]
+    SoleNotSeen,
 }
 
 impl Doubt {
@@ -185,10 +213,15 @@ impl Doubt {
     pub fn code(&self) -> &'static str {
         match self {
             Doubt::Shallow { .. } => "shallow",
+            Doubt::Flat { .. } => "flat",
+            Doubt::Double { .. } => "double",
+            Doubt::Edge { .. } => "edge",
             Doubt::Gap { .. } => "gap",
             Doubt::Scatter { .. } => "scatter",
             Doubt::Folds { .. } => "folds",
             Doubt::NotSeen => "not-seen",
+            Doubt::BelowD { .. } => "below-d",
+            Doubt::SoleNotSeen => "sole-not-seen",
         }
     }
 }
@@ -197,7 +230,7 @@ impl Finding {
     /// The stable code used in records and the README's table.
     pub fn code(&self) -> &'static str {
         match &self.what {
-            What::LevelAbsent => "level-absent",
+            What::LevelAbsent(_) => "level-absent",
             What::LevelImplausible { .. } => "level-implausible",
             What::FacingUnchecked(_) => "facing-unchecked",
             What::ThighsTouch { .. } => "thighs-touch",
@@ -218,7 +251,7 @@ impl Finding {
         match &self.what {
             What::LegsDiffer(_) => Severity::Info,
             What::SecondOpinion(opinion) => opinion.severity(),
-            What::LevelAbsent
+            What::LevelAbsent(_)
             | What::Doubtful(_)
             | What::HeightNotMeasured { .. }
             | What::FacingUnchecked(_)

@@ -1,6 +1,6 @@
 //! Convex hulls in the plane: what a tape measure lies on.
 
-use nalgebra::{Point2, Vector2};
+use nalgebra::{Point2, Rotation2, Vector2};
 
 /// A convex polygon, counter-clockwise, without repeated or collinear corners.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,6 +39,21 @@ impl Hull {
             twice_area += cross;
         }
         first + moment / (3.0 * twice_area)
+    }
+
+    /// The direction in which the area enclosed is longest, of either sign: the principal axis of
+    /// its second moments.
+    pub fn long_axis(&self) -> Vector2<f64> {
+        let centre = self.centroid();
+        let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+        for (p, q) in self.edges() {
+            let (p, q) = (p - centre, q - centre);
+            let cross = p.perp(&q);
+            xx += (p.x * p.x + p.x * q.x + q.x * q.x) * cross / 12.0;
+            yy += (p.y * p.y + p.y * q.y + q.y * q.y) * cross / 12.0;
+            xy += (p.x * q.y + 2.0 * p.x * p.y + 2.0 * q.x * q.y + q.x * p.y) * cross / 24.0;
+        }
+        Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x()
     }
 
     fn edges(&self) -> impl Iterator<Item = (Point2<f64>, Point2<f64>)> + '_ {
@@ -82,6 +97,18 @@ mod tests {
         let hull = Hull::of(&square()).unwrap();
         assert_eq!(hull.perimeter(), 8.0);
         assert_eq!(hull.centroid(), Point2::new(1.0, 1.0));
+    }
+
+    #[test]
+    fn a_rectangle_is_longest_along_its_long_side_wherever_its_points_are() {
+        let turn = Rotation2::new(0.7);
+        let mut points: Vec<_> = [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (0.0, 2.0)]
+            .map(|(x, y)| turn * Point2::new(x, y))
+            .to_vec();
+        // Many points on one side would draw the axis of the points.
+        points.extend((0..50).map(|i| turn * Point2::new(5.0, 0.04 * f64::from(i))));
+        let axis = Hull::of(&points).unwrap().long_axis();
+        assert!((axis.perp(&(turn * Vector2::x()))).abs() < 1e-12, "{axis}");
     }
 
     #[test]

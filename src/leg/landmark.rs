@@ -1,25 +1,19 @@
 //! Levels found on a leg: B, C and D by valley and peak of the girth curve, B1 by its largest
-//! slope (paper 1.2, fig. 3b and 3c; definitions in the README).
+//! slope (paper 1.2, fig. 3b and 3c; definitions in the README) or at a fixed height above B.
 //!
 //! Decided by the shape of the curve alone. A level that is not there is absent; where a level
 //! usually lies decides nothing.
 
+use super::extremum::{Absence, CLEAR_MM, Extrema, Peak};
 use super::finding::Doubt;
 use super::girth::GirthCurve;
-use super::level::Level;
+use super::level::{By, Level};
+use super::method::B1;
+use super::ruler::Ruler;
 use super::section::Section;
 
-/// An extremum that stands out by less than this is no clear one, mm; a tape reads to 1 to 2 mm.
-pub const CLEAR_MM: f64 = 1.5;
-
-/// … nor one that stands out by less than this many of its standard errors.
+/// An extremum that stands out by less than this many of its standard errors is no clear one.
 const CLEAR_SDS: f64 = 3.0;
-
-/// An extremum below this many standard errors is noise and not looked at, even in doubt.
-const NOISE_SDS: f64 = 2.0;
-
-/// … nor below this, mm: perfect data have no noise, but rounding.
-const NOISE_MIN_MM: f64 = 0.1;
 
 /// Levels are looked for from here, as a share of stature: above the malleoli (ANSUR II, lateral
 /// malleolus: mean 0.042, 99th percentile 0.048).
@@ -28,21 +22,18 @@ const FROM_STATURE_SHARE: f64 = 0.045;
 /// … to here, as a share of the crotch's height: above every knee (mid-patella at 0.575).
 const TO_CROTCH_SHARE: f64 = 0.80;
 
-/// Step in which extrema are looked for, mm; the curve's pieces are twelve times as long.
-const STEP_MM: f64 = 1.0;
-
 /// The slope at B1 is taken over this length, mm: noise of single sections is no slope.
 const SLOPE_SPAN_MM: f64 = 30.0;
 
-/// A gap in the skin wider than this is named as a doubt, degrees.
-const GAP_DOUBT_DEG: f64 = 30.0;
+/// Step in which the largest slope is looked for, mm.
+const STEP_MM: f64 = 1.0;
 
-/// Points that scatter more than this about the section are not one skin, mm: cloth, a second
-/// layer, a patient who moved. Scanners scatter by 1 mm, poor ones by 1.5.
-const SCATTER_DOUBT_MM: f64 = 2.0;
+/// Nearer to an end of the search than this, the curve is not seen on both sides of an extremum:
+/// one of its pieces, mm.
+const EDGE_MM: f64 = 12.0;
 
-/// Skin that is longer than the tape by more than this share is folded, or no skin.
-const FOLDS_DOUBT_SHARE: f64 = 0.01;
+/// A height less certain than this is not determined, mm: a finger's breadth.
+const FLAT_SD_MM: f64 = 15.0;
 
 /// Girths of legs, mm, from a small child's ankle to a thigh with elephantiasis; what lies outside
 /// was not measured on a leg.
@@ -53,10 +44,14 @@ const GIRTH_MM: [f64; 2] = [90.0, 1200.0];
 pub struct Landmark {
     /// Which level.
     pub level: Level,
+    /// By what it was found.
+    pub by: By,
     /// Distance along the axis from the floor, mm.
     pub along_mm: f64,
     /// Vertical height of the section's centre above the floor, mm.
     pub height_mm: f64,
+    /// Length from the floor along the skin of the leg's medial side, mm; none on the foot.
+    pub surface_length_mm: Option<f64>,
     /// Girth over the convex hull, mm.
     pub girth_tape_mm: f64,
     /// Girth along the skin, mm.
@@ -69,211 +64,182 @@ pub struct Landmark {
     pub doubts: Vec<Doubt>,
 }
 
-/// A turning point of the girth curve.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Extremum {
-    along_mm: f64,
-    tape_mm: f64,
-    is_maximum: bool,
+impl Landmark {
+    /// Whether a leg can have this girth at all.
+    pub fn is_plausible(&self) -> bool {
+        is_plausible(self.girth_tape_mm)
+    }
 }
 
-/// Finds the levels, lowest first. `near` gives the section nearest to a distance along the axis,
-/// where it could be measured.
-pub fn landmarks<'a>(
+impl Estimate {
+    /// Whether a leg can have this girth at all.
+    pub fn is_plausible(&self) -> bool {
+        is_plausible(self.girth_tape_mm)
+    }
+}
+
+fn is_plausible(girth_mm: f64) -> bool {
+    (GIRTH_MM[0]..=GIRTH_MM[1]).contains(&girth_mm)
+}
+
+/// A level by proportion, where the skin does not show it: a figure to fall back on, no landmark.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Which level.
+    pub level: Level,
+    /// By which proportion.
+    pub by: By,
+    /// Distance of the section's centre from the floor along the leg's axis, mm.
+    pub along_mm: f64,
+    /// Its vertical height above the floor, mm.
+    pub height_mm: f64,
+    /// Girth over the convex hull, mm.
+    pub girth_tape_mm: f64,
+    /// Standard error of the height, mm: how much bodies differ in the proportion.
+    pub height_sd_mm: f64,
+    /// Standard error of the tape girth, mm, from that of the height.
+    pub girth_sd_mm: f64,
+    /// What a person must know before using it.
+    pub doubts: Vec<Doubt>,
+}
+
+impl From<Landmark> for Estimate {
+    fn from(place: Landmark) -> Estimate {
+        let Landmark { level, by, along_mm, height_mm, girth_tape_mm, .. } = place;
+        let Landmark { height_sd_mm, girth_sd_mm, doubts, .. } = place;
+        Estimate {
+            level,
+            by,
+            along_mm,
+            height_mm,
+            girth_tape_mm,
+            height_sd_mm,
+            girth_sd_mm,
+            doubts,
+        }
+    }
+}
+
+/// What the search for B, B1, C and D gave.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Levels {
+    /// Levels found, lowest first.
+    pub found: Vec<Landmark>,
+    /// Levels that are absent and why, lowest first.
+    pub absent: Vec<(Level, Absence)>,
+}
+
+/// Finds the levels. `near` gives the section nearest to a distance along the axis, where it could
+/// be measured.
+pub fn levels<'a>(
     curve: &GirthCurve,
     stature_mm: f64,
     crotch_height_mm: f64,
+    b1: B1,
     near: impl Fn(f64) -> Option<&'a Section>,
-) -> Vec<Landmark> {
+) -> Levels {
     let (from, to) = curve.domain();
     let from_mm = from.max(FROM_STATURE_SHARE * stature_mm);
     let to_mm = to.min(TO_CROTCH_SHARE * crotch_height_mm);
-    let turns = extrema(curve, from_mm, to_mm);
-    let found = Found::among(&turns, &noise_gates(curve, &turns));
-    let at = Levels { curve, near };
-    let b1 = || at.slope(found.b?.0.along_mm, found.c?.0.along_mm);
-    let [b, c, d] = [(Level::B, found.b), (Level::C, found.c), (Level::D, found.d)]
-        .map(|(level, extremum)| at.extremum(level, extremum?));
-    [b, b1(), c, d].into_iter().flatten().collect()
+    let Extrema { b, c, d } = Extrema::of(curve, from_mm, to_mm);
+    let search = Search { ruler: Ruler { curve, near: &near }, ends_mm: [from_mm, to_mm] };
+    let turn = |level: Level, peak: Result<Peak, Absence>| {
+        peak.and_then(|peak| search.extremum(level, &peak).ok_or(Absence::NoTurn))
+    };
+    let all = [
+        (Level::B, turn(Level::B, b)),
+        (Level::B1, search.b1(b1, b.ok(), c.ok())),
+        (Level::C, turn(Level::C, c)),
+        (Level::D, turn(Level::D, d)),
+    ];
+    let mut levels = Levels { found: Vec::new(), absent: Vec::new() };
+    for (level, landmark) in all {
+        match landmark {
+            Ok(landmark) => levels.found.push(landmark),
+            Err(absence) => levels.absent.push((level, absence)),
+        }
+    }
+    levels
 }
 
 /// Makes landmarks of places on the girth curve.
-struct Levels<'c, F> {
-    curve: &'c GirthCurve,
-    near: F,
+struct Search<'c, F> {
+    ruler: Ruler<'c, F>,
+    /// Where the search begins and ends, mm along the axis.
+    ends_mm: [f64; 2],
 }
 
-impl<'a, F: Fn(f64) -> Option<&'a Section>> Levels<'_, F> {
-    /// A level at an extremum that stands out by so much.
-    fn extremum(
-        &self,
-        level: Level,
-        (extremum, prominence_mm): (Extremum, f64),
-    ) -> Option<Landmark> {
-        let along_mm = extremum.along_mm;
-        let [_, _, bend, _] = self.curve.tape(along_mm);
-        let height_sd_mm = self.curve.tape_sd(along_mm, 1) / bend.abs().max(f64::MIN_POSITIVE);
-        let girth_sd_mm = self.curve.tape_sd(along_mm, 0);
-        let mut landmark = self.landmark(level, along_mm, [height_sd_mm, girth_sd_mm])?;
-        if prominence_mm < CLEAR_MM.max(CLEAR_SDS * girth_sd_mm) {
-            landmark.doubts.push(Doubt::Shallow { prominence_mm });
+impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
+    /// A level at an extremum.
+    fn extremum(&self, level: Level, peak: &Peak) -> Option<Landmark> {
+        let (curve, along_mm) = (self.ruler.curve, peak.at.along_mm);
+        let [_, _, bend, _] = curve.tape(along_mm);
+        let height_sd_mm = curve.tape_sd(along_mm, 1) / bend.abs().max(f64::MIN_POSITIVE);
+        let girth_sd_mm = curve.tape_sd(along_mm, 0);
+        let sds = [height_sd_mm, girth_sd_mm];
+        let mut landmark = self.ruler.landmark(level, By::Turn, along_mm, sds)?;
+        landmark.doubts.extend(self.extremum_doubts(peak, sds));
+        Some(landmark)
+    }
+
+    /// What the shape of the curve gives to doubt about an extremum.
+    fn extremum_doubts(&self, peak: &Peak, [height_sd_mm, girth_sd_mm]: [f64; 2]) -> Vec<Doubt> {
+        let Peak { at, prominence_mm, rival_mm } = *peak;
+        let shallow = prominence_mm < CLEAR_MM.max(CLEAR_SDS * girth_sd_mm);
+        let end_mm = self.ends_mm.map(|end| (end - at.along_mm).abs()).into_iter();
+        let end_mm = end_mm.fold(f64::INFINITY, f64::min);
+        let rival = rival_mm.and_then(|rival_mm| self.ruler.curve.height_mm(rival_mm));
+        let all = [
+            shallow.then_some(Doubt::Shallow { prominence_mm }),
+            (height_sd_mm > FLAT_SD_MM).then_some(Doubt::Flat { height_sd_mm }),
+            rival.map(|other_height_mm| Doubt::Double { other_height_mm }),
+            (end_mm < EDGE_MM).then_some(Doubt::Edge { end_mm }),
+        ];
+        all.into_iter().flatten().collect()
+    }
+
+    /// B1 as it is chosen.
+    fn b1(&self, b1: B1, b: Option<Peak>, c: Option<Peak>) -> Result<Landmark, Absence> {
+        let b_mm = b.ok_or(Absence::Needs(Level::B))?.at.along_mm;
+        let c_mm = c.map(|c| c.at.along_mm);
+        match b1 {
+            B1::Steepest => {
+                let c_mm = c_mm.ok_or(Absence::Needs(Level::C))?;
+                self.steepest(b_mm, c_mm).ok_or(Absence::NoTurn)
+            }
+            B1::AboveB { distance_mm } => self.above_b(b_mm, c_mm, distance_mm),
+        }
+    }
+
+    /// B1 where the girth grows most between B and C.
+    fn steepest(&self, b_mm: f64, c_mm: f64) -> Option<Landmark> {
+        let curve = self.ruler.curve;
+        let along_mm = steepest(curve, b_mm, c_mm)?;
+        let slope = curve.tape(along_mm)[1];
+        let height_sd_mm = steepest_sd_mm(curve, along_mm).min(SLOPE_SPAN_MM);
+        let girth_sd_mm = curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
+        let sds = [height_sd_mm, girth_sd_mm];
+        let mut landmark = self.ruler.landmark(Level::B1, By::Steepest, along_mm, sds)?;
+        if height_sd_mm > FLAT_SD_MM {
+            landmark.doubts.push(Doubt::Flat { height_sd_mm });
         }
         Some(landmark)
     }
 
-    /// B1 between B and C.
-    fn slope(&self, b_mm: f64, c_mm: f64) -> Option<Landmark> {
-        let along_mm = steepest(self.curve, b_mm, c_mm)?;
-        let slope = self.curve.tape(along_mm)[1];
-        let height_sd_mm = steepest_sd_mm(self.curve, along_mm).min(SLOPE_SPAN_MM);
-        let girth_sd_mm = self.curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
-        self.landmark(Level::B1, along_mm, [height_sd_mm, girth_sd_mm])
-    }
-
-    fn landmark(
-        &self,
-        level: Level,
-        along_mm: f64,
-        [height_sd_mm, girth_sd_mm]: [f64; 2],
-    ) -> Option<Landmark> {
-        Some(Landmark {
-            level,
-            along_mm,
-            height_mm: self.curve.height_mm(along_mm)?,
-            girth_tape_mm: self.curve.tape(along_mm)[0],
-            girth_contour_mm: self.curve.contour_mm(along_mm),
-            height_sd_mm,
-            girth_sd_mm,
-            doubts: doubts(self.curve, along_mm, (self.near)(along_mm)),
-        })
-    }
-}
-
-/// What the skin at a distance along the axis gives to doubt; `section` is the nearest one.
-pub(super) fn doubts(curve: &GirthCurve, along_mm: f64, section: Option<&Section>) -> Vec<Doubt> {
-    let Some(section) = section.filter(|_| curve.is_seen(along_mm)) else {
-        return vec![Doubt::NotSeen];
-    };
-    let (gap_deg, rms_mm) = (section.largest_gap_deg, section.rms_mm);
-    let excess = section.girth.contour_mm / section.girth.tape_mm - 1.0;
-    let all = [
-        (gap_deg > GAP_DOUBT_DEG, Doubt::Gap { gap_deg }),
-        (rms_mm > SCATTER_DOUBT_MM, Doubt::Scatter { rms_mm }),
-        (excess > FOLDS_DOUBT_SHARE, Doubt::Folds { percent: 100.0 * excess }),
-    ];
-    all.into_iter().filter(|(holds, _)| *holds).map(|(_, doubt)| doubt).collect()
-}
-
-impl Landmark {
-    /// Whether a leg can have this girth at all.
-    pub fn is_plausible(&self) -> bool {
-        (GIRTH_MM[0]..=GIRTH_MM[1]).contains(&self.girth_tape_mm)
-    }
-}
-
-/// Turning points of the curve in a range, ascending, with the range's two ends as the first and
-/// last: an end counts as the turning point that the curve makes of it.
-fn extrema(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Vec<Extremum> {
-    let count = ((to_mm - from_mm) / STEP_MM).max(1.0) as usize;
-    let at = |index: usize| from_mm + (to_mm - from_mm) * index as f64 / count as f64;
-    let slope = |along: f64| curve.tape(along)[1];
-    let extremum = |along_mm: f64, is_maximum| Extremum {
-        along_mm,
-        tape_mm: curve.tape(along_mm)[0],
-        is_maximum,
-    };
-    let mut turns = vec![extremum(from_mm, slope(from_mm) < 0.0)];
-    for index in 0..count {
-        let (low, high) = (at(index), at(index + 1));
-        if slope(low) * slope(high) < 0.0 {
-            turns.push(extremum(root(slope, low, high), slope(low) > 0.0));
+    /// B1 at a fixed height above B; no less certain than B itself, and never above C.
+    fn above_b(&self, b_mm: f64, c_mm: Option<f64>, distance_mm: f64) -> Result<Landmark, Absence> {
+        let curve = self.ruler.curve;
+        let height_mm = curve.height_mm(b_mm).ok_or(Absence::Needs(Level::B))? + distance_mm;
+        let [_, _, bend, _] = curve.tape(b_mm);
+        let height_sd_mm = curve.tape_sd(b_mm, 1) / bend.abs().max(f64::MIN_POSITIVE);
+        let by = By::AboveB { distance_mm };
+        let ends = Absence::AboveSearch { along_mm: self.ends_mm[1] };
+        let b1 = self.ruler.at_height(Level::B1, by, height_mm, height_sd_mm).ok_or(ends)?;
+        match c_mm {
+            Some(c_mm) if b1.along_mm > c_mm => Err(Absence::Beyond(Level::C)),
+            _ => Ok(b1),
         }
     }
-    turns.push(extremum(to_mm, slope(to_mm) > 0.0));
-    turns
-}
-
-/// The zero of `function` between two places of different sign, by bisection to 1 µm.
-fn root(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
-    let falls = function(low) > 0.0;
-    while high - low > 1e-3 {
-        let middle = (low + high) / 2.0;
-        if (function(middle) > 0.0) == falls {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    (low + high) / 2.0
-}
-
-/// What an extremum must stand out by to be more than noise, mm, for each turning point.
-fn noise_gates(curve: &GirthCurve, turns: &[Extremum]) -> Vec<f64> {
-    let gate = |turn: &Extremum| (NOISE_SDS * curve.tape_sd(turn.along_mm, 0)).max(NOISE_MIN_MM);
-    turns.iter().map(gate).collect()
-}
-
-/// The extrema of the levels with how far each stands out, mm.
-struct Found {
-    b: Option<(Extremum, f64)>,
-    c: Option<(Extremum, f64)>,
-    d: Option<(Extremum, f64)>,
-}
-
-impl Found {
-    fn among(turns: &[Extremum], gates: &[f64]) -> Found {
-        let clear = standing_out(turns, &vec![CLEAR_MM; turns.len()]);
-        let faint = standing_out(turns, gates);
-        let first = |turns: &[Extremum], above_mm: f64, is_maximum: bool| {
-            let inner = 1..turns.len().saturating_sub(1);
-            let fits =
-                |i: &usize| turns[*i].is_maximum == is_maximum && turns[*i].along_mm > above_mm;
-            inner.clone().find(fits).map(|i| (turns[i], prominence_mm(turns, i)))
-        };
-        // Where the curve begins lower still, the lowest minimum is not in sight.
-        let lowest = |b: &(Extremum, f64)| turns.iter().take(1).all(|t| b.0.tape_mm < t.tape_mm);
-        let b = first(&clear, 0.0, false).or_else(|| first(&faint, 0.0, false)).filter(lowest);
-        let above_b = b.map_or(f64::INFINITY, |(b, _)| b.along_mm);
-        let c = first(&clear, above_b, true).or_else(|| {
-            let inner = 1..faint.len().saturating_sub(1);
-            let maxima = inner.filter(|&i| faint[i].is_maximum && faint[i].along_mm > above_b);
-            let largest = maxima.max_by(|&i, &j| faint[i].tape_mm.total_cmp(&faint[j].tape_mm))?;
-            Some((faint[largest], prominence_mm(&faint, largest)))
-        });
-        let above_c = c.map_or(f64::INFINITY, |(c, _)| c.along_mm);
-        Found { b, c, d: first(&clear, above_c, false) }
-    }
-}
-
-/// How far an inner turning point stands out from the lesser of its two neighbours, mm.
-fn prominence_mm(turns: &[Extremum], index: usize) -> f64 {
-    let own = turns[index].tape_mm;
-    let neighbours = [turns[index - 1].tape_mm, turns[index + 1].tape_mm];
-    neighbours.map(|tape| (tape - own).abs()).into_iter().fold(f64::INFINITY, f64::min)
-}
-
-/// Leaves out pairs of neighbouring turning points that differ by less than their gates, the
-/// closest pair first; what stays stands out (topological persistence in one dimension).
-fn standing_out(turns: &[Extremum], gates: &[f64]) -> Vec<Extremum> {
-    let mut kept: Vec<(Extremum, f64)> = turns.iter().copied().zip(gates.iter().copied()).collect();
-    loop {
-        let difference = |pair: &[(Extremum, f64)]| (pair[0].0.tape_mm - pair[1].0.tape_mm).abs();
-        let closest = kept
-            .windows(2)
-            .enumerate()
-            .filter(|(_, pair)| difference(pair) < pair[0].1.max(pair[1].1))
-            .min_by(|a, b| difference(a.1).total_cmp(&difference(b.1)));
-        let Some((index, _)) = closest else { break };
-        let last = kept.len() - 1;
-        match index {
-            // An end of the range stays an end; only its inner neighbour goes.
-            0 if kept.len() > 2 => drop(kept.remove(1)),
-            _ if index + 1 == last && kept.len() > 2 => drop(kept.remove(index)),
-            _ if kept.len() > 2 => drop(kept.drain(index..index + 2)),
-            _ => break,
-        }
-    }
-    kept.into_iter().map(|(turn, _)| turn).collect()
 }
 
 /// Where the curve rises most between two places, over a span; none where they are closer.

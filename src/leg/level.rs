@@ -1,29 +1,106 @@
-//! The levels of a leg by name.
+//! The levels of a leg by name, and by what each is found.
+
+use std::fmt;
 
 /// A level of the leg (RAL-GZ 387).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Level {
+    /// Around the heads of the metatarsals.
+    A,
+    /// Over heel and instep, the tape at 45°: no section across the leg.
+    Y,
     /// Smallest girth above the malleoli.
     B,
-    /// Largest slope of the girth between B and C: where the Achilles tendon meets the muscle.
+    /// Where the Achilles tendon meets the muscle: largest slope of the girth between B and C, or
+    /// at a fixed height above B.
     B1,
     /// Largest girth of the calf.
     C,
     /// First minimum above the calf.
     D,
+    /// Knee, at the middle of the patella.
+    E,
+    /// Middle of the thigh, halfway between E and G.
+    F,
+    /// Root of the thigh, a fixed height below the crotch.
+    G,
 }
 
 impl Level {
     /// All levels, lowest first.
-    pub const ALL: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
+    pub const ALL: [Level; 9] =
+        [Level::A, Level::Y, Level::B, Level::B1, Level::C, Level::D, Level::E, Level::F, Level::G];
+
+    /// The levels that every leg is searched for, lowest first (paper 1.2): each is found or its
+    /// absence is a finding.
+    pub const SOUGHT: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
 
     /// The name used on paper and in records.
     pub fn name(self) -> &'static str {
         match self {
+            Level::A => "A",
+            Level::Y => "Y",
             Level::B => "B",
             Level::B1 => "B1",
             Level::C => "C",
             Level::D => "D",
+            Level::E => "E",
+            Level::F => "F",
+            Level::G => "G",
+        }
+    }
+}
+
+/// By what a level is found or, where it is not on the skin, estimated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum By {
+    /// A turning point of the girth curve.
+    Turn,
+    /// The largest slope of the girth curve.
+    Steepest,
+    /// A vertical distance above B.
+    AboveB {
+        /// The distance, mm.
+        distance_mm: f64,
+    },
+    /// A vertical distance below the crotch.
+    BelowCrotch {
+        /// The distance, mm.
+        distance_mm: f64,
+    },
+    /// A tape at 45° from where heel and floor meet, over the instep.
+    HeelTape,
+    /// A share of the crotch's height.
+    CrotchShare {
+        /// The share.
+        share: f64,
+    },
+    /// Halfway between two levels.
+    Between(Level, Level),
+    /// Shares of the foot's length, from the heel, on its two sides.
+    FootShares {
+        /// On the medial side.
+        medial: f64,
+        /// On the lateral side.
+        lateral: f64,
+    },
+}
+
+impl fmt::Display for By {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            By::Turn => write!(f, "turning point of the girth"),
+            By::Steepest => write!(f, "largest slope of the girth between B and C"),
+            By::AboveB { distance_mm } => write!(f, "{distance_mm} mm above B"),
+            By::BelowCrotch { distance_mm } => write!(f, "{distance_mm} mm below the crotch"),
+            By::HeelTape => write!(f, "tape at 45 degrees from the back edge of the heel"),
+            By::CrotchShare { share } => write!(f, "{share} of the crotch's height"),
+            By::Between(low, high) => {
+                write!(f, "halfway between {} and {}", low.name(), high.name())
+            }
+            By::FootShares { medial, lateral } => {
+                write!(f, "{medial} (medial) and {lateral} (lateral) of the foot's length")
+            }
         }
     }
 }

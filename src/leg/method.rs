@@ -18,6 +18,8 @@ pub struct Method {
     /// Heights above the floor at which girths are wanted besides the levels, mm, in the order
     /// they are reported in.
     pub at_heights_mm: Vec<f64>,
+    /// Which of several definitions holds for levels that have more than one.
+    pub levels: LevelChoices,
 }
 
 /// What is in the scan.
@@ -37,6 +39,46 @@ impl Scope {
             Scope::Body => "body",
             Scope::Leg(Side::Left) => "left leg",
             Scope::Leg(Side::Right) => "right leg",
+        }
+    }
+}
+
+/// The definitions of the levels that makers define in more than one way.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct LevelChoices {
+    /// Where B1 is.
+    pub b1: B1,
+    /// How far below the crotch G is, mm.
+    pub g_below_crotch_mm: f64,
+}
+
+/// Where B1 is.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum B1 {
+    /// Where the girth grows most between B and C (the paper's).
+    #[default]
+    Steepest,
+    /// At a fixed height above B.
+    AboveB {
+        /// The vertical distance, mm.
+        distance_mm: f64,
+    },
+}
+
+impl Default for LevelChoices {
+    fn default() -> LevelChoices {
+        // Makers put G 2 to 5 cm below the crotch. 5 cm, since a section square to a leg that leans
+        // by 10° reaches 15 mm higher on the medial side, and thighs that touch do so at the top.
+        LevelChoices { b1: B1::Steepest, g_below_crotch_mm: 50.0 }
+    }
+}
+
+impl B1 {
+    /// The word used in the configuration and in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            B1::Steepest => "steepest",
+            B1::AboveB { .. } => "above-b",
         }
     }
 }

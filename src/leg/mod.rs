@@ -8,7 +8,8 @@
 //! | made upright | 1.1 | [`axis`] |
 //! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
-//! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`landmark`] |
+//! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`extremum`], [`landmark`] |
+//! | A, Y, E, F, G, lengths | – | [`foot`], `thigh`, `medial` |
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] with `harmonic`, `turn` |
 //! | quasi-grid, NURBS surface | 2 | [`grid`], [`surface`] |
 //! | volumes, the legs' differences, girths at any height | – | [`volume`], [`difference`], [`at_height`] |
@@ -24,10 +25,12 @@ mod cluster;
 pub mod crotch;
 pub mod curvature;
 pub mod difference;
+pub mod extremum;
 pub mod feature;
 pub mod finding;
 pub mod floor;
 pub mod follow;
+pub mod foot;
 pub mod footprint;
 pub mod girth;
 pub mod grid;
@@ -35,11 +38,13 @@ mod harmonic;
 mod hull;
 pub mod landmark;
 pub mod level;
+mod medial;
 pub mod method;
 pub mod neck;
 pub mod plane;
 pub mod polynomial;
 pub mod report;
+mod ruler;
 pub mod second_opinion;
 pub mod section;
 pub mod sections;
@@ -50,6 +55,7 @@ pub mod skin;
 pub mod slice;
 pub mod stance;
 pub mod surface;
+mod thigh;
 mod turn;
 pub mod volume;
 
@@ -60,7 +66,8 @@ pub use body::{Body, BodyFault, FacingFrom};
 pub use crotch::{Crotch, CrotchFrom};
 pub use difference::Differences;
 pub use finding::{Finding, LegFault, What};
-pub use landmark::Landmark;
+pub use foot::Foot;
+pub use landmark::{Estimate, Landmark};
 pub use level::Level;
 pub use method::Method;
 pub use report::{LegReport, LevelSection};

@@ -5,23 +5,23 @@ use super::axis::{LegAxis, axis};
 use super::crotch::Crotch;
 use super::feature::{Feature, features};
 use super::finding::{Finding, LegFault, What};
+use super::foot::{Foot, foot};
 use super::girth::{GirthCurve, girth_curve};
-use super::landmark::{Landmark, landmarks};
+use super::landmark::{Estimate, Landmark, Levels, levels};
 use super::level::Level;
+use super::medial::surface_length_mm;
+use super::ruler::Ruler;
 use super::section::Section;
-use super::sections::sections;
+use super::sections::{Sections, sections};
 use super::segment::Leg;
 use super::side::Side;
 use super::surface::{LegSurface, surface};
+use super::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
 use super::volume::{LegVolume, leg_volume};
 use super::{Body, Method};
 
 /// The surface covers at least this much below B and above D, mm.
 const SURFACE_MARGIN_MM: f64 = 20.0;
-
-/// Where D is absent the surface reaches the knee: mid-patella as a share of the crotch's height
-/// (ANSUR II, 0.575 ± 0.014).
-const KNEE_CROTCH_SHARE: f64 = 0.575;
 
 /// Where B is absent the surface begins above the malleoli, as a share of stature.
 const ANKLE_STATURE_SHARE: f64 = 0.06;
@@ -38,9 +38,13 @@ pub struct LegReport {
     pub axis: LegAxis,
     /// Levels found, lowest first; absent ones are not here.
     pub landmarks: Vec<Landmark>,
+    /// Levels that only a proportion gives, lowest first.
+    pub estimates: Vec<Estimate>,
+    /// The foot, where it is seen from heel to toes.
+    pub foot: Option<Foot>,
     /// Girth over height.
     pub girth_curve: GirthCurve,
-    /// The section at each level found, with its feature points.
+    /// The section at each level found from the ankle up, with its feature points.
     pub level_sections: Vec<LevelSection>,
     /// The surface, where enough of the leg is seen.
     pub surface: Option<LegSurface>,
@@ -82,16 +86,17 @@ pub fn leg_report(
         LegFault::TooFewSections { measured, planes: sections.rows.len() }
     })?;
     let near = |along_mm: f64| sections.nearest(along_mm);
-    let mut found = landmarks(&curve, scale_mm, crotch_height_mm, near);
-    for landmark in &mut found {
+    let mut measures = measures(leg, &sections, &curve, crotch, scale_mm, method);
+    for landmark in &mut measures.levels.found {
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
     let mut findings = Findings { side: leg.side, found: Vec::new() };
     if let (Some(end_mm), Some(_)) = (leg.cut_mm, body.stature_mm) {
         findings.add(None, What::LegCut { end_mm });
     }
-    findings.about_levels(&found);
-    let landmarks: Vec<Landmark> = found.into_iter().filter(Landmark::is_plausible).collect();
+    findings.about_levels(&measures.levels);
+    let found = measures.levels.found.into_iter();
+    let landmarks: Vec<Landmark> = found.filter(Landmark::is_plausible).collect();
     let wanted_mm = surface_heights_mm(&landmarks, scale_mm, crotch_height_mm);
     let surface = match surface(leg, &sections, wanted_mm) {
         Ok(surface) => Some(surface),
@@ -106,8 +111,9 @@ pub fn leg_report(
     let volume = leg_volume(&sections, &curve, &landmarks);
     let at = at_heights(&curve, &method.at_heights_mm, near);
     findings.about_heights(&at);
-    let along_mm: Vec<f64> = landmarks.iter().map(|landmark| landmark.along_mm).collect();
-    let at_levels = landmarks.iter().zip(sections.at(leg, &along_mm));
+    let across = landmarks.iter().filter(|landmark| landmark.level >= Level::B);
+    let along_mm: Vec<f64> = across.clone().map(|landmark| landmark.along_mm).collect();
+    let at_levels = across.zip(sections.at(leg, &along_mm));
     let level_sections = at_levels.filter_map(|(landmark, section)| {
         let section = section?;
         let features = features(&sections.axis, &section);
@@ -118,12 +124,52 @@ pub fn leg_report(
         level_sections: level_sections.collect(),
         axis: sections.axis,
         landmarks,
+        estimates: measures.estimates,
+        foot: measures.foot,
         girth_curve: curve,
         surface,
         volume,
         at,
     };
     Ok((report, findings.found))
+}
+
+/// What is measured at the levels of a leg.
+struct Measures {
+    levels: Levels,
+    estimates: Vec<Estimate>,
+    foot: Option<Foot>,
+}
+
+/// The levels of a leg from the foot to the groin, lowest first.
+fn measures(
+    leg: &Leg,
+    sections: &Sections,
+    curve: &GirthCurve,
+    crotch: &Crotch,
+    scale_mm: f64,
+    method: &Method,
+) -> Measures {
+    let near = |along_mm: f64| sections.nearest(along_mm);
+    let choices = method.levels;
+    let mut levels = levels(curve, scale_mm, crotch.height_mm, choices.b1, near);
+    let ruler = Ruler { curve, near };
+    let g = g(&ruler, crotch, choices.g_below_crotch_mm);
+    levels.found.extend(g.clone().filter(|_| crotch.is_seen()));
+    for landmark in &mut levels.found {
+        landmark.surface_length_mm = surface_length_mm(sections, landmark.along_mm);
+    }
+    let d = levels.found.iter().find(|landmark| landmark.level == Level::D);
+    let mut estimates = knee_and_thigh(&ruler, crotch, choices.g_below_crotch_mm, d);
+    estimates.extend(g.filter(|_| !crotch.is_seen()).map(Estimate::from));
+    let foot = foot(leg, &sections.axis, scale_mm, method.fit);
+    let (figures, a, y) = foot.map_or((None, None, None), |foot| (Some(foot.foot), foot.a, foot.y));
+    levels.found.extend(y);
+    estimates.extend(a);
+    estimates.retain(Estimate::is_plausible);
+    levels.found.sort_by_key(|landmark| landmark.level);
+    estimates.sort_by_key(|estimate| estimate.level);
+    Measures { levels, estimates, foot: figures }
 }
 
 /// The heights between which the surface must lie, mm.
@@ -149,10 +195,12 @@ impl Findings {
     }
 
     /// Levels that are absent and doubts about those that are not.
-    fn about_levels(&mut self, landmarks: &[Landmark]) {
+    fn about_levels(&mut self, levels: &Levels) {
         for level in Level::ALL {
-            match landmarks.iter().find(|landmark| landmark.level == level) {
-                None => self.add(Some(level), What::LevelAbsent),
+            if let Some((_, absence)) = levels.absent.iter().find(|(absent, _)| *absent == level) {
+                self.add(Some(level), What::LevelAbsent(*absence));
+            }
+            match levels.found.iter().find(|landmark| landmark.level == level) {
                 Some(landmark) if !landmark.is_plausible() => {
                     let girth_mm = landmark.girth_tape_mm;
                     self.add(Some(level), What::LevelImplausible { girth_mm });
@@ -160,6 +208,7 @@ impl Findings {
                 Some(landmark) => {
                     landmark.doubts.iter().for_each(|d| self.add(Some(level), What::Doubtful(*d)));
                 }
+                None => {}
             }
         }
     }

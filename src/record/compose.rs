@@ -6,14 +6,16 @@ use super::chart;
 use super::provenance::Provenance;
 use super::rounding::{degrees, mm, per_mm, share};
 use super::schema::{
-    BodyFigures, ErrorFigures, FeatureFigures, FindingNote, GirthColumns, LandmarkFigures,
-    LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures, SurfaceFigures,
+    BodyFigures, ErrorFigures, EstimateFigures, FeatureFigures, FindingNote, FootFigures,
+    GirthColumns, LandmarkFigures, LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures,
+    SurfaceFigures,
 };
 use crate::leg::body::FacingFrom;
+use crate::leg::finding::Doubt;
 use crate::leg::girth::GirthCurve;
-use crate::leg::method::UnitChoice;
+use crate::leg::method::{B1, UnitChoice};
 use crate::leg::surface::{FitError, LegSurface};
-use crate::leg::{Extraction, Finding, Landmark, LegReport, LevelSection, Method};
+use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 use crate::spline::DEGREE;
 
 /// A scan measured for the first time; later results for it count on from here.
@@ -68,7 +70,7 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("fit", method.fit.word()),
     ];
     let words = words.map(|(key, word)| (key.to_owned(), word.to_owned()));
-    words.into_iter().chain(at_words(method)).collect()
+    words.into_iter().chain(at_words(method)).chain(level_words(method)).collect()
 }
 
 /// The heights that were asked for, where there are any.
@@ -78,12 +80,30 @@ fn at_words(method: &Method) -> Option<(String, String)> {
     (!heights.is_empty()).then(|| ("at_heights_mm".to_owned(), heights.join(", ")))
 }
 
+/// Where levels were measured that makers define in more than one way.
+fn level_words(method: &Method) -> Vec<(String, String)> {
+    let choices = &method.levels;
+    let mut words = vec![
+        ("b1".to_owned(), choices.b1.word().to_owned()),
+        ("g_below_crotch".to_owned(), format!("{}mm", choices.g_below_crotch_mm)),
+    ];
+    if let B1::AboveB { distance_mm } = choices.b1 {
+        words.push(("b1_above_b".to_owned(), format!("{distance_mm}mm")));
+    }
+    words
+}
+
 fn leg(report: &LegReport) -> LegFigures {
     let landmarks = report.landmarks.iter();
     LegFigures {
         side: report.side.word().to_owned(),
         tilt_deg: degrees(report.axis.tilt_deg()),
         landmarks: landmarks.map(|l| (l.level.name().to_owned(), landmark(l))).collect(),
+        estimates: estimates(report),
+        foot: report.foot.map(|foot| FootFigures {
+            length_mm: mm(foot.length_mm),
+            breadth_mm: mm(foot.breadth_mm),
+        }),
         girth_curve: girth_columns(&report.girth_curve),
         sections: report.level_sections.iter().map(section).collect(),
         features: report.level_sections.iter().flat_map(features).collect(),
@@ -95,19 +115,38 @@ fn leg(report: &LegReport) -> LegFigures {
 
 fn landmark(landmark: &Landmark) -> LandmarkFigures {
     LandmarkFigures {
+        by: landmark.by.to_string(),
         height_mm: mm(landmark.height_mm),
         along_axis_mm: mm(landmark.along_mm),
+        surface_length_mm: landmark.surface_length_mm.map(mm),
         girth_tape_mm: mm(landmark.girth_tape_mm),
         girth_contour_mm: mm(landmark.girth_contour_mm),
         height_sd_mm: judged(landmark.height_sd_mm),
         girth_sd_mm: judged(landmark.girth_sd_mm),
-        doubts: landmark.doubts.iter().map(|doubt| doubt.code().to_owned()).collect(),
+        doubts: codes(&landmark.doubts),
     }
+}
+
+fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
+    let figures = |estimate: &Estimate| EstimateFigures {
+        by: estimate.by.to_string(),
+        height_mm: mm(estimate.height_mm),
+        along_axis_mm: mm(estimate.along_mm),
+        girth_tape_mm: mm(estimate.girth_tape_mm),
+        height_sd_mm: judged(estimate.height_sd_mm),
+        girth_sd_mm: judged(estimate.girth_sd_mm),
+        doubts: codes(&estimate.doubts),
+    };
+    report.estimates.iter().map(|one| (one.level.name().to_owned(), figures(one))).collect()
 }
 
 /// A standard error; none where it cannot be judged.
 fn judged(sd_mm: f64) -> Option<f64> {
     sd_mm.is_finite().then(|| mm(sd_mm))
+}
+
+fn codes(doubts: &[Doubt]) -> Vec<String> {
+    doubts.iter().map(|doubt| doubt.code().to_owned()).collect()
 }
 
 fn girth_columns(curve: &GirthCurve) -> GirthColumns {

@@ -3,19 +3,22 @@
 
 use super::chart::AtFigures;
 use super::rounding;
-use super::schema::{LandmarkFigures, Record};
+use super::schema::{EstimateFigures, LandmarkFigures, Record};
 use crate::leg::Level;
 
 const HEADER: &str = "leg,level,height_mm,along_axis_mm,girth_tape_mm,girth_contour_mm,\
-                      height_sd_mm,girth_sd_mm,doubts\r\n";
+                      height_sd_mm,girth_sd_mm,doubts,surface_length_mm,by\r\n";
 
-/// All levels of the measured legs; the figures of an absent level are empty and its doubts say
-/// `absent`. The heights that were asked for follow as levels `at 10 cm`.
+/// All levels of the measured legs. The doubts of a level by proportion begin with `estimate`; the
+/// figures of an absent level are empty and its doubts say `absent`. The heights that were asked
+/// for follow as levels `at 10 cm`.
 pub fn measurements(record: &Record) -> String {
     let mut text = HEADER.to_owned();
     for leg in &record.legs {
         for level in Level::ALL.map(Level::name) {
-            let cells = leg.landmarks.get(level).map_or_else(absent, present);
+            let found = leg.landmarks.get(level).map(present);
+            let estimated = || leg.estimates.get(level).map(estimate);
+            let cells = found.or_else(estimated).unwrap_or_else(absent);
             text.push_str(&format!("{},{level},{cells}\r\n", leg.side));
         }
         for at in &leg.at {
@@ -33,21 +36,37 @@ fn judged(figure: Option<f64>) -> String {
 
 fn present(landmark: &LandmarkFigures) -> String {
     format!(
-        "{},{},{},{},{},{},{}",
+        "{},{},{},{},{},{},{},{},{}",
         landmark.height_mm,
         landmark.along_axis_mm,
         landmark.girth_tape_mm,
         landmark.girth_contour_mm,
         judged(landmark.height_sd_mm),
         judged(landmark.girth_sd_mm),
-        landmark.doubts.join(" ")
+        landmark.doubts.join(" "),
+        judged(landmark.surface_length_mm),
+        landmark.by
+    )
+}
+
+fn estimate(estimate: &EstimateFigures) -> String {
+    let doubts = ["estimate"].into_iter().chain(estimate.doubts.iter().map(String::as_str));
+    format!(
+        "{},{},{},,{},{},{},,{}",
+        estimate.height_mm,
+        estimate.along_axis_mm,
+        estimate.girth_tape_mm,
+        judged(estimate.height_sd_mm),
+        judged(estimate.girth_sd_mm),
+        doubts.collect::<Vec<_>>().join(" "),
+        estimate.by
     )
 }
 
 /// A height that was asked for is exact, so its standard error stays empty.
 fn at_height(at: &AtFigures) -> String {
     format!(
-        "{},{},{},{},,{},{}",
+        "{},{},{},{},,{},{},,",
         at.height_mm,
         judged(at.along_axis_mm),
         judged(at.girth_tape_mm),
@@ -58,5 +77,5 @@ fn at_height(at: &AtFigures) -> String {
 }
 
 fn absent() -> String {
-    ",,,,,,absent".to_owned()
+    ",,,,,,absent,,".to_owned()
 }

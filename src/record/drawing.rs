@@ -5,7 +5,7 @@
 use std::fmt::Write;
 
 use crate::leg::feature::Kind;
-use crate::leg::{Extraction, Landmark, LegReport, Level, LevelSection, Side};
+use crate::leg::{Estimate, Extraction, Landmark, LegReport, Level, LevelSection, Side};
 
 /// Size of the drawing, px.
 const SIZE: [f64; 2] = [1080.0, 760.0];
@@ -39,6 +39,7 @@ pub fn legs(extraction: &Extraction) -> String {
     for leg in &extraction.legs {
         svg += &chart.curve(leg);
         svg += &sections(leg);
+        svg += &foot(leg);
     }
     svg + &headings() + "</svg>\n"
 }
@@ -165,25 +166,42 @@ impl Chart {
         let colour = colour(leg.side);
         let mut text =
             format!("<path d=\"{path}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\"/>\n");
-        leg.landmarks.iter().for_each(|landmark| text += &self.level(leg.side, landmark));
+        for Landmark { level, height_mm, girth_tape_mm, .. } in &leg.landmarks {
+            if is_across(*level) {
+                text += &self.level(leg.side, *level, [*height_mm, *girth_tape_mm], true);
+            }
+        }
+        for Estimate { level, height_mm, girth_tape_mm, .. } in &leg.estimates {
+            if is_across(*level) {
+                text += &self.level(leg.side, *level, [*height_mm, *girth_tape_mm], false);
+            }
+        }
         text
     }
 
-    /// A level's dot on the curve; labels of the two legs keep to their own side of it.
-    fn level(&self, side: Side, landmark: &Landmark) -> String {
-        let (x, y) = (self.x(landmark.girth_tape_mm), self.y(landmark.height_mm));
+    /// A level's dot on the curve, hollow where it is estimated; labels of the two legs keep to
+    /// their own side of it.
+    fn level(
+        &self,
+        side: Side,
+        level: Level,
+        [height_mm, girth_mm]: [f64; 2],
+        is_found: bool,
+    ) -> String {
+        let (x, y) = (self.x(girth_mm), self.y(height_mm));
+        let (fill, mark) = if is_found { (colour(side), "") } else { ("#fff", "~") };
         let (offset, anchor) = match side {
             Side::Left => (10.0, "start"),
             Side::Right => (-10.0, "end"),
         };
         format!(
-            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{}\"/>\
-             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{} {}</text>\n",
+            "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\" fill=\"{fill}\" stroke=\"{}\"/>\
+             <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{mark}{} {}</text>\n",
             colour(side),
             x + offset,
             y + 4.0,
-            landmark.level.name(),
-            cm(landmark.girth_tape_mm)
+            level.name(),
+            cm(girth_mm)
         )
     }
 }
@@ -193,6 +211,26 @@ fn steps([low, high]: [f64; 2], step: f64) -> impl Iterator<Item = f64> {
     let first = (low / step).ceil() as i64;
     let last = (high / step).floor() as i64;
     (first..=last).map(move |index| index as f64 * step)
+}
+
+/// Whether a level is a section across the leg and so a place on the curve.
+fn is_across(level: Level) -> bool {
+    level >= Level::B
+}
+
+/// The measures of one leg's foot, below its sections.
+fn foot(leg: &LegReport) -> String {
+    let found = leg.landmarks.iter().map(|l| ("", l.level, l.girth_tape_mm));
+    let estimated = leg.estimates.iter().map(|e| ("~", e.level, e.girth_tape_mm));
+    let girths = found.chain(estimated).filter(|(_, level, _)| !is_across(*level));
+    let mut words: Vec<String> =
+        girths.map(|(mark, level, mm)| format!("{mark}{} {}", level.name(), cm(mm))).collect();
+    words.extend(leg.foot.map(|foot| format!("foot {} long", cm(foot.length_mm))));
+    format!(
+        "<text x=\"{}\" y=\"738\" text-anchor=\"middle\" font-size=\"11\">{}</text>\n",
+        column(leg.side),
+        words.join(" · ")
+    )
 }
 
 /// The sections at one leg's levels.

@@ -90,6 +90,12 @@ pub struct LegFigures {
     pub tilt_deg: f64,
     /// Levels found, by name; an absent level has no key.
     pub landmarks: BTreeMap<String, LandmarkFigures>,
+    /// Levels that only a proportion gives, by name; no landmarks.
+    #[serde(default)]
+    pub estimates: BTreeMap<String, EstimateFigures>,
+    /// The foot; null where it is not seen from heel to toes.
+    #[serde(default)]
+    pub foot: Option<FootFigures>,
     /// Girth over height.
     pub girth_curve: GirthColumns,
     /// The section at each level found.
@@ -109,10 +115,16 @@ pub struct LegFigures {
 /// Figures of one level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LandmarkFigures {
+    /// By what it was found.
+    #[serde(default)]
+    pub by: String,
     /// Vertical height of the section's centre above the floor.
     pub height_mm: f64,
     /// Distance along the leg's axis from the floor.
     pub along_axis_mm: f64,
+    /// Length from the floor along the skin of the leg's medial side; null on the foot.
+    #[serde(default)]
+    pub surface_length_mm: Option<f64>,
     /// Circumference of the convex hull, what a tape reads.
     pub girth_tape_mm: f64,
     /// Circumference along the skin.
@@ -123,6 +135,34 @@ pub struct LandmarkFigures {
     pub girth_sd_mm: Option<f64>,
     /// Codes of doubts.
     pub doubts: Vec<String>,
+}
+
+/// Figures of one level that is estimated by proportion.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EstimateFigures {
+    /// By which proportion.
+    pub by: String,
+    /// Vertical height of the section's centre above the floor.
+    pub height_mm: f64,
+    /// Distance along the leg's axis from the floor.
+    pub along_axis_mm: f64,
+    /// Circumference of the convex hull there.
+    pub girth_tape_mm: f64,
+    /// Standard error of the height, from how much people differ; null where it cannot be judged.
+    pub height_sd_mm: Option<f64>,
+    /// Standard error of the girth that comes of it; null where it cannot be judged.
+    pub girth_sd_mm: Option<f64>,
+    /// Codes of doubts.
+    pub doubts: Vec<String>,
+}
+
+/// Figures of a foot.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FootFigures {
+    /// From the heel to the longest toe, along the foot.
+    pub length_mm: f64,
+    /// Largest breadth, square to the length.
+    pub breadth_mm: f64,
 }
 
 /// The girth curve as columns of equal length; null where a section is open.
