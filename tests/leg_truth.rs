@@ -152,7 +152,7 @@ fn the_feet_of_a_body_are_alike_and_as_long_as_feet_are() {
         // The bodies' feet are mirror images; ANSUR II: 0.139 to 0.169 of stature, and these
         // bodies' are at its lower end.
         table.row(&format!("{name} feet"), left, right, (left - right).abs() <= 1.5);
-        let share = left / record.body.stature_mm;
+        let share = left / record.body.stature_mm.unwrap();
         table.row(&format!("{name} foot share"), share, 0.14, (0.13..0.17).contains(&share));
         let y = [0, 1].map(|leg| record.legs[leg].landmarks["Y"].girth_tape_mm);
         table.row(&format!("{name} Y"), y[0], y[1], (y[0] - y[1]).abs() <= 2.0);
