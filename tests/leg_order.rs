@@ -8,12 +8,13 @@ mod solids;
 
 use std::f64::consts::TAU;
 
-use gaiter::leg::body::{Body, FacingFrom, Sides};
+use gaiter::leg::body::{Body, FacingFrom};
 use gaiter::leg::landmark::{Estimate, Landmark};
 use gaiter::leg::level::By;
 use gaiter::leg::method::{LevelChoices, Unit};
 use gaiter::leg::report::leg_report;
-use gaiter::leg::{Finding, LegReport, Level, Method, What};
+use gaiter::leg::side::Sides;
+use gaiter::leg::{Crotch, CrotchFrom, Finding, LegReport, Level, Method, What};
 use nalgebra::{Matrix4, Point2, Vector3};
 use solids::{CROTCH_MM, STATURE_MM, Tube, near};
 
@@ -21,15 +22,18 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
     let leg = tube.leg();
     let body = Body {
         mesh: leg.mesh.clone(),
-        stature_mm: STATURE_MM,
-        shanks: Sides { left: Point2::origin(), right: Point2::origin() },
+        stature_mm: Some(STATURE_MM),
+        scale_mm: STATURE_MM,
+        floor_sd_mm: 0.0,
+        shanks: Sides { left: Some(Point2::origin()), right: None },
         facing_deg: 0.0,
         facing_from: FacingFrom::Feet,
         unit: Unit::Mm,
         unit_inferred: false,
         from_export: Matrix4::identity(),
     };
-    leg_report(&leg, &body, CROTCH_MM, method).unwrap()
+    let crotch = Crotch { height_mm: CROTCH_MM, sd_mm: 6.0, from: CrotchFrom::Thighs };
+    leg_report(&leg, &body, &crotch, method).unwrap()
 }
 
 fn found(report: &LegReport, level: Level) -> &Landmark {
