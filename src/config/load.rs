@@ -9,7 +9,7 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
-use super::words::{FACINGS, FITS, UNITS, UPS, Words, faces_up_or_down};
+use super::words::{AXES, FACINGS, FITS, UNITS, UPS, Words, faces_up_or_down};
 use super::{
     Config, FolderStoreConfig, PatientConfig, ScannerConfig, StationConfig, StoreConfig, notation,
 };
@@ -72,6 +72,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let pattern =
         reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
+    let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
 
     twice(reader, &exports);
@@ -95,7 +96,13 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             file_name: file_name.map(|found| found.value),
         },
         patient: PatientConfig { pattern: pattern?.value },
-        method: Method { unit: unit?.value, up: up?.value, facing: facing?.value, fit: fit?.value },
+        method: Method {
+            unit: unit?.value,
+            up: up?.value,
+            facing: facing?.value,
+            fit: fit?.value,
+            axis: axis?.value,
+        },
         store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
     })
 }

@@ -1,6 +1,6 @@
 //! The words for choices, shared by the configuration and the command line.
 
-use crate::leg::method::{Axis, FacingChoice, SectionFit, Unit, UnitChoice, Up};
+use crate::leg::method::{Axis, AxisFit, FacingChoice, SectionFit, Unit, UnitChoice, Up};
 
 /// The words of one choice and what each means, in the order they are shown.
 pub type Words<T> = &'static [(&'static str, T)];
@@ -29,11 +29,12 @@ pub const FACINGS: Words<FacingChoice> = &[
 ];
 
 /// `method.fit`
-pub const FITS: Words<SectionFit> = &[
-    ("skin", SectionFit::Skin),
-    ("periodic", SectionFit::Periodic),
-    ("polynomial", SectionFit::Polynomial),
-];
+pub const FITS: Words<SectionFit> =
+    &[("skin", SectionFit::Skin), ("periodic", SectionFit::Periodic), ("paper", SectionFit::Paper)];
+
+/// `method.axis`
+pub const AXES: Words<AxisFit> =
+    &[("centroids", AxisFit::Centroids), ("principal", AxisFit::Principal)];
 
 /// What a word means; `None` for a word that is none of these.
 pub fn meaning<T: Copy>(words: Words<T>, word: &str) -> Option<T> {

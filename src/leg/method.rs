@@ -9,8 +9,10 @@ pub struct Method {
     pub up: Up,
     /// Where the toes are declared to point, if anybody declared it.
     pub facing: FacingChoice,
-    /// The curve that is fitted to each section.
+    /// What the sections are taken from.
     pub fit: SectionFit,
+    /// What a leg is made upright by.
+    pub axis: AxisFit,
 }
 
 /// The unit of the export's coordinates.
@@ -111,7 +113,7 @@ pub enum Axis {
     MinusZ,
 }
 
-/// The closed curve fitted to the points of a section.
+/// What the sections of a leg are taken from, and which curve each of them is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SectionFit {
     /// The section through the leg's skin as one smooth function of angle and height, fitted to all
@@ -121,8 +123,9 @@ pub enum SectionFit {
     /// Radius over angle as a periodic smoothing spline, C2 across the seam, through the crossings
     /// of the mesh with the plane.
     Periodic,
-    /// The paper's: radius over angle in (−π, π] as a polynomial of order 15, orthogonal basis.
-    Polynomial,
+    /// The paper's: radius over angle in (−π, π] as a polynomial of order 15, through where the
+    /// lines between nearest points on both sides of the plane meet it.
+    Paper,
 }
 
 impl SectionFit {
@@ -131,7 +134,27 @@ impl SectionFit {
         match self {
             SectionFit::Skin => "skin",
             SectionFit::Periodic => "periodic",
-            SectionFit::Polynomial => "polynomial",
+            SectionFit::Paper => "paper",
+        }
+    }
+}
+
+/// The line laid through a leg as its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AxisFit {
+    /// Through the centroids of its sections between ankle and groin, each of equal weight.
+    #[default]
+    Centroids,
+    /// The paper's: the first principal component of its points from the floor to the crotch.
+    Principal,
+}
+
+impl AxisFit {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            AxisFit::Centroids => "centroids",
+            AxisFit::Principal => "principal",
         }
     }
 }

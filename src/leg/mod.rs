@@ -6,7 +6,7 @@
 //! | unit, up, facing, floor | 1.1 | [`body`], [`stance`] |
 //! | legs cut at the crotch | 1.1, fig. 2a | [`segment`] |
 //! | made upright | 1.1 | [`axis`] |
-//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`polynomial`] |
+//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`pairs`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`landmark`] |
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] |
@@ -27,6 +27,7 @@ mod hull;
 pub mod landmark;
 pub mod level;
 pub mod method;
+pub mod pairs;
 pub mod plane;
 pub mod polynomial;
 pub mod report;

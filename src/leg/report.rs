@@ -1,11 +1,12 @@
 //! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
 
-use super::axis::{LegAxis, axis};
+use super::axis::{LegAxis, axis, principal_axis};
 use super::feature::{Feature, features};
 use super::finding::{Finding, LegFault, What};
 use super::girth::{GirthCurve, girth_curve};
 use super::landmark::{Landmark, landmarks};
 use super::level::Level;
+use super::method::AxisFit;
 use super::section::Section;
 use super::sections::sections;
 use super::segment::{Leg, Side};
@@ -63,7 +64,10 @@ pub fn leg_report(
     crotch_height_mm: f64,
     method: &Method,
 ) -> Result<(LegReport, Vec<Finding>), LegFault> {
-    let axis = axis(leg, body.stature_mm, crotch_height_mm)?;
+    let axis = match method.axis {
+        AxisFit::Centroids => axis(leg, body.stature_mm, crotch_height_mm)?,
+        AxisFit::Principal => principal_axis(leg, crotch_height_mm)?,
+    };
     let up_mm = |height_mm: f64| height_mm / axis.direction.z;
     let span_mm = [up_mm(LOWEST_STATURE_SHARE * body.stature_mm), up_mm(crotch_height_mm)];
     let sections = sections(leg, axis, span_mm, method.fit).ok_or(LegFault::TooFewPoints)?;

@@ -59,7 +59,12 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         UnitChoice::Auto => "auto",
         UnitChoice::Declared(unit) => unit.word(),
     };
-    let words = [("unit", unit), ("up", method.up.word()), ("fit", method.fit.word())];
+    let words = [
+        ("unit", unit),
+        ("up", method.up.word()),
+        ("fit", method.fit.word()),
+        ("axis", method.axis.word()),
+    ];
     words.into_iter().map(|(key, word)| (key.to_owned(), word.to_owned())).collect()
 }
 

@@ -203,3 +203,6 @@ pub const REGULAR_MM: f64 = 0.01;
 
 /// … on a mesh of scattered points, mm: edges are up to 8 mm long.
 pub const SCATTERED_MM: f64 = 0.1;
+
+/// … of the paper's fit, mm: its lines between points of both sides are chords of the skin.
+pub const CHORDS_MM: f64 = 0.2;
