@@ -8,8 +8,15 @@
 use nalgebra::{Point2, Point3};
 
 use super::axis::LegAxis;
+use super::polynomial;
 use super::sections::SPACING_MM;
 use super::segment::Leg;
+
+/// Points near a plane: the square of the polynomial's order. About as many random places keep
+/// least squares with a polynomial from swinging (Cohen, Davenport and Leviatan, On the stability
+/// and accuracy of least squares approximations, 2013); with half of them its girths are off
+/// by centimetres.
+const NEAR_POINTS: f64 = (polynomial::ORDER * polynomial::ORDER) as f64;
 
 /// The points of a leg in the frame of its axis, ready to be paired across planes.
 #[derive(Debug, Clone)]
@@ -23,10 +30,10 @@ pub struct Pairs {
 impl Pairs {
     /// All points of a leg; none where none lies between the two distances along the axis.
     ///
-    /// The paper's threshold is "preset" and not given. Here it is the mean spacing of the leg's
-    /// own points, √(area / count), between the two distances: then a row of points as even as the
-    /// skin's lies on either side of each plane. It is never less than the distance of the planes,
-    /// so that scanners which put their points in rows have one within reach of each plane.
+    /// The paper's threshold is "preset" and not given. Here it is the distance within which the
+    /// average plane between the two distances has [`NEAR_POINTS`] points. It is never less than
+    /// the distance of the planes, so that scanners which put their points in rows have one within
+    /// reach of each plane.
     pub fn of(leg: &Leg, axis: &LegAxis, [from_mm, to_mm]: [f64; 2]) -> Option<Pairs> {
         let place = |point: &Point3<f64>| {
             let in_plane = axis.in_plane(point);
@@ -36,15 +43,13 @@ impl Pairs {
         points.sort_by(|p, q| {
             p.z.total_cmp(&q.z).then(p.x.total_cmp(&q.x)).then(p.y.total_cmp(&q.y))
         });
-        let within = points.iter().filter(|point| (from_mm..=to_mm).contains(&point.z));
-        let radii: Vec<f64> = within.map(|point| point.xy().coords.norm()).collect();
-        if radii.is_empty() {
+        let within = points.iter().filter(|point| (from_mm..=to_mm).contains(&point.z)).count();
+        if within == 0 {
             return None;
         }
-        let count = radii.len() as f64;
-        let mean_radius_mm = radii.iter().sum::<f64>() / count;
-        let area = std::f64::consts::TAU * mean_radius_mm * (to_mm - from_mm);
-        Some(Pairs { points, threshold_mm: (area / count).sqrt().max(SPACING_MM) })
+        let points_per_mm = within as f64 / (to_mm - from_mm);
+        let threshold_mm = (NEAR_POINTS / points_per_mm / 2.0).max(SPACING_MM);
+        Some(Pairs { points, threshold_mm })
     }
 
     /// Where the lines of the pairs across the plane at a distance along the axis meet it, (front,
@@ -131,9 +136,8 @@ mod tests {
         let leg = leg(Side::Left, spiral(count, |_| radius_mm));
         let pairs = Pairs::of(&leg, &upright(Side::Left), SPAN_MM).unwrap();
         let spacing_mm = (TAU * radius_mm * 200.0 / f64::from(count)).sqrt();
-        // A point at the threshold reaches a spacing further to the nearest on the other side.
-        let longest_mm = pairs.threshold_mm + spacing_mm;
-        let sagitta_mm = longest_mm * longest_mm / (8.0 * radius_mm);
+        // A point is joined with one near its own foot on the plane: less than two spacings aside.
+        let sagitta_mm = (2.0 * spacing_mm).powi(2) / (8.0 * radius_mm);
         for along_mm in (20..180).map(|z| f64::from(z) + 0.3) {
             let places = pairs.on_plane(along_mm);
             assert!(places.len() > 30, "{along_mm} mm: {} places", places.len());
@@ -198,14 +202,14 @@ mod tests {
     }
 
     #[test]
-    fn the_threshold_is_the_points_spacing_but_not_below_the_planes() {
+    fn the_average_plane_has_225_points_near_it_unless_the_planes_are_further_apart() {
         let threshold_mm = |count| {
             let leg = leg(Side::Left, spiral(count, |_| 50.0));
             Pairs::of(&leg, &upright(Side::Left), SPAN_MM).unwrap().threshold_mm
         };
-        // 10 mm apart, then 1 mm.
-        assert!((threshold_mm(628) - 10.0).abs() < 0.1, "{}", threshold_mm(628));
-        assert_eq!(threshold_mm(62_832), SPACING_MM);
+        // 4 points a millimetre, then 100.
+        assert!((threshold_mm(800) - 225.0 / 4.0 / 2.0).abs() < 0.2, "{}", threshold_mm(800));
+        assert_eq!(threshold_mm(20_000), SPACING_MM);
     }
 
     #[test]
