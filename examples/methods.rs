@@ -88,7 +88,7 @@ fn degraded_table(out: &mut impl Write, clean: &[Case]) -> Result<(), Box<dyn Er
     let draws = DRAWS_MIN.div_ceil(clean.len());
     writeln!(
         out,
-        "\n95th percentile of the absolute girth error at B, C and D, mm, over {draws} draws of \
+        "\nAbsolute girth error at B, C and D, mm: median / 95th percentile over {draws} draws of \
          points and noise on each of {} clean bodies.\n",
         clean.len()
     )?;

@@ -70,6 +70,12 @@ fn same(found: &[(String, String, [f64; 3])]) {
 }
 
 #[test]
+fn the_record_names_the_paper_s_method() {
+    let words = &PLAIN.1.made_by.method;
+    assert_eq!([words["fit"].as_str(), words["axis"].as_str()], ["paper", "principal"]);
+}
+
+#[test]
 fn a_turned_body_keeps_its_girths_and_heights() {
     for degrees in [37.0_f64, -90.0, 180.0] {
         let turn = Rotation3::from_axis_angle(&Vector3::y_axis(), degrees.to_radians());

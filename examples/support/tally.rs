@@ -104,14 +104,14 @@ impl Tally {
         self.refusals.extend(other.refusals);
     }
 
-    /// 95th percentile of the girth error at all levels, and what was missed.
+    /// Median and 95th percentile of the girth error at all levels, and what was missed.
     pub fn girth_cell(&self) -> String {
         let girths = self.girth_mm.concat();
-        let [_, most, _] = quantiles(&girths);
+        let [half, most, _] = quantiles(&girths);
         match (girths.len(), self.missed) {
-            (0, _) => "refused".to_owned(),
-            (_, 0) => format!("{most:.2}"),
-            (_, missed) => format!("{most:.2} (missed {missed} of {})", self.levels),
+            (0, missed) => format!("missed {missed} of {}", self.levels),
+            (_, 0) => format!("{half:.2} / {most:.2}"),
+            (_, missed) => format!("{half:.2} / {most:.2}, missed {missed} of {}", self.levels),
         }
     }
 }
