@@ -13,7 +13,7 @@ use bodies::{export, record_of};
 use gaiter::leg::at_height::{AtHeight, HeightGirth, NoGirth, at_heights};
 use gaiter::leg::finding::Doubt;
 use gaiter::leg::method::SectionFit;
-use gaiter::leg::{Method, extract};
+use gaiter::leg::{Extraction, Landmark, Level, Method, extract};
 use gaiter::scan::Format;
 use nalgebra::{Point3, Vector3};
 use solids::{Tube, curve_of, near, off_deg};
@@ -82,18 +82,23 @@ fn what_was_not_seen_has_no_girth_and_a_gap_is_a_doubt() {
 #[test]
 fn at_the_height_of_a_level_the_girth_is_the_level_s() {
     let plain = extract(&export("f_average_clean"), Format::Obj, &Method::default()).unwrap();
-    let levels = [0, 1, 2, 3].map(|level: usize| plain.legs[0].landmarks[level].height_mm);
-    let method = Method { at_heights_mm: levels.to_vec(), ..Method::default() };
+    let across = |of: &Extraction| -> Vec<Landmark> {
+        let landmarks = of.legs[0].landmarks.iter();
+        landmarks.filter(|at| Level::SOUGHT.contains(&at.level)).cloned().collect()
+    };
+    let levels: Vec<f64> = across(&plain).iter().map(|at| at.height_mm).collect();
+    let method = Method { at_heights_mm: levels.clone(), ..Method::default() };
     let (extraction, record) = record_of(&export("f_average_clean"), &method);
     let leg = &extraction.legs[0];
     assert_eq!(leg.landmarks, plain.legs[0].landmarks, "asking changes nothing else");
-    for (found, level) in leg.at.iter().zip(&leg.landmarks) {
+    for (found, level) in leg.at.iter().zip(&across(&extraction)) {
         near(girth(found).along_mm, level.along_mm, 1e-6, level.level.name());
         near(girth(found).girth_tape_mm, level.girth_tape_mm, 1e-6, level.level.name());
         near(girth(found).girth_contour_mm, level.girth_contour_mm, 1e-6, level.level.name());
     }
     assert_eq!(record.legs[0].at.len(), 4);
-    let asked = levels.map(|height| ((height * 1e3).round() / 1e3).to_string()).join(", ");
+    let asked = levels.iter().map(|height| ((height * 1e3).round() / 1e3).to_string());
+    let asked = asked.collect::<Vec<_>>().join(", ");
     assert_eq!(record.made_by.method["at_heights_mm"], asked);
 }
 

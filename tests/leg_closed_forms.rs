@@ -7,6 +7,7 @@ mod solids;
 
 use std::f64::consts::{PI, TAU};
 
+use gaiter::leg::axis::{AxisFault, axis, principal_axis};
 use gaiter::leg::feature::features;
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::section::Section;
@@ -14,16 +15,20 @@ use gaiter::leg::side::Side;
 use gaiter::leg::surface::surface;
 use nalgebra::{Point3, Vector3};
 use solids::{
-    REGULAR_MM, SCATTERED_MM, Tube, all, contour_mm, curve_of, ellipse, near, off_deg, tape_mm,
+    CHORDS_MM, CROTCH_MM, REGULAR_MM, SCATTERED_MM, STATURE_MM, Tube, all, contour_mm, curve_of,
+    ellipse, near, off_deg, tape_mm,
 };
 
-const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Polynomial];
+const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Paper];
 
 #[test]
 fn a_cylinder_has_the_girth_of_its_radius_at_every_height() {
     for (radius, fit) in [28.0, 50.0, 80.0].into_iter().flat_map(|r| FITS.map(|fit| (r, fit))) {
         let shape = move |_: f64, _: f64| radius;
         for (is_scattered, tolerance) in [(false, REGULAR_MM), (true, SCATTERED_MM)] {
+            if is_scattered && fit == SectionFit::Paper {
+                continue;
+            }
             let tube = Tube { is_scattered, ..Tube::of(&shape) };
             for section in all(&tube.sections(fit)) {
                 let what = format!("{fit:?}, scattered {is_scattered}, {} mm", section.along_mm);
@@ -32,6 +37,23 @@ fn a_cylinder_has_the_girth_of_its_radius_at_every_height() {
                 near(section.rms_mm, 0.0, 0.03, &what);
             }
         }
+    }
+}
+
+#[test]
+fn the_paper_s_lines_are_chords_and_its_polynomial_swings_where_they_leave_a_gap() {
+    for radius in [28.0, 50.0, 80.0] {
+        let shape = move |_: f64, _: f64| radius;
+        let sections = Tube { is_scattered: true, ..Tube::of(&shape) }.sections(SectionFit::Paper);
+        let found = sections.rows.iter().filter_map(|row| row.section.as_ref());
+        let mut off: Vec<f64> = found.map(|s| s.girth.tape_mm - TAU * radius).collect();
+        off.sort_by(f64::total_cmp);
+        assert!(off.len() > 130, "{} sections close", off.len());
+        // Chords over up to 4 mm around: e²/12R on average, 2π of it in the girth.
+        let median = off[off.len() / 2];
+        assert!((-CHORDS_MM..-0.02).contains(&median), "{radius}: median {median}");
+        let (least, most) = (off[0], off[off.len() - 1]);
+        assert!(least > -CHORDS_MM && most < 0.8, "{radius}: {least} to {most}");
     }
 }
 
@@ -120,7 +142,7 @@ fn an_elliptic_tube_has_the_perimeter_of_its_ellipse() {
         (60.0, 40.0, SectionFit::Periodic, true, SCATTERED_MM),
         (45.0, 28.0, SectionFit::Periodic, false, REGULAR_MM),
         // A polynomial of order 15 does not follow an ellipse beyond 7 : 6 to 0.05 mm.
-        (52.0, 46.0, SectionFit::Polynomial, false, 0.05),
+        (52.0, 46.0, SectionFit::Paper, false, 0.05),
     ];
     for (long, short, fit, is_scattered, tolerance) in cases {
         let shape = ellipse(long, short);
@@ -134,12 +156,12 @@ fn an_elliptic_tube_has_the_perimeter_of_its_ellipse() {
 }
 
 #[test]
-fn the_paper_s_polynomial_has_the_girth_of_two_and_three_waves() {
+fn the_paper_s_section_has_the_girth_of_two_and_three_waves() {
     for (waves, amplitude) in [(2.0, 5.0), (3.0, 3.0)] {
         let radius = move |t: f64| 50.0 + amplitude * (waves * (t - 0.35)).cos();
         let shape = move |angle: f64, _: f64| radius(angle);
         let (contour, tape) = (contour_mm(radius), tape_mm(radius));
-        for section in all(&Tube::of(&shape).sections(SectionFit::Polynomial)) {
+        for section in all(&Tube::of(&shape).sections(SectionFit::Paper)) {
             near(section.girth.contour_mm, contour, REGULAR_MM, "contour");
             near(section.girth.tape_mm, tape, REGULAR_MM, "tape");
         }
@@ -184,6 +206,47 @@ fn the_axis_of_a_tilted_tube_is_found_with_its_foot_and_its_heights() {
             }
         }
     }
+}
+
+#[test]
+fn the_principal_axis_of_an_even_tube_is_its_own_and_points_up() {
+    let oval = ellipse(55.0, 45.0);
+    for side in Side::BOTH {
+        let foot = Point3::new(90.0, -20.0, 0.0);
+        let leg = Tube { side, foot, is_scattered: true, ..Tube::of(&oval) }.leg();
+        let axis = principal_axis(&leg, CROTCH_MM).unwrap();
+        assert!(axis.direction.z > 0.0 && axis.tilt_deg() < 0.1, "{}", axis.tilt_deg());
+        assert!((axis.foot - foot).norm() < 0.5, "{}", axis.foot);
+        assert!(axis.front.y < -0.99 && axis.lateral.x * side.lateral_sign() > 0.99);
+    }
+    // The horizontal cut at the crotch, oblique to a leaning leg, turns it a little.
+    let direction = Vector3::new(0.14, -0.08, 1.0);
+    let leg = Tube { direction, ..Tube::of(&oval) }.leg();
+    let off_deg = principal_axis(&leg, CROTCH_MM).unwrap().direction.angle(&direction).to_degrees();
+    assert!(off_deg < 0.5, "{off_deg}° off");
+}
+
+#[test]
+fn the_principal_axis_leans_towards_what_was_seen_and_that_of_centroids_does_not() {
+    let round = |_: f64, _: f64| 50.0;
+    // A sixth of the skin unseen, at the back of the upper half of the leg.
+    let hole = |angle: f64, along: f64| along > 350.0 && off_deg(angle.to_degrees(), 180.0) < 30.0;
+    let leg = Tube { hole: &hole, ..Tube::of(&round) }.leg();
+    let principal = principal_axis(&leg, CROTCH_MM).unwrap();
+    let centroids = axis(&leg, STATURE_MM, CROTCH_MM).unwrap();
+    // Towards the front, −y.
+    assert!(principal.direction.y < -0.015, "{}", principal.direction.y);
+    assert!(principal.tilt_deg() > 4.0 * centroids.tilt_deg(), "{}", centroids.tilt_deg());
+}
+
+#[test]
+fn a_leg_that_lies_or_has_hardly_a_point_has_no_principal_axis() {
+    let round = |_: f64, _: f64| 50.0;
+    let lying = Tube { direction: Vector3::new(1.0, 0.0, 1.0), ..Tube::of(&round) }.leg();
+    let fault = principal_axis(&lying, CROTCH_MM).unwrap_err();
+    assert!(matches!(fault, AxisFault::Leaning { tilt_deg } if tilt_deg > 35.0), "{fault}");
+    let fault = principal_axis(&Tube::of(&round).leg(), -60.0).unwrap_err();
+    assert_eq!(fault, AxisFault::TooFewPoints { found: 72 });
 }
 
 #[test]
@@ -253,9 +316,9 @@ fn a_gap_beyond_60_degrees_leaves_a_section_open_and_one_below_does_not() {
 }
 
 #[test]
-fn a_polynomial_which_swings_in_gaps_bridges_none_beyond_20_degrees() {
+fn the_paper_s_polynomial_which_swings_in_gaps_bridges_none_beyond_20_degrees() {
     for at in [0.0, 75.0, 180.0] {
-        open_where_wide(SectionFit::Polynomial, at, [17.0, 25.0]);
+        open_where_wide(SectionFit::Paper, at, [17.0, 25.0]);
     }
 }
 

@@ -145,7 +145,8 @@ fn a_body_a_tenth_larger_has_girths_and_heights_a_tenth_larger() {
     alike(&extrema, &expected, [0.2, 0.5]);
     // B1 is sought over a fixed 30 mm; its girth moves by 1.3 mm with each mm of its height.
     alike(&b1, &b1_expected, [4.0, 3.0]);
-    assert!((stature_mm(&record) - 1.1 * stature_mm(&PLAIN.1)).abs() < 0.01);
+    // The floor under unseen soles is told by a fixed radius of the foot's edge.
+    assert!((stature_mm(&record) - 1.1 * stature_mm(&PLAIN.1)).abs() < 0.5);
 }
 
 /// A record's measures as JSON, without what describes the file.
@@ -309,7 +310,8 @@ fn from_export_brings_a_point_of_the_export_to_where_the_surface_is() {
     let points: Vec<Point3<f64>> = export.points.iter().map(|p| map.transform_point(p)).collect();
     let lowest = points.iter().map(|p| p.z).fold(f64::INFINITY, f64::min);
     let highest = points.iter().map(|p| p.z).fold(f64::NEG_INFINITY, f64::max);
-    assert!(lowest.abs() < 1.0, "the soles are at {lowest} mm");
+    // Soles are not seen; what is seen ends some millimetres above the floor.
+    assert!((0.0..4.0).contains(&lowest), "the lowest skin is at {lowest} mm");
     assert!((highest - stature_mm(&record)).abs() < 1e-3, "the crown is at {highest} mm");
 
     for leg in &extraction.legs {

@@ -15,9 +15,9 @@ use gaiter::leg::level::By;
 use gaiter::leg::method::{B1, SectionFit};
 use gaiter::leg::sections::Sections;
 use nalgebra::Vector3;
-use solids::{CROTCH_MM, STATURE_MM, Tube, curve_of, near};
+use solids::{CHORDS_MM, CROTCH_MM, SCATTERED_MM, STATURE_MM, Tube, curve_of, near};
 
-const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Polynomial];
+const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Paper];
 
 fn search(sections: &Sections, b1: B1) -> Levels {
     let near = |along_mm: f64| sections.nearest(along_mm);
@@ -71,11 +71,15 @@ fn b_b1_c_and_d_of_a_wave_are_at_its_turning_points_and_its_steepest_place() {
         assert_eq!(names(&found), Level::SOUGHT);
         for (level, (_, height, radius, tolerance)) in found.iter().zip(expected) {
             let what = format!("{fit:?} {:?}", level.level);
+            // The paper's girths err with every plane anew, which moves the extrema.
+            let is_paper = fit == SectionFit::Paper;
+            let tolerance = if is_paper { 2.0 * tolerance } else { tolerance };
+            let reach_mm = if is_paper { CHORDS_MM } else { SCATTERED_MM };
             near(level.height_mm, height, tolerance, &what);
             // The girth at B1 moves with its height; at a turning point it does not.
             let slope = if level.level == Level::B1 { TAU * 8.0 * TAU / 400.0 } else { 0.0 };
-            near(level.girth_tape_mm, TAU * radius, 0.1 + slope * tolerance, &what);
-            near(level.girth_contour_mm, TAU * radius, 0.1 + slope * tolerance, &what);
+            near(level.girth_tape_mm, TAU * radius, reach_mm + slope * tolerance, &what);
+            near(level.girth_contour_mm, TAU * radius, reach_mm + slope * tolerance, &what);
             assert_eq!(level.doubts, [], "{what}");
         }
     }

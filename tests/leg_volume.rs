@@ -20,7 +20,7 @@ use gaiter::scan::{Format, Scan};
 use nalgebra::{Point3, Vector3};
 use solids::{Tube, all, curve_of, ellipse, near, off_deg};
 
-const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Polynomial];
+const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Paper];
 
 /// A regular mesh of 5 mm leaves 0.01 mm of a girth of 314 mm, and twice that share of an area.
 const REGULAR_SHARE: f64 = 7e-5;
@@ -301,7 +301,7 @@ fn a_mirrored_body_has_the_opposite_differences() {
     near(other.ml.value, -whole.ml.value, 1.0, "whole");
     near(other.percent, -whole.percent, 0.02, "percent");
     near(other.ml.sd, whole.ml.sd, 0.1 * whole.ml.sd, "its error");
-    assert_eq!(plain.levels.len(), 4);
+    assert!(plain.levels.len() >= 4);
     assert_eq!(plain.slices.len(), mirrored.slices.len());
     for (at, other) in plain.levels.iter().zip(&mirrored.levels) {
         assert_eq!(at.level, other.level);

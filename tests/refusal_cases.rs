@@ -104,7 +104,7 @@ fn a_body_that_does_not_stand_as_declared_is_refused() {
             "body-no-plausible-unit",
             &["along y", "1700"],
         ),
-        case("upside down", moved(&|[x, y, z]| [-x, -y, z]), "body-not-two-legs", &[]),
+        case("upside down", moved(&|[x, y, z]| [-x, -y, z]), "body-facing-unclear", &["no foot"]),
         case("one foot in the air", high.obj(), "body-facing-unclear", &["0 points"]),
         declared(
             case("up x", body.obj(), "body-no-plausible-unit", &["along x", "1700"]),

@@ -85,7 +85,7 @@ fn methods() -> impl Strategy<Value = Method> {
         2 => Just(FacingChoice::Auto),
         1 => Just(FacingChoice::Declared(Axis::PlusZ)),
     ];
-    let fits = prop_oneof![4 => Just(SectionFit::Periodic), 1 => Just(SectionFit::Polynomial)];
+    let fits = prop_oneof![4 => Just(SectionFit::Periodic), 1 => Just(SectionFit::Paper)];
     (facings, fits).prop_map(|(facing, fit)| Method { facing, fit, ..Method::default() })
 }
 

@@ -9,7 +9,7 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
-use super::words::{B1S, B1Word, FACINGS, FITS, SCOPES, UNITS, UPS, Words, faces_up_or_down};
+use super::words::{AXES, B1S, B1Word, FACINGS, FITS, SCOPES, UNITS, UPS, Words, faces_up_or_down};
 use super::{
     Config, FolderStoreConfig, PatientConfig, ScannerConfig, StationConfig, StoreConfig, notation,
 };
@@ -76,6 +76,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
     let levels = level_choices(reader);
+    let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
 
     twice(reader, &exports);
@@ -107,6 +108,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             fit: fit?.value,
             at_heights_mm: at.into_iter().map(|height| height.value).collect(),
             levels: levels?,
+            axis: axis?.value,
         },
         store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
     })

@@ -4,6 +4,7 @@ use toml::de::DeTable;
 
 use super::load::{config, load};
 use super::reader::{Absent, Key, Reader};
+use super::words::{AXES, FITS};
 
 const SHIPPED: &str = include_str!("../../config/station.toml");
 
@@ -75,6 +76,19 @@ fn leaving_out_a_key_with_a_default_changes_nothing() {
                 let missing: Vec<&str> = faults.iter().map(|fault| fault.key.as_str()).collect();
                 assert_eq!(missing, [key.path]);
             }
+        }
+    }
+}
+
+#[test]
+fn every_word_of_the_method_loads_as_the_word_that_records_show() {
+    for (fit, _) in FITS {
+        for (axis, _) in AXES {
+            let text = SHIPPED
+                .replace("\nfit = \"skin\"\n", &format!("\nfit = \"{fit}\"\n"))
+                .replace("\naxis = \"centroids\"\n", &format!("\naxis = \"{axis}\"\n"));
+            let method = load(&text).unwrap().method;
+            assert_eq!((method.fit.word(), method.axis.word()), (*fit, *axis));
         }
     }
 }

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use crate::leg::Side;
-use crate::leg::method::{Axis, FacingChoice, Scope, SectionFit, Unit, UnitChoice, Up};
+use crate::leg::method::{Axis, AxisFit, FacingChoice, Scope, SectionFit, Unit, UnitChoice, Up};
 
 /// What `method.b1` may be; the distance of the second stands under a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,11 +48,12 @@ pub const FACINGS: Words<FacingChoice> = &[
 ];
 
 /// `method.fit`
-pub const FITS: Words<SectionFit> = &[
-    ("skin", SectionFit::Skin),
-    ("periodic", SectionFit::Periodic),
-    ("polynomial", SectionFit::Polynomial),
-];
+pub const FITS: Words<SectionFit> =
+    &[("skin", SectionFit::Skin), ("periodic", SectionFit::Periodic), ("paper", SectionFit::Paper)];
+
+/// `method.axis`
+pub const AXES: Words<AxisFit> =
+    &[("centroids", AxisFit::Centroids), ("principal", AxisFit::Principal)];
 
 /// `method.b1`
 pub const B1S: Words<B1Word> = &[("steepest", B1Word::Steepest), ("above-b", B1Word::AboveB)];

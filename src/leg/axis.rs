@@ -1,8 +1,8 @@
 //! The leg's own axis, along which it is made upright (paper 1.1).
 //!
-//! The paper takes the first principal component of the points; that leans by up to 3.6° towards
-//! whatever was seen better. A line through the centroids of sections, each of equal weight, does
-//! not depend on how densely the skin was sampled.
+//! The paper takes the first principal component of the points ([`principal_axis`]); that leans by
+//! up to 3.6° towards whatever was seen better. A line through the centroids of sections, each of
+//! equal weight, does not depend on how densely the skin was sampled ([`axis`]).
 
 use nalgebra::{Matrix3, Point2, Point3, SymmetricEigen, Unit, Vector3};
 
@@ -27,6 +27,9 @@ const ROUNDS: usize = 3;
 /// Fewer centroids than this make no axis.
 const CENTROIDS_MIN: usize = 10;
 
+/// Fewer points than this make no axis; a leg of an export has thousands.
+const POINTS_MIN: usize = 100;
+
 /// A leg that leans more than this is not standing on it, degrees; A-poses lean by 6 to 11.
 const TILT_MAX_DEG: f64 = 35.0;
 
@@ -49,6 +52,12 @@ pub enum AxisFault {
     /// Too few sections.
     #[error("{found} sections between ankle and groin, where an axis needs {CENTROIDS_MIN}")]
     TooFewSections {
+        /// Number found.
+        found: usize,
+    },
+    /// Too few points.
+    #[error("{found} points below the crotch, where an axis needs {POINTS_MIN}")]
+    TooFewPoints {
         /// Number found.
         found: usize,
     },
@@ -129,12 +138,32 @@ pub fn axis(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<LegAxis
             return Err(AxisFault::TooFewSections { found: centroids.len() });
         }
         let (through, direction) = line_through(&centroids);
-        axis = LegAxis::new(through, direction, leg.side);
         // In every round, because the next one's planes are as many as the axis leans.
-        let tilt_deg = axis.tilt_deg();
-        if tilt_deg.is_nan() || tilt_deg > TILT_MAX_DEG {
-            return Err(AxisFault::Leaning { tilt_deg });
-        }
+        axis = standing(LegAxis::new(through, direction, leg.side))?;
+    }
+    Ok(axis)
+}
+
+/// Finds a leg's axis as the paper does: the first principal component of all its points below the
+/// crotch, the foot's among them.
+///
+/// # Errors
+/// An [`AxisFault`] where there are too few points or the leg leans too far.
+pub fn principal_axis(leg: &Leg, crotch_height_mm: f64) -> Result<LegAxis, AxisFault> {
+    let below = leg.mesh.points().iter().filter(|point| point.z <= crotch_height_mm);
+    let points: Vec<Point3<f64>> = below.copied().collect();
+    if points.len() < POINTS_MIN {
+        return Err(AxisFault::TooFewPoints { found: points.len() });
+    }
+    let (through, direction) = line_through(&points);
+    standing(LegAxis::new(through, direction, leg.side))
+}
+
+/// An axis that does not lean more than a standing leg's.
+fn standing(axis: LegAxis) -> Result<LegAxis, AxisFault> {
+    let tilt_deg = axis.tilt_deg();
+    if tilt_deg.is_nan() || tilt_deg > TILT_MAX_DEG {
+        return Err(AxisFault::Leaning { tilt_deg });
     }
     Ok(axis)
 }

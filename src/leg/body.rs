@@ -3,6 +3,7 @@
 
 use nalgebra::{Matrix4, Point2, Point3, Rotation3, Translation3, Vector2, Vector3};
 
+use super::body_fault::BodyFault;
 use super::cloud;
 use super::cluster::clusters;
 use super::follow::{LINK_MM, slices};
@@ -11,29 +12,13 @@ use super::method::{Axis, FacingChoice, Method, Scope, Unit, UnitChoice, Up};
 use super::section::{GAP_MAX_DEG, largest_gap_deg};
 use super::shell::without_fragments;
 use super::side::{Side, Sides};
+use super::size::{Size, extent, lone_leg, whole_body};
 use super::slice::Mesh;
-use super::stance::{FeetUnclear, NoLegs, Stance, long_axis, stance};
+use super::stance::{FeetUnclear, Stance, stance};
 use crate::scan::Scan;
-
-/// Plausible statures, mm. The ratio of the limits is below that of inch to centimetre, so at most
-/// one unit can be plausible.
-pub const STATURE_MM: [f64; 2] = [1000.0, 2300.0];
 
 /// A declared facing and the feet must agree within this angle, degrees.
 const DECLARED_FACING_MAX_DEG: f64 = 45.0;
-
-/// What lies this low belongs to a lone leg's foot, mm: under the ankle.
-const LONE_FOOT_MM: f64 = 60.0;
-
-/// Lengths of feet, mm, from a child's to the longest; the ratio of the limits is below that of
-/// inch to centimetre, so at most one unit can be plausible.
-const LONE_FOOT_LENGTH_MM: [f64; 2] = [150.0, 340.0];
-
-/// Heights of scans of a lone leg or lower leg, mm: more than half a calf, less than a long leg.
-const LONE_LEG_MM: [f64; 2] = [200.0, 1150.0];
-
-/// Length of the foot as a share of stature (ANSUR II, mean of men and women).
-const FOOT_LENGTH_MEAN_SHARE: f64 = 0.152;
 
 /// Heights at which the trunk is looked at, as shares of stature: above every crotch, below the
 /// ribs.
@@ -76,131 +61,6 @@ pub enum FacingFrom {
     Feet,
     /// The declaration; the feet say nothing, for this reason.
     Declared(FeetUnclear),
-}
-
-/// Why a scan is no standing body that can be measured.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum BodyFault {
-    /// All shells are tiny.
-    #[error("nothing but fragments: no connected surface holds more than 0.5 % of the points")]
-    OnlyFragments,
-    /// No unit gives a plausible stature.
-    #[error(
-        "no unit makes this a standing person: {} units high along {} ({} × {} × {}); \
-         is the body whole in the scan, and is `up` right?",
-        figure(*height), up.word(), figure(*x), figure(*y), figure(*z)
-    )]
-    NoPlausibleUnit {
-        /// The axis taken as up.
-        up: Up,
-        /// Extent along it, export units.
-        height: f64,
-        /// Extent along x, export units.
-        x: f64,
-        /// Extent along y, export units.
-        y: f64,
-        /// Extent along z, export units.
-        z: f64,
-    },
-    /// The declared unit gives no plausible stature.
-    #[error(
-        "the declared unit {} makes the stature {} mm, outside {} to {} mm: set `unit` to auto, or \
-         to what the scanner exports",
-        unit.word(), figure(*stature_mm), STATURE_MM[0], STATURE_MM[1]
-    )]
-    UnitImplausible {
-        /// As declared.
-        unit: Unit,
-        /// What it leads to, mm.
-        stature_mm: f64,
-    },
-    /// There are not two legs on the floor, nor one alone.
-    #[error(
-        "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
-         stature, one alone at {singles} ({most} at most at one height): is nobody there, is a leg \
-         hidden, do the legs touch, or is somebody or something beside the patient?"
-    )]
-    NotTwoLegs {
-        /// Heights at which exactly two were seen.
-        pairs: usize,
-        /// Heights at which exactly one was seen.
-        singles: usize,
-        /// Heights that were looked at.
-        heights: usize,
-        /// The most that were seen at one height.
-        most: usize,
-    },
-    /// The feet do not show where the body faces and nobody declared it.
-    #[error(
-        "left and right cannot be told: {0}; both feet must be seen whole, with nothing else on \
-         the floor"
-    )]
-    FacingUnclear(FeetUnclear),
-    /// The declared facing and the feet disagree.
-    #[error(
-        "the declared facing is {off_deg:.0} degrees from where the toes point: set `facing` to \
-         auto, or to what the scanner exports"
-    )]
-    FacingContradicted {
-        /// Angle between them, degrees.
-        off_deg: f64,
-    },
-    /// The declared facing is the up axis.
-    #[error("the declared facing is along the up axis")]
-    FacingVertical,
-    /// One leg alone, and it stands under the middle of the trunk.
-    #[error(
-        "only one leg is seen, {off_mm:.0} mm beside the middle of the trunk: whether it is the left \
-         or the right cannot be told; scan it as a lone leg, with its side declared"
-    )]
-    SideUnclear {
-        /// Distance of the shank from the trunk's middle across the body, mm.
-        off_mm: f64,
-    },
-    /// No unit makes the scan of a lone leg a leg.
-    #[error(
-        "no unit makes this a lone leg: {} units high, its foot {} units long; is `scope` right?",
-        figure(*height), figure(*foot)
-    )]
-    NoPlausibleLeg {
-        /// Extent along the up axis, export units.
-        height: f64,
-        /// Length of what stands on the floor, export units.
-        foot: f64,
-    },
-    /// A lone leg was declared and two are there.
-    #[error("a lone leg was declared and two are seen: `scope` must be \"body\" for this scan")]
-    TwoLegs,
-}
-
-impl BodyFault {
-    /// The stable code of this fault, for `reason.json` and programs.
-    pub fn code(&self) -> &'static str {
-        match self {
-            BodyFault::OnlyFragments => "body-only-fragments",
-            BodyFault::NoPlausibleUnit { .. } => "body-no-plausible-unit",
-            BodyFault::UnitImplausible { .. } => "body-unit-implausible",
-            BodyFault::NotTwoLegs { .. } => "body-not-two-legs",
-            BodyFault::FacingUnclear(_) => "body-facing-unclear",
-            BodyFault::FacingContradicted { .. } => "body-facing-contradicted",
-            BodyFault::FacingVertical => "body-facing-vertical",
-            BodyFault::SideUnclear { .. } => "body-side-unclear",
-            BodyFault::NoPlausibleLeg { .. } => "body-no-plausible-leg",
-            BodyFault::TwoLegs => "body-two-legs",
-        }
-    }
-}
-
-/// A length of unknown unit for people: one decimal, or powers of ten where it is absurd.
-fn figure(value: f64) -> String {
-    let usual = (0.1..1e6).contains(&value);
-    if usual { format!("{value:.1}") } else { format!("{value:.1e}") }
-}
-
-impl From<NoLegs> for BodyFault {
-    fn from(NoLegs { pairs, singles, heights, most }: NoLegs) -> BodyFault {
-        BodyFault::NotTwoLegs { pairs, singles, heights, most }
-    }
 }
 
 /// Brings a scan into the body frame.
@@ -308,76 +168,6 @@ fn upright(up: Up) -> Rotation3<f64> {
         Up::X => [Vector3::z(), Vector3::x(), Vector3::y()],
     };
     Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&columns))
-}
-
-/// The size of what was scanned.
-struct Size {
-    unit: Unit,
-    /// The stature that heights are looked for by, mm.
-    scale_mm: f64,
-    /// Whether that is the height of the scan.
-    is_whole: bool,
-}
-
-/// Lowest and highest corner of points.
-fn extent(points: impl Iterator<Item = Point3<f64>>) -> (Point3<f64>, Point3<f64>) {
-    let none = (Point3::from([f64::INFINITY; 3]), Point3::from([f64::NEG_INFINITY; 3]));
-    points.fold(none, |(low, high), p| (low.inf(&p), high.sup(&p)))
-}
-
-/// The size of a standing body with this extent, upright, in export units.
-fn whole_body(
-    method: &Method,
-    upright: &Rotation3<f64>,
-    extent: Vector3<f64>,
-) -> Result<Size, BodyFault> {
-    let [least, most] = STATURE_MM;
-    let plausible = |unit: &Unit| (least..=most).contains(&(extent.z * unit.in_mm()));
-    let unit = match method.unit {
-        UnitChoice::Declared(unit) if plausible(&unit) => unit,
-        UnitChoice::Declared(unit) => {
-            let stature_mm = extent.z * unit.in_mm();
-            return Err(BodyFault::UnitImplausible { unit, stature_mm });
-        }
-        UnitChoice::Auto => Unit::ALL.into_iter().find(plausible).ok_or_else(|| {
-            let own = (upright.inverse() * extent).abs();
-            let (up, height) = (method.up, extent.z);
-            BodyFault::NoPlausibleUnit { up, height, x: own.x, y: own.y, z: own.z }
-        })?,
-    };
-    Ok(Size { unit, scale_mm: extent.z * unit.in_mm(), is_whole: true })
-}
-
-/// The size of a lone leg between two heights, export units: told by its foot, because a leg may be
-/// cut anywhere.
-fn lone_leg(
-    scan: &Scan,
-    method: &Method,
-    upright: &Rotation3<f64>,
-    [low, high]: [f64; 2],
-) -> Result<Size, BodyFault> {
-    let foot_length = |unit: Unit| {
-        let top = low + LONE_FOOT_MM / unit.in_mm();
-        let points = scan.points.iter().map(|point| upright * point);
-        let foot: Vec<[f64; 3]> = points.filter(|p| p.z < top).map(|p| [p.x, p.y, p.z]).collect();
-        long_axis(&foot).length
-    };
-    let plausible = |unit: &Unit| {
-        let (foot_mm, height_mm) = (foot_length(*unit) * unit.in_mm(), (high - low) * unit.in_mm());
-        (LONE_FOOT_LENGTH_MM[0]..=LONE_FOOT_LENGTH_MM[1]).contains(&foot_mm)
-            && (LONE_LEG_MM[0]..=LONE_LEG_MM[1]).contains(&height_mm)
-    };
-    let units: Vec<Unit> = match method.unit {
-        UnitChoice::Declared(unit) => vec![unit],
-        UnitChoice::Auto => Unit::ALL.to_vec(),
-    };
-    let found: Vec<Unit> = units.iter().copied().filter(plausible).collect();
-    let &[unit] = found.as_slice() else {
-        let foot = units.first().map_or(0.0, |unit| foot_length(*unit));
-        return Err(BodyFault::NoPlausibleLeg { height: high - low, foot });
-    };
-    let scale_mm = foot_length(unit) * unit.in_mm() / FOOT_LENGTH_MEAN_SHARE;
-    Ok(Size { unit, scale_mm, is_whole: false })
 }
 
 /// The scan's skin under an affine map from this unit to millimetres.

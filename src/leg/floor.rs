@@ -16,9 +16,9 @@ const EDGE_RADIUS_MM: f64 = 12.0;
 /// Skin up to this far above the lowest tells how far it has turned, mm.
 const BAND_MM: f64 = 3.0;
 
-/// The turn of the skin is taken over patches of this radius, mm: the noise of single triangles is
-/// as large as the turn.
-const PATCH_RADIUS_MM: f64 = 8.0;
+/// The turn of the skin is taken over patches of this radius, mm, or of the larger one where the
+/// points are few: the noise of single triangles is as large as the turn.
+const PATCH_RADII_MM: [f64; 2] = [8.0, 16.0];
 
 /// A patch with fewer points than this has no direction.
 const PATCH_POINTS_MIN: usize = 6;
@@ -51,13 +51,13 @@ pub fn floor(feet: &[Vec<[f64; 3]>]) -> Option<Floor> {
     let rims: Vec<Vector3<f64>> = feet
         .iter()
         .flatten()
-        .filter(|point| point[2] < lowest_mm + BAND_MM + PATCH_RADIUS_MM)
+        .filter(|point| point[2] < lowest_mm + BAND_MM + PATCH_RADII_MM[1])
         .map(|point| Vector3::from(*point))
         .collect();
     let low: Vec<&Vector3<f64>> = rims.iter().filter(|p| p.z < lowest_mm + BAND_MM).collect();
     let stride = low.len().div_ceil(PATCHES).max(1);
     let mut floors: Vec<f64> =
-        low.into_iter().step_by(stride).filter_map(|middle| floor_under(middle, &rims)).collect();
+        low.into_iter().step_by(stride).filter_map(|middle| floor_below(middle, &rims)).collect();
     floors.sort_by(f64::total_cmp);
     let contact = floors.get((CONTACT_SHARE * floors.len() as f64) as usize);
     let height_mm = contact.map_or(lowest_mm, |floor| floor.min(lowest_mm));
@@ -72,9 +72,14 @@ fn lowest_mm(foot: &[[f64; 3]]) -> Option<f64> {
     (stray < heights.len()).then(|| *heights.select_nth_unstable_by(stray, f64::total_cmp).1)
 }
 
+/// The floor below a place of the skin by the smallest patch that has enough points.
+fn floor_below(middle: &Vector3<f64>, rims: &[Vector3<f64>]) -> Option<f64> {
+    PATCH_RADII_MM.into_iter().find_map(|radius_mm| floor_by_patch(middle, rims, radius_mm))
+}
+
 /// The floor that the round edge meets of which a patch of skin around `middle` is a piece.
-fn floor_under(middle: &Vector3<f64>, rims: &[Vector3<f64>]) -> Option<f64> {
-    let reach = PATCH_RADIUS_MM * PATCH_RADIUS_MM;
+fn floor_by_patch(middle: &Vector3<f64>, rims: &[Vector3<f64>], radius_mm: f64) -> Option<f64> {
+    let reach = radius_mm * radius_mm;
     let (mut count, mut sum, mut squares) = (0usize, Vector3::zeros(), Matrix3::zeros());
     for arm in rims.iter().map(|point| point - middle) {
         if arm.norm_squared() <= reach {
@@ -106,10 +111,11 @@ mod tests {
         around
             .flat_map(|angle| seen.clone().map(move |turn| (angle, turn)))
             .map(|(angle, turn)| {
-                let (x, y) = (35.0 * angle.cos(), 110.0 * angle.sin());
-                let out = EDGE_RADIUS_MM * turn.cos() / x.hypot(y);
+                // An ellipse, and square to it the round edge.
+                let out = nalgebra::Vector2::new(angle.cos() / 35.0, angle.sin() / 110.0);
+                let out = out.normalize() * (EDGE_RADIUS_MM * turn.cos());
                 let z = floor_mm + EDGE_RADIUS_MM * (1.0 - turn.sin());
-                [x * (1.0 + out), y * (1.0 + out), z]
+                [35.0 * angle.cos() + out.x, 110.0 * angle.sin() + out.y, z]
             })
             .collect()
     }

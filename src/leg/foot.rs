@@ -188,7 +188,7 @@ fn y(leg: &Leg, axis: &LegAxis, frame: &Frame, fit: SectionFit) -> Option<Landma
         lateral: Unit::new_normalize(level(&frame.lateral)),
     };
     // The paper measures no foot; its polynomial is for sections that are nearly round.
-    let fit = if fit == SectionFit::Polynomial { SectionFit::Periodic } else { fit };
+    let fit = if fit == SectionFit::Paper { SectionFit::Periodic } else { fit };
     let skin = sections(leg, tape, [-Y_REACH_MM, Y_REACH_MM], fit)?;
     let places = skin.at(leg, &[-Y_BESIDE_MM, 0.0, Y_BESIDE_MM]);
     let [Some(low), Some(own), Some(high)] = <[_; 3]>::try_from(places).ok()? else {

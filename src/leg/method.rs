@@ -13,8 +13,10 @@ pub struct Method {
     pub up: Up,
     /// Where the toes are declared to point, if anybody declared it.
     pub facing: FacingChoice,
-    /// The curve that is fitted to each section.
+    /// What the sections are taken from.
     pub fit: SectionFit,
+    /// What a leg is made upright by.
+    pub axis: AxisFit,
     /// Heights above the floor at which girths are wanted besides the levels, mm, in the order
     /// they are reported in.
     pub at_heights_mm: Vec<f64>,
@@ -181,7 +183,7 @@ pub enum Axis {
     MinusZ,
 }
 
-/// The closed curve fitted to the points of a section.
+/// What the sections of a leg are taken from, and which curve each of them is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SectionFit {
     /// The section through the leg's skin as one smooth function of angle and height, fitted to all
@@ -191,8 +193,9 @@ pub enum SectionFit {
     /// Radius over angle as a periodic smoothing spline, C2 across the seam, through the crossings
     /// of the mesh with the plane.
     Periodic,
-    /// The paper's: radius over angle in (−π, π] as a polynomial of order 15, orthogonal basis.
-    Polynomial,
+    /// The paper's: radius over angle in (−π, π] as a polynomial of order 15, through where the
+    /// lines between nearest points on both sides of the plane meet it.
+    Paper,
 }
 
 impl SectionFit {
@@ -201,7 +204,27 @@ impl SectionFit {
         match self {
             SectionFit::Skin => "skin",
             SectionFit::Periodic => "periodic",
-            SectionFit::Polynomial => "polynomial",
+            SectionFit::Paper => "paper",
+        }
+    }
+}
+
+/// The line laid through a leg as its axis.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum AxisFit {
+    /// Through the centroids of its sections between ankle and groin, each of equal weight.
+    #[default]
+    Centroids,
+    /// The paper's: the first principal component of its points from the floor to the crotch.
+    Principal,
+}
+
+impl AxisFit {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            AxisFit::Centroids => "centroids",
+            AxisFit::Principal => "principal",
         }
     }
 }

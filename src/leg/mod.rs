@@ -6,7 +6,7 @@
 //! | unit, up, facing, floor | 1.1 | [`body`], [`stance`], [`floor`] |
 //! | legs cut at the crotch | 1.1, fig. 2a | [`segment`], [`follow`], [`crotch`] |
 //! | made upright | 1.1 | [`axis`] |
-//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`polynomial`] |
+//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`pairs`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`extremum`], [`landmark`] |
 //! | A, Y, E, F, G, lengths | – | [`foot`], `thigh`, `medial` |
@@ -20,6 +20,7 @@
 pub mod at_height;
 pub mod axis;
 pub mod body;
+pub mod body_fault;
 mod cloud;
 mod cluster;
 pub mod crotch;
@@ -41,6 +42,7 @@ pub mod level;
 mod medial;
 pub mod method;
 pub mod neck;
+pub mod pairs;
 pub mod plane;
 pub mod polynomial;
 pub mod report;
@@ -51,6 +53,7 @@ pub mod sections;
 pub mod segment;
 mod shell;
 pub mod side;
+mod size;
 pub mod skin;
 pub mod slice;
 pub mod stance;
@@ -62,7 +65,8 @@ pub mod volume;
 use rayon::prelude::*;
 
 use crate::scan::{self, Format, ScanFault};
-pub use body::{Body, BodyFault, FacingFrom};
+pub use body::{Body, FacingFrom};
+pub use body_fault::BodyFault;
 pub use crotch::{Crotch, CrotchFrom};
 pub use difference::Differences;
 pub use finding::{Finding, LegFault, What};

@@ -1,5 +1,6 @@
-//! Sections from the crossings of the mesh with planes: the paper's way, point by point on the plane
-//! (paper 1.1, fig. 2b–2d), kept beside [`super::skin`].
+//! Sections plane by plane, each from its own points on the plane (paper 1.1, fig. 2c, 2d), kept
+//! beside [`super::skin`]: a periodic spline through the crossings of the mesh, or the paper's
+//! polynomial through the paper's pairs ([`super::pairs`]).
 //!
 //! The points need not be a closed outline nor in any order, so holes and shells that overlap cost
 //! only their points.
@@ -34,7 +35,7 @@ const POINTS_MIN: usize = 24;
 /// centimetres while its R² stays at 0.9998.
 const POLYNOMIAL_GAP_MAX_DEG: f64 = 20.0;
 
-/// How the plane sections of one leg are fitted.
+/// The curve that is fitted to the points of a plane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PlaneFit {
     /// A periodic smoothing spline with this relative penalty, see [`Smoothing::Fixed`].
@@ -46,19 +47,12 @@ pub enum PlaneFit {
     Polynomial,
 }
 
-impl PlaneFit {
-    /// A periodic spline, smoothed as the slices of a leg ask for.
-    pub fn periodic(axis: &LegAxis, slices: &[Vec<Crossing>]) -> PlaneFit {
-        PlaneFit::Periodic { lambda: lambda(axis, slices) }
-    }
-}
-
 /// The penalty for all sections of a leg: the median of what cross-validation finds for each.
 ///
 /// Cross-validation takes errors for independent, but crossings of edges that share a mesh point
 /// share its error. So it sees only crossings that share none; the factor it finds is relative to
 /// the data and serves for all of them.
-fn lambda(axis: &LegAxis, slices: &[Vec<Crossing>]) -> f64 {
+pub fn lambda(axis: &LegAxis, slices: &[Vec<Crossing>]) -> f64 {
     let one = |slice: &Vec<Crossing>| {
         let points = axis.points(&independent(axis, slice));
         let centre = outline_centroid(&points)?;
@@ -99,14 +93,14 @@ fn polar(points: &[Point2<f64>], centre: Point2<f64>) -> (Vec<f64>, Vec<f64>) {
     arms.map(|arm| (arm.y.atan2(arm.x), arm.norm())).unzip()
 }
 
-/// Fits the section of one slice about the centroid of its outline; none where too few points or too wide a gap leave it open.
+/// Fits the section through points on a plane, (front, lateral) in mm, about the centroid of their
+/// outline; none where too few points or too wide a gap leave it open.
 pub fn section(
     axis: &LegAxis,
     along_mm: f64,
-    slice: &[Crossing],
+    points: &[Point2<f64>],
     fit: PlaneFit,
 ) -> Option<Section> {
-    let points = &axis.points(slice);
     if points.len() < POINTS_MIN {
         return None;
     }

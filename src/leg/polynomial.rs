@@ -2,7 +2,7 @@
 //!
 //! In Legendre's basis on θ/π, because the powers of θ have a condition number of 2·10⁸. Not
 //! periodic: the two ends meet at the seam at ±180° only as well as the fit makes them, and a gap
-//! in the points sets it swinging. Kept because it is the paper's; `periodic` is the default.
+//! in the points sets it swinging. Kept because it is the paper's.
 
 use std::f64::consts::PI;
 

@@ -1,7 +1,7 @@
 //! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
 
 use super::at_height::{AtHeight, at_heights};
-use super::axis::{LegAxis, axis};
+use super::axis::{LegAxis, axis, principal_axis};
 use super::crotch::Crotch;
 use super::feature::{Feature, features};
 use super::finding::{Finding, LegFault, What};
@@ -10,6 +10,7 @@ use super::girth::{GirthCurve, girth_curve};
 use super::landmark::{Estimate, Landmark, Levels, levels};
 use super::level::Level;
 use super::medial::surface_length_mm;
+use super::method::AxisFit;
 use super::ruler::Ruler;
 use super::section::Section;
 use super::sections::{Sections, sections};
@@ -76,7 +77,10 @@ pub fn leg_report(
     method: &Method,
 ) -> Result<(LegReport, Vec<Finding>), LegFault> {
     let (scale_mm, crotch_height_mm) = (body.scale_mm, crotch.height_mm);
-    let axis = axis(leg, scale_mm, crotch_height_mm)?;
+    let axis = match method.axis {
+        AxisFit::Centroids => axis(leg, scale_mm, crotch_height_mm)?,
+        AxisFit::Principal => principal_axis(leg, crotch_height_mm)?,
+    };
     let up_mm = |height_mm: f64| height_mm / axis.direction.z;
     let end_mm = leg.cut_mm.unwrap_or(crotch_height_mm);
     let span_mm = [up_mm(LOWEST_STATURE_SHARE * scale_mm), up_mm(end_mm)];

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::axis::LegAxis;
 use super::method::SectionFit;
+use super::pairs::Pairs;
 use super::plane::{self, PlaneFit};
 use super::section::Section;
 use super::segment::Leg;
@@ -38,8 +39,13 @@ pub struct Row {
 pub enum Source {
     /// The skin as one function, fitted to all points.
     Skin(Box<Skin>),
-    /// Each plane's own crossings.
-    Planes(PlaneFit),
+    /// Each plane's own crossings with the mesh, as periodic splines.
+    Crossings {
+        /// Their penalty, see [`PlaneFit::Periodic`].
+        lambda: f64,
+    },
+    /// The paper's pairs of points across each plane, as its polynomials.
+    Pairs(Pairs),
 }
 
 /// Cuts a leg into sections between two distances along its axis, from above the foot to the
@@ -55,9 +61,9 @@ pub fn sections(
     let source = match fit {
         SectionFit::Skin => Source::Skin(Box::new(Skin::of(leg, &axis, from_mm, to_mm)?)),
         SectionFit::Periodic => {
-            Source::Planes(PlaneFit::periodic(&axis, &axis.slices(leg, &along_mm)))
+            Source::Crossings { lambda: plane::lambda(&axis, &axis.slices(leg, &along_mm)) }
         }
-        SectionFit::Polynomial => Source::Planes(PlaneFit::Polynomial),
+        SectionFit::Paper => Source::Pairs(Pairs::of(leg, &axis, [from_mm, to_mm])?),
     };
     let mut sections = Sections { axis, source, rows: Vec::new() };
     let found = sections.at(leg, &along_mm);
@@ -81,12 +87,20 @@ impl Sections {
             Source::Skin(skin) => {
                 along_mm.par_iter().map(|along_mm| skin.section(&self.axis, *along_mm)).collect()
             }
-            Source::Planes(fit) => {
+            &Source::Crossings { lambda } => {
                 let slices = self.axis.slices(leg, along_mm);
                 let one = |(&along_mm, slice): (&f64, &Vec<Crossing>)| {
-                    plane::section(&self.axis, along_mm, slice, *fit)
+                    let points = self.axis.points(slice);
+                    plane::section(&self.axis, along_mm, &points, PlaneFit::Periodic { lambda })
                 };
                 along_mm.par_iter().zip(&slices).map(one).collect()
+            }
+            Source::Pairs(pairs) => {
+                let one = |&along_mm: &f64| {
+                    let points = pairs.on_plane(along_mm);
+                    plane::section(&self.axis, along_mm, &points, PlaneFit::Polynomial)
+                };
+                along_mm.par_iter().map(one).collect()
             }
         }
     }

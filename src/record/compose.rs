@@ -68,6 +68,7 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("unit", unit),
         ("up", method.up.word()),
         ("fit", method.fit.word()),
+        ("axis", method.axis.word()),
     ];
     let words = words.map(|(key, word)| (key.to_owned(), word.to_owned()));
     words.into_iter().chain(at_words(method)).chain(level_words(method)).collect()

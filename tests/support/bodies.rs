@@ -1,10 +1,11 @@
 //! The recorded bodies of `fixtures/scans` and their truth; bodies changed and written again.
 
 // Each test crate uses its own part.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 #![allow(clippy::unwrap_used)]
 
-use std::fmt::Write;
+mod wavefront;
+
 use std::fs;
 use std::io::Read;
 use std::path::PathBuf;
@@ -13,6 +14,8 @@ use gaiter::leg::{Extraction, Method, extract};
 use gaiter::record::{Provenance, Record, record, sha256};
 use gaiter::scan::{Format, Scan, read};
 use serde_json::Value;
+
+pub use wavefront::obj;
 
 fn path(file: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("fixtures/scans").join(file)
@@ -34,18 +37,6 @@ pub fn truth(name: &str) -> Value {
 /// Points and triangles of a recorded body, in the export's unit and axes.
 pub fn scan(name: &str) -> Scan {
     read(&export(name), Format::Obj).unwrap()
-}
-
-/// A body written as an export, every digit kept.
-pub fn obj(scan: &Scan) -> Vec<u8> {
-    let mut text = String::new();
-    for p in &scan.points {
-        writeln!(text, "v {} {} {}", p.x, p.y, p.z).unwrap();
-    }
-    for [a, b, c] in &scan.triangles {
-        writeln!(text, "f {} {} {}", a + 1, b + 1, c + 1).unwrap();
-    }
-    text.into_bytes()
 }
 
 /// The record of an export that nobody says more about.

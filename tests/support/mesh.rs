@@ -171,8 +171,9 @@ impl Mesh {
     /// Measured without a finding, and small enough for thousands of runs.
     pub fn mannequin() -> Mesh {
         // Height, middle's z, half widths along x and z, of the left leg.
-        const LEG: [[f64; 4]; 13] = [
-            [0.0, 70.0, 48.0, 130.0],
+        const LEG: [[f64; 4]; 14] = [
+            [0.0, 70.0, 40.0, 122.0],
+            [14.0, 67.0, 48.0, 128.0],
             [25.0, 65.0, 46.0, 122.0],
             [50.0, 40.0, 40.0, 95.0],
             [75.0, 8.0, 36.0, 56.0],

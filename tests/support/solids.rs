@@ -2,8 +2,10 @@
 //! Millimetres, in the body frame; the angle is gaiter's: 0 front, growing towards lateral.
 
 // Each test crate uses its own part.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 #![allow(clippy::unwrap_used)]
+
+mod chance;
 
 use std::f64::consts::TAU;
 
@@ -16,6 +18,8 @@ use gaiter::leg::segment::Leg;
 use gaiter::leg::side::Side;
 use gaiter::leg::slice::Mesh;
 use nalgebra::{Point3, Vector3};
+
+pub use chance::Chance;
 
 /// The stature that goes with a tube.
 pub const STATURE_MM: f64 = 1500.0;
@@ -115,32 +119,6 @@ impl<'a> Tube<'a> {
     }
 }
 
-/// A linear congruential generator (Knuth, MMIX): the same draws everywhere.
-pub struct Chance(pub u64);
-
-impl Chance {
-    fn next(&mut self) -> u64 {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        self.0 >> 11
-    }
-
-    /// Evenly from −reach to reach.
-    pub fn even(&mut self, reach: f64) -> f64 {
-        reach * (self.next() as f64 / (1u64 << 52) as f64 - 1.0)
-    }
-
-    /// Normal with standard deviation 1, as the sum of twelve even draws.
-    pub fn normal(&mut self) -> f64 {
-        (0..12).map(|_| self.even(0.5)).sum()
-    }
-
-    /// A number below `count`.
-    pub fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
-    }
-}
-
 /// Length of a closed curve r(angle), as a polygon of 20 000 sides (short by 4·10⁻⁹).
 pub fn contour_mm(radius: impl Fn(f64) -> f64) -> f64 {
     let corners = outline(radius, 20_000);
@@ -204,3 +182,6 @@ pub const REGULAR_MM: f64 = 0.01;
 
 /// … on a mesh of scattered points, mm: edges are up to 8 mm long.
 pub const SCATTERED_MM: f64 = 0.1;
+
+/// … of the paper's fit, mm: its lines between points of both sides are chords of the skin.
+pub const CHORDS_MM: f64 = 0.2;
