@@ -6,7 +6,7 @@
 //! | unit, up, facing, floor | 1.1 | [`body`], [`stance`], [`floor`] |
 //! | legs cut at the crotch | 1.1, fig. 2a | [`segment`], [`follow`], [`crotch`] |
 //! | made upright | 1.1 | [`axis`] |
-//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`], [`plane`], [`pairs`], [`polynomial`] |
+//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`] with `wave`, [`plane`], [`pairs`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`extremum`], [`landmark`] |
 //! | A, Y, E, F, G, lengths | – | [`foot`], `thigh`, `medial` |
@@ -61,6 +61,7 @@ pub mod surface;
 mod thigh;
 mod turn;
 pub mod volume;
+mod wave;
 
 use rayon::prelude::*;
 

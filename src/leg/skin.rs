@@ -4,6 +4,8 @@
 //! A section through it uses all the points near its plane, not only those within a few
 //! millimetres of it, and none of the flat facets between them. Holes are bridged from all sides.
 //! How much is smoothed away, along and around, is for the points to say (cross-validation).
+//!
+//! What that smoothing takes from the slow waves around is given back by [`super::wave`].
 
 use std::f64::consts::{PI, TAU};
 
@@ -12,6 +14,7 @@ use nalgebra::Point2;
 use super::axis::{LegAxis, outline_centroid};
 use super::section::{Curve, GAP_MAX_DEG, Section, girth, largest_gap_deg, r2};
 use super::segment::Leg;
+use super::wave::{Left, Waves};
 use crate::spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
 
 /// Pieces of the function around: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh.
@@ -48,6 +51,8 @@ pub struct Skin {
     /// The middle of the leg, (front, lateral) in mm from the axis, over the distance along it.
     middle: [Spline; 2],
     fit: TensorFit,
+    /// What is added to the fitted radius.
+    waves: Waves,
     /// Points of the scan that the fit believes, by their distance along the axis.
     points: Vec<SkinPoint>,
     /// Mean distance of neighbouring points, mm.
@@ -88,14 +93,20 @@ impl Skin {
         let (u, v) = (column(|p| p.along_mm), column(|p| p.angle));
         let radii = column(|p| p.radius_mm);
         let data = Scatter { u: &u, v: &v, value: &radii };
-        let fit = fit_scatter(&data, along, around, SCALE_MIN_MM).ok()?;
+        let fit = fit_scatter(&data, along.clone(), around, SCALE_MIN_MM).ok()?;
+        let left: Vec<f64> = points
+            .iter()
+            .map(|point| point.radius_mm - fit.function.value(point.along_mm, point.angle))
+            .collect();
+        let left = Left { along: &u, angle: &v, value: &left, weight: &fit.weights };
+        let waves = Waves::of(&left, &along)?;
         let believed = points.into_iter().zip(&fit.weights).filter(|(_, weight)| **weight > 0.0);
         let points: Vec<SkinPoint> = believed.map(|(point, _)| point).collect();
         let count = points.len() as f64;
         let area: f64 =
             points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
         let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
-        Some(Skin { middle, fit, points, spacing_mm, points_per_mm })
+        Some(Skin { middle, fit, waves, points, spacing_mm, points_per_mm })
     }
 
     /// The section at a distance along the axis; none outside the skin or where too much of it was
@@ -112,7 +123,11 @@ impl Skin {
             return None;
         }
         let basis = self.fit.function.around().clone();
-        let curve = Curve::Periodic { coefficients: self.fit.function.around_at(along_mm), basis };
+        let fitted = self.fit.function.around_at(along_mm);
+        let slow = self.waves.coefficients(along_mm, &basis);
+        let coefficients =
+            fitted.into_iter().zip(slow).map(|(fitted, slow)| fitted + slow).collect();
+        let curve = Curve::Periodic { coefficients, basis };
         let centre = self.middle.each_ref().map(|middle| middle.value(along_mm));
         let centre = Point2::new(centre[0], centre[1]);
         let (r2, rms_mm) = self.goodness(near);
@@ -149,7 +164,8 @@ impl Skin {
         let mean = points.iter().map(|point| point.radius_mm).sum::<f64>() / count;
         let (mut rss, mut spread) = (0.0, 0.0);
         for point in points {
-            let fitted = self.fit.function.value(point.along_mm, point.angle);
+            let fitted = self.fit.function.value(point.along_mm, point.angle)
+                + self.waves.value(point.along_mm, point.angle);
             rss += (point.radius_mm - fitted).powi(2);
             spread += (point.radius_mm - mean).powi(2);
         }
@@ -161,7 +177,10 @@ impl Skin {
     fn girth_sd(&self, along_mm: f64, near: usize) -> [f64; 3] {
         let here = near as f64 / (2.0 * self.reach_mm());
         let scarcity = (self.points_per_mm / here).sqrt();
-        let sd = |order| TAU * scarcity * self.fit.mean_around_sd(along_mm, order);
+        let sd = |order| {
+            let fitted = scarcity * self.fit.mean_around_sd(along_mm, order);
+            TAU * fitted.max(self.waves.mean_sd(along_mm, order))
+        };
         [sd(0).hypot(GIRTH_SD_MIN_MM), sd(1), sd(2)]
     }
 }

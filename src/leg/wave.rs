@@ -1,0 +1,118 @@
+//! What a fit of the skin as a whole smooths away along the leg: its mean radius and its slowest
+//! waves around, each with a smoothing of its own.
+//!
+//! The smoothing of the skin serves the single place, where the noise is all there. The mean and
+//! the slow waves are taken from all points around, where the noise averages out, and bear far less
+//! smoothing along; and a girth hangs on them: a wave of n around and amplitude a adds
+//! (n² − 1) π a² / 2r to it, so an ankle whose oval is smoothed by a tenth is 2 mm too small. They
+//! are fitted to what the skin leaves over, one after the other (backfitting; Hastie and
+//! Tibshirani, Generalized Additive Models, 1990).
+
+use std::f64::consts::TAU;
+
+use crate::spline::{Basis, Smoothing, Spline, fit};
+
+/// Waves around up to this number: sections of legs are ovals (2), rounded triangles (3) and
+/// squares (4); finer waves are as small as the noise.
+const WAVES: usize = 4;
+
+/// A place whose wave has less than this of its height says nothing about the wave.
+const SHAPE_MIN: f64 = 0.05;
+
+/// The slow part of the skin that is added to its fit.
+#[derive(Debug, Clone)]
+pub struct Waves {
+    waves: Vec<Wave>,
+}
+
+/// One wave around, its height a function of the distance along.
+#[derive(Debug, Clone)]
+struct Wave {
+    /// Number around; 0 is the mean.
+    count: usize,
+    is_sine: bool,
+    height: Spline,
+}
+
+/// What the skin leaves over; all slices are as long.
+#[derive(Debug, Clone, Copy)]
+pub struct Left<'a> {
+    /// Distances along, within the basis.
+    pub along: &'a [f64],
+    /// Angles, radians.
+    pub angle: &'a [f64],
+    /// What is left of the radius.
+    pub value: &'a [f64],
+    /// Weights, not negative.
+    pub weight: &'a [f64],
+}
+
+impl Wave {
+    /// The wave of height 1 at an angle.
+    fn shape(count: usize, is_sine: bool, angle: f64) -> f64 {
+        let phase = count as f64 * angle;
+        if is_sine { phase.sin() } else { phase.cos() }
+    }
+}
+
+impl Waves {
+    /// Fits the waves; none where the data do not determine them.
+    pub fn of(left: &Left, along: &Basis) -> Option<Waves> {
+        let mut rest = left.value.to_vec();
+        let mut waves = Vec::new();
+        for (count, is_sine) in
+            (0..=WAVES).flat_map(|n| [(n, false), (n, true)]).filter(|w| *w != (0, true))
+        {
+            let shapes: Vec<f64> =
+                left.angle.iter().map(|angle| Wave::shape(count, is_sine, *angle)).collect();
+            let says = |shape: f64| shape.abs() >= SHAPE_MIN;
+            let heights: Vec<f64> = rest
+                .iter()
+                .zip(&shapes)
+                .map(|(rest, shape)| if says(*shape) { rest / shape } else { 0.0 })
+                .collect();
+            let weights: Vec<f64> = left
+                .weight
+                .iter()
+                .zip(&shapes)
+                .map(|(weight, shape)| if says(*shape) { weight * shape * shape } else { 0.0 })
+                .collect();
+            let height = fit(along, left.along, &heights, &weights, Smoothing::Gcv).ok()?;
+            for ((rest, shape), along) in rest.iter_mut().zip(&shapes).zip(left.along) {
+                *rest -= shape * height.value(*along);
+            }
+            waves.push(Wave { count, is_sine, height });
+        }
+        Some(Waves { waves })
+    }
+
+    /// Their sum at a place.
+    pub fn value(&self, along: f64, angle: f64) -> f64 {
+        let part =
+            |wave: &Wave| Wave::shape(wave.count, wave.is_sine, angle) * wave.height.value(along);
+        self.waves.iter().map(part).sum()
+    }
+
+    /// What they add to the coefficients of a curve around in uniform pieces.
+    pub fn coefficients(&self, along: f64, around: &Basis) -> Vec<f64> {
+        let heights: Vec<f64> = self.waves.iter().map(|wave| wave.height.value(along)).collect();
+        let one = |centre: f64| -> f64 {
+            let parts = self.waves.iter().zip(&heights);
+            let shares = parts.map(|(wave, height)| {
+                // A cubic spline whose coefficients are a wave is that wave, lower by this factor
+                // at the knots (de Boor, A Practical Guide to Splines, 2001).
+                let turn = TAU * wave.count as f64 / around.count() as f64;
+                let lowered = (2.0 + turn.cos()) / 3.0;
+                height * Wave::shape(wave.count, wave.is_sine, centre) / lowered
+            });
+            shares.sum()
+        };
+        around.greville().into_iter().map(one).collect()
+    }
+
+    /// Standard error of the mean radius, or of its `derivative` along.
+    pub fn mean_sd(&self, along: f64, derivative: usize) -> f64 {
+        let mean = self.waves.iter().find(|wave| wave.count == 0);
+        mean.map_or(0.0, |mean| mean.height.sd(along, derivative))
+    }
+}
