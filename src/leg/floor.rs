@@ -30,8 +30,9 @@ const PATCHES: usize = 300;
 /// patches this share lies below.
 const CONTACT_SHARE: f64 = 0.25;
 
-/// Standard error of the floor where the skin is seen all the way down, mm.
-const SD_MIN_MM: f64 = 1.0;
+/// Standard error of the floor where the skin is seen all the way down, mm: heels sink in, feet
+/// are not flat.
+const SD_MIN_MM: f64 = 1.5;
 
 /// What was not seen is uncertain by this share of it.
 const UNSEEN_SD_SHARE: f64 = 0.5;

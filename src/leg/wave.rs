@@ -12,9 +12,9 @@ use std::f64::consts::TAU;
 
 use crate::spline::{Basis, Smoothing, Spline, fit};
 
-/// Waves around up to this number: sections of legs are ovals (2), rounded triangles (3) and
-/// squares (4); finer waves are as small as the noise.
-const WAVES: usize = 4;
+/// Waves around up to this number: as fine as the paper's curve of order 15, whose 16 coefficients
+/// hold as much as 8 waves. An ankle with its tendon needs them; finer ones are as small as noise.
+const WAVES: usize = 8;
 
 /// A place whose wave has less than this of its height says nothing about the wave.
 const SHAPE_MIN: f64 = 0.05;
