@@ -6,7 +6,7 @@ use std::fs;
 
 /// Files whose `code` functions give codes to records, `reason.json` or standard error.
 const SOURCES: [&str; 6] = [
-    "src/scan/mod.rs",
+    "src/scan/fault.rs",
     "src/leg/mod.rs",
     "src/leg/body.rs",
     "src/leg/segment.rs",

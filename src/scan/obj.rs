@@ -11,7 +11,7 @@ use nalgebra::Point3;
 
 use super::fault::{CutSign, Place, ScanFault, cut_short};
 use super::text::{self, Decimals, numbered};
-use super::weld::welded;
+use super::weld::{Unwelded, welded};
 use super::{Scan, fault};
 use statements::{Statements, each_geometry, keyword, refuse_others};
 
@@ -46,9 +46,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let decoded = decode(&statements);
     drop(statements);
     match decoded {
-        Ok((found, triangles)) if found.iter().flat_map(|p| p.iter()).all(|c| c.is_finite()) => {
-            Ok(welded(found, triangles))
-        }
+        Ok(mesh) if mesh.0.iter().flat_map(|p| p.iter()).all(|c| c.is_finite()) => Ok(welded(mesh)),
         // tobj names no line: the points are read once more by a reader that does.
         Ok(_) => Err(points(bytes).err().unwrap_or(unplaced("a coordinate is not finite"))),
         Err(said) => Err(points(bytes).err().unwrap_or(unplaced(&said))),
@@ -69,7 +67,7 @@ fn unplaced(what: &str) -> ScanFault {
 }
 
 /// Points and triangles by tobj, both in the order of the faces.
-fn decode(statements: &Statements) -> Result<(Vec<Point3<f64>>, Vec<[u32; 3]>), String> {
+fn decode(statements: &Statements) -> Result<Unwelded, String> {
     let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
     let mut geometry =

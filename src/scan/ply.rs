@@ -29,11 +29,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     if has > says {
         return Err(ScanFault::TooLong { what, has, says });
     }
-    let (points, triangles) = match header.encoding {
+    let mesh = match header.encoding {
         Encoding::Ascii => values::mesh(&header, ascii::Lines::of(bytes, &header)),
         _ => values::mesh(&header, binary::Bytes::of(bytes, &header)),
     }?;
-    Ok(welded(points, triangles))
+    Ok(welded(mesh))
 }
 
 /// Whether all elements that the header announces are there: by arithmetic in binary files, where

@@ -9,11 +9,14 @@ use nalgebra::Point3;
 
 use super::Scan;
 
+/// Points and triangles as a file has them.
+pub(super) type Unwelded = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+
 /// The mesh in which points of exactly the same coordinates are one, triangles that use a point
 /// twice are gone, and points that no triangle uses too. The order of points and triangles stays.
 ///
 /// Where no triangle is left the points stay as they are: a bare point cloud.
-pub(super) fn welded(points: Vec<Point3<f64>>, mut triangles: Vec<[u32; 3]>) -> Scan {
+pub(super) fn welded((points, mut triangles): Unwelded) -> Scan {
     let firsts = first_at_each_place(&points);
     triangles.retain_mut(|triangle| {
         *triangle = triangle.map(|corner| firsts[corner as usize]);
@@ -84,11 +87,8 @@ fn without_unused(
     const UNUSED: u32 = u32::MAX;
     numbers.fill(UNUSED);
     triangles.iter().flatten().for_each(|&corner| numbers[corner as usize] = 0);
-    let mut kept = 0;
-    for number in numbers.iter_mut().filter(|number| **number != UNUSED) {
-        *number = kept;
-        kept += 1;
-    }
+    let kept = numbers.iter_mut().filter(|number| **number != UNUSED);
+    (0..).zip(kept).for_each(|(new, number)| *number = new);
     let mut number = numbers.iter();
     points.retain(|_| number.next() != Some(&UNUSED));
     for triangle in &mut triangles {
@@ -108,7 +108,7 @@ mod tests {
     #[test]
     fn coincident_points_become_the_first_of_them() {
         let points = vec![at(5.0), at(1.0), at(2.0), at(1.0), at(3.0), at(2.0)];
-        let scan = welded(points, vec![[0, 1, 2], [3, 5, 4]]);
+        let scan = welded((points, vec![[0, 1, 2], [3, 5, 4]]));
         assert_eq!(scan.points, [at(5.0), at(1.0), at(2.0), at(3.0)]);
         assert_eq!(scan.triangles, [[0, 1, 2], [1, 2, 3]]);
     }
@@ -116,14 +116,14 @@ mod tests {
     #[test]
     fn the_two_zeros_are_one_place() {
         let points = vec![at(0.0), at(1.0), at(2.0), at(-0.0)];
-        let scan = welded(points, vec![[0, 1, 2], [3, 2, 1]]);
+        let scan = welded((points, vec![[0, 1, 2], [3, 2, 1]]));
         assert_eq!(scan.triangles, [[0, 1, 2], [0, 2, 1]]);
     }
 
     #[test]
     fn triangles_without_area_and_points_without_triangle_go() {
         let points = vec![at(9.0), at(0.0), at(1.0), at(2.0), at(1.0)];
-        let scan = welded(points, vec![[2, 3, 4], [1, 2, 3]]);
+        let scan = welded((points, vec![[2, 3, 4], [1, 2, 3]]));
         assert_eq!(scan.points, [at(0.0), at(1.0), at(2.0)]);
         assert_eq!(scan.triangles, [[0, 1, 2]]);
     }
@@ -131,7 +131,7 @@ mod tests {
     #[test]
     fn without_a_triangle_all_points_stay() {
         let points = vec![at(1.0), at(1.0), at(2.0)];
-        let scan = welded(points.clone(), vec![[0, 1, 2]]);
+        let scan = welded((points.clone(), vec![[0, 1, 2]]));
         assert_eq!(scan, Scan { points, triangles: vec![] });
     }
 }

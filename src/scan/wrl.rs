@@ -35,8 +35,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     let bytes = text::without_mark(bytes);
     let version = version(bytes)?;
     let scene = scene::Scene::of(bytes, version)?;
-    let (points, triangles) = walk::geometry(scene)?;
-    Ok(welded(points, triangles))
+    Ok(welded(walk::geometry(scene)?))
 }
 
 /// Whether every bracket is closed and the scene ends behind one.

@@ -3,6 +3,7 @@
 use nalgebra::Point3;
 
 use super::super::fault::{Place, ScanFault};
+use super::super::weld::Unwelded;
 use super::header::{Element, Header, Kind, Meaning, Scalar, Shape};
 
 /// One record of an element: where a reader is.
@@ -29,14 +30,11 @@ pub(super) trait Values {
     fn place(&self, record: Record) -> Place;
 }
 
-/// Points and triangles as they were found: faces as fans, strips as triangles.
-pub(super) type Found = (Vec<Point3<f64>>, Vec<[u32; 3]>);
-
-/// Reads all elements.
+/// Reads all elements: faces as fans, strips as triangles.
 ///
 /// # Errors
 /// The first fault with its place.
-pub(super) fn mesh(header: &Header, mut values: impl Values) -> Result<Found, ScanFault> {
+pub(super) fn mesh(header: &Header, mut values: impl Values) -> Result<Unwelded, ScanFault> {
     let vertices = header.elements.iter().find(|element| element.kind == Kind::Vertex);
     let mut reader = Reader {
         vertex_count: vertices.map_or(0, |element| element.count),

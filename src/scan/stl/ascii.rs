@@ -83,7 +83,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
             _ => return Err(misplaced(within, statement, line)),
         };
     }
-    Ok(welded(points, triangles))
+    Ok(welded((points, triangles)))
 }
 
 /// The triangle of the last three points, where a loop has as many.

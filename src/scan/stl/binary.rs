@@ -79,7 +79,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
         }
         triangles.push([first, first + 1, first + 2]);
     }
-    Ok(welded(points, triangles))
+    Ok(welded((points, triangles)))
 }
 
 /// Three little-endian numbers; the axis and the number that is not finite otherwise.

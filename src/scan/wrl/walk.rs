@@ -3,6 +3,7 @@
 use nalgebra::{Matrix4, Point3};
 
 use super::super::fault::{Place, ScanFault, malformed};
+use super::super::weld::Unwelded;
 use super::scene::{DEPTH_MAX, Node, NodeId, Scene};
 
 /// How often the points and corners of a file may come up through `USE`, on average. Nobody's leg
@@ -12,15 +13,12 @@ const EXPANSION_MAX: usize = 8;
 /// Most nodes visited, those of repeated groups counted each time.
 const VISITS_MAX: usize = 100_000;
 
-/// Points and triangles.
-type Found = (Vec<Point3<f64>>, Vec<[u32; 3]>);
-
 /// The geometry of a scene. Where the scene has faces, points alone are left out afterwards.
 ///
 /// # Errors
 /// [`ScanFault::Malformed`] with the line of the node whose indices are wrong, or for a scene that
 /// repeats itself beyond measure.
-pub(super) fn geometry(scene: Scene) -> Result<Found, ScanFault> {
+pub(super) fn geometry(scene: Scene) -> Result<Unwelded, ScanFault> {
     let count = |of: fn(&Node) -> usize| scene.nodes.iter().map(of).sum::<usize>();
     let written_points = count(|node| match node {
         Node::Coordinates(points) => points.len(),
