@@ -31,12 +31,14 @@ pub(super) fn welded((points, mut triangles): Unwelded) -> Scan {
 
 /// For each point the number of the first point at the same place.
 ///
-/// The points are sorted into about as many bins as there are points, by the hash of their place,
-/// and within each bin first by that hash and then by the place itself. In a file made to have one
-/// bin or one hash this is a plain sort.
+/// The points are sorted by a hash of their place, which is much faster than by the place itself,
+/// and those of one hash by their place.
 fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
     let mut firsts: Vec<u32> = (0..points.len() as u32).collect();
-    let mut keys = binned(points);
+    // Upper half hash, lower half number.
+    let keyed = (0_u64..).zip(points).map(|(number, point)| hash(point) << 32 | number);
+    let mut keys: Vec<u64> = keyed.collect();
+    keys.sort_unstable();
     let place = |key: u64| points[key as u32 as usize];
     for alike in keys.chunk_by_mut(|a, b| a >> 32 == b >> 32).filter(|alike| alike.len() > 1) {
         alike.sort_unstable_by(|&a, &b| {
@@ -51,31 +53,13 @@ fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
     firsts
 }
 
-/// The points as keys, upper half hash, lower half number, in ascending order.
-fn binned(points: &[Point3<f64>]) -> Vec<u64> {
-    let bits = points.len().checked_ilog2().unwrap_or_default();
-    let bin = |hash: u64| (hash >> 32 >> (u32::BITS - bits)) as usize;
-    let mut ends = vec![0_u32; (1 << bits) + 1];
-    points.iter().for_each(|point| ends[bin(hash(point)) + 1] += 1);
-    (1..ends.len()).for_each(|i| ends[i] += ends[i - 1]);
-    let mut keys = vec![0; points.len()];
-    for (number, point) in (0_u64..).zip(points) {
-        let hash = hash(point);
-        let next = &mut ends[bin(hash)];
-        keys[*next as usize] = hash >> 32 << 32 | number;
-        *next += 1;
-    }
-    keys.chunk_by_mut(|&a, &b| bin(a) == bin(b)).for_each(<[u64]>::sort_unstable);
-    keys
-}
-
-/// A number that is the same for the same place, the two zeros included, and whose upper bits
-/// differ for different ones (after Fx, rustc's hash).
+/// 32 bits that are the same for the same place, the two zeros included (after Fx, rustc's hash).
 fn hash(point: &Point3<f64>) -> u64 {
     const MIX: u64 = 0x517c_c1b7_2722_0a95;
-    point.iter().fold(0, |hash: u64, value| {
+    let mixed = point.iter().fold(0, |hash: u64, value| {
         (hash.rotate_left(23) ^ (value + 0.0).to_bits()).wrapping_mul(MIX)
-    })
+    });
+    mixed >> 32
 }
 
 /// Leaves out the points that no triangle uses. `numbers` is room for the new numbers.
