@@ -275,8 +275,9 @@ fn flipping_every_other_shell_changes_nothing() {
     let mut names = shells.clone();
     names.sort_unstable();
     names.dedup();
-    let is_even = |corner: u32| names.binary_search(&shells[corner as usize]).unwrap() % 2 == 0;
-    let flip = |&[a, b, c]: &[u32; 3]| if is_even(a) { [a, c, b] } else { [a, b, c] };
+    let shell = |corner: u32| names.binary_search(&shells[corner as usize]).unwrap();
+    let flip =
+        |&[a, b, c]: &[u32; 3]| if shell(a).is_multiple_of(2) { [a, c, b] } else { [a, b, c] };
     let flipped = Scan {
         points: plain.points.clone(),
         triangles: plain.triangles.iter().map(flip).collect(),
