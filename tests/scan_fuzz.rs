@@ -170,6 +170,16 @@ fn a_recorded_body_takes_the_memory_that_is_promised() {
 }
 
 #[test]
+fn a_long_list_of_faces_takes_no_more_for_each() {
+    let _alone = alone();
+    // Just more than a power of two, where a growing list is largest for what it holds.
+    let faces = "f 1 2 3\n".repeat((1 << 18) + 1);
+    let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{faces}");
+    let found = held(text.as_bytes(), Format::Obj, "one face, many times").unwrap();
+    assert_eq!(found.triangles.len(), (1 << 18) + 1);
+}
+
+#[test]
 fn a_count_is_not_believed_before_the_bytes_are_there() {
     let _alone = alone();
     for count in ["4294967295", "18446744073709551615", "99999999999999999999999"] {
