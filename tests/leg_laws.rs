@@ -282,8 +282,9 @@ fn flipping_every_other_shell_changes_nothing() {
     let mut names = shells.clone();
     names.sort_unstable();
     names.dedup();
-    let is_odd = |corner: u32| names.binary_search(&shells[corner as usize]).unwrap() % 2 == 1;
-    let flip = |&[a, b, c]: &[u32; 3]| if is_odd(a) { [a, c, b] } else { [a, b, c] };
+    let shell = |corner: u32| names.binary_search(&shells[corner as usize]).unwrap();
+    let flip =
+        |&[a, b, c]: &[u32; 3]| if shell(a).is_multiple_of(2) { [a, c, b] } else { [a, b, c] };
     let flipped = Scan {
         points: plain.points.clone(),
         triangles: plain.triangles.iter().map(flip).collect(),

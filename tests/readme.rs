@@ -6,9 +6,9 @@ use std::fs;
 
 /// Files whose `code` functions give codes to records, `reason.json` or standard error.
 const SOURCES: [&str; 7] = [
-    "src/scan/mod.rs",
+    "src/scan/fault.rs",
     "src/leg/mod.rs",
-    "src/leg/body.rs",
+    "src/leg/body_fault.rs",
     "src/leg/segment.rs",
     "src/leg/finding.rs",
     "src/leg/second_opinion.rs",

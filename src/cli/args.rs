@@ -66,7 +66,7 @@ pub struct RunArgs {
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
 #[derive(Debug, clap::Args)]
 pub struct ExtractArgs {
-    /// The scan files, as the scanner exported them (.obj)
+    /// The scan files, as the scanner exported them (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt)
     #[arg(value_name = "SCAN", required = true)]
     pub scans: Vec<PathBuf>,
     /// Print one JSON record per scan and line, for programs

@@ -72,7 +72,7 @@ mod tests {
     fn only_regular_files_that_could_be_scans_are_found() {
         let dir = tempfile::tempdir().unwrap();
         let at = |name: &str| dir.path().join(name);
-        for name in ["a.obj", "B.OBJ", ".c.obj", "d.obj.part", "e.TMP", "notes.txt"] {
+        for name in ["a.obj", "B.OBJ", ".c.obj", "d.obj.part", "e.TMP", "notes.pdf"] {
             fs::write(at(name), name).unwrap();
         }
         fs::create_dir(at("folder.obj")).unwrap();

@@ -1,9 +1,19 @@
 //! What the OBJ decoder takes and what it refuses.
 
-use super::*;
+use nalgebra::Point3;
+
+use super::super::{Content, CutSign, Format, Place, Scan, ScanFault};
+
+fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
+    super::super::read(bytes, Format::Obj)
+}
 
 const TETRAHEDRON: &str =
     "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
+
+fn not_this(found: &str) -> ScanFault {
+    ScanFault::NotThisFormat { format: Format::Obj, line: 1, found: found.into() }
+}
 
 fn fault(text: &str) -> ScanFault {
     read(text.as_bytes()).unwrap_err()
@@ -66,7 +76,7 @@ fn lines_are_counted_alike_whatever_ends_them() {
     for end in ["\n", "\r\n", "\r"] {
         for mark in ["", "\u{feff}"] {
             let text = format!("{mark}{}", nan.replace('\n', end));
-            let placed = ScanFault::NotFinite { line: 5, found: "nan".into() };
+            let placed = ScanFault::NotFinite { place: Place::Line(5), found: "nan".into() };
             assert_eq!(fault(&text), placed, "{text:?}");
         }
     }
@@ -76,9 +86,11 @@ fn lines_are_counted_alike_whatever_ends_them() {
 fn only_the_mark_of_utf_8_is_skipped_and_only_at_the_start() {
     let utf16 = TETRAHEDRON.encode_utf16().flat_map(u16::to_le_bytes);
     let utf16: Vec<u8> = [0xff, 0xfe].into_iter().chain(utf16).collect();
-    assert_eq!(read(&utf16), Err(ScanFault::Binary { at: 3, value: 0 }));
+    let utf16 = read(&utf16).unwrap_err();
+    assert_eq!(utf16, ScanFault::LooksLike { content: Content::Utf16, format: Format::Obj });
+    assert!(utf16.to_string().ends_with("UTF-16 text, not OBJ; export as ASCII or UTF-8"));
     let twice = fault(&format!("\u{feff}\u{feff}{TETRAHEDRON}"));
-    assert_eq!(twice, ScanFault::NotThisFormat { line: 1, found: "???v 0 0 0".into() });
+    assert_eq!(twice, not_this("???v 0 0 0"));
     let binary = fault("\u{feff}v 0 0 0\0\n");
     assert_eq!(binary, ScanFault::Binary { at: 10, value: 0 }, "counted from the file's start");
 }
@@ -112,45 +124,93 @@ fn a_file_without_points_names_no_line() {
     for text in ["# nothing\n", "f 1 2 3\n"] {
         assert_eq!(fault(text), ScanFault::NoPoints, "{text}");
     }
-    let unplaced = ScanFault::Malformed { line: 0, what: "wrong".into() };
+    let unplaced = ScanFault::Malformed { place: Place::Unknown, what: "wrong".into() };
     for said in [ScanFault::NoPoints.to_string(), unplaced.to_string()] {
         assert!(!said.contains("line 0"), "{said}");
     }
-    let placed = ScanFault::Malformed { line: 7, what: "wrong".into() };
+    let placed = ScanFault::Malformed { place: Place::Line(7), what: "wrong".into() };
     assert_eq!(placed.to_string(), "line 7: wrong");
 }
 
 #[test]
-fn points_without_faces_are_no_surface() {
-    assert_eq!(fault("v 0 0 0\nv 1 0 0\n"), ScanFault::NoFaces { points: 2 });
-    assert_eq!(fault("v 0 0 0\nv 1 0 0\nf 1 2\n"), ScanFault::NoFaces { points: 2 });
+fn points_without_faces_are_a_cloud_of_all_points() {
+    let points = "v 0 0 0\nv 1,5 0 0 255 0 0\nv 1,5 0 0\n";
+    for faces in ["", "f 1 2\n", "f 1 2 1\nf 3 3 3\n", "l 1 2\np 3\n"] {
+        let cloud = read(format!("{points}{faces}").as_bytes()).unwrap();
+        let [a, b] = [Point3::origin(), Point3::new(1.5, 0.0, 0.0)];
+        assert_eq!(cloud, Scan { points: vec![a, b, b], triangles: vec![] }, "{faces}");
+    }
+}
+
+#[test]
+fn repeated_points_are_one() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 4 6 5\n";
+    let scan = read(text.as_bytes()).unwrap();
+    assert_eq!(scan.points.len(), 4);
+    assert_eq!(scan.triangles, [[0, 1, 2], [1, 3, 2]]);
+}
+
+#[test]
+fn a_backslash_goes_on_with_the_next_line_but_not_in_names() {
+    let plain = read(TETRAHEDRON.as_bytes()).unwrap();
+    let broken = TETRAHEDRON.replace("v 1 0 0", "v 1 \\\n 0 \\\r\n0").replace("f 1 3", "f 1\\\n3");
+    let named = format!("# C:\\scans\\\nmtllib C:\\scans\\\n{broken}");
+    assert_eq!(read(named.as_bytes()).unwrap(), plain);
+    let open = ScanFault::CutShort { what: CutSign::NoLineEnd { line: 8 } };
+    assert_eq!(fault(&TETRAHEDRON.replace("f 2 3 4", "f 2 3 \\")), open);
+    let nan = broken.replace("v 0 1 0", "v 0 \\\nnan 0");
+    assert!(fault(&nan).to_string().starts_with("line 5: "), "where the statement begins");
+}
+
+#[test]
+fn faces_may_stand_before_their_points_and_count_back() {
+    let [points, faces] = [&TETRAHEDRON[..32], &TETRAHEDRON[32..]];
+    let before = format!("{faces}{points}");
+    assert_eq!(read(before.as_bytes()), read(TETRAHEDRON.as_bytes()));
+    let back = "v 9 9 9\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\nv 0 0 1\nf -1 -3 -4\nf 1 2 3\n";
+    assert_eq!(read(back.as_bytes()).unwrap().triangles, [[0, 1, 2], [3, 1, 0], [4, 0, 1]]);
+}
+
+#[test]
+fn decimal_commas_are_read_and_mixed_signs_are_not() {
+    let comma = TETRAHEDRON.replace("v 1 0 0", "v 1,5 0 0");
+    let scan = read(comma.as_bytes()).unwrap();
+    assert_eq!(scan.points[1], Point3::new(1.5, 0.0, 0.0));
+    let mixed = fault(&comma.replace("v 0 0 1", "v 0 0 1.5")).to_string();
+    assert!(mixed.starts_with("line 4: ") && mixed.contains("line 2"), "{mixed}");
 }
 
 #[test]
 fn numbers_that_are_none_are_named_with_their_line() {
-    let nan = TETRAHEDRON.replace("v 0 1 0", "v 0 nan 0");
-    assert_eq!(fault(&nan), ScanFault::NotFinite { line: 3, found: "nan".into() });
-    let huge = TETRAHEDRON.replace("v 0 1 0", "v 0 1e999 0");
-    assert_eq!(fault(&huge), ScanFault::NotFinite { line: 3, found: "1e999".into() });
-    let comma = TETRAHEDRON.replace("v 0 1 0", "v 0,5 1 0");
-    assert!(matches!(fault(&comma), ScanFault::Malformed { line: 3, .. }), "{comma}");
-    let short = TETRAHEDRON.replace("v 0 1 0", "v 0 1");
-    assert!(matches!(fault(&short), ScanFault::Malformed { line: 3, .. }), "{short}");
+    let not_finite =
+        |found: &str| ScanFault::NotFinite { place: Place::Line(3), found: found.into() };
+    for found in ["nan", "1e999", "-1.#IND"] {
+        let text = TETRAHEDRON.replace("v 0 1 0", &format!("v 0 {found} 0"));
+        assert_eq!(fault(&text), not_finite(found));
+    }
+    for statement in ["v 0,5,5 1 0", "v 0 1", "v 0 two 0", "v"] {
+        let said = fault(&TETRAHEDRON.replace("v 0 1 0", statement)).to_string();
+        assert!(said.starts_with("line 3: "), "{said}");
+    }
 }
 
 #[test]
 fn faces_of_points_that_do_not_exist_are_named_with_their_line() {
     for corner in ["99", "0", "-9", "99999999999999999999", "x"] {
         let text = TETRAHEDRON.replace("f 1 2 4", &format!("f 1 2 {corner}"));
-        assert!(matches!(fault(&text), ScanFault::Malformed { line: 6, .. }), "{corner}");
+        let place = Place::Line(6);
+        let what = format!("\"{corner}\" is no corner of a face");
+        assert_eq!(fault(&text), ScanFault::Malformed { place, what });
     }
 }
 
 #[test]
 fn other_files_under_this_ending_are_told_apart() {
     assert_eq!(fault("v 0 0 0\0\n"), ScanFault::Binary { at: 7, value: 0 });
-    let stl = "solid leg\nfacet normal 0 0 1\n";
-    assert_eq!(fault(stl), ScanFault::NotThisFormat { line: 1, found: "solid leg".into() });
+    let json = "{\"points\": []}\n";
+    assert_eq!(fault(json), not_this("{\"points\": []}"));
     let escape = fault("hello\u{202e}world\n");
-    assert_eq!(escape, ScanFault::NotThisFormat { line: 1, found: "hello???world".into() });
+    assert_eq!(escape, not_this("hello???world"));
+    let said = fault("solid leg\nfacet normal 0 0 1\n").to_string();
+    assert_eq!(said, "the content looks like STL, not OBJ; rename the file or mend the exporter");
 }

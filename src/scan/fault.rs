@@ -1,0 +1,186 @@
+//! Why bytes are not a scan: the fault, its place and its figures.
+
+use super::content::Content;
+use super::format::Format;
+
+/// Why bytes are not a scan. `code` is stable and goes into `reason.json`.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ScanFault {
+    /// The file has no bytes or only white space.
+    #[error("the file is empty; export it again")]
+    Empty,
+    /// The file-name ending is none that gaiter reads.
+    #[error(
+        "the ending {ending:?} is no scan format that gaiter reads (it reads .obj, .ply, .stl, \
+         .wrl, .xyz, .asc and .txt)"
+    )]
+    UnknownEnding {
+        /// The ending as found, without the dot; empty when the name has none.
+        ending: String,
+    },
+    /// The content is plainly something else than the ending says.
+    #[error("the content looks like {content}, not {format}; {}", content.advice())]
+    LooksLike {
+        /// What the content is.
+        content: Content,
+        /// What the ending says.
+        format: Format,
+    },
+    /// The content is not what the ending says, and nothing else that gaiter knows.
+    #[error("line {line}: \"{found}\" is not {format}; is this file really {}?", format.in_full())]
+    NotThisFormat {
+        /// What the ending says.
+        format: Format,
+        /// 1-based line of the first statement that does not belong.
+        line: usize,
+        /// That statement's beginning, printable characters only.
+        found: String,
+    },
+    /// The bytes hold characters that no text format holds.
+    #[error("byte {at} is {value:#04x}: the file is binary, not the text its ending says")]
+    Binary {
+        /// 0-based offset of the first such byte.
+        at: usize,
+        /// The byte.
+        value: u8,
+    },
+    /// The file stops in the middle: more is expected.
+    #[error("the file is cut short: {what}")]
+    CutShort {
+        /// What shows it, with figures.
+        what: CutSign,
+    },
+    /// The file goes on after what it says of itself.
+    #[error("the file has {has} {what} where it says {says}; which is true? Export it again")]
+    TooLong {
+        /// What is counted: bytes, lines, points.
+        what: &'static str,
+        /// How many are there.
+        has: usize,
+        /// How many the file says.
+        says: usize,
+    },
+    /// A coordinate is not a finite number.
+    #[error("{place}the coordinate \"{found}\" is not a finite number")]
+    NotFinite {
+        /// Where it stands.
+        place: Place,
+        /// The text of the coordinate.
+        found: String,
+    },
+    /// Statements but not one point.
+    #[error("the file holds not one point: there is no body in it; scan and export again")]
+    NoPoints,
+    /// Something is wrong within the format.
+    #[error("{place}{what}")]
+    Malformed {
+        /// Where.
+        place: Place,
+        /// What is wrong, what was found and what to do.
+        what: String,
+    },
+}
+
+/// Where in a file a fault lies. Displayed as the beginning of a message.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// The reader does not say.
+    Unknown,
+    /// A 1-based line of a text.
+    Line(usize),
+    /// One record of a binary file.
+    Record {
+        /// What the record is: vertex, face, triangle.
+        name: &'static str,
+        /// Its 1-based number.
+        number: usize,
+        /// 0-based offset of the first byte that is wrong.
+        byte: usize,
+    },
+}
+
+impl std::fmt::Display for Place {
+    fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Place::Unknown => Ok(()),
+            Place::Line(line) => write!(out, "line {line}: "),
+            Place::Record { name, number, byte } => write!(out, "{name} {number}, byte {byte}: "),
+        }
+    }
+}
+
+/// What shows that a file was cut short.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum CutSign {
+    /// The last line has no line end.
+    #[error(
+        "line {line}, the last, has no line end; export it again (if your exporter never writes \
+         a last line end, tell us)"
+    )]
+    NoLineEnd {
+        /// 1-based number of that line.
+        line: usize,
+    },
+    /// Points that no face uses: the face list was cut.
+    #[error("{unused} of {points} points belong to no face; export it again")]
+    UnusedPoints {
+        /// Number of points that no face uses.
+        unused: usize,
+        /// Number of points.
+        points: usize,
+    },
+    /// Fewer records than the file itself says.
+    #[error("{has} of {of} {what}; export it again")]
+    Missing {
+        /// What is counted.
+        what: &'static str,
+        /// How many whole ones are there.
+        has: usize,
+        /// How many the file says.
+        of: usize,
+    },
+    /// The mark that ends every file of this format is not there.
+    #[error("its end, {mark}, is missing; export it again")]
+    NoEnd {
+        /// The mark as a reader would look for it.
+        mark: &'static str,
+    },
+    /// Space that was reserved but not written yet.
+    #[error("its last {bytes} bytes are zero, reserved but not written; export it again")]
+    Unwritten {
+        /// Number of zero bytes at the end.
+        bytes: usize,
+    },
+}
+
+impl ScanFault {
+    /// The stable code of this fault, for `reason.json` and programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            ScanFault::Empty => "scan-empty",
+            ScanFault::UnknownEnding { .. } => "scan-unknown-ending",
+            ScanFault::LooksLike { .. } | ScanFault::NotThisFormat { .. } => "scan-not-this-format",
+            ScanFault::Binary { .. } => "scan-binary",
+            ScanFault::CutShort { .. } => "scan-cut-short",
+            ScanFault::TooLong { .. } => "scan-too-long",
+            ScanFault::NotFinite { .. } => "scan-not-finite",
+            ScanFault::NoPoints => "scan-no-points",
+            ScanFault::Malformed { .. } => "scan-malformed",
+        }
+    }
+
+    /// Whether more bytes could still mend the file, so that waiting makes sense.
+    pub fn may_be_mended_by_waiting(&self) -> bool {
+        matches!(self, ScanFault::Empty | ScanFault::CutShort { .. })
+    }
+}
+
+/// A [`ScanFault::CutShort`] for its sign.
+pub(super) fn cut_short(what: CutSign) -> ScanFault {
+    ScanFault::CutShort { what }
+}
+
+/// A [`ScanFault::Malformed`] in a line of text.
+pub(super) fn malformed(line: usize, what: impl Into<String>) -> ScanFault {
+    ScanFault::Malformed { place: Place::Line(line), what: what.into() }
+}

@@ -1,0 +1,309 @@
+//! The statements of an OBJ file that carry geometry, checked and made plain.
+
+use super::super::fault::{CutSign, ScanFault, cut_short, malformed};
+use super::super::format::Format;
+use super::super::text::{excerpt, numbered, words};
+
+/// Statements of the OBJ format (Wavefront specification, version 3.0) and the usual extensions.
+/// A file whose first statement is none of these is no OBJ.
+const STATEMENTS: [&str; 30] = [
+    "v",
+    "vt",
+    "vn",
+    "vp",
+    "f",
+    "fo",
+    "l",
+    "p",
+    "o",
+    "g",
+    "s",
+    "mg",
+    "mtllib",
+    "usemtl",
+    "usemap",
+    "maplib",
+    "lod",
+    "deg",
+    "bmat",
+    "step",
+    "cstype",
+    "curv",
+    "curv2",
+    "surf",
+    "parm",
+    "trim",
+    "hole",
+    "end",
+    "shadow_obj",
+    "trace_obj",
+];
+
+/// The shortest statement of a point, `v 0 0 0` with its line end, bytes. No file has more points
+/// than its length allows, so an index beyond that is wrong before all points are known.
+const SHORTEST_POINT_BYTES: usize = 8;
+
+/// Triangles that tobj collects before it makes a mesh of them. It takes 104 bytes for each, so
+/// that this many are 7 MB; the meshes are joined again afterwards.
+const TRIANGLES_PER_OBJECT: usize = 1 << 16;
+
+/// The geometry of a file as OBJ text in its plainest form.
+pub(super) struct Statements {
+    /// `v` lines of three coordinates with decimal points.
+    pub points: Vec<u8>,
+    /// `f` lines of three different existing points, in objects of some ten thousand.
+    pub triangles: Vec<u8>,
+    /// Number of `v` lines.
+    pub point_count: usize,
+    /// Whether a coordinate has a comma.
+    pub has_commas: bool,
+    triangle_count: usize,
+    /// Whether a face uses the point.
+    used: Vec<bool>,
+    /// The largest index of a face so far, 0-based, and the line where it stands.
+    largest: (usize, usize),
+}
+
+impl Statements {
+    /// Drops comments, names, groups and materials: names in any encoding do no harm then. Colours
+    /// after a point's coordinates go too, because tobj refuses a file where only some points have
+    /// them; so do normals and texture coordinates. Polygons become fans of triangles; triangles
+    /// that use a point twice are left out.
+    ///
+    /// # Errors
+    /// [`ScanFault::Malformed`] for faces of points that do not exist.
+    pub(super) fn of(bytes: &[u8]) -> Result<Statements, ScanFault> {
+        let mut found = Statements {
+            points: Vec::with_capacity(bytes.len() / 2),
+            triangles: Vec::with_capacity(bytes.len() / 2),
+            point_count: 0,
+            has_commas: false,
+            triangle_count: 0,
+            used: Vec::new(),
+            largest: (0, 0),
+        };
+        let points_max = bytes.len() / SHORTEST_POINT_BYTES + 1;
+        let mut corners = Vec::new();
+        each_geometry(bytes, |line, statement| match keyword(statement) {
+            b"v" => {
+                found.point(statement);
+                Ok(())
+            }
+            _ => {
+                if found.plain_triangle(statement) {
+                    return Ok(());
+                }
+                corners.clear();
+                let is_comment = |word: &&[u8]| word.starts_with(b"#");
+                for word in words(statement).skip(1).take_while(|word| !is_comment(word)) {
+                    corners.push(found.corner(word, line, points_max)?);
+                }
+                found.fan(&corners);
+                Ok(())
+            }
+        })?;
+        let (index, line) = found.largest;
+        if line > 0 && index >= found.point_count {
+            let what = format!("\"{}\" is no corner of a face", index + 1);
+            return Err(malformed(line, what));
+        }
+        Ok(found)
+    }
+
+    /// Number of points that no face uses.
+    pub(super) fn unused(&self) -> usize {
+        self.point_count - self.used.iter().filter(|used| **used).count()
+    }
+
+    fn point(&mut self, statement: &[u8]) {
+        self.point_count += 1;
+        let coordinates = &statement[..end_of_word(statement, 4)];
+        let start = self.points.len();
+        self.points.extend_from_slice(coordinates);
+        if coordinates.contains(&b',') {
+            self.has_commas = true;
+            let commas = self.points[start..].iter_mut().filter(|byte| **byte == b',');
+            commas.for_each(|comma| *comma = b'.');
+        }
+        self.points.push(b'\n');
+    }
+
+    /// Takes over a face such as `f 1 2 3` of three different points that are there already, as
+    /// nearly all are. Says whether it is one.
+    fn plain_triangle(&mut self, statement: &[u8]) -> bool {
+        let mut corners = [0_usize; 3];
+        let mut count = 0;
+        let mut after_blank = false;
+        for &byte in &statement[1..] {
+            let digit = usize::from(byte.wrapping_sub(b'0'));
+            if digit < 10 {
+                count += usize::from(after_blank);
+                let Some(corner) = corners.get_mut(count.wrapping_sub(1)) else { return false };
+                *corner = corner.saturating_mul(10).saturating_add(digit);
+            } else if byte != b' ' {
+                return false;
+            }
+            after_blank = digit >= 10;
+        }
+        let [a, b, c] = corners;
+        let are_there = corners.iter().all(|corner| (1..=self.point_count).contains(corner));
+        if count != 3 || !are_there || a == b || b == c || c == a {
+            return false;
+        }
+        self.used.resize(self.used.len().max(self.point_count), false);
+        corners.iter().for_each(|corner| self.used[corner - 1] = true);
+        self.count_triangle();
+        self.triangles.extend_from_slice(statement);
+        self.triangles.push(b'\n');
+        true
+    }
+
+    /// Begins a new object where the last one has enough triangles.
+    fn count_triangle(&mut self) {
+        if self.triangle_count.is_multiple_of(TRIANGLES_PER_OBJECT) {
+            self.triangles.extend_from_slice(b"o\n");
+        }
+        self.triangle_count += 1;
+    }
+
+    /// The point that a word such as `3`, `-1`, `3/1` or `3//2` names, 0-based.
+    fn corner(&mut self, word: &[u8], line: usize, points_max: usize) -> Result<u32, ScanFault> {
+        let position = word.split(|&b| b == b'/').next().unwrap_or_default();
+        let index = match position.strip_prefix(b"-") {
+            None => digits(position).and_then(|index| index.checked_sub(1)),
+            Some(back) => digits(back)
+                .filter(|back| *back > 0)
+                .and_then(|back| self.point_count.checked_sub(back)),
+        };
+        let within = index.filter(|index| *index < points_max);
+        let Some((index, number)) = within.and_then(|i| Some((i, u32::try_from(i).ok()?))) else {
+            return Err(malformed(line, format!("\"{}\" is no corner of a face", excerpt(word))));
+        };
+        if index > self.largest.0 || self.largest.1 == 0 {
+            self.largest = (index, line);
+        }
+        Ok(number)
+    }
+
+    /// Writes the triangles of a polygon around its first corner. Faces of one or two corners are
+    /// points and lines, which OBJ has statements of their own for.
+    fn fan(&mut self, corners: &[u32]) {
+        let [first, rest @ ..] = corners else { return };
+        if rest.len() < 2 {
+            return;
+        }
+        for &corner in corners {
+            let index = corner as usize;
+            if self.used.len() <= index {
+                self.used.resize(index + 1, false);
+            }
+            self.used[index] = true;
+        }
+        for pair in rest.windows(2).filter(|pair| pair[0] != pair[1] && !pair.contains(first)) {
+            self.count_triangle();
+            self.triangles.push(b'f');
+            for index in [*first, pair[0], pair[1]] {
+                self.triangles.push(b' ');
+                push_number(&mut self.triangles, u64::from(index) + 1);
+            }
+            self.triangles.push(b'\n');
+        }
+    }
+}
+
+/// A whole number of digits alone, many times faster than by the standard library.
+fn digits(word: &[u8]) -> Option<usize> {
+    if word.is_empty() {
+        return None;
+    }
+    word.iter().try_fold(0usize, |number, byte| {
+        let digit = usize::from(byte.wrapping_sub(b'0'));
+        if digit < 10 { number.checked_mul(10)?.checked_add(digit) } else { None }
+    })
+}
+
+/// Writes a number in decimal digits, many times faster than by the formatting of the standard library.
+fn push_number(text: &mut Vec<u8>, mut number: u64) {
+    const DIGITS_MAX: usize = 20;
+    let mut digits = [0; DIGITS_MAX];
+    let mut start = DIGITS_MAX;
+    while start == DIGITS_MAX || number > 0 {
+        start -= 1;
+        digits[start] = b'0' + (number % 10) as u8;
+        number /= 10;
+    }
+    text.extend_from_slice(&digits[start..]);
+}
+
+/// The first word of a trimmed statement.
+pub(super) fn keyword(statement: &[u8]) -> &[u8] {
+    statement.split(u8::is_ascii_whitespace).next().unwrap_or_default()
+}
+
+/// Refuses a text whose first statement is none of OBJ's.
+///
+/// # Errors
+/// [`ScanFault::NotThisFormat`] with that statement.
+pub(super) fn refuse_others(bytes: &[u8]) -> Result<(), ScanFault> {
+    let mut statements = numbered(bytes).filter(|(_, line)| !line.starts_with(b"#"));
+    match statements.next() {
+        Some((line, found)) if !STATEMENTS.iter().any(|s| s.as_bytes() == keyword(found)) => {
+            Err(ScanFault::NotThisFormat { format: Format::Obj, line, found: excerpt(found) })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Calls with every `v` and `f` statement, trimmed, and the line where it begins. A `\` at the end
+/// of such a line goes on with the next one; in names it stands for itself, as in Windows' paths.
+///
+/// # Errors
+/// What the caller says; [`ScanFault::CutShort`] where the last line is to be continued.
+pub(super) fn each_geometry(
+    bytes: &[u8],
+    mut each: impl FnMut(usize, &[u8]) -> Result<(), ScanFault>,
+) -> Result<(), ScanFault> {
+    let mut joined = Vec::new();
+    let mut start = 0;
+    for (number, line) in numbered(bytes) {
+        let is_geometry = !joined.is_empty() || matches!(keyword(line), b"v" | b"f");
+        if !is_geometry {
+            continue;
+        }
+        if joined.is_empty() {
+            start = number;
+        }
+        if let Some(part) = line.strip_suffix(b"\\") {
+            joined.extend_from_slice(part);
+            joined.push(b' ');
+        } else if joined.is_empty() {
+            each(start, line)?;
+        } else {
+            joined.extend_from_slice(line);
+            each(start, joined.trim_ascii())?;
+            joined.clear();
+        }
+    }
+    if joined.is_empty() {
+        return Ok(());
+    }
+    Err(cut_short(CutSign::NoLineEnd { line: start }))
+}
+
+/// Where the `count`-th word of a trimmed statement ends.
+fn end_of_word(statement: &[u8], count: usize) -> usize {
+    let mut seen = 0;
+    let mut within = false;
+    for (at, byte) in statement.iter().enumerate() {
+        if byte.is_ascii_whitespace() {
+            within = false;
+            if seen == count {
+                return at;
+            }
+        } else if !within {
+            within = true;
+            seen += 1;
+        }
+    }
+    statement.len()
+}

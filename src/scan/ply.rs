@@ -1,0 +1,67 @@
+//! PLY, the Polygon File Format of Stanford: a text header that names elements and their
+//! properties, then the elements as text or binary in either byte order.
+//!
+//! Read are the `x`, `y`, `z` of `vertex`, and the list `vertex_indices` or `vertex_index` of
+//! `face` and `tristrips`. All other elements and properties are passed over, whatever their type.
+
+mod ascii;
+mod binary;
+mod header;
+mod values;
+
+use super::fault::{CutSign, ScanFault, cut_short};
+use super::weld::welded;
+use super::{Scan, text};
+use header::{Encoding, Header};
+
+/// Decodes a PLY file that is complete. One that is longer than its header says is refused: either
+/// the header or the rest is wrong.
+///
+/// # Errors
+/// See [`ScanFault`]; the first fault found, with its line, or its element and byte.
+pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
+    let bytes = text::without_mark(bytes);
+    let header = Header::of(bytes)?;
+    let (has, says, what) = match header.encoding {
+        Encoding::Ascii => (ascii::line_count(bytes, &header), header.record_count(), "lines"),
+        _ => (bytes.len(), binary::extent(bytes, &header)?, "bytes"),
+    };
+    if has > says {
+        return Err(ScanFault::TooLong { what, has, says });
+    }
+    let mesh = match header.encoding {
+        Encoding::Ascii => values::mesh(&header, ascii::Lines::of(bytes, &header)),
+        _ => values::mesh(&header, binary::Bytes::of(bytes, &header)),
+    }?;
+    Ok(welded(mesh))
+}
+
+/// Whether all elements that the header announces are there: by arithmetic in binary files, where
+/// only the lengths of lists are read, and by counting lines in text.
+///
+/// # Errors
+/// [`ScanFault::CutShort`] with figures; a header that cannot be read is left to [`read`].
+pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
+    let bytes = text::without_mark(bytes);
+    let header = match Header::of(bytes) {
+        Ok(header) => header,
+        Err(cut @ ScanFault::CutShort { .. }) => return Err(cut),
+        Err(_) => return Ok(()),
+    };
+    if header.encoding != Encoding::Ascii {
+        return match binary::extent(bytes, &header) {
+            Err(cut @ ScanFault::CutShort { .. }) => Err(cut),
+            _ => Ok(()),
+        };
+    }
+    text::refuse_binary(bytes)?;
+    let mut lines = ascii::line_count(bytes, &header);
+    for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
+        if lines < element.count {
+            let what = element.kind.plural();
+            return Err(cut_short(CutSign::Missing { what, has: lines, of: element.count }));
+        }
+        lines -= element.count;
+    }
+    text::refuse_open_line(bytes)
+}

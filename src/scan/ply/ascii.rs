@@ -1,0 +1,91 @@
+//! The elements of a PLY text: a record a line, blank lines aside.
+
+use super::super::fault::{CutSign, Place, ScanFault, cut_short, malformed};
+use super::super::text::{self, Decimals, excerpt};
+use super::header::{Header, Scalar};
+use super::values::{Record, Values};
+
+/// Number of lines behind the header that are not blank.
+pub(super) fn line_count(bytes: &[u8], header: &Header) -> usize {
+    text::numbered(&bytes[header.end..]).count()
+}
+
+/// The records of a text.
+pub(super) struct Lines<'a, L> {
+    lines: L,
+    /// What is left of the line at hand.
+    rest: &'a [u8],
+    /// Its 1-based number.
+    line: usize,
+    /// Number of lines of the header.
+    header_lines: usize,
+    decimals: Decimals,
+}
+
+impl<'a> Lines<'a, ()> {
+    /// The records behind a header.
+    pub(super) fn of(
+        bytes: &'a [u8],
+        header: &Header,
+    ) -> Lines<'a, impl Iterator<Item = (usize, &'a [u8])>> {
+        Lines {
+            lines: text::numbered(&bytes[header.end..]),
+            rest: b"",
+            line: 0,
+            header_lines: header.line_count,
+            decimals: Decimals::default(),
+        }
+    }
+}
+
+impl<'a, L: Iterator<Item = (usize, &'a [u8])>> Lines<'a, L> {
+    fn word(&mut self) -> Result<&'a [u8], ScanFault> {
+        let end = self.rest.iter().position(u8::is_ascii_whitespace).unwrap_or(self.rest.len());
+        let (word, rest) = self.rest.split_at(end);
+        self.rest = rest.trim_ascii_start();
+        if word.is_empty() {
+            return Err(malformed(self.line, "fewer numbers than the header says"));
+        }
+        Ok(word)
+    }
+}
+
+impl<'a, L: Iterator<Item = (usize, &'a [u8])>> Values for Lines<'a, L> {
+    fn begin(&mut self, record: Record) -> Result<(), ScanFault> {
+        let Some((line, rest)) = self.lines.next() else {
+            let what = record.element.kind.plural();
+            let has = record.number - 1;
+            return Err(cut_short(CutSign::Missing { what, has, of: record.element.count }));
+        };
+        self.line = self.header_lines + line;
+        self.rest = rest;
+        Ok(())
+    }
+
+    fn coordinate(&mut self, _: Scalar, _: Record) -> Result<f64, ScanFault> {
+        let word = self.word()?;
+        self.decimals.number(word, self.line)
+    }
+
+    fn whole(&mut self, _: Scalar, _: Record) -> Result<i64, ScanFault> {
+        let word = self.word()?;
+        let fault = || malformed(self.line, format!("\"{}\" is no whole number", excerpt(word)));
+        text::whole(word).ok_or_else(fault)
+    }
+
+    fn skip(&mut self, _: Scalar, count: usize, _: Record) -> Result<(), ScanFault> {
+        (0..count).try_for_each(|_| self.word().map(|_| ()))
+    }
+
+    fn end(&mut self, _: Record) -> Result<(), ScanFault> {
+        if self.rest.is_empty() {
+            return Ok(());
+        }
+        let what = format!("\"{}\" is more than the header says", excerpt(self.rest));
+        Err(malformed(self.line, what))
+    }
+
+    fn place(&self, _: Record) -> Place {
+        Place::Line(self.line)
+    }
+}

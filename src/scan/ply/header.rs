@@ -1,0 +1,286 @@
+//! The header of a PLY file: which elements there are, how many, and of what.
+
+use super::super::fault::{CutSign, ScanFault, cut_short, malformed};
+use super::super::format::Format;
+use super::super::text::{excerpt, whole, words};
+
+/// Most elements and properties together. Scanners write some ten; a header of more is no header.
+const ENTRIES_MAX: usize = 1000;
+
+/// How the elements are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+/// The type of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    fn of(word: &[u8]) -> Option<Scalar> {
+        Some(match word {
+            b"char" | b"int8" => Scalar::I8,
+            b"uchar" | b"uint8" => Scalar::U8,
+            b"short" | b"int16" => Scalar::I16,
+            b"ushort" | b"uint16" => Scalar::U16,
+            b"int" | b"int32" => Scalar::I32,
+            b"uint" | b"uint32" => Scalar::U32,
+            b"float" | b"float32" => Scalar::F32,
+            b"double" | b"float64" => Scalar::F64,
+            _ => return None,
+        })
+    }
+
+    /// Size in a binary file, bytes.
+    pub(super) fn bytes(self) -> usize {
+        match self {
+            Scalar::I8 | Scalar::U8 => 1,
+            Scalar::I16 | Scalar::U16 => 2,
+            Scalar::I32 | Scalar::U32 | Scalar::F32 => 4,
+            Scalar::F64 => 8,
+        }
+    }
+
+    fn is_whole(self) -> bool {
+        !matches!(self, Scalar::F32 | Scalar::F64)
+    }
+}
+
+/// One number, or a list of them behind their count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Shape {
+    One(Scalar),
+    List { count: Scalar, item: Scalar },
+}
+
+/// What a property means to us.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Meaning {
+    /// The coordinate of a vertex along an axis, 0 to 2.
+    Axis(usize),
+    /// The vertices of a face or strip.
+    Corners,
+    /// Anything else.
+    Other,
+}
+
+/// A property of an element.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Property {
+    pub shape: Shape,
+    pub meaning: Meaning,
+}
+
+/// What an element is to us.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    Vertex,
+    Face,
+    Strip,
+    Other,
+}
+
+impl Kind {
+    /// What one of them is called.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Kind::Vertex => "vertex",
+            Kind::Face => "face",
+            Kind::Strip => "strip",
+            Kind::Other => "element",
+        }
+    }
+
+    /// What several of them are called.
+    pub(super) fn plural(self) -> &'static str {
+        match self {
+            Kind::Vertex => "vertices",
+            Kind::Face => "faces",
+            Kind::Strip => "strips",
+            Kind::Other => "elements",
+        }
+    }
+
+    fn meaning(self, name: &[u8], shape: Shape) -> Meaning {
+        match (self, name, shape) {
+            (Kind::Vertex, b"x", Shape::One(_)) => Meaning::Axis(0),
+            (Kind::Vertex, b"y", Shape::One(_)) => Meaning::Axis(1),
+            (Kind::Vertex, b"z", Shape::One(_)) => Meaning::Axis(2),
+            (
+                Kind::Face | Kind::Strip,
+                b"vertex_indices" | b"vertex_index",
+                Shape::List { item, .. },
+            ) if item.is_whole() => Meaning::Corners,
+            _ => Meaning::Other,
+        }
+    }
+}
+
+/// An element: so many records of the same properties.
+#[derive(Debug)]
+pub(super) struct Element {
+    pub kind: Kind,
+    /// How many records the header announces; nothing says that they are there.
+    pub count: usize,
+    pub properties: Vec<Property>,
+}
+
+/// A header that can be read.
+#[derive(Debug)]
+pub(super) struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+    /// Where the elements begin, bytes.
+    pub end: usize,
+    /// Number of lines of the header.
+    pub line_count: usize,
+}
+
+impl Header {
+    /// Reads the header. Its lines end as its first one does, so that a binary body that begins
+    /// with a line feed is not taken for a part of it.
+    ///
+    /// # Errors
+    /// [`ScanFault::CutShort`] without `end_header`, [`ScanFault::Malformed`] with the line.
+    pub(super) fn of(bytes: &[u8]) -> Result<Header, ScanFault> {
+        let (line_end, mut at) = opening(bytes)?;
+        let mut encoding = None;
+        let mut elements: Vec<Element> = Vec::new();
+        let mut line_count = 1;
+        let mut entries = 0;
+        loop {
+            let rest = &bytes[at..];
+            let length = rest.windows(line_end.len()).position(|part| part == line_end);
+            let Some(length) = length else {
+                return Err(cut_short(CutSign::NoEnd { mark: "\"end_header\"" }));
+            };
+            let line = &rest[..length];
+            at += length + line_end.len();
+            line_count += 1;
+            let mut rest = words(line);
+            match rest.next().unwrap_or_default() {
+                b"end_header" => break,
+                b"format" => encoding = Some(encoding_of(rest.next(), line_count)?),
+                b"comment" | b"obj_info" | b"" => continue,
+                b"element" => elements.push(element(&mut rest, line, line_count)?),
+                b"property" => {
+                    let element = elements.last_mut();
+                    let element = element.ok_or_else(|| unreadable(line, line_count))?;
+                    let property = property(element.kind, &mut rest, line, line_count)?;
+                    element.properties.push(property);
+                }
+                _ => return Err(unreadable(line, line_count)),
+            }
+            entries += 1;
+            if entries > ENTRIES_MAX {
+                return Err(malformed(line_count, format!("more than {ENTRIES_MAX} entries")));
+            }
+        }
+        let encoding = encoding.ok_or_else(|| malformed(line_count, "no format is named"))?;
+        let header = Header { encoding, elements, end: at, line_count };
+        header.refuse_without_geometry()?;
+        Ok(header)
+    }
+
+    /// Number of records that take room in the file: those of elements without properties do not.
+    pub(super) fn record_count(&self) -> usize {
+        let elements = self.elements.iter().filter(|element| !element.properties.is_empty());
+        elements.fold(0, |sum, element| sum.saturating_add(element.count))
+    }
+
+    fn refuse_without_geometry(&self) -> Result<(), ScanFault> {
+        let fault = |what: &str| Err(malformed(self.line_count, what));
+        let of_kind = |kind: Kind| self.elements.iter().filter(move |e| e.kind == kind);
+        let has = |element: &Element, meaning: Meaning| {
+            element.properties.iter().filter(|property| property.meaning == meaning).count() == 1
+        };
+        if of_kind(Kind::Vertex).count() != 1 {
+            return fault("the header must name one element \"vertex\"");
+        }
+        if !of_kind(Kind::Vertex).all(|e| (0..3).all(|axis| has(e, Meaning::Axis(axis)))) {
+            return fault("the vertices must have one x, one y and one z");
+        }
+        let mut with_corners = of_kind(Kind::Face).chain(of_kind(Kind::Strip));
+        if !with_corners.all(|element| has(element, Meaning::Corners)) {
+            return fault("the faces must have one list \"vertex_indices\" of whole numbers");
+        }
+        Ok(())
+    }
+}
+
+/// How lines end, and where the second one begins.
+fn opening(bytes: &[u8]) -> Result<(&'static [u8], usize), ScanFault> {
+    let ends: [&[u8]; 3] = [b"\r\n", b"\n", b"\r"];
+    let rest = bytes.strip_prefix(b"ply");
+    match rest.and_then(|rest| ends.into_iter().find(|end| rest.starts_with(end))) {
+        Some(end) => Ok((end, b"ply".len() + end.len())),
+        None if b"ply\r\n".starts_with(bytes) => {
+            Err(cut_short(CutSign::NoEnd { mark: "\"end_header\"" }))
+        }
+        None => {
+            let line = bytes.split(|&b| b == b'\n' || b == b'\r').next().unwrap_or_default();
+            Err(ScanFault::NotThisFormat { format: Format::Ply, line: 1, found: excerpt(line) })
+        }
+    }
+}
+
+fn unreadable(line: &[u8], number: usize) -> ScanFault {
+    malformed(number, format!("\"{}\" is no line of a PLY header", excerpt(line)))
+}
+
+fn encoding_of(word: Option<&[u8]>, line: usize) -> Result<Encoding, ScanFault> {
+    match word.unwrap_or_default() {
+        b"ascii" => Ok(Encoding::Ascii),
+        b"binary_little_endian" => Ok(Encoding::LittleEndian),
+        b"binary_big_endian" => Ok(Encoding::BigEndian),
+        other => Err(malformed(line, format!("\"{}\" is no PLY encoding", excerpt(other)))),
+    }
+}
+
+fn element<'a>(
+    words: &mut impl Iterator<Item = &'a [u8]>,
+    line: &[u8],
+    number: usize,
+) -> Result<Element, ScanFault> {
+    let kind = match words.next() {
+        Some(b"vertex") => Kind::Vertex,
+        Some(b"face") => Kind::Face,
+        Some(b"tristrips") => Kind::Strip,
+        Some(_) => Kind::Other,
+        None => return Err(unreadable(line, number)),
+    };
+    let count = words.next().and_then(whole).ok_or_else(|| unreadable(line, number))?;
+    Ok(Element { kind, count, properties: Vec::new() })
+}
+
+fn property<'a>(
+    kind: Kind,
+    words: &mut impl Iterator<Item = &'a [u8]>,
+    line: &[u8],
+    number: usize,
+) -> Result<Property, ScanFault> {
+    let scalar = |word: Option<&[u8]>| word.and_then(Scalar::of);
+    let first = words.next();
+    let shape = if first == Some(b"list") {
+        let count = scalar(words.next()).filter(|count| count.is_whole());
+        count.zip(scalar(words.next())).map(|(count, item)| Shape::List { count, item })
+    } else {
+        scalar(first).map(Shape::One)
+    };
+    let (Some(shape), Some(name)) = (shape, words.next()) else {
+        return Err(unreadable(line, number));
+    };
+    Ok(Property { shape, meaning: kind.meaning(name, shape) })
+}

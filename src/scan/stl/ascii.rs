@@ -1,0 +1,111 @@
+//! STL as text: `solid`, then facets of three `vertex` lines, then `endsolid`; more than once too.
+
+use nalgebra::Point3;
+
+use super::super::Scan;
+use super::super::fault::{CutSign, ScanFault, cut_short, malformed};
+use super::super::format::Format;
+use super::super::text::{self, Decimals, excerpt, numbered, words};
+use super::super::weld::welded;
+
+/// Whether the text ends with an `endsolid` line, with or without a line end.
+///
+/// # Errors
+/// [`ScanFault::CutShort`] where it does not.
+pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
+    let text = text::without_mark(bytes).trim_ascii();
+    if !starts_with(text, b"solid") {
+        return Ok(());
+    }
+    let last = text.rsplit(|&b| b == b'\n' || b == b'\r').next().unwrap_or_default();
+    if starts_with(last.trim_ascii(), b"endsolid") {
+        return Ok(());
+    }
+    Err(cut_short(CutSign::NoEnd { mark: "\"endsolid\"" }))
+}
+
+fn starts_with(text: &[u8], word: &[u8]) -> bool {
+    text.get(..word.len()).is_some_and(|start| start.eq_ignore_ascii_case(word))
+}
+
+/// The statements of the format.
+const KEYWORDS: [&[u8]; 7] =
+    [b"vertex", b"facet", b"outer", b"endloop", b"endfacet", b"solid", b"endsolid"];
+
+/// Where in the nested statements a reader is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Within {
+    /// Before `solid` or behind `endsolid`.
+    File,
+    /// Between facets.
+    Solid,
+    /// Before or behind the loop of a facet.
+    Facet,
+    /// Between the vertices of a loop.
+    Loop,
+}
+
+/// Decodes an STL text. Normals are not read: exporters write `nan` there.
+///
+/// # Errors
+/// See [`ScanFault`]; the first fault found, with its line.
+pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
+    let mut within = Within::File;
+    let mut decimals = Decimals::default();
+    let mut points: Vec<Point3<f64>> = Vec::new();
+    let mut triangles = Vec::new();
+    for (line, statement) in numbered(text::without_mark(bytes)) {
+        let mut rest = words(statement);
+        let first = rest.next().unwrap_or_default();
+        let keyword = KEYWORDS.into_iter().find(|word| word.eq_ignore_ascii_case(first));
+        within = match (within, keyword.unwrap_or_default()) {
+            (Within::File, b"solid") => Within::Solid,
+            (Within::Solid, b"facet") => Within::Facet,
+            (Within::Facet, b"outer") => Within::Loop,
+            (Within::Loop, b"vertex") => {
+                let mut next = || match rest.next() {
+                    Some(word) => decimals.number(word, line),
+                    None => Err(malformed(line, "fewer than three coordinates")),
+                };
+                points.push(Point3::new(next()?, next()?, next()?));
+                Within::Loop
+            }
+            (Within::Loop, b"endloop") => {
+                triangles.push(triangle(&points, triangles.len(), line)?);
+                Within::Facet
+            }
+            (Within::Facet, b"endfacet") => Within::Solid,
+            (Within::Solid, b"endsolid") => Within::File,
+            (Within::File, _) if points.is_empty() => {
+                let found = excerpt(statement);
+                return Err(ScanFault::NotThisFormat { format: Format::Stl, line, found });
+            }
+            _ => return Err(misplaced(within, statement, line)),
+        };
+    }
+    Ok(welded((points, triangles)))
+}
+
+/// The triangle of the last three points, where a loop has as many.
+fn triangle(
+    points: &[Point3<f64>],
+    triangle_count: usize,
+    line: usize,
+) -> Result<[u32; 3], ScanFault> {
+    let first = 3 * triangle_count;
+    let vertices = points.len() - first;
+    if vertices != 3 {
+        return Err(malformed(line, format!("a facet of {vertices} vertices; STL has 3")));
+    }
+    Ok([0, 1, 2].map(|corner| (first + corner) as u32))
+}
+
+fn misplaced(within: Within, statement: &[u8], line: usize) -> ScanFault {
+    let awaited = match within {
+        Within::File => "solid",
+        Within::Solid => "facet or endsolid",
+        Within::Facet => "outer loop or endfacet",
+        Within::Loop => "vertex or endloop",
+    };
+    malformed(line, format!("\"{}\" where {awaited} should stand", excerpt(statement)))
+}

@@ -1,0 +1,186 @@
+//! What all text formats share: lines, words, numbers, and what is no text at all.
+
+use super::fault::{CutSign, Place, ScanFault, cut_short, malformed};
+
+/// What some editors and exporters put before UTF-8 text.
+const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
+
+/// Longest piece of a faulty statement that an error repeats, characters.
+const EXCERPT_CHARS: usize = 40;
+
+/// Longest number with a decimal comma, characters. No exporter writes more than 25 digits.
+const COMMA_NUMBER_CHARS: usize = 64;
+
+/// The text without its UTF-8 mark.
+pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes)
+}
+
+/// Whether there is nothing but white space.
+pub(super) fn is_blank(bytes: &[u8]) -> bool {
+    without_mark(bytes).iter().all(u8::is_ascii_whitespace)
+}
+
+/// The lines of a text without their ends, which are LF, CR LF or, as old Macs wrote, CR alone.
+pub(super) fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let mut rest = text;
+    std::iter::from_fn(move || {
+        if rest.is_empty() {
+            return None;
+        }
+        let end = line_length(rest);
+        let (line, after) = rest.split_at(end);
+        rest = after.strip_prefix(b"\r\n").unwrap_or(after.get(1..).unwrap_or_default());
+        Some(line)
+    })
+}
+
+/// Length of the first line. Whole blocks without a line end are passed at a stroke.
+fn line_length(text: &[u8]) -> usize {
+    const BLOCK: usize = 16;
+    let is_end = |byte: &u8| *byte == b'\n' || *byte == b'\r';
+    let has_end = |block: &&[u8]| block.iter().fold(false, |any, byte| any | is_end(byte));
+    let passed = BLOCK * text.chunks_exact(BLOCK).take_while(|block| !has_end(block)).count();
+    let rest = &text[passed..];
+    passed + rest.iter().position(is_end).unwrap_or(rest.len())
+}
+
+/// The lines that are not blank, without outer white space, with their 1-based numbers.
+pub(super) fn numbered(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
+    let trimmed = lines(text).enumerate().map(|(index, line)| (index + 1, line.trim_ascii()));
+    trimmed.filter(|(_, line)| !line.is_empty())
+}
+
+/// Words of a line: what stands between white space.
+pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
+}
+
+/// Refuses bytes that no text export holds.
+///
+/// # Errors
+/// [`ScanFault::Binary`] with the first such byte.
+pub(super) fn refuse_binary(bytes: &[u8]) -> Result<(), ScanFault> {
+    if !bytes.iter().fold(false, |any, &byte| any | is_binary(byte)) {
+        return Ok(());
+    }
+    match bytes.iter().position(|&byte| is_binary(byte)) {
+        Some(at) => Err(ScanFault::Binary { at, value: bytes[at] }),
+        None => Ok(()),
+    }
+}
+
+/// Whether the last line of a text has its end.
+///
+/// # Errors
+/// [`ScanFault::CutShort`] where it has none.
+pub(super) fn refuse_open_line(bytes: &[u8]) -> Result<(), ScanFault> {
+    if bytes.ends_with(b"\n") || bytes.ends_with(b"\r") {
+        return Ok(());
+    }
+    Err(cut_short(CutSign::NoLineEnd { line: lines(bytes).count() }))
+}
+
+/// Control characters that no text export holds; a Ctrl-Z end mark of old systems is let through.
+pub(super) fn is_binary(byte: u8) -> bool {
+    const CTRL_Z: u8 = 0x1a;
+    const DELETE: u8 = 0x7f;
+    // Without branches, because every byte of every text comes by.
+    let is_white = (b'\t'..=b'\r').contains(&byte);
+    ((byte < b' ') & !is_white & (byte != CTRL_Z)) | (byte == DELETE)
+}
+
+/// The beginning of a statement, printable ASCII only, so that no log can be written through it.
+pub(super) fn excerpt(bytes: &[u8]) -> String {
+    let printable = |&b: &u8| if b.is_ascii_graphic() || b == b' ' { b as char } else { '?' };
+    bytes.iter().take(EXCERPT_CHARS).map(printable).collect()
+}
+
+/// A binary number that is not finite, as text formats spell it.
+pub(super) fn spelled(value: f64) -> String {
+    if value.is_nan() { "nan".to_owned() } else { value.to_string() }
+}
+
+/// A whole number in decimal digits.
+pub(super) fn whole<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
+    std::str::from_utf8(word).ok()?.parse().ok()
+}
+
+/// Reads numbers with a decimal point or a decimal comma, but not both in one file: where both
+/// occur, one of them may group thousands, and nobody can tell.
+#[derive(Debug, Default)]
+pub(super) struct Decimals {
+    /// Line of the first number with a point.
+    point: Option<usize>,
+    /// Line of the first number with a comma.
+    comma: Option<usize>,
+}
+
+impl Decimals {
+    /// The coordinate that a word of a line is.
+    ///
+    /// # Errors
+    /// [`ScanFault::NotFinite`] for what exporters write where there is no number, and
+    /// [`ScanFault::Malformed`] for what is none.
+    pub(super) fn number(&mut self, word: &[u8], line: usize) -> Result<f64, ScanFault> {
+        let parsed = std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok());
+        let value = match parsed {
+            Some(value) => {
+                if self.point.is_none() && word.contains(&b'.') {
+                    self.point = Some(line);
+                    self.refuse_both()?;
+                }
+                value
+            }
+            None => {
+                let value = with_comma(word).ok_or_else(|| no_number(word, line))?;
+                if self.comma.is_none() {
+                    self.comma = Some(line);
+                    self.refuse_both()?;
+                }
+                value
+            }
+        };
+        if value.is_finite() { Ok(value) } else { Err(not_finite(word, line)) }
+    }
+
+    fn refuse_both(&self) -> Result<(), ScanFault> {
+        let (Some(point), Some(comma)) = (self.point, self.comma) else { return Ok(()) };
+        let what = format!(
+            "a decimal point or comma, but line {} has the other; export with one of them",
+            point.min(comma)
+        );
+        Err(malformed(point.max(comma), what))
+    }
+}
+
+/// The number that a word with one decimal comma and no point is. Digits must stand on both sides:
+/// in `1 ,2 ,3` the commas part columns.
+fn with_comma(word: &[u8]) -> Option<f64> {
+    let mut text = [0; COMMA_NUMBER_CHARS];
+    let text = text.get_mut(..word.len())?;
+    text.copy_from_slice(word);
+    let comma = text.iter().position(|&b| b == b',')?;
+    let is_digit = |at: usize| text.get(at).is_some_and(u8::is_ascii_digit);
+    if text.contains(&b'.') || !is_digit(comma.checked_sub(1)?) || !is_digit(comma + 1) {
+        return None;
+    }
+    text[comma] = b'.';
+    std::str::from_utf8(text).ok()?.parse().ok()
+}
+
+fn not_finite(word: &[u8], line: usize) -> ScanFault {
+    ScanFault::NotFinite { place: Place::Line(line), found: excerpt(word) }
+}
+
+/// Microsoft's library writes `-1.#IND` and `1.#QNAN`, glibc `-nan(0x1)`.
+fn no_number(word: &[u8], line: usize) -> ScanFault {
+    let lower = word.to_ascii_lowercase();
+    if lower.contains(&b'#') || lower.windows(3).any(|part| part == b"nan") {
+        return not_finite(word, line);
+    }
+    malformed(line, format!("\"{}\" is no number", excerpt(word)))
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,121 @@
+//! Coincident points become one, so that triangles that touch are connected.
+//!
+//! Triangle soups repeat every corner, exporters repeat points along seams of texture. The shells
+//! of the body are told apart by the points their triangles share.
+
+use std::cmp::Ordering;
+
+use nalgebra::Point3;
+
+use super::Scan;
+
+/// Points and triangles as a file has them.
+pub(super) type Unwelded = (Vec<Point3<f64>>, Vec<[u32; 3]>);
+
+/// The mesh in which points of exactly the same coordinates are one, triangles that use a point
+/// twice are gone, and points that no triangle uses too. The order of points and triangles stays.
+///
+/// Where no triangle is left the points stay as they are: a bare point cloud.
+pub(super) fn welded((points, mut triangles): Unwelded) -> Scan {
+    let firsts = first_at_each_place(&points);
+    triangles.retain_mut(|triangle| {
+        *triangle = triangle.map(|corner| firsts[corner as usize]);
+        let [a, b, c] = *triangle;
+        a != b && b != c && c != a
+    });
+    if triangles.is_empty() {
+        return Scan { points, triangles };
+    }
+    without_unused(points, triangles, firsts)
+}
+
+/// For each point the number of the first point at the same place.
+///
+/// The points are sorted by a hash of their place, which is much faster than by the place itself,
+/// and those of one hash by their place.
+fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
+    let mut firsts: Vec<u32> = (0..points.len() as u32).collect();
+    // Upper half hash, lower half number.
+    let keyed = (0_u64..).zip(points).map(|(number, point)| hash(point) << 32 | number);
+    let mut keys: Vec<u64> = keyed.collect();
+    keys.sort_unstable();
+    let place = |key: u64| points[key as u32 as usize];
+    for alike in keys.chunk_by_mut(|a, b| a >> 32 == b >> 32).filter(|alike| alike.len() > 1) {
+        alike.sort_unstable_by(|&a, &b| {
+            let [a_at, b_at] = [place(a), place(b)];
+            let by_axis = (0..3).map(|axis| (a_at[axis] + 0.0).total_cmp(&(b_at[axis] + 0.0)));
+            by_axis.fold(Ordering::Equal, Ordering::then).then(a.cmp(&b))
+        });
+        for same in alike.chunk_by(|&a, &b| place(a) == place(b)) {
+            same.iter().for_each(|&key| firsts[key as u32 as usize] = same[0] as u32);
+        }
+    }
+    firsts
+}
+
+/// 32 bits that are the same for the same place, the two zeros included (after Fx, rustc's hash).
+fn hash(point: &Point3<f64>) -> u64 {
+    const MIX: u64 = 0x517c_c1b7_2722_0a95;
+    let mixed = point.iter().fold(0, |hash: u64, value| {
+        (hash.rotate_left(23) ^ (value + 0.0).to_bits()).wrapping_mul(MIX)
+    });
+    mixed >> 32
+}
+
+/// Leaves out the points that no triangle uses. `numbers` is room for the new numbers.
+fn without_unused(
+    mut points: Vec<Point3<f64>>,
+    mut triangles: Vec<[u32; 3]>,
+    mut numbers: Vec<u32>,
+) -> Scan {
+    const UNUSED: u32 = u32::MAX;
+    numbers.fill(UNUSED);
+    triangles.iter().flatten().for_each(|&corner| numbers[corner as usize] = 0);
+    let kept = numbers.iter_mut().filter(|number| **number != UNUSED);
+    (0..).zip(kept).for_each(|(new, number)| *number = new);
+    let mut number = numbers.iter();
+    points.retain(|_| number.next() != Some(&UNUSED));
+    for triangle in &mut triangles {
+        *triangle = triangle.map(|corner| numbers[corner as usize]);
+    }
+    Scan { points, triangles }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(x: f64) -> Point3<f64> {
+        Point3::new(x, 1.0, 2.0)
+    }
+
+    #[test]
+    fn coincident_points_become_the_first_of_them() {
+        let points = vec![at(5.0), at(1.0), at(2.0), at(1.0), at(3.0), at(2.0)];
+        let scan = welded((points, vec![[0, 1, 2], [3, 5, 4]]));
+        assert_eq!(scan.points, [at(5.0), at(1.0), at(2.0), at(3.0)]);
+        assert_eq!(scan.triangles, [[0, 1, 2], [1, 2, 3]]);
+    }
+
+    #[test]
+    fn the_two_zeros_are_one_place() {
+        let points = vec![at(0.0), at(1.0), at(2.0), at(-0.0)];
+        let scan = welded((points, vec![[0, 1, 2], [3, 2, 1]]));
+        assert_eq!(scan.triangles, [[0, 1, 2], [0, 2, 1]]);
+    }
+
+    #[test]
+    fn triangles_without_area_and_points_without_triangle_go() {
+        let points = vec![at(9.0), at(0.0), at(1.0), at(2.0), at(1.0)];
+        let scan = welded((points, vec![[2, 3, 4], [1, 2, 3]]));
+        assert_eq!(scan.points, [at(0.0), at(1.0), at(2.0)]);
+        assert_eq!(scan.triangles, [[0, 1, 2]]);
+    }
+
+    #[test]
+    fn without_a_triangle_all_points_stay() {
+        let points = vec![at(1.0), at(1.0), at(2.0)];
+        let scan = welded((points.clone(), vec![[0, 1, 2]]));
+        assert_eq!(scan, Scan { points, triangles: vec![] });
+    }
+}

@@ -1,0 +1,69 @@
+//! VRML 1 and VRML 2 (97) scenes, as text.
+//!
+//! Read are `IndexedFaceSet` and `PointSet` with their `Coordinate` or `Coordinate3`, wherever they
+//! stand in groups and transforms, once for every `USE`. Of a `Switch` the chosen child is read, of
+//! an `LOD` the first, which is the finest. Everything that only colours, lights or moves the scene
+//! is passed over, `ROUTE` included; so are lines, text and the plain solids.
+//! Refused is what could hide a part of the body: `PROTO`, `EXTERNPROTO`, `Inline`, `WWWInline`,
+//! and points within a node that gaiter does not know.
+
+mod placement;
+mod reader;
+mod scene;
+mod walk;
+mod words;
+
+use super::fault::{CutSign, ScanFault, cut_short, malformed};
+use super::format::Format;
+use super::weld::welded;
+use super::{Scan, text};
+
+/// The version of VRML, which decides what a node means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Version {
+    /// 1.0: nodes change a state that later nodes meet.
+    One,
+    /// 2.0, also called VRML 97: nodes hold each other in fields.
+    Two,
+}
+
+/// Decodes a VRML scene that is complete.
+///
+/// # Errors
+/// See [`ScanFault`]; the first fault found, with its line.
+pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
+    let bytes = text::without_mark(bytes);
+    let version = version(bytes)?;
+    let scene = scene::Scene::of(bytes, version)?;
+    Ok(welded(walk::geometry(scene)?))
+}
+
+/// Whether every bracket is closed and the scene ends behind one.
+///
+/// # Errors
+/// [`ScanFault::CutShort`] where a bracket is open, [`ScanFault::Binary`].
+pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
+    text::refuse_binary(bytes)?;
+    if words::is_closed(text::without_mark(bytes)) {
+        return Ok(());
+    }
+    Err(cut_short(CutSign::NoEnd { mark: "the last \"}\"" }))
+}
+
+/// The version in the first line, which must be there.
+fn version(bytes: &[u8]) -> Result<Version, ScanFault> {
+    let first = text::lines(bytes).next().unwrap_or_default();
+    let mut words = text::words(first);
+    match (words.next(), words.next()) {
+        (Some(b"#VRML"), Some(b"V1.0")) => Ok(Version::One),
+        (Some(b"#VRML"), Some(b"V2.0")) => Ok(Version::Two),
+        (Some(b"#VRML"), Some(other)) => {
+            let what = format!("VRML {} is not read; export VRML 2", text::excerpt(other));
+            Err(malformed(1, what))
+        }
+        _ => {
+            let found = text::excerpt(first);
+            Err(ScanFault::NotThisFormat { format: Format::Wrl, line: 1, found })
+        }
+    }
+}

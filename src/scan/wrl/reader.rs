@@ -1,0 +1,384 @@
+//! Reads the nodes of a VRML text without knowing its grammar node by node: a word before `{` is a
+//! node, any other word that is no number names a field.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Point3;
+
+use super::super::fault::{CutSign, ScanFault, cut_short, malformed};
+use super::super::text::{Decimals, excerpt, whole};
+use super::Version;
+use super::placement::{self, Fields};
+use super::scene::{DEPTH_MAX, Node, NodeId, Scene};
+use super::words::{Token, Words};
+
+/// Most nodes of a scene, and most uses of nodes. A scan has a dozen, an assembly of parts some
+/// hundreds.
+const NODES_MAX: usize = 10_000;
+
+/// Fields of a few numbers that place or choose something.
+const FIELDS: [&str; 11] = [
+    "translation",
+    "rotation",
+    "scale",
+    "scaleFactor",
+    "scaleOrientation",
+    "center",
+    "matrix",
+    "whichChild",
+    "whichChoice",
+    "startIndex",
+    "numPoints",
+];
+
+/// Most numbers of such a field, those of a matrix.
+const FIELD_NUMBERS_MAX: usize = 16;
+
+impl Scene {
+    /// Reads the nodes of a text.
+    ///
+    /// # Errors
+    /// The first fault with its line.
+    pub(super) fn of(bytes: &[u8], version: Version) -> Result<Scene, ScanFault> {
+        let mut reader = Reader {
+            words: Words::of(bytes),
+            version,
+            nodes: Vec::new(),
+            links: 0,
+            carries: Vec::new(),
+            names: BTreeMap::new(),
+        };
+        let root = reader.body(b"", 0)?;
+        reader.keep(Node::Group {
+            children: root.children,
+            matrix: None,
+            is_closed: true,
+            choice: None,
+        })?;
+        Ok(Scene { nodes: reader.nodes })
+    }
+}
+
+/// What stands between the brackets of a node.
+#[derive(Default)]
+struct Body {
+    children: Vec<NodeId>,
+    fields: Vec<(&'static str, Vec<f64>)>,
+    points: Vec<Point3<f64>>,
+    corners: Vec<i32>,
+}
+
+struct Reader<'a> {
+    words: Words<'a>,
+    version: Version,
+    nodes: Vec<Node>,
+    /// How often a node is held by another.
+    links: usize,
+    /// Whether a node carries points or holds one that does.
+    carries: Vec<bool>,
+    /// Nodes by the names that `DEF` gives them.
+    names: BTreeMap<&'a [u8], NodeId>,
+}
+
+impl<'a> Reader<'a> {
+    fn fault(&mut self, what: impl Into<String>) -> ScanFault {
+        malformed(self.words.line(), what)
+    }
+
+    fn keep(&mut self, node: Node) -> Result<NodeId, ScanFault> {
+        if self.nodes.len() == NODES_MAX {
+            return Err(self.fault(format!("more than {NODES_MAX} nodes; export one mesh")));
+        }
+        self.nodes.push(node);
+        Ok(self.nodes.len() - 1)
+    }
+
+    fn word(&mut self) -> Result<&'a [u8], ScanFault> {
+        match self.words.next() {
+            Some(Token::Word(word)) => Ok(word),
+            Some(_) => Err(self.fault("a name should stand here")),
+            None => Err(no_end()),
+        }
+    }
+
+    /// Reads what stands in a node, up to its closing bracket; in the scene itself, depth 0, up to
+    /// the end.
+    fn body(&mut self, kind: &[u8], depth: usize) -> Result<Body, ScanFault> {
+        if depth > DEPTH_MAX {
+            return Err(self.fault(format!("nodes nested deeper than {DEPTH_MAX}")));
+        }
+        let mut body = Body::default();
+        let mut field: &[u8] = b"";
+        let mut open_lists = 0usize;
+        loop {
+            let word = match self.words.next() {
+                None if depth == 0 => return Ok(body),
+                None => return Err(no_end()),
+                Some(Token::Close) if depth > 0 && open_lists == 0 => return Ok(body),
+                Some(Token::ListOpen) => {
+                    open_lists += 1;
+                    continue;
+                }
+                Some(Token::ListClose) if open_lists > 0 => {
+                    open_lists -= 1;
+                    continue;
+                }
+                Some(Token::Quoted) => continue,
+                Some(Token::Word(word)) => word,
+                Some(_) => return Err(self.fault("a bracket that does not fit")),
+            };
+            match (word, field, kind) {
+                (b"PROTO" | b"EXTERNPROTO", ..) => {
+                    return Err(self.fault("PROTO is not read; export a plain VRML mesh"));
+                }
+                (b"ROUTE", ..) => (0..3).try_for_each(|_| self.word().map(|_| ()))?,
+                (b"NULL", ..) => {}
+                (b"DEF", ..) => {
+                    let name = self.word()?;
+                    let kind = self.word()?;
+                    let child = self.node(kind, depth)?;
+                    self.names.insert(name, child);
+                    self.adopt(&mut body, child, field)?;
+                }
+                (b"USE", ..) => {
+                    let name = self.word()?;
+                    let Some(&child) = self.names.get(name) else {
+                        let name = excerpt(name);
+                        return Err(self.fault(format!("\"{name}\" is used but not defined")));
+                    };
+                    self.adopt(&mut body, child, field)?;
+                }
+                (_, b"point", b"Coordinate" | b"Coordinate3") if begins_number(word) => {
+                    body.points = self.points(word)?;
+                }
+                (_, b"coordIndex", b"IndexedFaceSet") if begins_number(word) => {
+                    body.corners = self.corners(word)?;
+                }
+                _ if begins_number(word) => self.number(word, field, &mut body)?,
+                _ if self.words.opens() => {
+                    let child = self.node(word, depth)?;
+                    self.adopt(&mut body, child, field)?;
+                }
+                _ => {
+                    field = word;
+                    body.fields.retain(|(name, _)| name.as_bytes() != word);
+                }
+            }
+        }
+    }
+
+    fn adopt(&mut self, body: &mut Body, child: NodeId, field: &[u8]) -> Result<(), ScanFault> {
+        self.links += 1;
+        if self.links > NODES_MAX {
+            return Err(self.fault(format!("more than {NODES_MAX} nodes; export one mesh")));
+        }
+        // The proxy of a Collision stands in for what is seen; it is not seen itself.
+        if field != b"proxy" {
+            body.children.push(child);
+        }
+        Ok(())
+    }
+
+    /// A number of a field that places or chooses something; others are passed over.
+    fn number(&mut self, word: &[u8], field: &[u8], body: &mut Body) -> Result<(), ScanFault> {
+        let Some(name) = FIELDS.into_iter().find(|name| name.as_bytes() == field) else {
+            return Ok(());
+        };
+        let value = Decimals::default().number(word, self.words.line())?;
+        if body.fields.last().is_none_or(|(last, _)| *last != name) {
+            body.fields.push((name, Vec::new()));
+        }
+        match body.fields.last_mut() {
+            Some((_, numbers)) if numbers.len() < FIELD_NUMBERS_MAX => numbers.push(value),
+            _ => return Err(self.fault(format!("more than {FIELD_NUMBERS_MAX} numbers"))),
+        }
+        Ok(())
+    }
+
+    /// The numbers of a list from its first one on, in threes: points.
+    fn points(&mut self, first: &'a [u8]) -> Result<Vec<Point3<f64>>, ScanFault> {
+        let mut found = Vec::new();
+        let mut point = Point3::origin();
+        let mut count = 0;
+        // Whether the last four numbers each follow a bare comma.
+        let mut glued = [true; 4];
+        let mut word = Some(first);
+        while let Some(text) = word {
+            glued = [glued[1], glued[2], glued[3], self.words.is_glued];
+            if glued == [false, true, false, true] {
+                let what = "two numbers joined by commas in turn: decimal commas? VRML has points";
+                return Err(self.fault(what));
+            }
+            point[count % 3] = self.coordinate(text)?;
+            count += 1;
+            if count % 3 == 0 {
+                found.push(point);
+            }
+            word = self.next_number();
+        }
+        if count % 3 != 0 {
+            return Err(self.fault(format!("{count} numbers, which is no multiple of three")));
+        }
+        Ok(found)
+    }
+
+    /// The numbers of a list from its first one on: indices, -1 between polygons.
+    fn corners(&mut self, first: &'a [u8]) -> Result<Vec<i32>, ScanFault> {
+        let mut found = Vec::new();
+        let mut word = Some(first);
+        while let Some(text) = word {
+            let Some(index) = whole(text).filter(|index| *index >= -1) else {
+                let text = excerpt(text);
+                return Err(self.fault(format!("\"{text}\" is no index of a point")));
+            };
+            found.push(index);
+            word = self.next_number();
+        }
+        Ok(found)
+    }
+
+    fn coordinate(&mut self, word: &[u8]) -> Result<f64, ScanFault> {
+        let text = std::str::from_utf8(word).unwrap_or_default();
+        match text.parse::<f64>() {
+            Ok(value) if value.is_finite() => Ok(value),
+            // Read once more for the message.
+            _ => Decimals::default().number(word, self.words.line()),
+        }
+    }
+
+    /// The next word, if it is a number.
+    fn next_number(&mut self) -> Option<&'a [u8]> {
+        let before = self.words.clone();
+        match self.words.next() {
+            Some(Token::Word(word)) if begins_number(word) => Some(word),
+            _ => {
+                self.words = before;
+                None
+            }
+        }
+    }
+
+    /// Reads a node behind the name of its type.
+    fn node(&mut self, kind: &'a [u8], depth: usize) -> Result<NodeId, ScanFault> {
+        if matches!(kind, b"Inline" | b"WWWInline") {
+            return Err(self.fault("an Inline holds the scene in another file; export one file"));
+        }
+        let line = self.words.line();
+        match self.words.next() {
+            Some(Token::Open) => {}
+            Some(_) => return Err(self.fault(format!("no \"{{\" after \"{}\"", excerpt(kind)))),
+            None => return Err(no_end()),
+        }
+        let body = self.body(kind, depth + 1)?;
+        let holds = body.children.iter().any(|&child| self.carries[child]);
+        let meaning = meaning(kind, self.version);
+        let carries = match meaning {
+            Meaning::Coordinates | Meaning::Faces | Meaning::Points => true,
+            Meaning::Group { .. } => holds,
+            Meaning::Placement | Meaning::Lines | Meaning::Unknown => false,
+        };
+        if holds && !carries && meaning != Meaning::Lines {
+            let what = format!("points within \"{}\", which gaiter does not know", excerpt(kind));
+            return Err(malformed(line, what));
+        }
+        let node = self.meant(meaning, body, line).map_err(|field| {
+            malformed(line, format!("the field \"{field}\" of \"{}\" is wrong", excerpt(kind)))
+        })?;
+        self.carries.push(carries);
+        self.keep(node)
+    }
+
+    /// The node that a body is; the name of a field that is wrong otherwise.
+    fn meant(&self, meaning: Meaning, body: Body, line: usize) -> Result<Node, &'static str> {
+        let fields = Fields(&body.fields);
+        let is_coordinates = |id: &&NodeId| matches!(self.nodes[**id], Node::Coordinates(_));
+        let coordinates = body.children.iter().find(is_coordinates).copied();
+        let number = |name, default: f64| fields.get(name, [default]).map(|[value]| value as i64);
+        Ok(match meaning {
+            Meaning::Coordinates => Node::Coordinates(body.points),
+            Meaning::Faces => Node::Faces { coordinates, corners: body.corners, line },
+            Meaning::Points => Node::Points {
+                coordinates,
+                start: number("startIndex", 0.0)?,
+                count: number("numPoints", -1.0)?,
+                line,
+            },
+            Meaning::Placement => Node::Placement(Box::new(placement::matrix(&fields)?)),
+            Meaning::Group { is_closed, chooses } => Node::Group {
+                matrix: Some(Box::new(placement::matrix(&fields)?)),
+                is_closed,
+                choice: match chooses {
+                    Chooses::All => None,
+                    Chooses::First => Some(0),
+                    Chooses::Named => {
+                        let chosen = number("whichChoice", number("whichChild", -1.0)? as f64)?;
+                        (chosen != ALL_CHILDREN).then_some(chosen)
+                    }
+                },
+                children: body.children,
+            },
+            Meaning::Lines | Meaning::Unknown => Node::Other,
+        })
+    }
+}
+
+/// The choice of a VRML 1 `Switch` that takes all its children.
+const ALL_CHILDREN: i64 = -3;
+
+/// Which children of a group count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Chooses {
+    All,
+    First,
+    Named,
+}
+
+/// What a type of node means to us.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Meaning {
+    Group {
+        is_closed: bool,
+        chooses: Chooses,
+    },
+    Placement,
+    Coordinates,
+    Faces,
+    Points,
+    /// Has points, but they are no skin.
+    Lines,
+    Unknown,
+}
+
+fn meaning(kind: &[u8], version: Version) -> Meaning {
+    let is_two = version == Version::Two;
+    let group = |is_closed, chooses| Meaning::Group { is_closed, chooses };
+    match kind {
+        b"IndexedFaceSet" => Meaning::Faces,
+        b"PointSet" => Meaning::Points,
+        b"IndexedLineSet" => Meaning::Lines,
+        b"Coordinate" if is_two => Meaning::Coordinates,
+        b"Coordinate3" if !is_two => Meaning::Coordinates,
+        b"Group" | b"Anchor" | b"Billboard" | b"Collision" | b"Shape" | b"Transform" if is_two => {
+            group(true, Chooses::All)
+        }
+        b"Separator" | b"TransformSeparator" | b"WWWAnchor" if !is_two => group(true, Chooses::All),
+        b"Group" => group(false, Chooses::All),
+        b"Switch" => group(is_two, Chooses::Named),
+        b"LOD" => group(true, Chooses::First),
+        b"Transform" | b"Translation" | b"Rotation" | b"Scale" | b"MatrixTransform" => {
+            Meaning::Placement
+        }
+        _ => Meaning::Unknown,
+    }
+}
+
+/// Whether a word is a number by its beginning, or what exporters write where there is none.
+fn begins_number(word: &[u8]) -> bool {
+    let none: [&[u8]; 3] = [b"nan", b"inf", b"infinity"];
+    none.iter().any(|none| word.eq_ignore_ascii_case(none))
+        || word.first().is_some_and(|b| b.is_ascii_digit() || matches!(b, b'+' | b'-' | b'.'))
+}
+
+fn no_end() -> ScanFault {
+    cut_short(CutSign::NoEnd { mark: "the last \"}\"" })
+}

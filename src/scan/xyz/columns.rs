@@ -1,0 +1,79 @@
+//! What parts the columns of a list of points, and which of them are coordinates.
+
+use super::super::text;
+
+/// What parts the columns of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Separator {
+    Semicolon,
+    WhiteSpace,
+    Comma,
+}
+
+impl Separator {
+    /// What parts the columns of a line, by the rule of the module above.
+    pub(super) fn of(line: &[u8]) -> Separator {
+        if line.contains(&b';') {
+            Separator::Semicolon
+        } else if text::words(line).nth(2).is_some() || !line.contains(&b',') {
+            Separator::WhiteSpace
+        } else {
+            Separator::Comma
+        }
+    }
+
+    /// The columns of a trimmed line. A separator at its end begins no further column.
+    pub(super) fn columns(self, line: &[u8]) -> Columns<'_> {
+        Columns { separator: self, rest: Some(line) }
+    }
+
+    /// In which columns x, y and z stand: where the names say so, else in the first three.
+    pub(super) fn coordinates(self, names: Option<&[u8]>, column_count: usize) -> [usize; 3] {
+        let names = names.unwrap_or_default();
+        let place = |axis: &str| {
+            let mut columns = Separator::of(names).columns(names);
+            let is_axis = |name: &[u8]| bare(name).eq_ignore_ascii_case(axis.as_bytes());
+            columns.position(is_axis).filter(|place| *place < column_count)
+        };
+        match (place("x"), place("y"), place("z")) {
+            (Some(x), Some(y), Some(z)) => [x, y, z],
+            _ => [0, 1, 2],
+        }
+    }
+}
+
+/// A column's name without quotes.
+fn bare(name: &[u8]) -> &[u8] {
+    let name = name.strip_prefix(b"\"").unwrap_or(name);
+    name.strip_suffix(b"\"").unwrap_or(name)
+}
+
+/// The columns of a line, one after the other.
+#[derive(Debug, Clone)]
+pub(super) struct Columns<'a> {
+    separator: Separator,
+    /// What has not been given yet; `None` behind the last column.
+    rest: Option<&'a [u8]>,
+}
+
+impl<'a> Iterator for Columns<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        let rest = self.rest.take().filter(|rest| !rest.is_empty())?;
+        let is_end = |byte: &u8| match self.separator {
+            Separator::Semicolon => *byte == b';',
+            Separator::WhiteSpace => byte.is_ascii_whitespace(),
+            Separator::Comma => *byte == b',',
+        };
+        let Some(end) = rest.iter().position(is_end) else {
+            return Some(rest);
+        };
+        self.rest = Some(rest[end + 1..].trim_ascii_start());
+        let column = rest[..end].trim_ascii_end();
+        match self.separator {
+            Separator::WhiteSpace => Some(column.strip_suffix(b",").unwrap_or(column)),
+            _ => Some(column),
+        }
+    }
+}
