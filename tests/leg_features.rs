@@ -48,6 +48,7 @@ fn section(radius: impl Fn(f64) -> f64) -> Section {
         girth: girth(&curve).unwrap(),
         curve,
         girth_sd: None,
+        wave_sd_mm: None,
         points: angles.len(),
         r2: 1.0,
         rms_mm: 0.0,

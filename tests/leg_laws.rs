@@ -142,10 +142,10 @@ fn a_body_a_tenth_larger_has_girths_and_heights_a_tenth_larger() {
     let (b1_expected, expected): (Vec<_>, Vec<_>) =
         growing(expected).partition(|(_, level, _)| level == "B1");
     // Sections stay 5 mm apart, so the larger body is seen in finer steps.
-    alike(&extrema, &expected, [0.2, 0.5]);
+    // The floor under unseen soles is told by a fixed radius of the foot's edge.
+    alike(&extrema, &expected, [0.2, 0.8]);
     // B1 is sought over a fixed 30 mm; its girth moves by 1.3 mm with each mm of its height.
     alike(&b1, &b1_expected, [4.0, 3.0]);
-    // The floor under unseen soles is told by a fixed radius of the foot's edge.
     assert!((stature_mm(&record) - 1.1 * stature_mm(&PLAIN.1)).abs() < 0.5);
 }
 

@@ -51,7 +51,8 @@ fn moved(by: impl Fn(&Point3<f64>) -> Point3<f64>) -> Scan {
 fn figures(record: &Record) -> Vec<(String, String, [f64; 3])> {
     let mut all = Vec::new();
     for leg in &record.legs {
-        for (level, at) in &leg.landmarks {
+        // G is measured from the crotch and Y on the foot, by no step of the paper.
+        for (level, at) in leg.landmarks.iter().filter(|(level, _)| !"GY".contains(*level)) {
             let lengths = [at.girth_tape_mm, at.girth_contour_mm, at.height_mm];
             all.push((leg.side.clone(), level.clone(), lengths));
         }
@@ -149,23 +150,24 @@ fn triangles_mean_nothing_to_the_paper() {
     assert_eq!(girths(sections_of(&bare, bare_own, 1.0)), plain);
 }
 
-/// How far the paper's tape girths may be off on clean bodies, mm: several times what the skin's
-/// are (leg_truth.rs).
-const GIRTH_MM: f64 = 4.0;
+/// How far the paper's tape girths and heights may be off on clean bodies, mm, on our axis: several
+/// times what the skin's are (leg_truth.rs).
+const ON_OUR_AXIS_MM: [f64; 2] = [4.0, 8.0];
 
-/// … and its heights, mm.
-const HEIGHT_MM: f64 = 8.0;
+/// … and on its own, which the foot pulls over by 10°: sections are cut obliquely, and which point
+/// at the crotch is whose moves the ankle by centimetres.
+const ON_ITS_AXIS_MM: [f64; 2] = [10.0, 30.0];
 
 #[test]
 fn the_paper_finds_the_ankle_of_clean_bodies_and_on_our_axis_the_calf_and_the_knee_of_one() {
     let cases = [
-        ("f_average_clean", AxisFit::Principal, &["B"][..]),
-        ("m_average_clean", AxisFit::Principal, &["B"]),
-        ("f_average_clean", AxisFit::Centroids, &["B", "C", "D"]),
+        ("f_average_clean", AxisFit::Principal, &["B"][..], ON_ITS_AXIS_MM),
+        ("m_average_clean", AxisFit::Principal, &["B"], ON_ITS_AXIS_MM),
+        ("f_average_clean", AxisFit::Centroids, &["B", "C", "D"], ON_OUR_AXIS_MM),
         // On its left leg a swing of the polynomial is taken for the calf.
-        ("m_average_clean", AxisFit::Centroids, &["B"]),
+        ("m_average_clean", AxisFit::Centroids, &["B"], ON_OUR_AXIS_MM),
     ];
-    for (name, axis, levels) in cases {
+    for (name, axis, levels, [girth_mm, height_mm]) in cases {
         let (_, record) = record_of(&export(name), &paper(axis));
         let truth = truth(name);
         for (leg, level) in record.legs.iter().flat_map(|leg| levels.iter().map(move |l| (leg, l)))
@@ -175,7 +177,7 @@ fn the_paper_finds_the_ankle_of_clean_bodies_and_on_our_axis_the_calf_and_the_kn
             let girth_off = found.girth_tape_mm - true_level["tape_mm"].as_f64().unwrap();
             let height_off = found.height_mm - true_level["height_mm"].as_f64().unwrap();
             let what = format!("{name} {axis:?} {} {level}: {girth_off} {height_off}", leg.side);
-            assert!(girth_off.abs() < GIRTH_MM && height_off.abs() < HEIGHT_MM, "{what}");
+            assert!(girth_off.abs() < girth_mm && height_off.abs() < height_mm, "{what}");
         }
     }
 }

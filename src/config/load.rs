@@ -74,9 +74,9 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let pattern =
         reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
+    let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
     let levels = level_choices(reader);
-    let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
 
     twice(reader, &exports);

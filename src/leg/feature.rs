@@ -107,12 +107,12 @@ impl CurvatureError {
     /// A harmonic of the radius has twice the variance of its mean, and n times around it makes
     /// (n² − 1) / r² of curvature.
     fn of(section: &Section) -> CurvatureError {
-        let independent = || section.rms_mm / (section.points as f64).sqrt();
-        let mean_radius_sd = section.girth_sd.map_or_else(independent, |sd| sd[0] / TAU);
+        let independent_mm = SQRT_2 * section.rms_mm / (section.points as f64).sqrt();
+        let wave_sd_mm = section.wave_sd_mm.unwrap_or(independent_mm);
         let mean_radius_mm = section.girth.contour_mm / TAU;
         CurvatureError(std::array::from_fn(|n| {
             let bend = (n * n).saturating_sub(1) as f64 / mean_radius_mm.powi(2);
-            SQRT_2 * mean_radius_sd * harmonic::kept(n) * bend
+            wave_sd_mm * harmonic::kept(n) * bend
         }))
     }
 

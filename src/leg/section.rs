@@ -33,6 +33,9 @@ pub struct Section {
     /// Standard error of the girth and of its first two derivatives along the axis, where the fit
     /// knows them.
     pub girth_sd: Option<[f64; 3]>,
+    /// Standard error of the sine and of the cosine of a slow wave of the radius, mm, where the fit
+    /// knows it.
+    pub wave_sd_mm: Option<f64>,
     /// Number of points on the plane.
     pub points: usize,
     /// Coefficient of determination of the radius over all points.

@@ -7,7 +7,7 @@
 //!
 //! What that smoothing takes from the slow waves around is given back by [`super::wave`].
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{PI, SQRT_2, TAU};
 
 use nalgebra::Point2;
 
@@ -131,12 +131,14 @@ impl Skin {
         let centre = self.middle.each_ref().map(|middle| middle.value(along_mm));
         let centre = Point2::new(centre[0], centre[1]);
         let (r2, rms_mm) = self.goodness(near);
+        let girth_sd = self.girth_sd(along_mm, near.len());
         Some(Section {
             along_mm,
             height_mm: axis.at(along_mm, &centre).z,
             centre,
             girth: girth(&curve)?,
-            girth_sd: Some(self.girth_sd(along_mm, near.len())),
+            girth_sd: Some(girth_sd),
+            wave_sd_mm: Some(self.waves.sd(along_mm).max(SQRT_2 * girth_sd[0] / TAU)),
             points: near.len(),
             r2,
             rms_mm,

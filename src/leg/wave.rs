@@ -110,6 +110,12 @@ impl Waves {
         around.greville().into_iter().map(one).collect()
     }
 
+    /// Standard error of the least known wave's height.
+    pub fn sd(&self, along: f64) -> f64 {
+        let waves = self.waves.iter().filter(|wave| wave.count > 0);
+        waves.map(|wave| wave.height.sd(along, 0)).fold(0.0, f64::max)
+    }
+
     /// Standard error of the mean radius, or of its `derivative` along.
     pub fn mean_sd(&self, along: f64, derivative: usize) -> f64 {
         let mean = self.waves.iter().find(|wave| wave.count == 0);
