@@ -143,14 +143,18 @@ fn share_out(
     (own, neck)
 }
 
-/// Least distance between the points of the two legs, mm.
+/// Least distance between the points of the two legs, mm; of legs that are further apart than they
+/// can be seen to close in on each other, that across the body.
 fn gap_mm(own: &Sides<Vec<Point2<f64>>>) -> Option<f64> {
-    // The nearest pair lies between the legs: points beyond their middles need not be compared.
-    let reach = |points: &[Point2<f64>], of: fn(f64, f64) -> f64, none: f64| {
-        points.iter().map(|point| point.x).fold(none, of)
+    let reach = |points: &[Point2<f64>], of: fn(f64, f64) -> f64| {
+        points.iter().map(|point| point.x).reduce(of)
     };
-    let inner_left = reach(&own.left, f64::min, f64::INFINITY);
-    let inner_right = reach(&own.right, f64::max, f64::NEG_INFINITY);
+    let inner_left = reach(&own.left, f64::min)?;
+    let inner_right = reach(&own.right, f64::max)?;
+    if inner_left - inner_right > INNER_MM {
+        return Some(inner_left - inner_right);
+    }
+    // The nearest pair lies between the legs: points beyond their middles need not be compared.
     let near = |points: &[Point2<f64>], x_mm: f64| -> Vec<Point2<f64>> {
         points.iter().filter(|point| (point.x - x_mm).abs() < INNER_MM).copied().collect()
     };

@@ -16,8 +16,9 @@ use crate::spline::{Basis, Smoothing, Spline, fit};
 /// hold as much as 8 waves. An ankle with its tendon needs them; finer ones are as small as noise.
 const WAVES: usize = 8;
 
-/// A place whose wave has less than this of its height says nothing about the wave.
-const SHAPE_MIN: f64 = 0.05;
+/// Points are averaged over lengths that are this part of a piece of the basis along: within one
+/// the slow waves hardly change.
+const BINS_PER_PIECE: usize = 4;
 
 /// The slow part of the skin that is added to its fit.
 #[derive(Debug, Clone)]
@@ -55,31 +56,55 @@ impl Wave {
     }
 }
 
+/// Equal lengths along the leg over which points are averaged.
+struct Bins {
+    from: f64,
+    length: f64,
+    count: usize,
+}
+
+impl Bins {
+    fn over(along: &Basis) -> Bins {
+        let (from, to) = along.domain();
+        let count = BINS_PER_PIECE * (along.breakpoints().len() - 1);
+        Bins { from, length: (to - from) / count as f64, count }
+    }
+
+    fn place(&self, along: f64) -> usize {
+        (((along - self.from) / self.length).max(0.0) as usize).min(self.count - 1)
+    }
+
+    fn middles(&self) -> Vec<f64> {
+        (0..self.count).map(|index| self.from + (index as f64 + 0.5) * self.length).collect()
+    }
+}
+
 impl Waves {
     /// Fits the waves; none where the data do not determine them.
     pub fn of(left: &Left, along: &Basis) -> Option<Waves> {
+        let bins = Bins::over(along);
+        let places: Vec<usize> = left.along.iter().map(|along| bins.place(*along)).collect();
         let mut rest = left.value.to_vec();
         let mut waves = Vec::new();
-        for (count, is_sine) in
-            (0..=WAVES).flat_map(|n| [(n, false), (n, true)]).filter(|w| *w != (0, true))
-        {
+        let cosines = (0..=WAVES).map(|count| (count, false));
+        for (count, is_sine) in cosines.chain((1..=WAVES).map(|count| (count, true))) {
             let shapes: Vec<f64> =
                 left.angle.iter().map(|angle| Wave::shape(count, is_sine, *angle)).collect();
-            let says = |shape: f64| shape.abs() >= SHAPE_MIN;
-            let heights: Vec<f64> = rest
-                .iter()
-                .zip(&shapes)
-                .map(|(rest, shape)| if says(*shape) { rest / shape } else { 0.0 })
-                .collect();
-            let weights: Vec<f64> = left
-                .weight
-                .iter()
-                .zip(&shapes)
-                .map(|(weight, shape)| if says(*shape) { weight * shape * shape } else { 0.0 })
-                .collect();
-            let height = fit(along, left.along, &heights, &weights, Smoothing::Gcv).ok()?;
-            for ((rest, shape), along) in rest.iter_mut().zip(&shapes).zip(left.along) {
-                *rest -= shape * height.value(*along);
+            // Least squares for the height alone: in each bin Σ w s r / Σ w s².
+            let (mut moments, mut weights) = (vec![0.0; bins.count], vec![0.0; bins.count]);
+            for (index, place) in places.iter().enumerate() {
+                let weighted = left.weight[index] * shapes[index];
+                moments[*place] += weighted * rest[index];
+                weights[*place] += weighted * shapes[index];
+            }
+            let sums = moments.iter().zip(&weights);
+            let heights: Vec<f64> =
+                sums.map(|(sum, weight)| if *weight > 0.0 { sum / weight } else { 0.0 }).collect();
+            let height = fit(along, &bins.middles(), &heights, &weights, Smoothing::Gcv).ok()?;
+            let at_bins: Vec<f64> =
+                bins.middles().into_iter().map(|along| height.value(along)).collect();
+            for ((rest, shape), place) in rest.iter_mut().zip(&shapes).zip(&places) {
+                *rest -= shape * at_bins[*place];
             }
             waves.push(Wave { count, is_sine, height });
         }
