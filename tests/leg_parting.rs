@@ -40,7 +40,10 @@ fn measured(mesh: &Mesh) -> Extraction {
 
 #[track_caller]
 fn refused(mesh: &Mesh, scope: Scope) -> Refusal {
-    tried(mesh, scope).err().expect("it was measured")
+    match tried(mesh, scope) {
+        Ok(found) => panic!("it was measured: {:?}", found.findings),
+        Err(refusal) => refusal,
+    }
 }
 
 fn codes(extraction: &Extraction, side: Option<Side>) -> Vec<&'static str> {

@@ -106,6 +106,9 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     })
 }
 
+/// Middle of each shank that is there.
+type Shanks = Sides<Option<Point2<f64>>>;
+
 /// Which shank is whose, and the place on the floor that becomes the origin.
 fn sides(
     standing: &Mesh,
@@ -113,7 +116,7 @@ fn sides(
     toes: Vector2<f64>,
     size: &Size,
     scope: Scope,
-) -> Result<(Sides<Option<Point2<f64>>>, Point2<f64>), BodyFault> {
+) -> Result<(Shanks, Point2<f64>), BodyFault> {
     let left = Vector2::new(-toes.y, toes.x);
     match (scope, stance.shanks.as_slice(), stance.feet.as_slice()) {
         (Scope::Body, &[a, b], &[foot_a, foot_b]) => {
@@ -135,7 +138,7 @@ fn sides(
     }
 }
 
-fn only(side: Side, shank: Point2<f64>) -> Sides<Option<Point2<f64>>> {
+fn only(side: Side, shank: Point2<f64>) -> Shanks {
     Sides::of_each(|of| (of == side).then_some(shank))
 }
 

@@ -2,6 +2,7 @@
 //! and floor pieces never do. Nothing is assumed about shells, holes or closed outlines.
 
 use nalgebra::{Point2, Vector3};
+use rayon::prelude::*;
 
 use super::cluster::clusters;
 use super::footprint::Footprint;
@@ -72,8 +73,10 @@ pub fn follow(
     let mut unseen = Sides::<usize>::default();
     let mut track = Track { parting, steps: Vec::new(), ends_mm: Sides::default() };
     let mut seen_mm = Sides::of_each(|_| heights_mm.first().copied().unwrap_or(0.0));
-    for (&height_mm, slice) in heights_mm.iter().zip(slices(mesh, heights_mm)) {
-        let (own, neck) = share_out(&slice, &last, growth_mm, parting);
+    let clustered: Vec<Vec<Vec<Point2<f64>>>> =
+        slices(mesh, heights_mm).par_iter().map(|slice| clusters(slice, LINK_MM)).collect();
+    for (&height_mm, slice) in heights_mm.iter().zip(clustered) {
+        let (own, neck) = share_out(slice, &last, growth_mm, parting);
         let prints = Sides::of_each(|side| Footprint::of(own.get(side)));
         for side in Side::BOTH {
             if let Some(print) = prints.get(side) {
@@ -107,16 +110,16 @@ pub fn slices(mesh: &Mesh, heights_mm: &[f64]) -> Vec<Vec<Point2<f64>>> {
     flat
 }
 
-/// The points of a slice that are the left and the right leg's, and the neck where they are one.
+/// The points of a slice's clusters that are the left and the right leg's, and the neck where they are one.
 fn share_out(
-    slice: &[Point2<f64>],
+    slice: Vec<Vec<Point2<f64>>>,
     last: &Sides<Option<Footprint>>,
     growth_mm: f64,
     parting: Parting,
 ) -> (Sides<Vec<Point2<f64>>>, Option<Neck>) {
     let mut own = Sides::<Vec<Point2<f64>>>::default();
     let mut neck = None;
-    for cluster in clusters(slice, LINK_MM) {
+    for cluster in slice {
         let share = |side: Side| {
             last.get(side).as_ref().map_or(0.0, |print| print.share_of(&cluster, growth_mm))
         };

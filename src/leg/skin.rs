@@ -67,6 +67,8 @@ struct SkinPoint {
     along_mm: f64,
     angle: f64,
     radius_mm: f64,
+    /// How far it lies outside the fitted skin.
+    residual_mm: f64,
 }
 
 impl Skin {
@@ -82,7 +84,7 @@ impl Skin {
             if (from_mm..=to_mm).contains(&along_mm) {
                 let arm = axis.in_plane(point) - place(along_mm);
                 let (angle, radius_mm) = (arm.y.atan2(arm.x), arm.norm());
-                points.push(SkinPoint { along_mm, angle, radius_mm });
+                points.push(SkinPoint { along_mm, angle, radius_mm, residual_mm: 0.0 });
             }
         }
         points.sort_by(|p, q| p.along_mm.total_cmp(&q.along_mm));
@@ -99,7 +101,10 @@ impl Skin {
             .map(|point| point.radius_mm - fit.function.value(point.along_mm, point.angle))
             .collect();
         let left = Left { along: &u, angle: &v, value: &left, weight: &fit.weights };
-        let waves = Waves::of(&left, &along)?;
+        let (waves, residuals) = Waves::of(&left, &along)?;
+        for (point, residual) in points.iter_mut().zip(residuals) {
+            point.residual_mm = residual;
+        }
         let believed = points.into_iter().zip(&fit.weights).filter(|(_, weight)| **weight > 0.0);
         let points: Vec<SkinPoint> = believed.map(|(point, _)| point).collect();
         let count = points.len() as f64;
@@ -130,7 +135,7 @@ impl Skin {
         let curve = Curve::Periodic { coefficients, basis };
         let centre = self.middle.each_ref().map(|middle| middle.value(along_mm));
         let centre = Point2::new(centre[0], centre[1]);
-        let (r2, rms_mm) = self.goodness(near);
+        let (r2, rms_mm) = Skin::goodness(near);
         let girth_sd = self.girth_sd(along_mm, near.len());
         Some(Section {
             along_mm,
@@ -161,14 +166,12 @@ impl Skin {
     }
 
     /// Coefficient of determination and root mean square residual of some points.
-    fn goodness(&self, points: &[SkinPoint]) -> (f64, f64) {
+    fn goodness(points: &[SkinPoint]) -> (f64, f64) {
         let count = points.len() as f64;
         let mean = points.iter().map(|point| point.radius_mm).sum::<f64>() / count;
         let (mut rss, mut spread) = (0.0, 0.0);
         for point in points {
-            let fitted = self.fit.function.value(point.along_mm, point.angle)
-                + self.waves.value(point.along_mm, point.angle);
-            rss += (point.radius_mm - fitted).powi(2);
+            rss += point.residual_mm.powi(2);
             spread += (point.radius_mm - mean).powi(2);
         }
         (r2(rss, spread, mean * mean * count), (rss / count).sqrt())

@@ -10,6 +10,8 @@
 
 use std::f64::consts::TAU;
 
+use nalgebra::Complex;
+
 use crate::spline::{Basis, Smoothing, Spline, fit};
 
 /// Waves around up to this number: as fine as the paper's curve of order 15, whose 16 coefficients
@@ -80,22 +82,30 @@ impl Bins {
 }
 
 impl Waves {
-    /// Fits the waves; none where the data do not determine them.
-    pub fn of(left: &Left, along: &Basis) -> Option<Waves> {
+    /// Fits the waves, and gives what they leave over in their turn; none where the data do not
+    /// determine them.
+    pub fn of(left: &Left, along: &Basis) -> Option<(Waves, Vec<f64>)> {
         let bins = Bins::over(along);
         let places: Vec<usize> = left.along.iter().map(|along| bins.place(*along)).collect();
         let mut rest = left.value.to_vec();
         let mut waves = Vec::new();
-        let cosines = (0..=WAVES).map(|count| (count, false));
-        for (count, is_sine) in cosines.chain((1..=WAVES).map(|count| (count, true))) {
-            let shapes: Vec<f64> =
-                left.angle.iter().map(|angle| Wave::shape(count, is_sine, *angle)).collect();
+        // The wave of number n at every point is turned on from that of number n − 1.
+        let turns: Vec<Complex<f64>> =
+            left.angle.iter().map(|angle| Complex::from_polar(1.0, *angle)).collect();
+        let mut shapes = vec![Complex::new(1.0, 0.0); turns.len()];
+        let parts = (0..=WAVES).flat_map(|count| [(count, false), (count, true)]);
+        for (count, is_sine) in parts.filter(|part| *part != (0, true)) {
+            if count > 0 && !is_sine {
+                shapes.iter_mut().zip(&turns).for_each(|(shape, turn)| *shape *= turn);
+            }
+            let shapes = shapes.iter().map(|at| if is_sine { at.im } else { at.re });
             // Least squares for the height alone: in each bin Σ w s r / Σ w s².
             let (mut moments, mut weights) = (vec![0.0; bins.count], vec![0.0; bins.count]);
-            for (index, place) in places.iter().enumerate() {
-                let weighted = left.weight[index] * shapes[index];
-                moments[*place] += weighted * rest[index];
-                weights[*place] += weighted * shapes[index];
+            for (((place, weight), rest), shape) in
+                places.iter().zip(left.weight).zip(&rest).zip(shapes.clone())
+            {
+                moments[*place] += weight * shape * rest;
+                weights[*place] += weight * shape * shape;
             }
             let sums = moments.iter().zip(&weights);
             let heights: Vec<f64> =
@@ -103,19 +113,12 @@ impl Waves {
             let height = fit(along, &bins.middles(), &heights, &weights, Smoothing::Gcv).ok()?;
             let at_bins: Vec<f64> =
                 bins.middles().into_iter().map(|along| height.value(along)).collect();
-            for ((rest, shape), place) in rest.iter_mut().zip(&shapes).zip(&places) {
+            for ((rest, shape), place) in rest.iter_mut().zip(shapes).zip(&places) {
                 *rest -= shape * at_bins[*place];
             }
             waves.push(Wave { count, is_sine, height });
         }
-        Some(Waves { waves })
-    }
-
-    /// Their sum at a place.
-    pub fn value(&self, along: f64, angle: f64) -> f64 {
-        let part =
-            |wave: &Wave| Wave::shape(wave.count, wave.is_sine, angle) * wave.height.value(along);
-        self.waves.iter().map(part).sum()
+        Some((Waves { waves }, rest))
     }
 
     /// What they add to the coefficients of a curve around in uniform pieces.
