@@ -7,13 +7,20 @@ use super::slice::Mesh;
 /// Distance of the slices in which the crotch is then found, mm.
 const FINE_STEP_MM: f64 = 1.0;
 
+/// Fine slices begin this far below the last height at which the thighs are apart, mm.
+const FINE_BELOW_MM: f64 = 10.0;
+
 /// The thighs close in on each other over this height, mm, at a rate that leads on to where they
 /// meet.
-const CLOSING_MM: f64 = 10.0;
+const CLOSING_MM: f64 = 5.0;
 
-/// The crotch is at most this much above the last height at which the thighs were seen apart, mm:
-/// the distance at which points count as one skin.
-const CLOSED_MAX_MM: f64 = 12.0;
+/// The crotch is at most this much above the last height at which the thighs were seen apart, mm;
+/// further up they would be seen apart still.
+const CLOSED_MAX_MM: f64 = 8.0;
+
+/// Thighs close in on each other by more than this, mm in a mm of height, where they meet. Slower
+/// ones run along each other, or the skin in the fold was not seen.
+const CLOSING_MIN: f64 = 0.6;
 
 /// Standard error of a crotch where the thighs are seen apart up to it, mm.
 const APART_SD_MM: f64 = 3.0;
@@ -25,12 +32,13 @@ const NOTCH_END_SHARE: f64 = 0.10;
 /// … and that is this share of stature above the crotch: 12 to 35 mm in bodies of known crotch.
 const NOTCH_ABOVE_CROTCH_SHARE: f64 = 0.0145;
 
-/// Standard error of a crotch that is told from the notch, mm.
+/// Standard error of a crotch that is told from the notch, or from thighs that run along each other,
+/// mm.
 const NOTCH_SD_MM: f64 = 15.0;
 
-/// Thighs that become one this far below the crotch as told from the notch touch, mm: more than
-/// three standard errors.
-const TOUCHING_MIN_MM: f64 = 50.0;
+/// Thighs that become one this far below the crotch as told from the notch touch, mm: two standard
+/// errors.
+const TOUCHING_MIN_MM: f64 = 2.0 * NOTCH_SD_MM;
 
 /// Standard error of a crotch where only one leg is followed up to the trunk, mm: the slices'
 /// distance and the slope of a hip.
@@ -117,17 +125,16 @@ pub fn crotch(mesh: &Mesh, steps: &[Step], growth_mm: f64, stature_mm: f64) -> C
     let apart = steps.iter().rposition(|step| step.neck.is_none());
     let joined = &steps[apart.map_or(0, |index| index + 1)..];
     let join_mm = joined.first().map_or(0.0, |step| step.height_mm);
-    let notched = joined.iter().take_while(|step| notch_share(step) >= NOTCH_END_SHARE);
-    if let Some(notched) = notched.last() {
-        let height_mm = notched.height_mm - NOTCH_ABOVE_CROTCH_SHARE * stature_mm;
-        if height_mm > join_mm + TOUCHING_MIN_MM {
-            let from = CrotchFrom::Notch { touching_from_mm: join_mm };
-            return Crotch { height_mm, sd_mm: NOTCH_SD_MM, from };
-        }
+    let notched = joined.iter().take_while(|step| notch_share(step) >= NOTCH_END_SHARE).last();
+    let by_notch_mm = notched.map(|step| step.height_mm - NOTCH_ABOVE_CROTCH_SHARE * stature_mm);
+    if let Some(height_mm) = by_notch_mm.filter(|mm| *mm > join_mm + TOUCHING_MIN_MM) {
+        let from = CrotchFrom::Notch { touching_from_mm: join_mm };
+        return Crotch { height_mm, sd_mm: NOTCH_SD_MM, from };
     }
     let last = apart.map(|index| &steps[index]);
-    let height_mm = last.map_or(join_mm, |last| closing_mm(mesh, last, join_mm, growth_mm));
-    Crotch { height_mm, sd_mm: APART_SD_MM, from: CrotchFrom::Thighs }
+    let beneath = (join_mm, NOTCH_SD_MM);
+    let (height_mm, sd_mm) = last.map_or(beneath, |last| closed(mesh, last, join_mm, growth_mm));
+    Crotch { height_mm, sd_mm, from: CrotchFrom::Thighs }
 }
 
 fn notch_share(step: &Step) -> f64 {
@@ -136,19 +143,27 @@ fn notch_share(step: &Step) -> f64 {
 
 /// Where thighs that are apart at `last` and one at `join_mm` meet: as their distance, which is
 /// seen until the points of one are as near to the other's as to each other, leads on to zero.
-fn closing_mm(mesh: &Mesh, last: &Step, join_mm: f64, growth_mm: f64) -> f64 {
-    let count = ((join_mm + CLOSING_MM - last.height_mm) / FINE_STEP_MM) as usize + 1;
-    let from_mm = last.height_mm - CLOSING_MM;
-    let below = (CLOSING_MM / FINE_STEP_MM) as usize;
-    let heights: Vec<f64> =
-        (0..count + below).map(|index| from_mm + FINE_STEP_MM * index as f64).collect();
+/// With its standard error.
+///
+/// Below the top of an arch its width grows with the root of the depth, so it is the square of the
+/// distance that falls evenly.
+fn closed(mesh: &Mesh, last: &Step, join_mm: f64, growth_mm: f64) -> (f64, f64) {
+    let from_mm = last.height_mm - FINE_BELOW_MM;
+    let count = ((join_mm + FINE_BELOW_MM - from_mm) / FINE_STEP_MM) as usize + 1;
+    let heights: Vec<f64> = (0..count).map(|index| from_mm + FINE_STEP_MM * index as f64).collect();
     let prints = Sides { left: last.prints.left.clone(), right: last.prints.right.clone() };
     let fine = follow(mesh, &prints, &heights, growth_mm, Parting::Neck);
     let gaps = fine.steps.iter().take_while(|step| step.neck.is_none());
     let gaps: Vec<(f64, f64)> =
         gaps.filter_map(|step| Some((step.height_mm, step.gap_mm?))).collect();
-    let Some(&(last_mm, gap_mm)) = gaps.last() else { return join_mm };
+    let (Some(&(first_mm, first)), Some(&(last_mm, gap_mm))) = (gaps.first(), gaps.last()) else {
+        return (join_mm, NOTCH_SD_MM);
+    };
     let earlier = gaps.iter().find(|(height_mm, _)| *height_mm >= last_mm - CLOSING_MM);
-    let closing = earlier.map_or(0.0, |(height_mm, gap)| (gap - gap_mm) / (last_mm - height_mm));
-    if closing > 0.0 { last_mm + (gap_mm / closing).min(CLOSED_MAX_MM) } else { last_mm }
+    let closing = earlier
+        .map_or(0.0, |(height_mm, gap)| (gap * gap - gap_mm * gap_mm) / (last_mm - height_mm));
+    let above_mm = if closing > 0.0 { gap_mm * gap_mm / closing } else { CLOSED_MAX_MM };
+    let is_sudden = first - gap_mm >= CLOSING_MIN * (last_mm - first_mm);
+    let sd_mm = if is_sudden { APART_SD_MM } else { NOTCH_SD_MM };
+    (last_mm + above_mm.min(CLOSED_MAX_MM), sd_mm)
 }

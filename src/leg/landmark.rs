@@ -245,8 +245,13 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
 /// Where the curve rises most between two places, over a span; none where they are closer.
 fn steepest(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Option<f64> {
     let count = ((to_mm - from_mm) / STEP_MM) as usize;
-    let places = (1..count).map(|index| from_mm + STEP_MM * index as f64);
-    places.max_by(|a, b| rise(curve, *a).total_cmp(&rise(curve, *b)))
+    let at = |index: usize| from_mm + STEP_MM * index as f64;
+    let most = (1..count).max_by(|a, b| rise(curve, at(*a)).total_cmp(&rise(curve, at(*b))))?;
+    // The parabola through the steepest place and its neighbours tells it between the steps.
+    let [before, own, after] = [most - 1, most, most + 1].map(|index| rise(curve, at(index)));
+    let bend = before - 2.0 * own + after;
+    let off = if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
+    Some(at(most) + STEP_MM * off)
 }
 
 /// Slope of the curve over a span, as far as the curve reaches.
