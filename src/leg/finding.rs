@@ -57,6 +57,12 @@ pub enum What {
     /// Nobody saw the feet, and the declared facing was believed.
     #[error("left and right rest on the declared facing alone: {0}")]
     FacingUnchecked(FeetUnclear),
+    /// A file of a format for meshes that holds not one triangle.
+    #[error(
+        "the file holds points but no faces, and was measured by its points: was the export cut \
+         short, or the mesh left out?"
+    )]
+    NoFaces,
     /// The thighs touch below the crotch.
     #[error(
         "the legs are one from {from_mm:.0} mm up: do the thighs touch, or is there cloth? they were \
@@ -233,6 +239,7 @@ impl Finding {
             What::LevelAbsent(_) => "level-absent",
             What::LevelImplausible { .. } => "level-implausible",
             What::FacingUnchecked(_) => "facing-unchecked",
+            What::NoFaces => "no-faces",
             What::ThighsTouch { .. } => "thighs-touch",
             What::Proportions { .. } => "proportions",
             What::LegCut { .. } => "leg-cut",
@@ -255,6 +262,7 @@ impl Finding {
             | What::Doubtful(_)
             | What::HeightNotMeasured { .. }
             | What::FacingUnchecked(_)
+            | What::NoFaces
             | What::ThighsTouch { .. }
             | What::Proportions { .. }
             | What::LegCut { .. }

@@ -152,6 +152,9 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
     let mut findings = about_body(&body, &cut.crotch);
+    if scan.triangles.is_empty() && format != Format::Xyz {
+        findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
+    }
     let mut legs = Vec::new();
     for (side, report) in Side::BOTH.into_iter().zip(reports) {
         match report {
