@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 use bodies::{export, record_of};
 use gaiter::leg::at_height::{AtHeight, HeightGirth, NoGirth, at_heights};
-use gaiter::leg::finding::Doubt;
+use gaiter::leg::doubt::Doubt;
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::{Extraction, Landmark, Level, Method, extract};
 use gaiter::scan::Format;

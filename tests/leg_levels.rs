@@ -8,8 +8,8 @@ mod solids;
 use std::f64::consts::TAU;
 
 use gaiter::leg::Level;
+use gaiter::leg::doubt::Doubt;
 use gaiter::leg::extremum::Absence;
-use gaiter::leg::finding::Doubt;
 use gaiter::leg::landmark::{self, Landmark, Levels};
 use gaiter::leg::level::By;
 use gaiter::leg::method::{B1, SectionFit};

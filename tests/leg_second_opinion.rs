@@ -9,7 +9,8 @@ use std::sync::LazyLock;
 
 use bodies::export;
 use gaiter::leg::finding::Severity;
-use gaiter::leg::second_opinion::{Measure, SecondOpinion, compare};
+use gaiter::leg::opinion::{Measure, SecondOpinion};
+use gaiter::leg::second_opinion::compare;
 use gaiter::leg::{Extraction, Finding, Level, Method, Side, What, extract};
 use gaiter::scan::Format;
 use gaiter::scan::ord::{Ord, OrdUnit};

@@ -5,13 +5,14 @@
 use std::fs;
 
 /// Files whose `code` functions give codes to records, `reason.json` or standard error.
-const SOURCES: [&str; 7] = [
+const SOURCES: [&str; 8] = [
     "src/scan/fault.rs",
     "src/leg/mod.rs",
     "src/leg/body_fault.rs",
     "src/leg/segment.rs",
     "src/leg/finding.rs",
-    "src/leg/second_opinion.rs",
+    "src/leg/doubt.rs",
+    "src/leg/opinion.rs",
     "src/store/mod.rs",
 ];
 

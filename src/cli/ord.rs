@@ -5,7 +5,8 @@ use std::io::{self, Read};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-use crate::leg::second_opinion::{SecondOpinion, compare};
+use crate::leg::opinion::SecondOpinion;
+use crate::leg::second_opinion::compare;
 use crate::leg::{Extraction, Finding};
 use crate::scan::ord;
 
@@ -26,7 +27,7 @@ pub fn opinions(scan: &Path, extraction: &Extraction) -> Vec<Finding> {
     };
     match found {
         Ok(ord) => compare(extraction, &ord),
-        Err(opinion) => vec![opinion.finding()],
+        Err(opinion) => vec![opinion.into()],
     }
 }
 

@@ -1,11 +1,11 @@
 //! Girths at heights that a person asked for, as clinics chart them: every 10 cm above the floor,
 //! say, whatever the levels of the leg are.
 
-use super::finding::Doubt;
+use super::doubt::Doubt;
 use super::girth::GirthCurve;
 use super::ruler::doubts;
+use super::section::SPACING_MM;
 use super::section::Section;
-use super::sections::SPACING_MM;
 
 /// What was found at a height that was asked for.
 #[derive(Debug, Clone, PartialEq)]

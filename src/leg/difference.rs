@@ -1,7 +1,7 @@
 //! How the two legs of a patient differ: left minus right everywhere.
 
 use super::level::Level;
-use super::report::LegReport;
+use super::measured::LegReport;
 use super::side::Side;
 use super::volume::Volume;
 

@@ -3,11 +3,13 @@
 use super::at_height::NoGirth;
 use super::axis::AxisFault;
 use super::difference::LegsDiffer;
+use super::doubt::Doubt;
 use super::extremum::Absence;
 use super::level::Level;
-use super::second_opinion::SecondOpinion;
+use super::opinion::SecondOpinion;
 use super::side::Side;
 use super::stance::FeetUnclear;
+use super::surface::NoSurface;
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -94,15 +96,8 @@ pub enum What {
     #[error("the leg was not measured: {0}")]
     LegNotMeasured(LegFault),
     /// The sections allow no surface.
-    #[error("no surface: only {rows} sections are seen between {from_mm:.0} and {to_mm:.0} mm")]
-    NoSurface {
-        /// Sections seen.
-        rows: usize,
-        /// From this height, mm.
-        from_mm: f64,
-        /// To this height, mm.
-        to_mm: f64,
-    },
+    #[error(transparent)]
+    NoSurface(#[from] NoSurface),
     /// The surface does not cover the range that a stocking needs.
     #[error(
         "the surface covers {from_mm:.0} to {to_mm:.0} mm; {wanted_from_mm:.0} to {wanted_to_mm:.0} mm are wanted"
@@ -155,80 +150,9 @@ pub enum LegFault {
     },
 }
 
-/// A reason not to trust a landmark blindly.
-#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-pub enum Doubt {
-    /// The extremum hardly stands out.
-    #[error("the extremum stands out by only {prominence_mm:.1} mm")]
-    Shallow {
-        /// How far it stands out, mm.
-        prominence_mm: f64,
-    },
-    /// The height of the extremum is not determined.
-    #[error("the girth is flat there: its height is uncertain by {height_sd_mm:.0} mm")]
-    Flat {
-        /// Standard error of the height, mm.
-        height_sd_mm: f64,
-    },
-    /// Another extremum of the same kind cannot be told from this one.
-    #[error("the girth at {other_height_mm:.0} mm is the same within the noise")]
-    Double {
-        /// Height of the other's centre above the floor, mm.
-        other_height_mm: f64,
-    },
-    /// The extremum lies at an end of what was searched.
-    #[error("the extremum lies {end_mm:.0} mm from the end of what was searched or seen")]
-    Edge {
-        /// Distance to the end along the axis, mm.
-        end_mm: f64,
-    },
-    /// The skin there has a gap.
-    #[error("{gap_deg:.0} degrees of the skin were not seen there")]
-    Gap {
-        /// Width of the gap as seen from the section's centre, degrees.
-        gap_deg: f64,
-    },
-    /// The points there are not one skin.
-    #[error("the points scatter by {rms_mm:.1} mm there: cloth, a second layer, or a movement?")]
-    Scatter {
-        /// Root mean square distance of the points from the section, mm.
-        rms_mm: f64,
-    },
-    /// The skin there is longer than a tape around it.
-    #[error("the skin is {percent:.1} % longer than a tape around it: is it folded there?")]
-    Folds {
-        /// Excess of the contour over the tape girth, percent.
-        percent: f64,
-    },
-    /// The sections there could not be measured; the curve bridges them.
-    #[error("the skin there was not seen; the girth is bridged")]
-    NotSeen,
-    /// A knee that would lie below D.
-    #[error("by its proportion the knee would lie below D, which is at {d_height_mm:.0} mm")]
-    BelowD {
-        /// Height of D, mm.
-        d_height_mm: f64,
-    },
-    /// The tape is closed along the floor, where no scanner looks.
-    #[error("the sole is not seen; the tape is closed along the floor")]
-    SoleNotSeen,
-}
-
-impl Doubt {
-    /// The stable code used in records.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Doubt::Shallow { .. } => "shallow",
-            Doubt::Flat { .. } => "flat",
-            Doubt::Double { .. } => "double",
-            Doubt::Edge { .. } => "edge",
-            Doubt::Gap { .. } => "gap",
-            Doubt::Scatter { .. } => "scatter",
-            Doubt::Folds { .. } => "folds",
-            Doubt::NotSeen => "not-seen",
-            Doubt::BelowD { .. } => "below-d",
-            Doubt::SoleNotSeen => "sole-not-seen",
-        }
+impl From<SecondOpinion> for Finding {
+    fn from(opinion: SecondOpinion) -> Finding {
+        Finding { side: None, level: None, what: What::SecondOpinion(opinion) }
     }
 }
 
@@ -245,7 +169,7 @@ impl Finding {
             What::LegCut { .. } => "leg-cut",
             What::Doubtful(doubt) => doubt.code(),
             What::LegNotMeasured(_) => "leg-not-measured",
-            What::NoSurface { .. } => "no-surface",
+            What::NoSurface(_) => "no-surface",
             What::SurfaceShort { .. } => "surface-short",
             What::HeightNotMeasured { .. } => "height-not-measured",
             What::LegsDiffer(_) => "legs-differ",
@@ -257,8 +181,9 @@ impl Finding {
     pub fn severity(&self) -> Severity {
         match &self.what {
             What::LegsDiffer(_) => Severity::Info,
-            What::SecondOpinion(opinion) => opinion.severity(),
+            What::SecondOpinion(SecondOpinion::Sides { .. }) => Severity::Error,
             What::LevelAbsent(_)
+            | What::SecondOpinion(_)
             | What::Doubtful(_)
             | What::HeightNotMeasured { .. }
             | What::FacingUnchecked(_)
@@ -267,7 +192,7 @@ impl Finding {
             | What::Proportions { .. }
             | What::LegCut { .. }
             | What::SurfaceShort { .. } => Severity::Warning,
-            What::LevelImplausible { .. } | What::LegNotMeasured(_) | What::NoSurface { .. } => {
+            What::LevelImplausible { .. } | What::LegNotMeasured(_) | What::NoSurface(_) => {
                 Severity::Error
             }
         }

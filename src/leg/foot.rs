@@ -9,13 +9,14 @@ use std::f64::consts::TAU;
 use nalgebra::{Point2, Point3, Unit, Vector2, Vector3};
 
 use super::axis::LegAxis;
-use super::finding::Doubt;
+use super::doubt::Doubt;
+use super::gap::{GAP_MAX_DEG, largest_gap_deg};
 use super::hull::Hull;
 use super::landmark::{Estimate, Landmark};
 use super::level::{By, Level};
 use super::method::SectionFit;
 use super::ruler::{GAP_DOUBT_DEG, section_doubts};
-use super::section::{GAP_MAX_DEG, Section, largest_gap_deg};
+use super::section::Section;
 use super::sections::sections;
 use super::segment::Leg;
 

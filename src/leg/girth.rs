@@ -2,7 +2,8 @@
 //! continuous curve (paper 1.2, fig. 3a).
 
 use super::section::Girth;
-use super::sections::{SPACING_MM, Sections};
+use super::section::SPACING_MM;
+use super::sections::Sections;
 use crate::spline::{Basis, Smoothing, Spline, fit};
 
 /// Length of the pieces of the fitted curve, mm: shorter than half of any muscle's bulge (60 mm).

@@ -4,8 +4,8 @@
 //! Decided by the shape of the curve alone. A level that is not there is absent; where a level
 //! usually lies decides nothing.
 
+use super::doubt::Doubt;
 use super::extremum::{Absence, CLEAR_MM, Extrema, Peak};
-use super::finding::Doubt;
 use super::girth::GirthCurve;
 use super::level::{By, Level};
 use super::method::B1;

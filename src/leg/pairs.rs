@@ -9,7 +9,7 @@ use nalgebra::{Point2, Point3};
 
 use super::axis::LegAxis;
 use super::polynomial;
-use super::sections::SPACING_MM;
+use super::section::SPACING_MM;
 use super::segment::Leg;
 
 /// Points near a plane: the square of the polynomial's order. About as many random places keep

@@ -12,8 +12,9 @@ use nalgebra::Point2;
 use rayon::prelude::*;
 
 use super::axis::{LegAxis, outline_centroid};
+use super::gap::{GAP_MAX_DEG, largest_gap_deg};
 use super::polynomial;
-use super::section::{Curve, GAP_MAX_DEG, Section, girth, largest_gap_deg, r2};
+use super::section::{Curve, Section, girth, r2};
 use super::slice::Crossing;
 use crate::spline::{Basis, Smoothing, Spline, fit, robust_fit};
 

@@ -1,24 +1,24 @@
 //! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
 
 use super::at_height::{AtHeight, at_heights};
-use super::axis::{LegAxis, axis, principal_axis};
+use super::axis::{axis, principal_axis};
 use super::crotch::Crotch;
-use super::feature::{Feature, features};
+use super::feature::features;
 use super::finding::{Finding, LegFault, What};
 use super::foot::{Foot, foot};
 use super::girth::{GirthCurve, girth_curve};
 use super::landmark::{Estimate, Landmark, Levels, levels};
 use super::level::Level;
+use super::measured::{LegReport, LevelSection};
 use super::medial::surface_length_mm;
 use super::method::AxisFit;
 use super::ruler::Ruler;
-use super::section::Section;
 use super::sections::{Sections, sections};
 use super::segment::Leg;
 use super::side::Side;
 use super::surface::{LegSurface, surface};
 use super::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
-use super::volume::{LegVolume, leg_volume};
+use super::volume::leg_volume;
 use super::{Body, Method};
 
 /// The surface covers at least this much below B and above D, mm.
@@ -29,42 +29,6 @@ const ANKLE_STATURE_SHARE: f64 = 0.06;
 
 /// The lowest section, as a share of stature: above the instep, below every malleolus.
 const LOWEST_STATURE_SHARE: f64 = 0.035;
-
-/// Everything measured on one leg.
-#[derive(Debug, Clone)]
-pub struct LegReport {
-    /// Whose leg.
-    pub side: Side,
-    /// The leg's axis and the frame of its sections.
-    pub axis: LegAxis,
-    /// Levels found, lowest first; absent ones are not here.
-    pub landmarks: Vec<Landmark>,
-    /// Levels that only a proportion gives, lowest first.
-    pub estimates: Vec<Estimate>,
-    /// The foot, where it is seen from heel to toes.
-    pub foot: Option<Foot>,
-    /// Girth over height.
-    pub girth_curve: GirthCurve,
-    /// The section at each level found from the ankle up, with its feature points.
-    pub level_sections: Vec<LevelSection>,
-    /// The surface, where enough of the leg is seen.
-    pub surface: Option<LegSurface>,
-    /// Volumes.
-    pub volume: LegVolume,
-    /// Girths at the heights that were asked for.
-    pub at: Vec<AtHeight>,
-}
-
-/// The section at a level and what was found on it.
-#[derive(Debug, Clone)]
-pub struct LevelSection {
-    /// Which level.
-    pub level: Level,
-    /// The section at the level's own height.
-    pub section: Section,
-    /// P1, P2, … in order around from the front.
-    pub features: Vec<Feature>,
-}
 
 /// Measures one leg.
 ///
@@ -104,8 +68,8 @@ pub fn leg_report(
     let wanted_mm = surface_heights_mm(&landmarks, scale_mm, crotch_height_mm);
     let surface = match surface(leg, &sections, wanted_mm) {
         Ok(surface) => Some(surface),
-        Err(what) => {
-            findings.add(None, what);
+        Err(none) => {
+            findings.add(None, What::NoSurface(none));
             None
         }
     };

@@ -1,8 +1,8 @@
 //! What is read at one place of a leg: girths and height from the girth curve, doubts from the skin
 //! around it.
 
+use super::doubt::Doubt;
 use super::extremum::root;
-use super::finding::Doubt;
 use super::girth::GirthCurve;
 use super::landmark::Landmark;
 use super::level::{By, Level};

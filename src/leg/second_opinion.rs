@@ -1,9 +1,10 @@
 //! What the scanner's own measures (`.ord`) say to ours: a second opinion on stature, calf and
 //! ankle, and on which leg is the left one. It only ever gives findings; nothing is corrected.
 
-use super::finding::{Finding, Severity, What};
+use super::finding::{Finding, What};
 use super::level::Level;
-use super::report::LegReport;
+use super::measured::LegReport;
+use super::opinion::{Measure, SecondOpinion};
 use super::side::Side;
 use super::{Extraction, Landmark};
 use crate::scan::ord::Ord;
@@ -50,116 +51,6 @@ const ANKLE_MAX_SHARE: f64 = 1.6;
 /// programs differ by about 5 mm on one calf, and mostly alike on both. Judgement.
 const SIDES_MM: f64 = 10.0;
 
-/// A measure that has a counterpart here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Measure {
-    /// Height of the body.
-    Stature,
-    /// Girth of the calf: C.
-    Calf,
-    /// Girth over the malleoli, somewhat more than B.
-    Ankle,
-}
-
-impl Measure {
-    fn word(self) -> &'static str {
-        match self {
-            Measure::Stature => "body height",
-            Measure::Calf => "calf girth",
-            Measure::Ankle => "ankle girth",
-        }
-    }
-
-    /// What a measure of theirs is compared with.
-    fn own(self) -> &'static str {
-        match self {
-            Measure::Stature => "body height",
-            Measure::Calf => "C",
-            Measure::Ankle => "B",
-        }
-    }
-}
-
-/// What the scanner's measures say to ours, or why they say nothing.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum SecondOpinion {
-    /// The measurement file could not be read.
-    #[error("the scanner's own measures (.ord) were not compared: {why}")]
-    Unreadable {
-        /// Why not.
-        why: String,
-    },
-    /// More than one measurement file could be the scan's.
-    #[error("{files} measurement files (.ord) bear this scan's name; none of them was compared")]
-    Ambiguous {
-        /// How many.
-        files: usize,
-    },
-    /// Its stature is ours in another unit.
-    #[error(
-        "the scanner's stature is {theirs_mm:.0} mm, gaiter's {ours_mm:.0} mm, a factor of \
-         {factor}: a wrong unit in one of the two files?"
-    )]
-    Unit {
-        /// Theirs, mm by their unit.
-        theirs_mm: f64,
-        /// Ours, mm.
-        ours_mm: f64,
-        /// Ratio of the units.
-        factor: f64,
-    },
-    /// A measure differs by more than two programs' definitions do.
-    #[error("the scanner's {} is {theirs_mm:.0} mm, gaiter's {} {ours_mm:.0} mm", measure.word(), measure.own())]
-    Disagrees {
-        /// Which.
-        measure: Measure,
-        /// Theirs, mm.
-        theirs_mm: f64,
-        /// Ours, mm.
-        ours_mm: f64,
-    },
-    /// Each calf fits the other leg.
-    #[error(
-        "the scanner's calves, {left_mm:.0} mm left and {right_mm:.0} mm right, fit the other leg \
-         each: are left and right swapped?"
-    )]
-    Sides {
-        /// Theirs, left, mm.
-        left_mm: f64,
-        /// Theirs, right, mm.
-        right_mm: f64,
-    },
-}
-
-impl SecondOpinion {
-    /// The stable code used in records and the README's table.
-    pub fn code(&self) -> &'static str {
-        match self {
-            SecondOpinion::Unreadable { .. } => "ord-unreadable",
-            SecondOpinion::Ambiguous { .. } => "ord-ambiguous",
-            SecondOpinion::Unit { .. } => "ord-unit",
-            SecondOpinion::Disagrees { .. } => "ord-disagrees",
-            SecondOpinion::Sides { .. } => "ord-sides",
-        }
-    }
-
-    /// How much it matters.
-    pub fn severity(&self) -> Severity {
-        match self {
-            SecondOpinion::Sides { .. } => Severity::Error,
-            SecondOpinion::Unreadable { .. }
-            | SecondOpinion::Ambiguous { .. }
-            | SecondOpinion::Unit { .. }
-            | SecondOpinion::Disagrees { .. } => Severity::Warning,
-        }
-    }
-
-    /// The finding of the whole scan that says so.
-    pub fn finding(self) -> Finding {
-        Finding { side: None, level: None, what: What::SecondOpinion(self) }
-    }
-}
-
 /// Compares the scanner's measures with an extraction's. What either of them lacks is not compared;
 /// after a wrong unit nothing is.
 pub fn compare(extraction: &Extraction, ord: &Ord) -> Vec<Finding> {
@@ -169,7 +60,7 @@ pub fn compare(extraction: &Extraction, ord: &Ord) -> Vec<Finding> {
         Some(SecondOpinion::Unit { .. }) => Vec::new(),
         _ => theirs.legs(&extraction.legs),
     };
-    stature.map(SecondOpinion::finding).into_iter().chain(girths).collect()
+    stature.map(Finding::from).into_iter().chain(girths).collect()
 }
 
 /// The other program's measures by their meaning.
@@ -200,7 +91,7 @@ impl Theirs<'_> {
     fn legs(&self, legs: &[LegReport]) -> Vec<Finding> {
         let calves = match self.sides(legs) {
             // The disagreement on each calf is this one.
-            Some(sides) => vec![sides.finding()],
+            Some(sides) => vec![Finding::from(sides)],
             None => self.girths(legs, Measure::Calf, Level::C, |theirs_mm, ours_mm| {
                 (theirs_mm - ours_mm).abs() <= CALF_MM
             }),

@@ -13,9 +13,8 @@ use crate::spline::Basis;
 /// Angles at which a curve's girth is measured; the chord error is 3·10⁻⁶ of the girth.
 const GIRTH_ANGLES: usize = 720;
 
-/// A section with a gap wider than this in its points is not measured, degrees: a bridge over
-/// more is a guess.
-pub const GAP_MAX_DEG: f64 = 60.0;
+/// Distance of neighbouring sections along the axis, mm.
+pub const SPACING_MM: f64 = 5.0;
 
 /// A measured section.
 #[derive(Debug, Clone)]
@@ -113,18 +112,6 @@ impl Section {
 pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
     const ROUNDING: f64 = 1e-18;
     if deviations > ROUNDING * values { 1.0 - residuals / deviations } else { 1.0 }
-}
-
-/// Widest angle between neighbours among angles in radians, degrees; 360 where there are none.
-pub fn largest_gap_deg(angles: &[f64]) -> f64 {
-    let mut seen = angles.to_vec();
-    seen.sort_by(f64::total_cmp);
-    let (Some(first), Some(last)) = (seen.first(), seen.last()) else {
-        return 360.0;
-    };
-    let across_the_seam = first + TAU - last;
-    let gaps = seen.windows(2).map(|pair| pair[1] - pair[0]);
-    gaps.fold(across_the_seam, f64::max).to_degrees()
 }
 
 /// Circumference of a closed curve; none where it encloses nothing.

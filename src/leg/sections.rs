@@ -6,13 +6,10 @@ use super::axis::LegAxis;
 use super::method::SectionFit;
 use super::pairs::Pairs;
 use super::plane::{self, PlaneFit};
-use super::section::Section;
+use super::section::{SPACING_MM, Section};
 use super::segment::Leg;
 use super::skin::Skin;
 use super::slice::Crossing;
-
-/// Distance of neighbouring sections along the axis, mm.
-pub const SPACING_MM: f64 = 5.0;
 
 /// The sections of a leg from the foot to the groin.
 #[derive(Debug, Clone)]

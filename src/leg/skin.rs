@@ -12,7 +12,8 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 use nalgebra::Point2;
 
 use super::axis::{LegAxis, outline_centroid};
-use super::section::{Curve, GAP_MAX_DEG, Section, girth, largest_gap_deg, r2};
+use super::gap::{GAP_MAX_DEG, largest_gap_deg};
+use super::section::{Curve, Section, girth, r2};
 use super::segment::Leg;
 use super::wave::{Left, Waves};
 use crate::spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};

@@ -6,7 +6,6 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{Point2, Point3};
 use rayon::prelude::*;
 
-use super::finding::What;
 use super::grid::{Grid, measured};
 use super::section::Section;
 use super::sections::Sections;
@@ -35,6 +34,18 @@ pub struct LegSurface {
     pub to_points: FitError,
 }
 
+/// Why sections allow no surface.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("no surface: only {rows} sections are seen between {from_mm:.0} and {to_mm:.0} mm")]
+pub struct NoSurface {
+    /// Sections seen.
+    pub rows: usize,
+    /// From this height, mm.
+    pub from_mm: f64,
+    /// To this height, mm.
+    pub to_mm: f64,
+}
+
 /// Distances from the surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitError {
@@ -50,12 +61,16 @@ pub struct FitError {
 /// to the lowest that is not below the upper, as far as there are such.
 ///
 /// # Errors
-/// [`What::NoSurface`] where too few sections are seen in the range to determine it.
-pub fn surface(leg: &Leg, sections: &Sections, heights_mm: [f64; 2]) -> Result<LegSurface, What> {
+/// [`NoSurface`] where too few sections are seen in the range to determine it.
+pub fn surface(
+    leg: &Leg,
+    sections: &Sections,
+    heights_mm: [f64; 2],
+) -> Result<LegSurface, NoSurface> {
     let [from_mm, to_mm] = along_mm(sections, heights_mm);
     let grid = Grid::of(sections, from_mm, to_mm);
     let rows = grid.along_mm.len();
-    let none = What::NoSurface { rows, from_mm: heights_mm[0], to_mm: heights_mm[1] };
+    let none = NoSurface { rows, from_mm: heights_mm[0], to_mm: heights_mm[1] };
     let [along_count, around_count] = CONTROL_POINTS;
     let (Some(&low), Some(&high)) = (grid.along_mm.first(), grid.along_mm.last()) else {
         return Err(none);

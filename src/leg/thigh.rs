@@ -6,7 +6,7 @@
 //! it. So E is an estimate, and so is F, which is measured from it.
 
 use super::crotch::Crotch;
-use super::finding::Doubt;
+use super::doubt::Doubt;
 use super::landmark::{Estimate, Landmark};
 use super::level::{By, Level};
 use super::ruler::Ruler;

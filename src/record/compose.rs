@@ -11,7 +11,7 @@ use super::schema::{
     SurfaceFigures,
 };
 use crate::leg::body::FacingFrom;
-use crate::leg::finding::Doubt;
+use crate::leg::doubt::Doubt;
 use crate::leg::girth::GirthCurve;
 use crate::leg::method::{B1, UnitChoice};
 use crate::leg::surface::{FitError, LegSurface};

@@ -12,6 +12,7 @@
 pub mod content;
 pub mod fault;
 pub mod format;
+mod look;
 mod obj;
 pub mod ord;
 mod ply;
@@ -83,6 +84,6 @@ pub fn completeness(bytes: &[u8], format: Format) -> Result<(), ScanFault> {
 
 /// The fault of a content that is plainly not of the format that the ending says.
 fn misnamed(bytes: &[u8], format: Format) -> Option<ScanFault> {
-    let content = content::of(bytes)?;
+    let content = look::of(bytes)?;
     (content != Content::Scan(format)).then_some(ScanFault::LooksLike { content, format })
 }

@@ -6,7 +6,7 @@ use nalgebra::{Point3, Rotation3, Unit, Vector3};
 
 use super::{Foot, FootReport, LATERAL_SHARE, MEDIAL_SHARE, foot};
 use crate::leg::axis::LegAxis;
-use crate::leg::finding::Doubt;
+use crate::leg::doubt::Doubt;
 use crate::leg::method::SectionFit;
 use crate::leg::segment::Leg;
 use crate::leg::side::Side;

@@ -1,0 +1,19 @@
+//! Gaps between directions in which the skin was seen.
+
+use std::f64::consts::TAU;
+
+/// A section with a gap wider than this in its points is not measured, degrees: a bridge over
+/// more is a guess.
+pub const GAP_MAX_DEG: f64 = 60.0;
+
+/// Widest angle between neighbours among angles in radians, degrees; 360 where there are none.
+pub fn largest_gap_deg(angles: &[f64]) -> f64 {
+    let mut seen = angles.to_vec();
+    seen.sort_by(f64::total_cmp);
+    let (Some(first), Some(last)) = (seen.first(), seen.last()) else {
+        return 360.0;
+    };
+    let across_the_seam = first + TAU - last;
+    let gaps = seen.windows(2).map(|pair| pair[1] - pair[0]);
+    gaps.fold(across_the_seam, f64::max).to_degrees()
+}

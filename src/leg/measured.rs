@@ -1,0 +1,49 @@
+//! What is measured on one leg, as data.
+
+use super::at_height::AtHeight;
+use super::axis::LegAxis;
+use super::feature::Feature;
+use super::foot::Foot;
+use super::girth::GirthCurve;
+use super::landmark::{Estimate, Landmark};
+use super::level::Level;
+use super::section::Section;
+use super::side::Side;
+use super::surface::LegSurface;
+use super::volume::LegVolume;
+
+/// Everything measured on one leg.
+#[derive(Debug, Clone)]
+pub struct LegReport {
+    /// Whose leg.
+    pub side: Side,
+    /// The leg's axis and the frame of its sections.
+    pub axis: LegAxis,
+    /// Levels found, lowest first; absent ones are not here.
+    pub landmarks: Vec<Landmark>,
+    /// Levels that only a proportion gives, lowest first.
+    pub estimates: Vec<Estimate>,
+    /// The foot, where it is seen from heel to toes.
+    pub foot: Option<Foot>,
+    /// Girth over height.
+    pub girth_curve: GirthCurve,
+    /// The section at each level found from the ankle up, with its feature points.
+    pub level_sections: Vec<LevelSection>,
+    /// The surface, where enough of the leg is seen.
+    pub surface: Option<LegSurface>,
+    /// Volumes.
+    pub volume: LegVolume,
+    /// Girths at the heights that were asked for.
+    pub at: Vec<AtHeight>,
+}
+
+/// The section at a level and what was found on it.
+#[derive(Debug, Clone)]
+pub struct LevelSection {
+    /// Which level.
+    pub level: Level,
+    /// The section at the level's own height.
+    pub section: Section,
+    /// P1, P2, … in order around from the front.
+    pub features: Vec<Feature>,
+}
