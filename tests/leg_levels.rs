@@ -10,9 +10,10 @@ use std::f64::consts::TAU;
 use gaiter::leg::Level;
 use gaiter::leg::doubt::Doubt;
 use gaiter::leg::extremum::Absence;
-use gaiter::leg::landmark::{self, Landmark, Levels};
+use gaiter::leg::landmark::Landmark;
 use gaiter::leg::level::By;
 use gaiter::leg::method::{B1, SectionFit};
+use gaiter::leg::search::{self, Levels};
 use gaiter::leg::sections::Sections;
 use nalgebra::Vector3;
 use solids::{CHORDS_MM, CROTCH_MM, SCATTERED_MM, STATURE_MM, Tube, curve_of, near};
@@ -21,7 +22,7 @@ const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFi
 
 fn search(sections: &Sections, b1: B1) -> Levels {
     let near = |along_mm: f64| sections.nearest(along_mm);
-    landmark::levels(&curve_of(sections), STATURE_MM, CROTCH_MM, b1, near)
+    search::levels(&curve_of(sections), STATURE_MM, CROTCH_MM, b1, near)
 }
 
 fn levels(sections: &Sections) -> Vec<Landmark> {

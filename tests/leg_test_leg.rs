@@ -11,8 +11,9 @@ use std::f64::consts::TAU;
 use gaiter::leg::Level;
 use gaiter::leg::axis::LegAxis;
 use gaiter::leg::girth::{GirthCurve, girth_curve};
-use gaiter::leg::landmark::{self, Landmark};
+use gaiter::leg::landmark::Landmark;
 use gaiter::leg::method::{B1, SectionFit};
+use gaiter::leg::search;
 use gaiter::leg::sections::{Sections, sections};
 use gaiter::leg::segment::Leg;
 use gaiter::leg::side::Side;
@@ -68,7 +69,7 @@ fn levels(leg: &Leg, fit: SectionFit) -> Vec<Landmark> {
     let sections = horizontal(leg, fit);
     let curve = girth_curve(&sections, STATURE_MM).unwrap();
     let near = |along_mm: f64| sections.nearest(along_mm);
-    landmark::levels(&curve, STATURE_MM, test_leg::HEIGHT_MM, B1::Steepest, near).found
+    search::levels(&curve, STATURE_MM, test_leg::HEIGHT_MM, B1::Steepest, near).found
 }
 
 #[track_caller]

@@ -8,7 +8,7 @@
 //! | made upright | 1.1 | [`axis`] |
 //! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`] with `wave`, [`plane`], [`pairs`], [`polynomial`] |
 //! | height–girth curve | 1.2, fig. 3a | [`girth`] |
-//! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`extremum`], [`landmark`] |
+//! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`extremum`], [`search`], [`landmark`] |
 //! | A, Y, E, F, G, lengths | – | [`foot`], `thigh`, `medial` |
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] with `harmonic`, `turn` |
 //! | quasi-grid, NURBS surface | 2 | [`grid`], [`surface`] |
@@ -51,6 +51,7 @@ pub mod plane;
 pub mod polynomial;
 pub mod report;
 mod ruler;
+pub mod search;
 pub mod second_opinion;
 pub mod section;
 pub mod sections;
