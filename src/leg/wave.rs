@@ -150,3 +150,63 @@ impl Waves {
         mean.map_or(0.0, |mean| mean.height.sd(along, derivative))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// A mean, an oval and a tendon that come and go along the leg.
+    fn skin(along: f64, angle: f64) -> f64 {
+        let swell = (along / 50.0).sin();
+        0.3 * swell + 0.8 * swell * (2.0 * angle).cos() - 0.2 * (7.0 * angle).sin()
+    }
+
+    /// Points all around, turned from ring to ring, so that no wave falls on the same places
+    /// everywhere.
+    fn places(is_seen: impl Fn(f64, f64) -> bool) -> (Vec<f64>, Vec<f64>) {
+        let grid = (0..400).flat_map(|i| (0..60).map(move |j| (f64::from(i), f64::from(j))));
+        let at = |(i, j): (f64, f64)| (i, TAU * (j + 0.37 * i) / 60.0 - PI);
+        grid.map(at).filter(|(along, angle)| is_seen(*along, *angle)).unzip()
+    }
+
+    fn fitted(is_seen: impl Fn(f64, f64) -> bool) -> (Waves, Vec<f64>) {
+        let (along, angle) = places(is_seen);
+        let value: Vec<f64> = along.iter().zip(&angle).map(|(u, v)| skin(*u, *v)).collect();
+        let weight = vec![1.0; value.len()];
+        let left = Left { along: &along, angle: &angle, value: &value, weight: &weight };
+        Waves::of(&left, &Basis::uniform_clamped(0.0, 399.0, 33).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn slow_waves_that_come_and_go_along_the_leg_are_found_whole() {
+        let (_, rest) = fitted(|_, _| true);
+        let worst = rest.iter().fold(0.0, |worst: f64, rest| worst.max(rest.abs()));
+        // Points are averaged over 3 mm, in which the oval changes by 0.03 mm to either side.
+        assert!(worst < 0.05, "{worst}");
+    }
+
+    #[test]
+    fn what_they_add_to_a_curve_is_their_sum_at_every_angle() {
+        let (waves, _) = fitted(|_, _| true);
+        let around = Basis::uniform_periodic(-PI, TAU, 48).unwrap();
+        for along in [20.0, 133.0, 390.0] {
+            let coefficients = waves.coefficients(along, &around);
+            for angle in (0..90).map(|i| TAU * f64::from(i) / 90.0 - PI) {
+                let added = around.row(angle).dot(&coefficients);
+                assert!((added - skin(along, angle)).abs() < 0.03, "{along} {angle}: {added}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_hole_in_the_skin_invents_no_wave() {
+        let is_seen =
+            |along: f64, angle: f64| !(150.0..190.0).contains(&along) || angle.abs() > 0.6;
+        let (waves, rest) = fitted(is_seen);
+        assert!(rest.iter().all(|rest| rest.abs() < 0.25));
+        let around = Basis::uniform_periodic(-PI, TAU, 48).unwrap();
+        let added = around.row(0.0).dot(&waves.coefficients(170.0, &around));
+        assert!((added - skin(170.0, 0.0)).abs() < 0.3, "{added}");
+    }
+}
