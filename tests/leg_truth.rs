@@ -18,14 +18,20 @@ use serde_json::Value;
 const CLEAN: [&str; 2] = ["f_average_clean", "m_average_clean"];
 const ALL: [&str; 3] = ["f_average_clean", "m_average_clean", "f_average_tc2"];
 
-/// Tape girth of B, C and D, mm.
+/// Tape girth of G and the estimates, mm.
 const GIRTH_MM: f64 = 1.0;
 
+/// Tape girth of B, C, D and the curve between them on a scan without noise, mm.
+const CLEAN_GIRTH_MM: f64 = 0.3;
+
+/// … and what the scan's noise adds to it, as a share of the noise.
+const NOISE_SHARE: f64 = 0.8;
+
 /// Height of B, C and D, mm, or the truth's `flat_mm` where that is more.
-const HEIGHT_MM: f64 = 6.0;
+const HEIGHT_MM: f64 = 5.0;
 
 /// Slope at B1, as a share of the largest.
-const SLOPE_SHARE: f64 = 0.9;
+const SLOPE_SHARE: f64 = 0.93;
 
 /// Mean relative distance of the clean bodies' sections from the surface.
 const SURFACE_SHARE: f64 = 0.0015;
@@ -50,15 +56,35 @@ fn number(truth: &Value) -> f64 {
     truth.as_f64().unwrap()
 }
 
-/// A column of a leg's true profile at a height, between the two nearest rows.
-fn profile(leg: &Value, column: &str, height_mm: f64) -> Option<f64> {
+/// A column of a leg's true profile: heights above the floor and values.
+fn column(leg: &Value, name: &str) -> Vec<(f64, f64)> {
     let cells = |name: &str| leg["profile"][name].as_array().unwrap().iter().map(Value::as_f64);
-    let rows = cells("height_mm").zip(cells(column)).filter_map(|(h, v)| Some((h?, v?)));
-    let rows: Vec<(f64, f64)> = rows.collect();
-    let pairs = rows.windows(2).map(|pair| (pair[0], pair[1]));
-    let (low, high) =
-        pairs.into_iter().find(|(low, high)| low.0 <= height_mm && height_mm < high.0)?;
+    cells("height_mm").zip(cells(name)).filter_map(|(h, v)| Some((h?, v?))).collect()
+}
+
+/// A column at a height, between the two nearest rows.
+fn at(rows: &[(f64, f64)], height_mm: f64) -> Option<f64> {
+    let above = rows.partition_point(|(height, _)| *height <= height_mm);
+    let [low, high] = rows.get(above.checked_sub(1)?..=above)? else { return None };
     Some(low.1 + (high.1 - low.1) * (height_mm - low.0) / (high.0 - low.0))
+}
+
+/// A column of a leg's true profile at a height.
+fn profile(leg: &Value, name: &str, height_mm: f64) -> Option<f64> {
+    at(&column(leg, name), height_mm)
+}
+
+/// How far off a girth of a body, or of one of its legs, may be, mm.
+fn allowed_mm(name: &str) -> f64 {
+    let body = name.split(' ').next().unwrap();
+    CLEAN_GIRTH_MM + NOISE_SHARE * BODIES[body].1["defects"]["noise"].as_f64().unwrap_or(0.0)
+}
+
+/// The value that this share of the values does not exceed.
+fn quantile(values: &[f64], share: f64) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted[(share * sorted.len() as f64).ceil() as usize - 1]
 }
 
 /// The figures of a body beside the true ones; a fault is marked and counted.
@@ -101,6 +127,7 @@ fn each_leg(names: &[&str], mut what: impl FnMut(&str, &LegFigures, &Value)) {
 
 #[test]
 fn b_c_and_d_have_the_true_girth_and_height() {
+    // Of 18 landmarks the 95th percentile is the largest: every one keeps its limit.
     let mut table = Table::default();
     each_leg(&ALL, |name, leg, truth| {
         for level in ["B", "C", "D"] {
@@ -111,7 +138,7 @@ fn b_c_and_d_have_the_true_girth_and_height() {
                 &format!("{name} {level} tape"),
                 found.girth_tape_mm,
                 girth_mm,
-                off <= GIRTH_MM,
+                off <= allowed_mm(name),
             );
             let height_mm = number(&truth["height_mm"]);
             let limit = HEIGHT_MM.max(number(&truth["flat_mm"]));
@@ -262,6 +289,53 @@ fn the_girth_curve_of_a_clean_body_is_the_true_one_from_below_b_to_above_d() {
             assert!(5.5 * table.rows as f64 > to - from, "{} rows", table.rows);
             table.check(table.rows);
         }
+    }
+}
+
+#[test]
+fn the_girth_curve_is_the_true_one_but_for_the_height_of_the_floor() {
+    let mut over_allowed = Vec::new();
+    each_leg(&ALL, |name, leg, truth| {
+        let at_level = |level: &str| number(&truth["landmarks"][level]["height_mm"]);
+        let (from_mm, to_mm) = (at_level("B"), at_level("D"));
+        let rows = leg.girth_curve.height_mm.iter().zip(&leg.girth_curve.tape_mm);
+        let rows = rows.filter_map(|(h, t)| Some(((*h)?, (*t)?)));
+        let rows: Vec<_> = rows.filter(|(h, _)| (from_mm..=to_mm).contains(h)).collect();
+        assert!(5.5 * rows.len() as f64 > to_mm - from_mm, "{name}: {} rows", rows.len());
+        let tape = column(truth, "tape_mm");
+        let off = |raised_mm: f64| -> Vec<f64> {
+            rows.iter().map(|(h, girth)| girth - at(&tape, h + raised_mm).unwrap()).collect()
+        };
+        let squares = |raised_mm: f64| off(raised_mm).iter().map(|e| e * e).sum::<f64>();
+        let shifts = (-32..=32).map(|quarter| f64::from(quarter) / 4.0);
+        let raised_mm = shifts.min_by(|a, b| squares(*a).total_cmp(&squares(*b))).unwrap();
+        // What the floor may be off by is all that a shift may take away.
+        assert!(raised_mm.abs() <= STATURE_MM, "{name}: {raised_mm} mm");
+        over_allowed.extend(off(raised_mm).iter().map(|error| error.abs() / allowed_mm(name)));
+    });
+    let share = quantile(&over_allowed, 0.95);
+    assert!(share <= 1.0, "{share} of what is allowed, {} sections", over_allowed.len());
+}
+
+#[test]
+fn the_uncertainties_of_b_c_and_d_are_neither_too_small_nor_too_large() {
+    let (mut girths, mut heights) = (Vec::new(), Vec::new());
+    each_leg(&ALL, |_, leg, truth| {
+        for level in ["B", "C", "D"] {
+            let (found, truth) = (&leg.landmarks[level], &truth["landmarks"][level]);
+            let girth_off = found.girth_tape_mm - number(&truth["tape_mm"]);
+            girths.push((girth_off.abs(), found.girth_sd_mm.unwrap()));
+            let height_off = found.height_mm - number(&truth["height_mm"]);
+            heights.push((height_off.abs(), found.height_sd_mm.unwrap()));
+        }
+    });
+    for (what, claims) in [("girths", girths), ("heights", heights)] {
+        assert_eq!(claims.len(), 3 * 2 * 3);
+        let covered = claims.iter().filter(|(error, sd)| *error <= 2.0 * sd).count();
+        assert!(covered as f64 >= 0.9 * claims.len() as f64, "{what}: {covered}, {claims:?}");
+        let (errors, sds): (Vec<f64>, Vec<f64>) = claims.into_iter().unzip();
+        let [error, sd] = [errors, sds].map(|values| quantile(&values, 0.5));
+        assert!(sd <= 3.0 * error, "{what}: median sd {sd}, median error {error}");
     }
 }
 

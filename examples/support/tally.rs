@@ -8,7 +8,7 @@ use gaiter::leg::{LegReport, Level, Method, Side, extract};
 use gaiter::scan::Format;
 use serde_json::Value;
 
-use super::truth::{Compared, Profile, compared};
+use super::truth::{Compared, Profile, compared, quantiles};
 
 /// The levels that are turning points of the girth curve.
 const LEVELS: [Level; 3] = [Level::B, Level::C, Level::D];
@@ -122,17 +122,6 @@ impl Sum for Tally {
         tallies.for_each(|tally| sum.add(tally));
         sum
     }
-}
-
-/// Median, 95th percentile and largest.
-fn quantiles(errors: &[f64]) -> [f64; 3] {
-    let mut sorted = errors.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        let index = (share * sorted.len() as f64).ceil() as usize;
-        sorted.get(index.saturating_sub(1)).copied().unwrap_or(f64::NAN)
-    };
-    [at(0.5), at(0.95), at(1.0)]
 }
 
 /// The cells of a table's row.

@@ -115,3 +115,14 @@ impl Profile {
         Some(low.1 + (high.1 - low.1) * (height_mm - low.0) / (high.0 - low.0))
     }
 }
+
+/// Median, 95th percentile and largest.
+pub fn quantiles(errors: &[f64]) -> [f64; 3] {
+    let mut sorted = errors.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let at = |share: f64| {
+        let index = (share * sorted.len() as f64).ceil() as usize;
+        sorted.get(index.saturating_sub(1)).copied().unwrap_or(f64::NAN)
+    };
+    [at(0.5), at(0.95), at(1.0)]
+}
