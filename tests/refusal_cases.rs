@@ -10,9 +10,10 @@ mod refusal;
 
 use std::process::Command;
 
-use gaiter::leg::{self, Extraction, Level, Method};
+use gaiter::leg::method::Scope;
+use gaiter::leg::{self, Extraction, Level, Method, Side};
 use gaiter::scan::Format;
-use mesh::Mesh;
+use mesh::{Mesh, Ring};
 use refusal::{case, check, declared, method};
 
 #[test]
@@ -198,6 +199,74 @@ fn a_scan_of_more_or_other_than_one_person_standing_is_refused() {
             &["160 degrees apart"],
         ),
     ]);
+}
+
+#[test]
+fn a_scan_in_shreds_is_refused() {
+    let mut shreds = Mesh::default();
+    let body = Mesh::mannequin();
+    for triangle in &body.triangles {
+        let corners = triangle.map(|corner| body.points[corner]);
+        let middle: [f64; 3] =
+            std::array::from_fn(|i| corners.iter().map(|c| c[i]).sum::<f64>() / 3.0);
+        let first = shreds.points.len();
+        let inner = |c: [f64; 3]| std::array::from_fn(|i| middle[i] + 0.9 * (c[i] - middle[i]));
+        shreds.points.extend(corners.map(inner));
+        shreds.triangles.push([first, first + 1, first + 2]);
+    }
+    check(&[case("shreds", shreds.obj(), "body-only-fragments", &["0.5 %"])]);
+}
+
+#[test]
+fn legs_that_join_too_low_or_never_are_refused() {
+    let body = Mesh::mannequin();
+    // Cloth around both legs from the shanks up, and nothing seen through it.
+    let ring =
+        |i: u32| Ring { y: 265.0 + 5.0 * f64::from(i), middle: [0.0; 2], half: [165.0, 62.0] };
+    let cloth = Mesh::tube(&(0..=115).map(ring).collect::<Vec<_>>(), 200);
+    let hidden = body.clone().kept(|[_, y, _]| !(265.0..820.0).contains(&y)).and(cloth);
+    // Legs up to 1100 mm of 1700.
+    let long = body.moved(|[x, y, z]| {
+        let longer = if y < 825.0 { y * 4.0 / 3.0 } else { 1100.0 + (y - 825.0) * 600.0 / 875.0 };
+        [x, longer, z]
+    });
+    check(&[
+        case("cloth", hidden.obj(), "segment-join-too-low", &["cloth"]),
+        case("no trunk", long.obj(), "segment-never-join", &["above any crotch"]),
+    ]);
+}
+
+#[test]
+fn legs_without_a_section_that_closes_are_refused() {
+    // Nobody saw the front of the legs above the feet.
+    let open = Mesh::mannequin().kept(|[x, y, z]| {
+        let off_deg = z.atan2(x.abs() - 100.0 + 0.01 * y).to_degrees();
+        !(55.0..=812.0).contains(&y) || (off_deg - 90.0).abs() > 55.0
+    });
+    check(&[case("open in front", open.obj(), "no-leg", &["left", "right"])]);
+}
+
+#[test]
+fn two_legs_are_no_lone_leg() {
+    // The right leg ends above the floor, so that one foot stands there.
+    let two = Mesh::mannequin().kept(|[x, y, _]| y < 700.0 && (x > 0.0 || y > 100.0));
+    let method = Method { scope: Scope::Leg(Side::Left), ..method(&["--facing=+z"]) };
+    let refusal = leg::extract(&two.obj(), Format::Obj, &method).unwrap_err();
+    assert_eq!(refusal.code(), "body-two-legs", "{refusal}");
+}
+
+#[test]
+fn a_file_that_is_longer_than_it_says_is_refused() {
+    let points = "1 0 0\n0 1 0\n0 0 1\n".repeat(4);
+    let ply = "ply\nformat ascii 1.0\nelement vertex 11\nproperty float x\nproperty float y\n\
+               property float z\nend_header\n";
+    for (bytes, format) in
+        [(format!("11\n{points}"), Format::Xyz), (format!("{ply}{points}"), Format::Ply)]
+    {
+        let refusal = leg::extract(bytes.as_bytes(), format, &Method::default()).unwrap_err();
+        assert_eq!(refusal.code(), "scan-too-long", "{refusal}");
+        assert!(refusal.to_string().contains("12"), "{refusal}");
+    }
 }
 
 #[test]

@@ -1,4 +1,5 @@
-//! Bare point clouds: how far apart their points lie, and fragments without triangles to tell them.
+//! Bare point clouds: their places, how far apart these lie, and fragments without triangles to
+//! tell them.
 
 use nalgebra::Point3;
 
@@ -17,6 +18,18 @@ const CELL_SPACINGS: f64 = 2.0;
 
 /// A cell of space.
 type Cell = [i64; 3];
+
+/// The places of the points, each once, in the order of their coordinates. In which order and how
+/// often a cloud names its points says nothing: one that was made of triangles has each corner six
+/// times.
+pub fn places(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
+    let mut places = points.to_vec();
+    places.sort_unstable_by(|p, q| {
+        p.x.total_cmp(&q.x).then_with(|| p.y.total_cmp(&q.y)).then_with(|| p.z.total_cmp(&q.z))
+    });
+    places.dedup();
+    places
+}
 
 /// Distance of neighbouring points, in the unit of the points; 0 where there are fewer than four.
 pub fn spacing(points: &[Point3<f64>]) -> f64 {
@@ -93,6 +106,14 @@ mod tests {
             assert!((spacing(&points) / step - 1.0).abs() < 1e-9, "{step}");
         }
         assert_eq!(spacing(&[Point3::origin(); 3]), 0.0);
+    }
+
+    #[test]
+    fn places_are_the_same_in_whatever_order_and_number_the_points_come() {
+        let points: Vec<_> = sheet(20, 6.0, 1.5).collect();
+        let often: Vec<_> = points.iter().rev().flat_map(|point| [*point; 6]).collect();
+        assert_eq!(places(&often), places(&points));
+        assert_eq!(places(&often).len(), points.len());
     }
 
     #[test]

@@ -9,24 +9,29 @@ use crate::scan::Scan;
 const FRAGMENT_MAX_SHARE: f64 = 0.005;
 
 /// All shells that are no fragments: their triangles, in their given order, and the points that
-/// these use. Of a bare cloud, the points that hang together with many.
+/// these use. Of a bare cloud, the places that hang together with many, in the order of their
+/// coordinates.
 pub fn without_fragments(scan: &Scan) -> Scan {
     let count = scan.points.len();
-    let roots = if scan.triangles.is_empty() {
-        cloud::roots(&scan.points, cloud::spacing(&scan.points))
-    } else {
-        connected(count, &scan.triangles)
-    };
-    let mut sizes = vec![0usize; count];
-    roots.iter().for_each(|&root| sizes[root as usize] += 1);
-    let least = FRAGMENT_MAX_SHARE * count as f64;
-    let large = |point: usize| sizes[roots[point] as usize] as f64 > least;
     if scan.triangles.is_empty() {
-        let points = scan.points.iter().enumerate().filter(|(point, _)| large(*point));
-        return Scan { points: points.map(|(_, place)| *place).collect(), triangles: Vec::new() };
+        let places = cloud::places(&scan.points);
+        let roots = cloud::roots(&places, cloud::spacing(&places));
+        let large = large(&roots);
+        let points = places.iter().zip(0..).filter(|(_, index)| large(*index));
+        return Scan { points: points.map(|(place, _)| *place).collect(), triangles: Vec::new() };
     }
-    let (triangles, used) = part(count, &scan.triangles, |corners| large(corners[0] as usize));
+    let roots = connected(count, &scan.triangles);
+    let large = large(&roots);
+    let (triangles, used) = part(count, &scan.triangles, |corners| large(corners[0]));
     Scan { points: used.into_iter().map(|point| scan.points[point as usize]).collect(), triangles }
+}
+
+/// Whether a point belongs to a shell that is no fragment, by the point that stands for its shell.
+fn large(roots: &[u32]) -> impl Fn(u32) -> bool {
+    let mut sizes = vec![0usize; roots.len()];
+    roots.iter().for_each(|&root| sizes[root as usize] += 1);
+    let least = FRAGMENT_MAX_SHARE * roots.len() as f64;
+    move |point| sizes[roots[point as usize] as usize] as f64 > least
 }
 
 /// For each point the number of a point that stands for its shell.
