@@ -89,6 +89,16 @@ fn points_that_are_no_one_skin_scatter() {
 }
 
 #[test]
+fn cloth_over_a_part_of_the_leg_scatters_though_its_points_are_disbelieved() {
+    let mut chance = Chance(3);
+    let wrapped = with_radius(|_, y| {
+        let noise = 3.5 * chance.normal();
+        if (280.0..400.0).contains(&y) { noise } else { 0.0 }
+    });
+    check_left(&wrapped, Some(Level::C), "scatter");
+}
+
+#[test]
 fn skin_that_is_longer_than_a_tape_around_it_is_folded() {
     // Five furrows, 18 mm deep.
     let furrowed = with_radius(|angle, y| {

@@ -59,7 +59,7 @@ pub enum What {
     /// Nobody saw the feet, and the declared facing was believed.
     #[error("left and right rest on the declared facing alone: {0}")]
     FacingUnchecked(FeetUnclear),
-    /// A file of a format for meshes that holds not one triangle.
+    /// An OBJ that holds not one face: where it was cut is not to be seen.
     #[error(
         "the file holds points but no faces, and was measured by its points: was the export cut \
          short, or the mesh left out?"

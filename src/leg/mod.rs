@@ -157,7 +157,8 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
     let mut findings = about_body(&body, &cut.crotch);
-    if scan.triangles.is_empty() && format != Format::Xyz {
+    // Other formats of points say themselves how many there are, or are meant for nothing else.
+    if scan.triangles.is_empty() && format == Format::Obj {
         findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
     }
     let mut legs = Vec::new();

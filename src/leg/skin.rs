@@ -32,6 +32,10 @@ const SCALE_MIN_MM: f64 = 0.3;
 /// error on noise-free bodies of known truth, from the shape between the points.
 const GIRTH_SD_MIN_MM: f64 = 0.1;
 
+/// A disbelieved point counts as no further off than this, mm: a layer over the skin is; a hand or a
+/// speck is none, and its few points do not make a section scatter.
+const STRAY_MM: f64 = 6.0;
+
 /// Distance of the outlines that give the middle of the leg, mm.
 const MIDDLE_SPACING_MM: f64 = 20.0;
 
@@ -56,6 +60,8 @@ pub struct Skin {
     waves: Waves,
     /// Points of the scan that the fit believes, by their distance along the axis.
     points: Vec<SkinPoint>,
+    /// The others, likewise.
+    disbelieved: Vec<SkinPoint>,
     /// Mean distance of neighbouring points, mm.
     spacing_mm: f64,
     /// Points per mm along the axis, averaged over the leg.
@@ -106,13 +112,15 @@ impl Skin {
         for (point, residual) in points.iter_mut().zip(residuals) {
             point.residual_mm = residual;
         }
-        let believed = points.into_iter().zip(&fit.weights).filter(|(_, weight)| **weight > 0.0);
-        let points: Vec<SkinPoint> = believed.map(|(point, _)| point).collect();
+        let all = points.into_iter().zip(&fit.weights);
+        let (believed, others): (Vec<_>, Vec<_>) = all.partition(|(_, weight)| **weight > 0.0);
+        let [points, disbelieved] = [believed, others]
+            .map(|part| part.into_iter().map(|(point, _)| point).collect::<Vec<SkinPoint>>());
         let count = points.len() as f64;
         let area: f64 =
             points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
         let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
-        Some(Skin { middle, fit, waves, points, spacing_mm, points_per_mm })
+        Some(Skin { middle, fit, waves, points, disbelieved, spacing_mm, points_per_mm })
     }
 
     /// The section at a distance along the axis; none outside the skin or where too much of it was
@@ -122,7 +130,7 @@ impl Skin {
         if !(from_mm..=to_mm).contains(&along_mm) {
             return None;
         }
-        let near = self.near(along_mm);
+        let near = self.near(&self.points, along_mm);
         let angles: Vec<f64> = near.iter().map(|point| point.angle).collect();
         let largest_gap_deg = largest_gap_deg(&angles);
         if largest_gap_deg > GAP_MAX_DEG {
@@ -136,7 +144,7 @@ impl Skin {
         let curve = Curve::Periodic { coefficients, basis };
         let centre = self.middle.each_ref().map(|middle| middle.value(along_mm));
         let centre = Point2::new(centre[0], centre[1]);
-        let (r2, rms_mm) = Skin::goodness(near);
+        let (r2, rms_mm) = Skin::goodness(near, self.near(&self.disbelieved, along_mm));
         let girth_sd = self.girth_sd(along_mm, near.len());
         Some(Section {
             along_mm,
@@ -158,24 +166,28 @@ impl Skin {
         (SEEN_SPACINGS * self.spacing_mm).max(SEEN_MIN_MM)
     }
 
-    /// The believed points whose distance from a plane says whether it was seen.
-    fn near(&self, along_mm: f64) -> &[SkinPoint] {
+    /// Those of some points, ascending, whose distance from a plane says whether it was seen.
+    fn near<'p>(&self, points: &'p [SkinPoint], along_mm: f64) -> &'p [SkinPoint] {
         let reach_mm = self.reach_mm();
-        let first = self.points.partition_point(|point| point.along_mm < along_mm - reach_mm);
-        let last = self.points.partition_point(|point| point.along_mm <= along_mm + reach_mm);
-        &self.points[first..last]
+        let first = points.partition_point(|point| point.along_mm < along_mm - reach_mm);
+        let last = points.partition_point(|point| point.along_mm <= along_mm + reach_mm);
+        &points[first..last]
     }
 
-    /// Coefficient of determination and root mean square residual of some points.
-    fn goodness(points: &[SkinPoint]) -> (f64, f64) {
-        let count = points.len() as f64;
-        let mean = points.iter().map(|point| point.radius_mm).sum::<f64>() / count;
+    /// Coefficient of determination of the believed points of a section, and root mean square
+    /// residual of all of them, mm: cloth or a second layer is disbelieved, and must be told.
+    fn goodness(believed: &[SkinPoint], disbelieved: &[SkinPoint]) -> (f64, f64) {
+        let count = believed.len() as f64;
+        let mean = believed.iter().map(|point| point.radius_mm).sum::<f64>() / count;
         let (mut rss, mut spread) = (0.0, 0.0);
-        for point in points {
+        for point in believed {
             rss += point.residual_mm.powi(2);
             spread += (point.radius_mm - mean).powi(2);
         }
-        (r2(rss, spread, mean * mean * count), (rss / count).sqrt())
+        let off = disbelieved.iter().map(|point| point.residual_mm.abs().min(STRAY_MM).powi(2));
+        let all = count + disbelieved.len() as f64;
+        let rms_mm = ((rss + off.sum::<f64>()) / all).sqrt();
+        (r2(rss, spread, mean * mean * count), rms_mm)
     }
 
     /// Standard error of the girth and of its first two derivatives along the axis, mm: 2π times
