@@ -7,6 +7,12 @@ use super::slice::Mesh;
 /// Distance of the slices in which the crotch is then found, mm.
 const FINE_STEP_MM: f64 = 1.0;
 
+/// Of the slices above a crotch at least this share shows one outline of both legs.
+const ONE_SHARE: f64 = 0.8;
+
+/// … and so of the first of them.
+const JOIN_STEPS: usize = 5;
+
 /// Fine slices begin this far below the last height at which the thighs are apart, mm.
 const FINE_BELOW_MM: f64 = 10.0;
 
@@ -119,11 +125,24 @@ impl Crotch {
     }
 }
 
-/// The crotch of legs that were followed upwards until they ended as one. `mesh` is asked again in
-/// finer steps.
-pub fn crotch(mesh: &Mesh, steps: &[Step], growth_mm: f64, stature_mm: f64) -> Crotch {
-    let apart = steps.iter().rposition(|step| step.neck.is_none());
-    let joined = &steps[apart.map_or(0, |index| index + 1)..];
+/// From which step on legs that were followed upwards are one for good; none where they never are.
+///
+/// Single slices of a trunk may fall apart where its points are few.
+pub fn join(steps: &[Step]) -> Option<usize> {
+    let is_one = |step: &Step| step.neck.is_some();
+    let share =
+        |part: &[Step]| part.iter().filter(|step| is_one(step)).count() as f64 / part.len() as f64;
+    (0..steps.len()).find(|&first| {
+        let above = &steps[first..];
+        let next = &above[..above.len().min(JOIN_STEPS)];
+        is_one(&steps[first]) && share(above) >= ONE_SHARE && share(next) >= ONE_SHARE
+    })
+}
+
+/// The crotch of legs that were followed upwards and are one from the step `join` on. `mesh` is
+/// asked again in finer steps.
+pub fn crotch(mesh: &Mesh, steps: &[Step], join: usize, growth_mm: f64, stature_mm: f64) -> Crotch {
+    let (below, joined) = steps.split_at(join);
     let join_mm = joined.first().map_or(0.0, |step| step.height_mm);
     let notched = joined.iter().take_while(|step| notch_share(step) >= NOTCH_END_SHARE).last();
     let by_notch_mm = notched.map(|step| step.height_mm - NOTCH_ABOVE_CROTCH_SHARE * stature_mm);
@@ -131,7 +150,7 @@ pub fn crotch(mesh: &Mesh, steps: &[Step], growth_mm: f64, stature_mm: f64) -> C
         let from = CrotchFrom::Notch { touching_from_mm: join_mm };
         return Crotch { height_mm, sd_mm: NOTCH_SD_MM, from };
     }
-    let last = apart.map(|index| &steps[index]);
+    let last = below.iter().rfind(|step| step.neck.is_none());
     let beneath = (join_mm, NOTCH_SD_MM);
     let (height_mm, sd_mm) = last.map_or(beneath, |last| closed(mesh, last, join_mm, growth_mm));
     Crotch { height_mm, sd_mm, from: CrotchFrom::Thighs }
@@ -166,4 +185,39 @@ fn closed(mesh: &Mesh, last: &Step, join_mm: f64, growth_mm: f64) -> (f64, f64) 
     let is_sudden = first - gap_mm >= CLOSING_MIN * (last_mm - first_mm);
     let sd_mm = if is_sudden { APART_SD_MM } else { NOTCH_SD_MM };
     (last_mm + above_mm.min(CLOSED_MAX_MM), sd_mm)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::leg::neck::Neck;
+
+    /// Steps 10 mm apart in which the legs are one as the pattern says.
+    fn steps(pattern: &str) -> Vec<Step> {
+        let neck = Neck::of(&[], [-80.0, 80.0]);
+        let step = |(index, mark)| Step {
+            height_mm: 10.0 * index as f64,
+            prints: Sides::default(),
+            neck: (mark == '1').then_some(neck),
+            gap_mm: None,
+        };
+        pattern.chars().enumerate().map(step).collect()
+    }
+
+    #[test]
+    fn legs_are_one_from_where_nearly_all_slices_above_show_one() {
+        assert_eq!(join(&steps("0000011111111111")), Some(5));
+        // A slice of the trunk that falls apart, even the last, is no crotch.
+        assert_eq!(join(&steps("0000011111111011")), Some(5));
+        assert_eq!(join(&steps("0000011111111110")), Some(5));
+        // Knees that touch are none either.
+        assert_eq!(join(&steps("0011100000001111111111")), Some(12));
+    }
+
+    #[test]
+    fn legs_that_stay_apart_or_part_again_are_never_one() {
+        assert_eq!(join(&steps("0000000000")), None);
+        assert_eq!(join(&steps("0000111110000000")), None);
+        assert_eq!(join(&[]), None);
+    }
 }

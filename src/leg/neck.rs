@@ -49,7 +49,7 @@ impl Neck {
             let notch = notch.filter(is_notch);
             let y_mm = notch.map_or(none_mm, |notch| inward * notch.inward_mm);
             let x_mm = notch.map_or(halfway_mm, |notch| notch.x_mm);
-            Point2::new(x_mm, y_mm.clamp(front_mm, back_mm))
+            Point2::new(x_mm, y_mm.max(front_mm).min(back_mm))
         };
         let notch_share = front.map_or(0.0, |notch| (notch.depth_mm / depth_mm).clamp(0.0, 1.0));
         Neck { front: at(&front, 1.0, front_mm), back: at(&back, -1.0, back_mm), notch_share }

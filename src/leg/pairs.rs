@@ -31,7 +31,7 @@ impl Pairs {
     /// All points of a leg; none where none lies between the two distances along the axis.
     ///
     /// The paper's threshold is "preset" and not given. Here it is the distance within which the
-    /// average plane between the two distances has [`NEAR_POINTS`] points. It is never less than
+    /// average plane between the two distances has 225 points. It is never less than
     /// the distance of the planes, so that scanners which put their points in rows have one within
     /// reach of each plane.
     pub fn of(leg: &Leg, axis: &LegAxis, [from_mm, to_mm]: [f64; 2]) -> Option<Pairs> {

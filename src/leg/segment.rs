@@ -7,7 +7,7 @@
 use nalgebra::Point2;
 
 use super::body::Body;
-use super::crotch::{Crotch, crotch};
+use super::crotch::{Crotch, crotch, join};
 use super::follow::{Parting, Step, Track, follow, slices};
 use super::footprint::Footprint;
 use super::side::{Side, Sides};
@@ -178,8 +178,8 @@ fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentF
     let [lowest_mm, highest_mm] = CROTCH_SHARE.map(|share| share * stature_mm);
     let height_mm = up.steps.last().map_or(0.0, |step| step.height_mm);
     let crotch = match joined(up) {
-        Some(steps) => {
-            let found = crotch(mesh, steps, GROWTH_UP_MM, stature_mm);
+        Some((steps, join)) => {
+            let found = crotch(mesh, steps, join, GROWTH_UP_MM, stature_mm);
             if found.height_mm < LEG_MIN_SHARE * stature_mm {
                 return Err(SegmentFault::JoinTooLow { height_mm: found.height_mm });
             }
@@ -204,13 +204,13 @@ fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentF
     Ok(crotch)
 }
 
-/// The steps in which both legs are followed, where they end as one.
-fn joined(up: &Track) -> Option<&[Step]> {
+/// The steps in which both legs are followed, and from which on they are one.
+fn joined(up: &Track) -> Option<(&[Step], usize)> {
     let ends = [up.ends_mm.left, up.ends_mm.right];
     let end_mm = ends.into_iter().flatten().fold(f64::INFINITY, f64::min);
     let count = up.steps.partition_point(|step| step.height_mm <= end_mm);
     let steps = &up.steps[..count];
-    steps.last().is_some_and(|step| step.neck.is_some()).then_some(steps)
+    join(steps).map(|join| (steps, join))
 }
 
 /// A range of heights of both legs, ascending.

@@ -5,7 +5,7 @@
 //! millimetres of it, and none of the flat facets between them. Holes are bridged from all sides.
 //! How much is smoothed away, along and around, is for the points to say (cross-validation).
 //!
-//! What that smoothing takes from the slow waves around is given back by [`super::wave`].
+//! What that smoothing takes from the slow waves around is given back by `wave`.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
