@@ -3,7 +3,7 @@
 
 use nalgebra::Point3;
 
-use super::shell::DisjointSets;
+use super::sets::DisjointSets;
 
 /// Points at which the spacing is looked at; their median is good to some percent.
 const SAMPLES: usize = 64;

@@ -2,7 +2,7 @@
 
 use nalgebra::Point2;
 
-use super::shell::DisjointSets;
+use super::sets::DisjointSets;
 
 /// A cell of the plane, half a link wide.
 type Cell = [i64; 2];

@@ -56,6 +56,7 @@ pub mod second_opinion;
 pub mod section;
 pub mod sections;
 pub mod segment;
+mod sets;
 mod shell;
 pub mod side;
 mod size;

@@ -2,6 +2,7 @@
 //! specks in the air or pieces of the floor.
 
 use super::cloud;
+use super::sets::DisjointSets;
 use crate::scan::Scan;
 
 /// A shell with fewer than this share of all points is a fragment. Body parts that scanners export
@@ -65,42 +66,6 @@ pub fn part(
     let kept = triangles.iter().filter(|triangle| keeps(triangle));
     let triangles = kept.map(|triangle| triangle.map(&mut renumbered)).collect();
     (triangles, used)
-}
-
-/// Disjoint sets of indices with path halving and union by size (Tarjan 1975).
-pub struct DisjointSets {
-    parents: Vec<u32>,
-    sizes: Vec<u32>,
-}
-
-impl DisjointSets {
-    /// `count` sets of one member each.
-    pub fn new(count: usize) -> DisjointSets {
-        DisjointSets { parents: (0..count as u32).collect(), sizes: vec![1; count] }
-    }
-
-    /// The member that stands for the set of `member`.
-    pub fn root(&mut self, mut member: u32) -> u32 {
-        while self.parents[member as usize] != member {
-            let grandparent = self.parents[self.parents[member as usize] as usize];
-            self.parents[member as usize] = grandparent;
-            member = grandparent;
-        }
-        member
-    }
-
-    /// Makes one set of the two sets of `a` and `b`.
-    pub fn join(&mut self, a: u32, b: u32) {
-        let (mut large, mut small) = (self.root(a), self.root(b));
-        if large == small {
-            return;
-        }
-        if self.sizes[large as usize] < self.sizes[small as usize] {
-            std::mem::swap(&mut large, &mut small);
-        }
-        self.parents[small as usize] = large;
-        self.sizes[large as usize] += self.sizes[small as usize];
-    }
 }
 
 #[cfg(test)]
