@@ -39,16 +39,16 @@ vanished | invented | same labels |
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("usage: features FOLDER [SEEDS]")?;
     let seeds: u64 = std::env::args().nth(2).map_or(Ok(3), |text| text.parse())?;
-    let mut fates = vec![Fate::default(); NOISE_MM.len() * Level::ALL.len() * 2];
+    let mut fates = vec![Fate::default(); NOISE_MM.len() * Level::SOUGHT.len() * 2];
     for path in scans(Path::new(&folder))? {
         let up = if path.to_string_lossy().contains("zup") { Up::Z } else { Up::Y };
         follow(&scan_bytes(&path)?, &Method { up, ..Method::default() }, seeds, &mut fates)?;
     }
     let mut out = io::stdout().lock();
     writeln!(out, "{HEADER}")?;
-    for (fates, noise_mm) in fates.chunks(Level::ALL.len() * 2).zip(NOISE_MM) {
+    for (fates, noise_mm) in fates.chunks(Level::SOUGHT.len() * 2).zip(NOISE_MM) {
         let mut all = [Fate::default(), Fate::default()];
-        for (fates, level) in fates.chunks(2).zip(Level::ALL) {
+        for (fates, level) in fates.chunks(2).zip(Level::SOUGHT) {
             for ((fate, all), heights) in fates.iter().zip(&mut all).zip(["found", "kept"]) {
                 write_row(&mut out, noise_mm, level.name(), heights, fate)?;
                 all.join(fate);
@@ -98,8 +98,9 @@ fn follow(
                 let Some(after) = leg(&again, before.side) else { continue };
                 let kept = at_same_heights(&bytes, method, before, after)?;
                 for at in &before.level_sections {
-                    let level = Level::ALL.iter().position(|level| *level == at.level);
-                    let index = 2 * (group * Level::ALL.len() + level.unwrap_or_default());
+                    let level = Level::SOUGHT.iter().position(|level| *level == at.level);
+                    let Some(level) = level else { continue };
+                    let index = 2 * (group * Level::SOUGHT.len() + level);
                     for (kind, sections) in [&after.level_sections, &kept].into_iter().enumerate() {
                         if let Some(to) = sections.iter().find(|to| to.level == at.level) {
                             fates[index + kind].add(&at.section, &at.features, &to.features);
