@@ -184,3 +184,13 @@ fn a_cloud_of_every_third_point_is_measured_to_a_millimetre() {
         check_heights(name, &record, &truth, HEIGHT_MM + 8.0 * noise_mm);
     }
 }
+
+#[test]
+fn an_obj_without_faces_is_named_because_its_cut_would_not_show() {
+    let points = points("f_average_clean");
+    let codes = |writer| -> Vec<String> {
+        measured(&points, writer).findings.into_iter().map(|finding| finding.code).collect()
+    };
+    assert_eq!(codes(Writer::Obj), ["no-faces"]);
+    assert_eq!(codes(Writer::Xyz), [""; 0]);
+}

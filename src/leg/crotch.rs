@@ -1,7 +1,6 @@
 //! The crotch: where two legs become one body (paper 1, fig. 2a).
 
 use super::follow::{Parting, Step, follow};
-use super::side::Sides;
 use super::slice::Mesh;
 
 /// Distance of the slices in which the crotch is then found, mm.
@@ -170,8 +169,7 @@ fn closed(mesh: &Mesh, last: &Step, join_mm: f64, growth_mm: f64) -> (f64, f64) 
     let from_mm = last.height_mm - FINE_BELOW_MM;
     let count = ((join_mm + FINE_BELOW_MM - from_mm) / FINE_STEP_MM) as usize + 1;
     let heights: Vec<f64> = (0..count).map(|index| from_mm + FINE_STEP_MM * index as f64).collect();
-    let prints = Sides { left: last.prints.left.clone(), right: last.prints.right.clone() };
-    let fine = follow(mesh, &prints, &heights, growth_mm, Parting::Neck);
+    let fine = follow(mesh, &last.prints, &heights, growth_mm, Parting::Neck);
     let gaps = fine.steps.iter().take_while(|step| step.neck.is_none());
     let gaps: Vec<(f64, f64)> =
         gaps.filter_map(|step| Some((step.height_mm, step.gap_mm?))).collect();
@@ -191,6 +189,7 @@ fn closed(mesh: &Mesh, last: &Step, join_mm: f64, growth_mm: f64) -> (f64, f64) 
 mod tests {
     use super::*;
     use crate::leg::neck::Neck;
+    use crate::leg::side::Sides;
 
     /// Steps 10 mm apart in which the legs are one as the pattern says.
     fn steps(pattern: &str) -> Vec<Step> {

@@ -1,16 +1,17 @@
 //! The floor under feet whose soles nobody saw.
 //!
-//! A scanner sees the skin of a foot until it turns under. What is lowest there is above the
-//! floor: by 3 mm where the skin is seen almost down to it, by 10 where it is seen only from above. How
-//! far the skin has turned where it ends tells how far the floor is: the edge of a foot is round.
+//! A scanner sees the skin of a foot until it turns under, and what is lowest there is still above
+//! the floor: by millimetres where the skin is seen almost down to it, by the radius of the foot's
+//! edge where it is seen only from above. How far the skin has turned where it ends tells how far
+//! the floor is: the edge of a foot is round.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Share of a foot's points that may lie below its lowest skin: noise and stray points.
 const STRAY_SHARE: f64 = 0.002;
 
-/// Radius of the edge of a standing foot's sole, mm: between the heel's (10 to 15) and the outer
-/// edge's (8 to 12), by the turn of the skin over height on registered bodies.
+/// Radius of the edge of a standing foot's sole, mm. Judgement; on generated bodies the skin turns
+/// over height as on an edge of about 13 mm.
 const EDGE_RADIUS_MM: f64 = 12.0;
 
 /// Skin up to this far above the lowest tells how far it has turned, mm.
@@ -23,7 +24,7 @@ const PATCH_RADII_MM: [f64; 2] = [8.0, 16.0];
 /// A patch with fewer points than this has no direction.
 const PATCH_POINTS_MIN: usize = 6;
 
-/// Patches looked at; more make no difference.
+/// Patches looked at: enough to tell a quartile of them.
 const PATCHES: usize = 300;
 
 /// The patches of lowest floor are those that stand on it; arch and toes end higher. Of all

@@ -16,8 +16,8 @@ pub const LINK_MM: f64 = 12.0;
 /// A cluster is both legs' when each holds more than this share of its points.
 const SHARED_MIN_SHARE: f64 = 0.1;
 
-/// A leg holds at least this share of a cluster that is its own. A hand at the thigh leaves 0.7 and
-/// more; a trunk, reached by one leg alone, less than 0.6.
+/// A leg holds at least this share of a cluster that is its own. By their girths a hand at the thigh
+/// leaves some 0.7; of a trunk, reached by one leg alone, the leg is some 0.6.
 const OWN_MIN_SHARE: f64 = 0.65;
 
 /// A leg may be unseen in this many slices on end (a bandage, a strap, a row of holes) before it
@@ -110,7 +110,8 @@ pub fn slices(mesh: &Mesh, heights_mm: &[f64]) -> Vec<Vec<Point2<f64>>> {
     flat
 }
 
-/// The points of a slice's clusters that are the left and the right leg's, and the neck where they are one.
+/// The points of a slice's clusters that are the left and the right leg's, and the neck where they
+/// are one.
 fn share_out(
     slice: Vec<Vec<Point2<f64>>>,
     last: &Sides<Option<Footprint>>,

@@ -26,6 +26,9 @@ const GROWTH_DOWN_MM: f64 = 30.0;
 /// the stance saw the shanks.
 const START_SHARE: f64 = 0.11;
 
+/// Points of a shank are no further from its middle than this, mm; lymphoedema included.
+const SHANK_REACH_MM: f64 = 160.0;
+
 /// Where crotches are, as shares of stature. ANSUR II: mean 0.48, first to last percentile 0.45 to
 /// 0.52; children and patients need some room.
 const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
@@ -165,9 +168,6 @@ fn seeds(
         Footprint::of(&points)
     })
 }
-
-/// Points of a shank are no further from its middle than this, mm; lymphoedema included.
-const SHANK_REACH_MM: f64 = 160.0;
 
 /// The crotch, checked against where crotches are.
 fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentFault> {

@@ -4,7 +4,7 @@
 //! The smoothing of the skin serves the single place, where the noise is all there. The mean and
 //! the slow waves are taken from all points around, where the noise averages out, and bear far less
 //! smoothing along; and a girth hangs on them: a wave of n around and amplitude a adds
-//! (n² − 1) π a² / 2r to it, so an ankle whose oval is smoothed by a tenth is 2 mm too small. They
+//! n² π a² / 2r to it, so an ankle whose oval is smoothed by a tenth is 2 mm too small. They
 //! are fitted to what the skin leaves over, one after the other (backfitting; Hastie and
 //! Tibshirani, Generalized Additive Models, 1990).
 
