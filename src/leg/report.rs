@@ -17,7 +17,7 @@ use super::search::{Levels, levels};
 use super::sections::{Sections, sections};
 use super::segment::Leg;
 use super::side::Side;
-use super::surface::{LegSurface, surface};
+use super::surface::{LegSurface, Wanted, surface};
 use super::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
 use super::volume::leg_volume;
 use super::{Body, Method};
@@ -67,7 +67,13 @@ pub fn leg_report(
     let found = measures.levels.found.into_iter();
     let landmarks: Vec<Landmark> = found.filter(Landmark::is_plausible).collect();
     let wanted_mm = surface_heights_mm(&landmarks, scale_mm, crotch_height_mm);
-    let surface = match surface(leg, &sections, wanted_mm) {
+    let levels_mm: Vec<f64> = landmarks
+        .iter()
+        .filter(|landmark| landmark.level >= Level::B)
+        .map(|landmark| landmark.along_mm)
+        .collect();
+    let wanted = Wanted { height_mm: wanted_mm, levels_mm: &levels_mm };
+    let surface = match surface(leg, &sections, &wanted) {
         Ok(surface) => Some(surface),
         Err(none) => {
             findings.add(None, What::NoSurface(none));

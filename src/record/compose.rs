@@ -14,7 +14,8 @@ use crate::leg::body::FacingFrom;
 use crate::leg::doubt::Doubt;
 use crate::leg::girth::GirthCurve;
 use crate::leg::method::{B1, UnitChoice};
-use crate::leg::surface::{FitError, LegSurface};
+use crate::leg::fit_error::FitError;
+use crate::leg::surface::LegSurface;
 use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 use crate::spline::DEGREE;
 
