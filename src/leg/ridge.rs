@@ -14,8 +14,8 @@ const STEP_MM: f64 = SPACING_MM;
 /// A peak may be missing in this many sections in a row; what begins again later is another ridge.
 const MISSING_MAX: usize = 2;
 
-/// A ridge is at least this long, mm; what is shorter is a bump.
-const LENGTH_MIN_MM: f64 = 50.0;
+/// A ridge is at least this long, mm: longer than a malleolus or a patella, which are bumps.
+const LENGTH_MIN_MM: f64 = 100.0;
 
 /// A line of curvature peaks along the leg: one place a section, upwards.
 #[derive(Debug, Clone, PartialEq)]
