@@ -18,9 +18,11 @@
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod basis;
+mod chord;
 pub mod fit;
 pub mod foot;
 mod kronecker;
+mod least_squares;
 mod normal;
 mod penalty;
 mod robust;
@@ -32,6 +34,7 @@ mod tensor_equations;
 mod tensor_fit;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
+pub use chord::mean_chord_parameters;
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
 pub use robust::{Robust, robust_fit};
