@@ -60,3 +60,18 @@ fn adaptive_knots_reach_the_published_figures() {
         }
     }
 }
+
+#[test]
+fn polished_knots_keep_the_limits() {
+    for control_points in [[20, 16], [30, 24], [40, 32]] {
+        let from = std::time::Instant::now();
+        let fit = fitted(control_points, Knots::Polished);
+        println!(
+            "{:?} {} {:?} {:?}",
+            fit.knots,
+            fit.rms_mm,
+            true_error(&fit.surface),
+            from.elapsed()
+        );
+    }
+}

@@ -6,6 +6,7 @@ use super::basis::Basis;
 use super::fit::FitFault;
 use super::knots::{FINE_LAMBDA, adaptive};
 use super::marks::{Marked, marked};
+use super::polish::polished;
 use super::profiles::{Domain, Profiles};
 use super::schoenberg_whitney::{determines, undetermined};
 
@@ -89,9 +90,20 @@ pub fn chosen(profiles: &Profiles, wish: &Wish) -> Result<Choice, FitFault> {
     let instead = Choice { used: KnotsUsed::UniformInstead, ..instead };
     let found = adaptive(profiles, &wish.domain, wish.spans, FINE_LAMBDA)?;
     let found = marked(found, &wish.domain, wish.marks);
+    let polish = (wish.knots == Knots::Polished).then(|| better_by_polish(&found, wish, profiles));
+    if let Some(choice) = polish.flatten() {
+        return Ok(choice);
+    }
     let Some(choice) = widened(found, &wish.domain, &profiles.places) else { return Ok(instead) };
     let better = profiles.rss(&choice.basis)? <= profiles.rss(&instead.basis)?;
     Ok(if better { choice } else { instead })
+}
+
+/// The polished basis; None where it leaves a function without data or a larger residual.
+fn better_by_polish(found: &Marked, wish: &Wish, profiles: &Profiles) -> Option<Choice> {
+    let basis = wish.domain.basis(&polished(profiles, &wish.domain, found)).ok()?;
+    determines(&basis, &profiles.places).ok()?;
+    Some(Choice { basis, used: KnotsUsed::Polished, missed: found.missed.clone() })
 }
 
 /// The basis of the breakpoints, drawn towards an even share of the data until each function has a
