@@ -63,3 +63,9 @@ fn b_adaptive_fit_of_a_grid(bencher: Bencher) {
     let leg = Leg::new();
     bencher.bench(|| by_itself(&leg, Knots::Adaptive));
 }
+
+#[divan::bench]
+fn c_polished_fit_of_a_grid(bencher: Bencher) {
+    let leg = Leg::new();
+    bencher.bench(|| by_itself(&leg, Knots::Polished));
+}

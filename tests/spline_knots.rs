@@ -43,16 +43,15 @@ fn adaptive_knots_lie_where_the_reference_has_them() {
 #[test]
 fn adaptive_knots_reach_the_published_figures() {
     let published = [
-        ([20, 16], 0.16209, [0.0916, 0.1472, 1.43, 0.165]),
+        ([20, 16], 0.16209, [0.0916, 0.1472, 1.429, 0.1649]),
         ([30, 24], 0.02027, [0.0091, 0.0169, 0.281, 0.0168]),
         ([40, 32], 0.00496, [0.0021, 0.0054, 0.106, 0.0039]),
     ];
     for (control_points, rms_mm, expected) in published {
         let fit = fitted(control_points, Knots::Adaptive);
-        println!("{} {:?}", fit.rms_mm, true_error(&fit.surface));
         assert!((fit.rms_mm - rms_mm).abs() < 6e-6, "{control_points:?}: {}", fit.rms_mm);
         let found = true_error(&fit.surface);
-        for ((found, expected), digit) in found.iter().zip(expected).zip([1e-4, 1e-4, 1e-2, 1e-3]) {
+        for ((found, expected), digit) in found.iter().zip(expected).zip([1e-4, 1e-4, 1e-3, 1e-4]) {
             assert!(
                 (found - expected).abs() < 0.6 * digit,
                 "{control_points:?}: {found} {expected}"
@@ -63,15 +62,16 @@ fn adaptive_knots_reach_the_published_figures() {
 
 #[test]
 fn polished_knots_keep_the_limits() {
-    for control_points in [[20, 16], [30, 24], [40, 32]] {
-        let from = std::time::Instant::now();
+    // Mean relative error in percent and largest error in mm; the reference's own polish reaches
+    // 0.0835, 0.0089, 0.0030 % and 0.884, 0.124, 0.106 mm.
+    for (control_points, percent, largest_mm) in
+        [([20, 16], 0.0835, 0.95), ([30, 24], 0.0089, 0.15), ([40, 32], 0.0030, 0.106)]
+    {
         let fit = fitted(control_points, Knots::Polished);
-        println!(
-            "{:?} {} {:?} {:?}",
-            fit.knots,
-            fit.rms_mm,
-            true_error(&fit.surface),
-            from.elapsed()
-        );
+        assert_eq!(fit.knots, [KnotsUsed::Polished; 2]);
+        let [_, _, largest, relative] = true_error(&fit.surface);
+        println!("{} {:?}", fit.rms_mm, true_error(&fit.surface));
+        assert!(relative < percent, "{control_points:?}: {relative} %");
+        assert!(largest < largest_mm, "{control_points:?}: {largest} mm");
     }
 }

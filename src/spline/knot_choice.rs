@@ -90,17 +90,16 @@ pub fn chosen(profiles: &Profiles, wish: &Wish) -> Result<Choice, FitFault> {
     let instead = Choice { used: KnotsUsed::UniformInstead, ..instead };
     let found = adaptive(profiles, &wish.domain, wish.spans, FINE_LAMBDA)?;
     let found = marked(found, &wish.domain, wish.marks);
-    let polish = (wish.knots == Knots::Polished).then(|| better_by_polish(&found, wish, profiles));
-    if let Some(choice) = polish.flatten() {
-        return Ok(choice);
+    let polish =
+        if wish.knots == Knots::Polished { made_better(&found, wish, profiles) } else { None };
+    match polish.or_else(|| widened(found, &wish.domain, &profiles.places)) {
+        Some(choice) if profiles.rss(&choice.basis)? <= profiles.rss(&instead.basis)? => Ok(choice),
+        _ => Ok(instead),
     }
-    let Some(choice) = widened(found, &wish.domain, &profiles.places) else { return Ok(instead) };
-    let better = profiles.rss(&choice.basis)? <= profiles.rss(&instead.basis)?;
-    Ok(if better { choice } else { instead })
 }
 
-/// The polished basis; None where it leaves a function without data or a larger residual.
-fn better_by_polish(found: &Marked, wish: &Wish, profiles: &Profiles) -> Option<Choice> {
+/// The polished basis; None where it leaves a function without data.
+fn made_better(found: &Marked, wish: &Wish, profiles: &Profiles) -> Option<Choice> {
     let basis = wish.domain.basis(&polished(profiles, &wish.domain, found)).ok()?;
     determines(&basis, &profiles.places).ok()?;
     Some(Choice { basis, used: KnotsUsed::Polished, missed: found.missed.clone() })
