@@ -18,12 +18,23 @@
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod basis;
+mod chord;
+mod distinct;
 pub mod fit;
 pub mod foot;
+mod grid_fit;
+mod knot_choice;
+mod knots;
 mod kronecker;
+mod least_squares;
+mod marks;
+mod marquardt;
 mod normal;
 mod penalty;
+mod polish;
+mod profiles;
 mod robust;
+mod schoenberg_whitney;
 pub mod solve;
 pub mod surface;
 pub mod surface_fit;
@@ -32,9 +43,13 @@ mod tensor_equations;
 mod tensor_fit;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
+pub use chord::mean_chord_parameters;
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
+pub use grid_fit::{GridDomain, GridMethod, fit_grid_by};
+pub use knot_choice::{Knots, KnotsUsed};
 pub use robust::{Robust, robust_fit};
+pub use schoenberg_whitney::{Undetermined, determines};
 pub use surface::{Derivatives, Surface, SurfaceFault};
 pub use surface_fit::{GridData, SurfaceFit, fit_grid};
 pub use tensor::Tensor;
