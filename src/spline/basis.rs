@@ -201,7 +201,7 @@ impl Basis {
 
     /// The interval that holds `x` of the domain; the last one for its end. Source: The NURBS Book,
     /// A2.1.
-    fn span(&self, x: f64) -> usize {
+    pub(super) fn span(&self, x: f64) -> usize {
         let inner = &self.breakpoints[1..self.intervals()];
         inner.partition_point(|breakpoint| *breakpoint <= x)
     }

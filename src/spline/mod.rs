@@ -17,10 +17,17 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod banded;
 pub mod basis;
+mod cells;
+mod cloud_equations;
+pub mod cloud_fit;
+mod cloud_penalty;
 pub mod fit;
 pub mod foot;
+mod gauss;
 mod kronecker;
+pub mod middle;
 mod normal;
 mod penalty;
 mod robust;
@@ -32,8 +39,10 @@ mod tensor_equations;
 mod tensor_fit;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
+pub use cloud_fit::{CloudData, CloudFit, CloudMethod, CloudSmoothing, fit_cloud};
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
+pub use middle::Middle;
 pub use robust::{Robust, robust_fit};
 pub use surface::{Derivatives, Surface, SurfaceFault};
 pub use surface_fit::{GridData, SurfaceFit, fit_grid};
