@@ -3,7 +3,7 @@
 //! u is the height: the control points' z are the Greville abscissae, so that S_z = u everywhere
 //! and curves of constant u are the plane sections; x and y are what is fitted (nurbs.md 6.2).
 //! Minimises Σ w |S − P|² + λu ∬ |S_uuu|² + λv ∬ |S_vvv|². Outliers lose their weight round by
-//! round, first little (Huber), then wholly (Tukey), as in nurbs.md 6.8.
+//! round, first some of it, then all (nurbs.md 6.8).
 
 use nalgebra::Point3;
 
@@ -11,8 +11,8 @@ use super::basis::{Basis, DEGREE};
 use super::cells::Cells;
 use super::cloud_equations::CloudEquations;
 use super::cloud_penalty::Penalty;
+use super::cloud_weights::{FADED_NORMAL_SD, Fading, weights_of};
 use super::fit::FitFault;
-use super::robust::{MAD_TO_SD, TUKEY, WEIGHTED_NORMAL_SD};
 use super::surface::Surface;
 
 /// A cloud of points and where each lies around.
@@ -80,14 +80,11 @@ const FIRST_LAMBDA: f64 = 1e-5;
 /// first fit, without weights, may lie a millimetre off.
 const HUBER_ROUNDS: usize = 2;
 
-/// Rounds with Tukey's weights after them.
-const TUKEY_ROUNDS: usize = 2;
+/// Rounds after them in which outliers lose all weight.
+const WHOLE_ROUNDS: usize = 2;
 
 /// Rounds of choosing the smoothing where weights stay 1.
 const PLAIN_ROUNDS: usize = 1;
-
-/// Huber's constant, standard deviations; nurbs.md 6.8.
-const HUBER: f64 = 2.5;
 
 /// Control points that may lie out of reach of every datum: a quarter.
 const UNSEEN_SHARE: f64 = 0.25;
@@ -120,7 +117,7 @@ pub fn fit_cloud(
         CloudSmoothing::Fixed(lambdas) => (0, checked(lambdas)?),
         CloudSmoothing::Gcv => (PLAIN_ROUNDS, [FIRST_LAMBDA; 2]),
     };
-    let rounds = if method.robust { HUBER_ROUNDS + TUKEY_ROUNDS } else { rounds };
+    let rounds = if method.robust { HUBER_ROUNDS + WHOLE_ROUNDS } else { rounds };
 
     let mut weights = vec![1.0; data.points.len()];
     let mut equations = CloudEquations::new(&cells, &weights, counts);
@@ -129,7 +126,8 @@ pub fn fit_cloud(
     let mut squares = cells.squares(&coefficients, counts[1]);
     for round in 0..rounds {
         if method.robust {
-            weights = weighed(&squares, method.least_scale_mm, round < HUBER_ROUNDS);
+            let fading = if round < HUBER_ROUNDS { Fading::Huber } else { Fading::Whole };
+            weights = weights_of(&squares, method.least_scale_mm, fading);
             equations = CloudEquations::new(&cells, &weights, counts);
         }
         if method.smoothing == CloudSmoothing::Gcv {
@@ -143,7 +141,7 @@ pub fn fit_cloud(
 
     let edf = penalty.edf(lambdas);
     let freedom = (equations.weight - edf).max(1.0);
-    let given_back = if method.robust { WEIGHTED_NORMAL_SD } else { 1.0 };
+    let given_back = if method.robust { FADED_NORMAL_SD } else { 1.0 };
     let sigma_mm = (weighted(&squares, &weights) / freedom).sqrt() / given_back;
     let surface = standing(along, around, &coefficients)?;
     let weights = cells.in_cloud_order(&weights);
@@ -161,21 +159,6 @@ fn standing(along: Basis, around: Basis, xy: &[[f64; 2]]) -> Result<Surface, Fit
 
 fn weighted(squares: &[f64], weights: &[f64]) -> f64 {
     squares.iter().zip(weights).map(|(square, weight)| square * weight).sum()
-}
-
-/// Weights by squared residuals, whose median tells their scale: Huber's or Tukey's.
-fn weighed(squares: &[f64], least_scale_mm: f64, huber: bool) -> Vec<f64> {
-    let mut sorted = squares.to_vec();
-    let middle = sorted.len() / 2;
-    let (_, median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
-    let scale_mm = (MAD_TO_SD * median.sqrt()).max(least_scale_mm);
-    if huber {
-        let reach = (HUBER * scale_mm).powi(2);
-        squares.iter().map(|s| if *s > reach { (reach / s).sqrt() } else { 1.0 }).collect()
-    } else {
-        let reach = (TUKEY * scale_mm).powi(2);
-        squares.iter().map(|s| (1.0 - s / reach).max(0.0).powi(2)).collect()
-    }
 }
 
 /// The share of control points with a datum in reach.

@@ -130,6 +130,12 @@ pub enum FitFault {
         /// Number needed.
         needed: usize,
     },
+    /// All points of a section are one, so that it has no length to go by.
+    #[error("all points of row {row} are the same")]
+    NoLength {
+        /// 0-based row.
+        row: usize,
+    },
     /// A fixed lambda below 0 or no finite number.
     #[error("lambda is {lambda}; it must be finite and not negative")]
     BadLambda {

@@ -20,13 +20,16 @@
 mod banded;
 pub mod basis;
 mod cells;
+mod chord;
 mod cloud_equations;
 pub mod cloud_fit;
 mod cloud_penalty;
+mod cloud_weights;
 pub mod fit;
 pub mod foot;
 mod gauss;
 mod kronecker;
+mod least_squares;
 pub mod middle;
 mod normal;
 mod penalty;
@@ -39,6 +42,7 @@ mod tensor_equations;
 mod tensor_fit;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
+pub use chord::mean_chord_parameters;
 pub use cloud_fit::{CloudData, CloudFit, CloudMethod, CloudSmoothing, fit_cloud};
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;

@@ -6,14 +6,10 @@ use super::normal::{Design, NormalEquations};
 
 /// Tukey's constant: residuals beyond this many standard deviations have no weight. 95 % efficiency
 /// with normal errors (Huber, Robust Statistics, 1981).
-pub(super) const TUKEY: f64 = 4.685;
+const TUKEY: f64 = 4.685;
 
 /// Median absolute deviation to standard deviation, for normal errors.
 pub(super) const MAD_TO_SD: f64 = 1.4826;
-
-/// Standard deviation of standard normal errors under the biweights that they are given: what is
-/// large counts for less (closed form for Tukey's constant 4.685).
-pub(super) const WEIGHTED_NORMAL_SD: f64 = 0.910;
 
 /// Rounds of reweighting at most.
 const ROUNDS_MAX: usize = 8;

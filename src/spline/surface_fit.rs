@@ -2,15 +2,11 @@
 
 use nalgebra::Point3;
 
-use super::basis::{Basis, Row};
+use super::basis::Basis;
 use super::fit::{FitFault, check_places};
+use super::least_squares::LeastSquares;
 use super::normal::RIDGE;
-use super::penalty::roughness;
-use super::solve::{Cholesky, Singular, Skyline};
-use super::surface::Surface;
-
-/// The derivative that the ridge weighs, so that missing rows are bridged much as by a quintic.
-const RIDGED: usize = 3;
+use super::surface::{Surface, SurfaceFault};
 
 /// Points on a grid of parameters.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +29,7 @@ pub struct SurfaceFit {
     pub rms_mm: f64,
     /// The largest such distance, mm.
     pub max_mm: f64,
-    /// The lesser [`Cholesky::smallest_pivot`] of both directions: near 1e-12 the grid does not
+    /// The lesser [`super::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12 the grid does not
     /// determine all control points and the ridge chose among the solutions.
     pub smallest_pivot: f64,
 }
@@ -53,63 +49,51 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
     check(data)?;
     check_places(&along, data.along, data.along)?;
     check_places(&around, data.around, data.around)?;
-    let rows_along: Vec<Row> = data.along.iter().map(|u| along.row(*u)).collect();
-    let rows_around: Vec<Row> = data.around.iter().map(|v| around.row(*v)).collect();
-    let factor_along = factor(&along, &rows_along)?;
-    let factor_around = factor(&around, &rows_around)?;
-
-    let flat: Vec<f64> = data.points.iter().flat_map(|point| [point.x, point.y, point.z]).collect();
-    let by_row = solved(&factor_along, &rows_along, &flat, along.count());
-    let by_column = transposed(&by_row, along.count(), data.around.len());
-    let by_column = solved(&factor_around, &rows_around, &by_column, around.count());
-    let control = transposed(&by_column, around.count(), along.count());
-    let control = control.chunks_exact(3).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect();
-    let surface = Surface::new(along, around, control)?;
-
+    let solver = [
+        LeastSquares::new(&along, data.along, RIDGE)?,
+        LeastSquares::new(&around, data.around, RIDGE)?,
+    ];
+    let surface = surface(&solver, data.points, along, around)?;
     let (rms_mm, max_mm) = residuals(&surface, data);
-    let smallest_pivot = factor_along.smallest_pivot().min(factor_around.smallest_pivot());
+    let smallest_pivot = solver[0].smallest_pivot().min(solver[1].smallest_pivot());
     Ok(SurfaceFit { surface, rms_mm, max_mm, smallest_pivot })
 }
 
-/// The factor of BᵀB plus the ridge.
-fn factor(basis: &Basis, rows: &[Row]) -> Result<Cholesky, Singular> {
-    let mut gram = Skyline::zero(basis);
-    for row in rows {
-        gram.add_square(row, 1.0);
-    }
-    let ridge = roughness(basis, RIDGED);
-    gram.plus(RIDGE * gram.trace() / ridge.trace(), &ridge).factor()
+/// The surface of the points, with the equations along and around.
+pub(super) fn surface(
+    [along, around]: &[LeastSquares; 2],
+    points: &[Point3<f64>],
+    basis_along: Basis,
+    basis_around: Basis,
+) -> Result<Surface, SurfaceFault> {
+    let (rows, columns) = (basis_along.count(), basis_around.count());
+    let by_row = along.coefficients(&flat(points));
+    let by_column = around.coefficients(&transposed(&by_row, rows, by_row.len() / (3 * rows)));
+    let control = transposed(&by_column, columns, rows);
+    let control = control.chunks_exact(3).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect();
+    Surface::new(basis_along, basis_around, control)
 }
 
-/// The `count` coefficients of each column of `values`, whose rows belong to `rows`.
-fn solved(factor: &Cholesky, rows: &[Row], values: &[f64], count: usize) -> Vec<f64> {
-    let width = values.len() / rows.len();
-    let mut moments = vec![0.0; count * width];
-    for (row, values) in rows.iter().zip(values.chunks_exact(width)) {
-        for (index, weight) in row.indices.into_iter().zip(row.values) {
-            let sums = &mut moments[index * width..(index + 1) * width];
-            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
-        }
-    }
-    factor.solve(&mut moments, width);
-    moments
+/// The coordinates of points, one after another.
+pub(super) fn flat(points: &[Point3<f64>]) -> Vec<f64> {
+    points.iter().flat_map(|point| [point.x, point.y, point.z]).collect()
 }
 
 /// A grid of xyz triples with rows and columns exchanged.
-fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+pub(super) fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     let places = (0..columns).flat_map(|j| (0..rows).map(move |i| 3 * (i * columns + j)));
     places.flat_map(|place| [values[place], values[place + 1], values[place + 2]]).collect()
 }
 
 /// Root mean square and largest distance between data and surface at the data's parameters.
-fn residuals(surface: &Surface, data: &GridData) -> (f64, f64) {
+pub(super) fn residuals(surface: &Surface, data: &GridData) -> (f64, f64) {
     let fitted = surface.grid(data.along, data.around);
     let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
     let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, max), s| (sum + s, max.max(s)));
     ((sum / data.points.len() as f64).sqrt(), largest.sqrt())
 }
 
-fn check(data: &GridData) -> Result<(), FitFault> {
+pub(super) fn check(data: &GridData) -> Result<(), FitFault> {
     let (rows, columns, points) = (data.along.len(), data.around.len(), data.points.len());
     if points == 0 || points != rows * columns {
         return Err(FitFault::NoGrid { points, along: rows, around: columns });

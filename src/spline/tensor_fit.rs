@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use super::basis::{Basis, DEGREE, Row};
 use super::fit::FitFault;
 use super::kronecker::{Direction, best_by_gcv};
-use super::robust::{WEIGHTED_NORMAL_SD, biweights};
+use super::robust::biweights;
 use super::tensor::Tensor;
 use super::tensor_equations::Equations;
 
@@ -67,6 +67,10 @@ impl TensorFit {
 
 /// Rounds of reweighting and choosing the smoothing; both have settled to 1 % after three.
 const ROUNDS: usize = 3;
+
+/// Standard deviation of standard normal errors under the biweights that they are given: what is
+/// large counts for less (closed form for Tukey's constant 4.685).
+const WEIGHTED_NORMAL_SD: f64 = 0.910;
 
 /// Smoothing of the first round, relative to the median roughness: enough that holes are bridged
 /// and outliers stand out.
