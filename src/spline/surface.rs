@@ -61,6 +61,15 @@ pub struct Derivatives {
     pub dvv: Vector3<f64>,
 }
 
+impl Derivatives {
+    /// See [`Surface::normal`].
+    pub(super) fn normal(&self) -> Option<Unit<Vector3<f64>>> {
+        let Derivatives { du, dv, .. } = self;
+        // A fraction of the tangents' own lengths, so that the unit of u and v does not matter.
+        Unit::try_new(dv.cross(du), 1e-12 * du.norm() * dv.norm())
+    }
+}
+
 impl Surface {
     /// A surface from its control points, row-major, a row for each function along.
     ///
@@ -139,9 +148,7 @@ impl Surface {
     /// The unit normal dv × du: outward where u grows upwards and v counter-clockwise seen from
     /// above. None where the surface has no tangent plane.
     pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
-        let Derivatives { du, dv, .. } = self.derivatives(u, v);
-        // A fraction of the tangents' own lengths, so that the unit of u and v does not matter.
-        Unit::try_new(dv.cross(&du), 1e-12 * du.norm() * dv.norm())
+        self.derivatives(u, v).normal()
     }
 
     /// The surface moved as a rigid body; parameters stay.
