@@ -89,9 +89,8 @@ fn graph([a, b, c]: [f64; 3]) -> Surface {
         (0..basis.count()).map(|i| form(inner(i))).collect::<Vec<_>>()
     };
     let (rows, columns) = (forms(&along), forms(&around));
-    let control = |[x, xx]: &[f64; 2], [v, vv]: &[f64; 2]| {
-        Point3::new(*x, -v, a * xx - b * x * v + c * vv)
-    };
+    let control =
+        |[x, xx]: &[f64; 2], [v, vv]: &[f64; 2]| Point3::new(*x, -v, a * xx - b * x * v + c * vv);
     let points = rows.iter().flat_map(|row| columns.iter().map(|column| control(row, column)));
     Surface::new(along, around, points.collect()).unwrap()
 }
