@@ -138,6 +138,7 @@ impl Basis {
     }
 
     /// The values of the functions at `x`; see [`Basis::rows`] about `x` outside the domain.
+    #[inline]
     pub fn row(&self, x: f64) -> Row {
         let x = self.brought_home(x);
         self.blossom(self.span(x), [x; DEGREE])
@@ -164,6 +165,7 @@ impl Basis {
     /// The functions' polar forms on interval `span` (below the number of intervals) at three
     /// arguments; with three equal arguments these are the functions' values there. At three
     /// consecutive knots of a refined basis they give the refined coefficient (Ramshaw 1989).
+    #[inline]
     pub fn blossom(&self, span: usize, arguments: [f64; DEGREE]) -> Row {
         let (knots, [a, b, c]) = (self.knots_about(span), arguments.map(Raise::Value));
         let values = raised::<2>(&knots, raised::<1>(&knots, ONE, a), b);
@@ -197,6 +199,7 @@ impl Basis {
     }
 
     /// `x` wrapped or clamped into the domain; the end of a period becomes its start.
+    #[inline]
     pub(super) fn brought_home(&self, x: f64) -> f64 {
         let (from, to) = self.domain();
         if !self.periodic {
@@ -212,6 +215,7 @@ impl Basis {
 
     /// The interval that holds `x` of the domain; the last one for its end. Source: The NURBS Book,
     /// A2.1.
+    #[inline]
     pub(super) fn span(&self, x: f64) -> usize {
         let inner = &self.breakpoints[1..self.intervals()];
         inner.partition_point(|breakpoint| *breakpoint <= x)
