@@ -61,7 +61,8 @@ impl Columns {
                 system.add(&[(at(i, j), SIZE)], 0.0);
                 system.add(&[(at(i, j), -CHANGE), (at(i, j + 1), CHANGE)], 0.0);
                 if (1..rows - 1).contains(&i) {
-                    let bend = [(at(i - 1, j), BEND), (at(i, j), -2.0 * BEND), (at(i + 1, j), BEND)];
+                    let bend =
+                        [(at(i - 1, j), BEND), (at(i, j), -2.0 * BEND), (at(i + 1, j), BEND)];
                     system.add(&bend, 0.0);
                 }
             }

@@ -107,7 +107,8 @@ impl Raster {
 
     /// Every cell whose middle is within reach of a place.
     fn each_within(&self, along_mm: f64, column: f64, reach_mm: f64, mut each: impl FnMut(usize)) {
-        let row = |along_mm: f64| ((along_mm - self.from_mm) / self.cell_mm).floor().max(0.0) as usize;
+        let row =
+            |along_mm: f64| ((along_mm - self.from_mm) / self.cell_mm).floor().max(0.0) as usize;
         let last = (row(along_mm + reach_mm) + 1).min(self.radii_mm.len());
         let home = column_cell(column);
         for row in row(along_mm - reach_mm)..last {
@@ -164,7 +165,8 @@ impl Raster {
             rows = [rows[0].min(row), rows[1].max(row)];
         }
         let along_mm = moment_mm / area_mm2;
-        let middle = (((along_mm - self.from_mm) / self.cell_mm) as usize).min(self.radii_mm.len() - 1);
+        let middle =
+            (((along_mm - self.from_mm) / self.cell_mm) as usize).min(self.radii_mm.len() - 1);
         let share = columns.iter().filter(|column| **column).count() as f64 / CELLS_AROUND as f64;
         Hole {
             along_mm,

@@ -144,8 +144,7 @@ pub fn surface(leg: &Leg, sections: &Sections, wanted: &Wanted) -> Result<LegSur
 impl LegSurface {
     /// Length of the surface's section at a distance along the axis, mm.
     pub fn girth_mm(&self, along_mm: f64) -> f64 {
-        let v: Vec<f64> =
-            (0..GIRTH_PLACES).map(|i| TAU * i as f64 / GIRTH_PLACES as f64).collect();
+        let v: Vec<f64> = (0..GIRTH_PLACES).map(|i| TAU * i as f64 / GIRTH_PLACES as f64).collect();
         let ring = self.surface.grid(&[along_mm], &v);
         let next = ring.iter().cycle().skip(1);
         ring.iter().zip(next).map(|(p, q)| (q - p).norm()).sum()

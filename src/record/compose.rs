@@ -12,9 +12,9 @@ use super::schema::{
 };
 use crate::leg::body::FacingFrom;
 use crate::leg::doubt::Doubt;
+use crate::leg::fit_error::FitError;
 use crate::leg::girth::GirthCurve;
 use crate::leg::method::{B1, UnitChoice};
-use crate::leg::fit_error::FitError;
 use crate::leg::surface::LegSurface;
 use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 use crate::spline::DEGREE;

@@ -104,6 +104,32 @@ pub enum FitFault {
         /// Number needed.
         needed: usize,
     },
+    /// Each point of a cloud needs its place around.
+    #[error("{points} points with {around} places around; they must be as many")]
+    PlacesDiffer {
+        /// Number of points.
+        points: usize,
+        /// Number of places.
+        around: usize,
+    },
+    /// A cloud has fewer points than its surface has control points.
+    #[error("{points} points, where {control_points} control points need at least as many")]
+    TooFewPoints {
+        /// Number of points.
+        points: usize,
+        /// Number of control points.
+        control_points: usize,
+    },
+    /// Too much of the surface has no data: the rest would be invention.
+    #[error("{found} of {of} control points have a datum in their reach, fewer than {needed}")]
+    TooLittleSeen {
+        /// Number of control points whose basis function is not zero at some datum.
+        found: usize,
+        /// Number of control points.
+        of: usize,
+        /// Number needed.
+        needed: usize,
+    },
     /// All points of a section are one, so that it has no length to go by.
     #[error("all points of row {row} are the same")]
     NoLength {
@@ -168,6 +194,9 @@ pub enum FitFault {
     /// The data leave the function undetermined even with the ridge.
     #[error(transparent)]
     Singular(#[from] Singular),
+    /// The breakpoints make no basis.
+    #[error(transparent)]
+    Basis(#[from] super::basis::BasisFault),
     /// The bases do not make a surface.
     #[error(transparent)]
     Surface(#[from] super::surface::SurfaceFault),
