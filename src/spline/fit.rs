@@ -194,9 +194,6 @@ pub enum FitFault {
     /// The data leave the function undetermined even with the ridge.
     #[error(transparent)]
     Singular(#[from] Singular),
-    /// The breakpoints make no basis.
-    #[error(transparent)]
-    Basis(#[from] super::basis::BasisFault),
     /// The bases do not make a surface.
     #[error(transparent)]
     Surface(#[from] super::surface::SurfaceFault),
