@@ -73,7 +73,7 @@ pub fn leg_report(
         .map(|landmark| landmark.along_mm)
         .collect();
     let wanted = Wanted { height_mm: wanted_mm, levels_mm: &levels_mm };
-    let surface = match surface(leg, &sections, &wanted) {
+    let surface = match surface(leg, &sections, &wanted, &method.surface) {
         Ok(surface) => Some(surface),
         Err(none) => {
             findings.add(None, What::NoSurface(none));

@@ -8,21 +8,29 @@ use super::columns::Columns;
 use super::fit_error::{FitError, Place, feet};
 use super::grid::Grid;
 use super::hole::{Coverage, Hole};
+use super::method::{SurfaceFrom, SurfaceMethod};
 use super::ridge::ridges;
 use super::section::{Outline, Section};
 use super::sections::Sections;
 use super::segment::Leg;
 use super::span::span;
-use crate::spline::{Basis, FitFault, GridData, Surface, fit_grid};
+use crate::spline::{
+    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, Surface, fit_cloud,
+    fit_grid_by,
+};
+use nalgebra::Point3;
 
-/// Distance of the rows of control points that is aimed at, mm.
-const ROW_MM: f64 = 9.0;
+/// Distance of the rows of control points where nobody chose their number, mm.
+const ROW_MM: f64 = 12.0;
 
-/// Control points around.
-const COLUMNS: usize = 40;
+/// Columns of control points where nobody chose their number.
+const COLUMNS: usize = 36;
 
 /// Rows of the grid needed for each row of control points, so that none is left to the ridge.
 const ROWS_PER_CONTROL_ROW: f64 = 1.25;
+
+/// The fewest sections that make a surface: 10 cm of a leg.
+const ROWS_MIN: usize = 20;
 
 /// Angles at which a section is compared with the surface: none of them a column of the grid.
 const CHECK_ANGLES: usize = 90;
@@ -93,10 +101,15 @@ pub struct Wanted<'a> {
 ///
 /// # Errors
 /// [`NoSurface`] where too few sections are seen to determine it.
-pub fn surface(leg: &Leg, sections: &Sections, wanted: &Wanted) -> Result<LegSurface, NoSurface> {
+pub fn surface(
+    leg: &Leg,
+    sections: &Sections,
+    wanted: &Wanted,
+    method: &SurfaceMethod,
+) -> Result<LegSurface, NoSurface> {
     let mut outlines = span(sections, wanted.height_mm);
     let [from_mm, to_mm] = wanted.height_mm;
-    let (rows, needed) = (outlines.len(), 20);
+    let (rows, needed) = (outlines.len(), ROWS_MIN);
     let too_few = NoSurface::TooFewRows { rows, needed, from_mm, to_mm };
     let (Some(low), Some(high)) = (outlines.first(), outlines.last()) else { return Err(too_few) };
     let (low, high) = (low.along_mm, high.along_mm);
@@ -114,14 +127,11 @@ pub fn surface(leg: &Leg, sections: &Sections, wanted: &Wanted) -> Result<LegSur
         return Err(too_few);
     };
     let grid = Grid::of(axis, &outlines, &columns);
-    let along_count = (((high - low) / ROW_MM).round() as usize + crate::spline::DEGREE)
-        .min((rows as f64 / ROWS_PER_CONTROL_ROW) as usize);
-    let along = Basis::uniform_clamped(low, high, along_count - crate::spline::DEGREE);
-    let around = Basis::uniform_periodic(-PI, TAU, COLUMNS);
-    let (Ok(along), Ok(around)) = (along, around) else { return Err(too_few) };
-    let data = GridData { along: &grid.along_mm, around: &grid.columns, points: &grid.points };
-    let surface = fit_grid(&data, along, around)?.surface;
-
+    let fit = fitted(&grid, &levels, method)?;
+    let surface = match method.from {
+        SurfaceFrom::Sections => fit,
+        SurfaceFrom::Points => through_points(leg, axis, &outlines, &columns, &fit)?,
+    };
     let frame = Frame { axis, outlines: &outlines, columns: &columns, surface: &surface };
     let coverage = frame.coverage(leg);
     let places = section_places(axis, &measured, &columns);
@@ -139,6 +149,48 @@ pub fn surface(leg: &Leg, sections: &Sections, wanted: &Wanted) -> Result<LegSur
     let height_mm = [&outlines[0], &outlines[outlines.len() - 1]]
         .map(|outline| axis.at(outline.along_mm, &outline.centre).z);
     Ok(LegSurface { height_mm, to_sections, in_holes, to_points, coverage, columns, surface })
+}
+
+/// The surface through a grid, with a row of knots at each level.
+fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<Surface, FitFault> {
+    let along = &grid.along_mm;
+    let (low, high) = (along[0], along[along.len() - 1]);
+    let rows = ((high - low) / ROW_MM).round() as usize + DEGREE;
+    let most = (along.len() as f64 / ROWS_PER_CONTROL_ROW) as usize;
+    let method = GridMethod {
+        control_points: method.control_points.unwrap_or([rows.min(most), COLUMNS]),
+        knots: method.knots,
+        marks: [levels.to_vec(), Vec::new()],
+    };
+    let domain = GridDomain { along: [low, high], around_from: -PI, period: TAU };
+    let data = GridData { along, around: &grid.columns, points: &grid.points };
+    Ok(fit_grid_by(&data, &domain, &method)?.surface)
+}
+
+/// The surface with the knots of another one, through the scan's own points.
+fn through_points(
+    leg: &Leg,
+    axis: &LegAxis,
+    outlines: &[Outline],
+    columns: &Columns,
+    like: &Surface,
+) -> Result<Surface, FitFault> {
+    let frame = Frame { axis, outlines, columns, surface: like };
+    let places = frame.places(leg, 0.0);
+    let points: Vec<Point3<f64>> = places
+        .iter()
+        .map(|place| {
+            let across = axis.in_plane(&place.point);
+            Point3::new(across.x, across.y, place.at.0)
+        })
+        .collect();
+    let around: Vec<f64> = places.iter().map(|place| place.at.1).collect();
+    let data = CloudData { points: &points, around: &around };
+    let bases = (like.along().clone(), like.around().clone());
+    let fit = fit_cloud(&data, bases.0.clone(), bases.1.clone(), &CloudMethod::default())?;
+    let net = fit.surface.control_points().iter();
+    let net = net.map(|point| axis.at(point.z, &point.xy())).collect();
+    Ok(Surface::new(bases.0, bases.1, net)?)
 }
 
 impl LegSurface {
@@ -189,7 +241,7 @@ impl Frame<'_> {
     /// over the skin, so each stands for the same area.
     fn places(&self, leg: &Leg, beyond_mm: f64) -> Vec<Place> {
         let (low, high) = self.surface.along().domain();
-        let place = |point: &nalgebra::Point3<f64>| {
+        let place = |point: &Point3<f64>| {
             let along_mm = self.axis.along(point);
             (low - beyond_mm..=high + beyond_mm).contains(&along_mm).then(|| {
                 let arm = self.axis.in_plane(point) - self.nearest(along_mm).centre;
