@@ -122,6 +122,8 @@ class Faults(list):
 def brep(path, figures, solid):
     faults = Faults()
     shape = read(path, faults)
+    if shape is None or shape.IsNull():
+        return ["nothing"], faults
     faces = [TopoDS.Face(face) for face in parts(shape, TopAbs_FACE)]
     solids = parts(shape, TopAbs_SOLID)
     edges = [TopoDS.Edge(edge) for edge in parts(shape, TopAbs_EDGE)]
@@ -131,6 +133,8 @@ def brep(path, figures, solid):
     planes = sum(kind(face) == GeomAbs_Plane for face in faces)
     faults.require(planes == len(faces) - 1 == (2 if solid else 0), f"{planes} planes")
     faults.require(len(solids) == int(solid), f"{len(solids)} solids")
+    if len(tubes) != 1 or len(solids) != int(solid):
+        return ["not what it should hold"], faults
     tolerance = max(BRep_Tool.Tolerance_s(edge) for edge in edges)
     faults.require(tolerance < 1e-3, f"edges lie {tolerance:.1e} mm off")
     said = [f"{len(faces)} face(s), {len(edges)} edges within {tolerance:.0e} mm"]
