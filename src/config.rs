@@ -19,6 +19,7 @@ use std::time::Duration;
 
 use regex::Regex;
 
+use crate::cad::Output;
 use crate::leg::Method;
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
@@ -34,6 +35,8 @@ pub struct Config {
     pub patient: PatientConfig,
     /// `[method]` and the export's declarations of `[scanner]`: unit, up, facing.
     pub method: Method,
+    /// `[output]`: which CAD files and meshes are made of each leg.
+    pub output: Output,
     /// `[store]`
     pub store: StoreConfig,
 }

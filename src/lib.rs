@@ -7,7 +7,7 @@
 //! | [`scan`] | pure | bytes → [`scan::Scan`]: one decoder per format |
 //! | [`spline`] | pure | bases, fits, solvers, curves and surfaces; knows no legs |
 //! | [`leg`] | pure | scan → leg reports: the paper, a stage per file |
-//! | [`cad`] | pure | surface → CAD files, as bytes |
+//! | [`cad`] | pure | surface → CAD files and meshes, as bytes |
 //! | [`record`] | pure | reports → record: JSON, CSV, drawings, as bytes |
 //! | [`flow`] | pure | the station's decisions as functions of state and `now` |
 //! | [`store`] | effects | record stores; idempotent `put` |
@@ -26,7 +26,7 @@
 //! | `scan` | nalgebra, thiserror, tobj (the OBJ reader) |
 //! | `spline` | nalgebra, rayon, thiserror |
 //! | `leg` | nalgebra, rayon, thiserror |
-//! | `cad` | nalgebra |
+//! | `cad` | nalgebra, thiserror |
 //! | `record` | nalgebra, serde, `serde_json`, sha2, jiff (calendar only), thiserror |
 //! | `flow` | regex, serde, thiserror, jiff (calendar only) |
 

@@ -1,15 +1,16 @@
-//! STEP files of a tube and of its mirror image, read back by the few rules of ISO 10303-21.
+//! STEP files of a tube, of the solid within it and of their mirror images, read back by the few
+//! rules of ISO 10303-21.
 #![allow(clippy::unwrap_used)]
 
+#[path = "support/tubes.rs"]
+mod tubes;
+
 use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
-use gaiter::cad::{StepHeader, step};
-use gaiter::spline::{Basis, GridData, Surface, fit_grid};
-use nalgebra::{Point3, Rotation3, Vector3};
-
-const HEADER: StepHeader =
-    StepHeader { file_name: "left.step", product: "left leg", time_stamp: "" };
+use gaiter::cad::{End, EndNotPlane, FileHeader, Schema, Shape, ends, step};
+use gaiter::spline::Surface;
+use nalgebra::{Point3, Vector3};
+use tubes::{HEADER, dented, tube};
 
 /// What besides the points a file must hold, and how often.
 const KINDS: [(&str, usize); 26] = [
@@ -42,28 +43,44 @@ const KINDS: [(&str, usize); 26] = [
     ("", 0),
 ];
 
-/// A conical tube of oval sections about an axis that leans and does not pass through the origin.
-/// `turn` is +1 where v runs counter-clockwise seen from above, −1 for the mirror image.
-fn tube(turn: f64) -> (Surface, impl Fn(f64, f64) -> Point3<f64>) {
-    let lean = Rotation3::from_axis_angle(&Vector3::x_axis(), 0.2)
-        * Rotation3::from_axis_angle(&Vector3::y_axis(), 0.15);
-    let on_skin = move |share: f64, round: f64, radius: f64| {
-        let (angle, radius) = (round * TAU - TAU / 4.0, radius * (30.0 + 25.0 * share));
-        let upright = Vector3::new(1.1 * radius * angle.cos(), radius * angle.sin(), 340.0 * share);
-        let placed = lean * upright + Vector3::new(150.0, -40.0, 98.0);
-        Point3::new(turn * placed.x, placed.y, placed.z)
-    };
-    let along: Vec<f64> = (0..20).map(|i| f64::from(i) / 19.0).collect();
-    let around: Vec<f64> = (0..36).map(|j| f64::from(j) / 36.0).collect();
-    let places = along.iter().flat_map(|u| around.iter().map(move |v| (*u, *v)));
-    let points: Vec<_> = places.map(|(u, v)| on_skin(u, v, 1.0)).collect();
-    let data = GridData { along: &along, around: &around, points: &points };
-    let bases = (
-        Basis::uniform_clamped(0.0, 1.0, 7).unwrap(),
-        Basis::uniform_periodic(0.0, 1.0, 12).unwrap(),
-    );
-    let surface = fit_grid(&data, bases.0, bases.1).unwrap().surface;
-    (surface, move |u, v| on_skin(u, v, 0.0))
+/// What a solid has besides, or more of.
+const CAPS: [(&str, usize); 12] = [
+    ("ADVANCED_BREP_SHAPE_REPRESENTATION", 1),
+    ("ADVANCED_FACE", 2),
+    ("AXIS2_PLACEMENT_3D", 2),
+    ("CARTESIAN_POINT", 2),
+    ("CLOSED_SHELL", 1),
+    ("DIRECTION", 4),
+    ("EDGE_LOOP", 2),
+    ("FACE_OUTER_BOUND", 2),
+    ("MANIFOLD_SOLID_BREP", 1),
+    ("ORIENTED_EDGE", 2),
+    ("PLANE", 2),
+    ("PRODUCT_RELATED_PRODUCT_CATEGORY", 0),
+];
+
+/// What a solid has not.
+const OPEN: [&str; 3] =
+    ["MANIFOLD_SURFACE_SHAPE_REPRESENTATION", "OPEN_SHELL", "SHELL_BASED_SURFACE_MODEL"];
+
+const SHAPES: [Shape; 2] = [Shape::Tube, Shape::Solid];
+const SCHEMAS: [Schema; 2] = [Schema::Ap214, Schema::Ap242];
+
+/// How often each kind of instance stands in a file, all of them that may stand there.
+fn kinds(shape: Shape, schema: Schema) -> BTreeMap<&'static str, usize> {
+    let mut kinds: BTreeMap<_, usize> = KINDS.into_iter().collect();
+    if shape == Shape::Solid {
+        CAPS.into_iter().for_each(|(kind, more)| *kinds.entry(kind).or_default() += more);
+        OPEN.into_iter().for_each(|kind| *kinds.get_mut(kind).unwrap() = 0);
+    }
+    if schema == Schema::Ap242 {
+        kinds.insert("PRODUCT_RELATED_PRODUCT_CATEGORY", 1);
+    }
+    kinds
+}
+
+fn file(surface: &Surface, shape: Shape) -> Vec<u8> {
+    step::write(surface, shape, Schema::Ap214, &HEADER).unwrap()
 }
 
 /// The instances of a file by number; a number given twice or a line out of place fails.
@@ -113,23 +130,56 @@ fn knots(multiplicities: &[f64], values: &[f64]) -> Vec<f64> {
 
 #[test]
 fn every_entity_is_there_once_and_every_reference_leads_to_one() {
-    for turn in [1.0, -1.0] {
-        let instances = instances(&step::tube(&tube(turn).0, &HEADER));
-        let mut kinds: BTreeMap<&str, usize> = KINDS.into_iter().collect();
+    for (turn, shape, schema) in combinations() {
+        let file = step::write(&tube(turn).0, shape, schema, &HEADER).unwrap();
+        let instances = instances(&file);
+        let mut kinds = kinds(shape, schema);
+        let count: usize = kinds.values().sum();
         for entity in instances.values() {
             let left = kinds.get_mut(kind(entity));
             *left.unwrap_or_else(|| panic!("unexpected {entity}")) -= 1;
         }
         assert!(kinds.values().all(|left| *left == 0), "{kinds:?}");
-        assert_eq!(instances.len() - 150, 33);
-        assert_eq!(instances.keys().copied().collect::<Vec<_>>(), Vec::from_iter(1..=183));
+        assert_eq!(instances.keys().copied().collect::<Vec<_>>(), Vec::from_iter(1..=count));
         for (number, entity) in &instances {
             assert!(references(entity).iter().all(|to| instances.contains_key(to)), "{entity}");
             let users = instances.values().filter(|e| references(e).contains(number)).count();
             // Only the roots stand for themselves.
-            let root = ["APPLICATION_PROTOCOL_DEFINITION", "SHAPE_DEFINITION_REPRESENTATION"];
+            let root = [
+                "APPLICATION_PROTOCOL_DEFINITION",
+                "SHAPE_DEFINITION_REPRESENTATION",
+                "PRODUCT_RELATED_PRODUCT_CATEGORY",
+            ];
             assert_eq!(users == 0, root.contains(&kind(entity)), "#{number} {entity}");
         }
+    }
+}
+
+/// Both hands, both shapes, both schemas.
+fn combinations() -> impl Iterator<Item = (f64, Shape, Schema)> {
+    let pairs = SHAPES.into_iter().flat_map(|shape| SCHEMAS.map(|schema| (shape, schema)));
+    pairs.flat_map(|(shape, schema)| [1.0, -1.0].map(|turn| (turn, shape, schema)))
+}
+
+#[test]
+fn a_tube_under_ap214_has_33_instances_besides_its_points() {
+    assert_eq!(instances(&file(&tube(1.0).0, Shape::Tube)).len(), 33 + 150);
+}
+
+#[test]
+fn each_schema_is_named_in_the_header_and_by_its_application() {
+    let said = [
+        ("AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }", "'automotive_design',2000,"),
+        (
+            "AP242_MANAGED_MODEL_BASED_3D_ENGINEERING_MIM_LF { 1 0 10303 442 1 1 4 }",
+            "'ap242_managed_model_based_3d_engineering',2014,",
+        ),
+    ];
+    for (schema, (identifier, protocol)) in SCHEMAS.into_iter().zip(said) {
+        let file = step::write(&tube(1.0).0, Shape::Solid, schema, &HEADER).unwrap();
+        let text = String::from_utf8(file.clone()).unwrap();
+        assert!(text.contains(&format!("FILE_SCHEMA(('{identifier}'));\n")), "{text:.500}");
+        assert!(only(&instances(&file), "APPLICATION_PROTOCOL_DEFINITION").contains(protocol));
     }
 }
 
@@ -137,7 +187,7 @@ fn every_entity_is_there_once_and_every_reference_leads_to_one() {
 fn numbers_read_back_as_they_were() {
     for turn in [1.0, -1.0] {
         let surface = tube(turn).0;
-        let instances = instances(&step::tube(&surface, &HEADER));
+        let instances = instances(&file(&surface, Shape::Tube));
         let entity = only(&instances, "B_SPLINE_SURFACE_WITH_KNOTS");
         let (around, control_points) = surface.clamped_around();
         let [u_times, v_times, u, v] = &number_lists(entity)[..] else { panic!("{entity}") };
@@ -155,7 +205,7 @@ fn numbers_read_back_as_they_were() {
 
 #[test]
 fn every_real_has_a_decimal_point() {
-    let instances = instances(&step::tube(&tube(1.0).0, &HEADER));
+    let instances = instances(&file(&tube(1.0).0, Shape::Tube));
     let points = instances.values().filter(|entity| kind(entity) == "CARTESIAN_POINT");
     let mut reals: Vec<&str> =
         points.flat_map(|p| p.split(['(', ')']).nth(2).unwrap_or_default().split(',')).collect();
@@ -173,7 +223,7 @@ fn every_real_has_a_decimal_point() {
 
 #[test]
 fn the_edges_are_the_surface_s_own_ends_and_seam() {
-    let instances = instances(&step::tube(&tube(-1.0).0, &HEADER));
+    let instances = instances(&file(&tube(-1.0).0, Shape::Tube));
     let net = references(only(&instances, "B_SPLINE_SURFACE_WITH_KNOTS"));
     let curves: Vec<_> =
         instances.values().filter(|e| kind(e) == "B_SPLINE_CURVE_WITH_KNOTS").collect();
@@ -192,7 +242,7 @@ fn the_face_points_outward_whichever_way_the_surface_is_turned() {
     let mut seen = Vec::new();
     for turn in [1.0, -1.0] {
         let (surface, axis) = tube(turn);
-        let instances = instances(&step::tube(&surface, &HEADER));
+        let instances = instances(&file(&surface, Shape::Tube));
         let senses = ["ADVANCED_FACE", "FACE_OUTER_BOUND"].map(|kind| only(&instances, kind));
         let same_sense = senses[0].ends_with(".T.)");
         assert_eq!(senses[1].ends_with(".T.)"), same_sense);
@@ -208,9 +258,9 @@ fn the_face_points_outward_whichever_way_the_surface_is_turned() {
 
 #[test]
 fn the_same_surface_gives_the_same_bytes() {
-    let file = step::tube(&tube(1.0).0, &HEADER);
-    assert_eq!(file, step::tube(&tube(1.0).0, &HEADER));
-    let header = String::from_utf8(file).unwrap();
+    let written = file(&tube(1.0).0, Shape::Solid);
+    assert_eq!(written, file(&tube(1.0).0, Shape::Solid));
+    let header = String::from_utf8(written).unwrap();
     let version = env!("CARGO_PKG_VERSION");
     let name =
         format!("FILE_NAME('left.step','',(''),(''),'gaiter {version}','gaiter {version}','');\n");
@@ -220,8 +270,87 @@ fn the_same_surface_gives_the_same_bytes() {
 #[test]
 fn a_name_cannot_break_the_file() {
     let name = "left';\nEND-ISO-10303-21;";
-    let header = StepHeader { file_name: name, product: name, time_stamp: "2026-11-21T09:15:00Z" };
-    let file = step::tube(&tube(1.0).0, &header);
+    let header = FileHeader { file_name: name, product: name };
+    let file = step::write(&tube(1.0).0, Shape::Tube, Schema::Ap214, &header).unwrap();
     assert_eq!(instances(&file).len(), 183);
-    assert!(String::from_utf8(file).unwrap().contains("'2026-11-21T09:15:00Z'"));
+}
+
+/// The faces with the edges on their loops as they are run in the end, seen from outside: whether
+/// along the edge's own way. Senses of the bound and of the face both turn a loop.
+fn loops(instances: &BTreeMap<usize, String>) -> Vec<(String, Vec<(usize, bool)>)> {
+    let turns = |entity: &str| entity.ends_with(".F.)");
+    let faces = instances.values().filter(|entity| kind(entity) == "ADVANCED_FACE");
+    let round = |face: &String| {
+        let [bound, surface] = references(face)[..] else { panic!("{face}") };
+        let bound = &instances[&bound];
+        let sides = references(&instances[&references(bound)[0]]);
+        // The bound's sense is relative to the face, whose own normal is outward already.
+        let side = |side: &usize| {
+            let side = &instances[side];
+            (references(side)[0], turns(side) == turns(bound))
+        };
+        (instances[&surface].clone(), sides.iter().map(side).collect())
+    };
+    faces.map(round).collect()
+}
+
+#[test]
+fn faces_of_a_solid_run_along_their_edges_in_opposite_ways() {
+    for (turn, schema) in [(1.0, Schema::Ap214), (-1.0, Schema::Ap242)] {
+        let file = step::write(&tube(turn).0, Shape::Solid, schema, &HEADER).unwrap();
+        let mut ways: BTreeMap<usize, Vec<bool>> = BTreeMap::new();
+        for (edge, way) in loops(&instances(&file)).into_iter().flat_map(|(_, round)| round) {
+            ways.entry(edge).or_default().push(way);
+        }
+        assert_eq!(ways.len(), 3);
+        assert!(ways.values().all(|ways| ways.len() == 2 && ways[0] != ways[1]), "{ways:?}");
+    }
+}
+
+#[test]
+fn caps_face_out_of_the_tube_and_their_loops_turn_left_around_their_normals() {
+    for turn in [1.0, -1.0] {
+        let (surface, axis) = tube(turn);
+        let instances = instances(&file(&surface, Shape::Solid));
+        let numbers =
+            |number: &usize| Vector3::from_vec(number_lists(&instances[number]).remove(0));
+        let mut seen = 0;
+        for (plane, round) in loops(&instances).iter().filter(|(on, _)| kind(on) == "PLANE") {
+            let axes = references(&instances[&references(plane)[0]]);
+            let [place, outward, across] = [0, 1, 2].map(|i| numbers(&axes[i]));
+            let way = (axis(1.0, 0.0) - axis(0.0, 0.0)).normalize();
+            let upper = (place - axis(1.0, 0.0).coords).norm() < 1e-3;
+            assert!((outward.dot(&way) - if upper { 1.0 } else { -1.0 }).abs() < 1e-9, "{outward}");
+            assert!(outward.dot(&across).abs() < 1e-12);
+
+            let [(edge, own_way)] = round[..] else { panic!("{round:?}") };
+            let curve = *references(&instances[&edge]).last().unwrap();
+            let ring: Vec<_> = references(&instances[&curve]).iter().map(numbers).collect();
+            assert!(ring.iter().all(|point| (point - place).dot(&outward).abs() < 1e-6));
+            let area: Vector3<f64> =
+                ring.windows(2).map(|pair| (pair[0] - place).cross(&(pair[1] - place))).sum();
+            assert_eq!(area.dot(&outward) > 0.0, own_way, "turn {turn}, upper {upper}");
+            seen += 1;
+        }
+        assert_eq!(seen, 2);
+    }
+}
+
+#[test]
+fn a_solid_has_plane_ends_or_a_reason_and_a_tube_needs_none() {
+    let (surface, axis) = tube(1.0);
+    let along = (axis(1.0, 0.0) - axis(0.0, 0.0)).normalize();
+    let last = surface.control_points().len() - 1;
+    for (point, end, far) in
+        [(3, End::First, 1e-3), (last, End::Last, 1e-3), (last, End::Last, 1e-5)]
+    {
+        let dented = dented(&surface, point, along * far);
+        let fault = step::write(&dented, Shape::Solid, Schema::Ap214, &HEADER).unwrap_err();
+        let EndNotPlane { end: found, off_mm } = fault;
+        // The others give way a little.
+        assert!(found == end && off_mm > 0.7 * far && off_mm < far, "{fault}");
+        assert!(step::write(&dented, Shape::Tube, Schema::Ap214, &HEADER).is_ok());
+    }
+    let dented = dented(&surface, 3, along * 0.5 * ends::PLANE_MM);
+    assert!(step::write(&dented, Shape::Solid, Schema::Ap214, &HEADER).is_ok());
 }

@@ -17,7 +17,7 @@ const PURE: [Rule; 6] = [
     Rule { layer: "scan", layers: &[], crates: &["nalgebra", "thiserror", "tobj"] },
     Rule { layer: "spline", layers: &[], crates: &["nalgebra", "rayon", "thiserror"] },
     Rule { layer: "leg", layers: &["scan", "spline"], crates: &["nalgebra", "rayon", "thiserror"] },
-    Rule { layer: "cad", layers: &["spline"], crates: &["nalgebra"] },
+    Rule { layer: "cad", layers: &["spline"], crates: &["nalgebra", "thiserror"] },
     Rule {
         layer: "record",
         layers: &["scan", "spline", "leg", "cad"],
@@ -34,7 +34,7 @@ const EFFECTS: [Rule; 3] = [
         layers: &["scan", "leg", "record", "flow", "store", "config"],
         crates: &[],
     },
-    Rule { layer: "config", layers: &["leg"], crates: &[] },
+    Rule { layer: "config", layers: &["leg", "cad"], crates: &[] },
 ];
 
 /// What no pure layer may name.

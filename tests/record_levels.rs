@@ -8,6 +8,7 @@ mod bodies;
 use std::sync::LazyLock;
 
 use bodies::{export, record_of};
+use gaiter::cad::Output;
 use gaiter::leg::method::{B1, LevelChoices};
 use gaiter::leg::{Extraction, Level, Method};
 use gaiter::record::{Provenance, Record, record_files, sha256};
@@ -22,8 +23,11 @@ static MEASURED: LazyLock<(Extraction, Record)> =
 fn file(extraction: &Extraction, name: &str) -> String {
     let sha256 = sha256(&BYTES);
     let provenance = Provenance { station: None, patient: None, acquired: None, sha256 };
+    let output = Output::default();
     let files =
-        record_files(extraction, &provenance, &Method::default(), &BYTES, Format::Obj).unwrap();
+        record_files(extraction, &provenance, &Method::default(), &output, &BYTES, Format::Obj)
+            .unwrap()
+            .1;
     let file = files.into_iter().find(|file| file.name == name).unwrap();
     String::from_utf8(file.bytes).unwrap()
 }

@@ -11,6 +11,7 @@ mod mesh;
 use std::fs;
 use std::time::{Duration, Instant};
 
+use gaiter::cad::Output;
 use gaiter::leg::method::{Axis, FacingChoice, SectionFit};
 use gaiter::leg::{self, Method};
 use gaiter::record::{Provenance, Record, record, record_files};
@@ -71,7 +72,8 @@ fn check(bytes: &[u8], method: &Method) {
                 assert!(heights.is_sorted(), "{heights:?}");
                 assert!(leg.landmarks.values().all(|at| at.girth_tape_mm > 0.0));
             }
-            record_files(&found, &provenance, method, bytes, Format::Obj).unwrap();
+            record_files(&found, &provenance, method, &Output::default(), bytes, Format::Obj)
+                .unwrap();
         }
     }
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();

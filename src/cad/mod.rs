@@ -1,16 +1,30 @@
-//! Surface → CAD files, as bytes. Knows no legs and no patients: names come in as text.
+//! Surface → CAD files and meshes, as bytes. Knows no legs and no patients: names come in as text.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | [`step`] | STEP AP214: the tube as one B-spline face |
+//! | [`kind`] | [`FileKind`]: the kinds of file there are, their names and their bytes |
+//! | [`header`] | [`FileHeader`]: what a file says about itself |
+//! | [`ends`] | the planes that close a tube at its ends |
+//! | [`step`] | STEP AP214 and AP242: the tube as one B-spline face, or a solid |
+//! | `step/boundary.rs`, `step/product.rs` | its faces and edges; its units and its product |
 //! | `step/exchange.rs` | the notation of STEP files (ISO 10303-21) |
-//! | `step/outward.rs` | which side of the tube is its outside |
+//! | [`iges`] | IGES 5.3: the tube as one B-spline surface, or a solid |
+//! | `iges/solid.rs`, `iges/notation.rs` | its faces and edges; the notation of IGES files |
+//! | [`mesh`] | STL, OBJ and glTF: triangles within a tolerance |
 //!
-//! Files are in millimetres, in the frame of the surface's control points. The same input gives
-//! the same bytes.
+//! Files are in millimetres, in the frame of the surface's control points; glTF alone wants metres
+//! with y up. The same input gives the same bytes.
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+pub mod ends;
+pub mod header;
+pub mod iges;
+pub mod kind;
+pub mod mesh;
 pub mod step;
 
-pub use step::StepHeader;
+pub use ends::{End, EndNotPlane, Shape};
+pub use header::FileHeader;
+pub use kind::{CadFault, FileFormat, FileKind, Output};
+pub use step::Schema;

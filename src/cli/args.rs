@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
 
-use crate::config::words::{self, FACINGS, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
+use crate::cad::FileKind;
+use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
@@ -75,6 +76,15 @@ pub struct ExtractArgs {
     /// Also write a record folder for every scan: DIR/NAME-OF-SCAN/
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
+    /// CAD files and meshes to make of each leg, with --out: --files step,iges,stl
+    #[arg(
+        long,
+        value_name = "KIND,…",
+        value_delimiter = ',',
+        value_parser = of_words(FILES),
+        requires = "out"
+    )]
+    pub files: Option<Vec<FileKind>>,
     /// What the scan holds: a whole body, or one leg with its foot, whose side it does not show
     #[arg(long, value_parser = of_words(SCOPES))]
     pub scope: Option<Scope>,
@@ -90,7 +100,8 @@ pub struct ExtractArgs {
     /// Heights above the floor at which girths are wanted too, in cm: --at 10,20,30.5
     #[arg(long, value_name = "CM,…", value_delimiter = ',', value_parser = height_mm)]
     pub at: Option<Vec<f64>>,
-    /// Take unit, up, facing and method from this configuration, where no option says otherwise
+    /// Take unit, up, facing, method and output from this configuration, where no option says
+    /// otherwise
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
 }
@@ -123,7 +134,7 @@ fn of_words<T: Copy + Send + Sync + 'static>(table: Words<T>) -> impl TypedValue
 mod tests {
     use clap::{CommandFactory, Parser};
 
-    use super::{Args, ExtractArgs, Verb};
+    use super::{Args, ExtractArgs, FILES, Verb, words};
     use crate::leg::method::{Axis, FacingChoice, Unit, UnitChoice, Up};
 
     fn extract(words: &[&str]) -> ExtractArgs {
@@ -172,13 +183,24 @@ mod tests {
     }
 
     #[test]
+    fn files_are_words_with_commas_between_and_need_a_place() {
+        assert_eq!(extract(&["a.obj"]).files, None);
+        let args = extract(&["a.obj", "--out", "d", "--files", "step,stl-solid"]);
+        let kinds = ["step", "stl-solid"].map(|word| words::meaning(FILES, word).unwrap());
+        assert_eq!(args.files.as_deref(), Some(kinds.as_slice()));
+        let none = ["gaiter", "extract", "a.obj", "--files", "step"];
+        assert!(Args::try_parse_from(none).is_err(), "there is no folder to put them into");
+    }
+
+    #[test]
     fn a_word_that_is_not_known_is_refused() {
         for words in
             [["--unit", "ft"], ["--up", "-y"], ["--facing", "x"], ["--at", "10,"], ["--at", "0"]]
                 .into_iter()
+                .chain(["step,dxf", "STEP", "step,", ""].map(|kinds| ["--files", kinds]))
                 .chain(["200", "-5", "nan", "inf", "ten", "10;20", ""].map(|cm| ["--at", cm]))
         {
-            let line = ["gaiter", "extract", "a.obj"].iter().chain(&words);
+            let line = ["gaiter", "extract", "a.obj", "--out", "d"].iter().chain(&words);
             assert!(Args::try_parse_from(line).is_err(), "{words:?}");
         }
     }

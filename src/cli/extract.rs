@@ -10,6 +10,7 @@ use rustix::io::Errno;
 
 use super::args::ExtractArgs;
 use super::{Exit, complain, explain_config, ord, print, shown, table};
+use crate::cad::Output;
 use crate::config::{self, words};
 use crate::leg::{Extraction, Method, Refusal, extract as measure};
 use crate::record::{self, Provenance, RecordFile};
@@ -19,8 +20,8 @@ use crate::store::sums::SUMS;
 
 /// Measures every file, prints a table or a JSON line for each, and ends as the worst of them.
 pub fn extract(args: &ExtractArgs) -> Exit {
-    let method = match method(args) {
-        Ok(method) => method,
+    let choices = match Choices::of(args) {
+        Ok(choices) => choices,
         Err(exit) => return exit,
     };
     if let Some(out) = &args.out
@@ -36,8 +37,8 @@ pub fn extract(args: &ExtractArgs) -> Exit {
         return Exit::Usage;
     }
     let several = args.scans.len() > 1;
-    let one = |path: &PathBuf| match Measured::of(path, &method) {
-        Ok(measured) => match measured.deliver(args, &method, several) {
+    let one = |path: &PathBuf| match Measured::of(path, &choices.method) {
+        Ok(measured) => match measured.deliver(args, &choices, several) {
             Ok(()) => Exit::Done,
             Err(fault) => {
                 complain(format_args!("gaiter: {}: {fault}", shown(path.display())));
@@ -52,22 +53,36 @@ pub fn extract(args: &ExtractArgs) -> Exit {
     args.scans.iter().map(one).max().unwrap_or(Exit::Done)
 }
 
-/// The configuration's method, or the default one, under what the command line says.
-fn method(args: &ExtractArgs) -> Result<Method, Exit> {
-    let mut method = match &args.config {
-        Some(path) => config::read(path).map_err(|error| explain_config(&error))?.method,
-        None => Method::default(),
-    };
-    method.scope = args.scope.unwrap_or(method.scope);
-    method.unit = args.unit.unwrap_or(method.unit);
-    method.up = args.up.unwrap_or(method.up);
-    method.facing = args.facing.unwrap_or(method.facing);
-    method.at_heights_mm = args.at.clone().unwrap_or(method.at_heights_mm);
-    if words::faces_up_or_down(method.up, method.facing) {
-        complain("gaiter: --facing points along the up axis; toes point square to it");
-        return Err(Exit::Usage);
+/// How to measure and what to make of it.
+struct Choices {
+    method: Method,
+    output: Output,
+}
+
+impl Choices {
+    /// The configuration's, or the default ones, under what the command line says.
+    fn of(args: &ExtractArgs) -> Result<Choices, Exit> {
+        let (mut method, mut output) = match &args.config {
+            Some(path) => {
+                let config = config::read(path).map_err(|error| explain_config(&error))?;
+                (config.method, config.output)
+            }
+            None => (Method::default(), Output::default()),
+        };
+        method.scope = args.scope.unwrap_or(method.scope);
+        method.unit = args.unit.unwrap_or(method.unit);
+        method.up = args.up.unwrap_or(method.up);
+        method.facing = args.facing.unwrap_or(method.facing);
+        method.at_heights_mm = args.at.clone().unwrap_or(method.at_heights_mm);
+        if let Some(files) = &args.files {
+            output.files = files.iter().copied().collect();
+        }
+        if words::faces_up_or_down(method.up, method.facing) {
+            complain("gaiter: --facing points along the up axis; toes point square to it");
+            return Err(Exit::Usage);
+        }
+        Ok(Choices { method, output })
     }
-    Ok(method)
 }
 
 /// Two scans whose records would lie in the same folder.
@@ -132,31 +147,37 @@ impl<'a> Measured<'a> {
         Ok(Measured { path, bytes, format, extraction, provenance })
     }
 
+    /// Prints the record and, where `--out` says so, writes its folder.
     fn deliver(
         &self,
         args: &ExtractArgs,
-        method: &Method,
+        choices: &Choices,
         several: bool,
     ) -> Result<(), Undelivered> {
-        let record = record::record(&self.extraction, &self.provenance, method);
+        let Measured { path, bytes, format, extraction, provenance } = self;
+        let Choices { method, output } = choices;
+        let (record, folder) = match &args.out {
+            None => (record::record(extraction, provenance, method), None),
+            Some(out) => {
+                let made =
+                    record::record_files(extraction, provenance, method, output, bytes, *format)?;
+                (made.0, Some((out, made.1)))
+            }
+        };
         if args.json {
             print(format_args!("{}\n", serde_json::to_string(&record)?))?;
         } else {
             if several {
-                print(format_args!("{}\n", shown(self.path.display())))?;
+                print(format_args!("{}\n", shown(path.display())))?;
             }
             print(format_args!("{}\n", table::of(&record)))?;
         }
-        args.out.as_ref().map_or(Ok(()), |out| self.write_folder(out, method))
-    }
-
-    /// Writes the record folder `OUT/<stem>/` beside its place and puts it there whole. An earlier
-    /// record of the same scan makes way; anything else stays and is a fault.
-    fn write_folder(&self, out: &Path, method: &Method) -> Result<(), Undelivered> {
-        let Measured { extraction, provenance, bytes, format, .. } = self;
-        let files = record::record_files(extraction, provenance, method, bytes, *format)?;
-        let folder = out.join(self.path.file_stem().unwrap_or_default());
-        put_folder(out, &folder, &files, &provenance.sha256)
+        // Beside its place first, then there whole. An earlier record of the same scan makes way;
+        // anything else stays and is a fault.
+        folder.map_or(Ok(()), |(out, files)| {
+            let folder = out.join(path.file_stem().unwrap_or_default());
+            put_folder(out, &folder, &files, &provenance.sha256)
+        })
     }
 }
 

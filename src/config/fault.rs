@@ -79,7 +79,10 @@ pub enum What {
     /// Not a length at all.
     #[error("\"{0}\" is not a length")]
     NotALength(String),
-    /// A duration, size or length that makes no sense here.
+    /// Not a distance at all.
+    #[error("\"{0}\" is not a distance")]
+    NotADistance(String),
+    /// A duration, size, length or distance that makes no sense here.
     #[error("\"{text}\" is out of range")]
     OutOfRange {
         /// As written.
@@ -117,7 +120,7 @@ pub enum What {
     /// A list that needs an entry.
     #[error("is an empty list")]
     EmptyList,
-    /// The same folder twice in a list.
+    /// The same folder or word twice in a list.
     #[error("\"{0}\" is listed twice")]
     Twice(String),
     /// Two folders that must be apart lie in one another.
@@ -166,6 +169,7 @@ impl What {
             }
             What::NotASize(_) => r#"write a number and a unit: "200MB", "1GB""#.into(),
             What::NotALength(_) => r#"write a number and a unit: "5cm", "80mm""#.into(),
+            What::NotADistance(_) => r#"write a number and mm: "0.05mm", "1mm""#.into(),
             What::OutOfRange { least, most, .. } => {
                 format!("anything from \"{least}\" to \"{most}\"")
             }

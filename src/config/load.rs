@@ -9,10 +9,13 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
-use super::words::{AXES, B1S, B1Word, FACINGS, FITS, SCOPES, UNITS, UPS, Words, faces_up_or_down};
+use super::words::{
+    AXES, B1S, B1Word, FACINGS, FILES, FITS, SCOPES, UNITS, UPS, Words, faces_up_or_down,
+};
 use super::{
     Config, FolderStoreConfig, PatientConfig, ScannerConfig, StationConfig, StoreConfig, notation,
 };
+use crate::cad::Output;
 use crate::leg::Method;
 use crate::leg::method::{B1, LevelChoices};
 
@@ -55,7 +58,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
     let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
 
-    let exports = reader.list("scanner.export_dirs", "/srv/scanner/export", parse::full_path);
+    let exports =
+        reader.list("scanner.export_dirs", Required("/srv/scanner/export"), parse::full_path);
     let bounds = Bounds { least: "50ms", most: "10m" };
     let quiet = reader.text("scanner.quiet", Default("2s"), parse::duration_in(bounds));
     let bounds = Bounds { least: "50ms", most: "1h" };
@@ -77,9 +81,10 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
     let levels = level_choices(reader);
+    let output = output(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
 
-    twice(reader, &exports);
+    twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref());
     if let (Some(up), Some(facing)) = (&up, &facing)
         && faces_up_or_down(up.value, facing.value)
@@ -110,6 +115,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             levels: levels?,
             axis: axis?.value,
         },
+        output: output?,
         store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
     })
 }
@@ -134,11 +140,27 @@ fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {
     words.iter().filter(|(_, known)| *known == value).map(|(word, _)| *word).collect()
 }
 
-fn twice(reader: &mut Reader, exports: &[Found<PathBuf>]) {
-    for (i, folder) in exports.iter().enumerate() {
-        if exports[..i].iter().any(|earlier| earlier.value == folder.value) {
-            let what = What::Twice(folder.value.display().to_string());
-            reader.note(folder.at.clone(), "scanner.export_dirs", what);
+/// The keys of `[output]`.
+fn output(reader: &mut Reader) -> Option<Output> {
+    use Absent::Default;
+    let files = reader.list("output.files", Default("step"), parse::word(FILES));
+    twice(reader, "output.files", &files, |kind| spelt(FILES, *kind));
+    let bounds = Bounds { least: "0.005mm", most: "5mm" };
+    let key = "output.mesh_tolerance";
+    let tolerance = reader.text(key, Default("0.05mm"), parse::distance_in(bounds));
+    let files = files.into_iter().map(|kind| kind.value).collect();
+    Some(Output { files, mesh_tolerance_mm: tolerance?.value })
+}
+
+fn twice<T: PartialEq>(
+    reader: &mut Reader,
+    key: &str,
+    entries: &[Found<T>],
+    spelt: impl Fn(&T) -> String,
+) {
+    for (i, entry) in entries.iter().enumerate() {
+        if entries[..i].iter().any(|earlier| earlier.value == entry.value) {
+            reader.note(entry.at.clone(), key, What::Twice(spelt(&entry.value)));
         }
     }
 }

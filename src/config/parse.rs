@@ -77,6 +77,20 @@ pub(super) fn length_in(bounds: Bounds) -> impl Fn(&str) -> Result<u32, What> {
     move |text| bounds.hold(text, length(text)?, length)
 }
 
+/// `"0.05mm"`, in millimetres: a length that may be a fraction of one.
+pub(super) fn distance(text: &str) -> Result<f64, What> {
+    let number = text.strip_suffix("mm").filter(|number| {
+        number.starts_with(|c: char| c.is_ascii_digit())
+            && number.chars().all(|c| c.is_ascii_digit() || c == '.')
+    });
+    number.and_then(|number| number.parse().ok()).ok_or_else(|| What::NotADistance(text.into()))
+}
+
+/// A distance within bounds, in millimetres.
+pub(super) fn distance_in(bounds: Bounds) -> impl Fn(&str) -> Result<f64, What> {
+    move |text| bounds.hold(text, distance(text)?, distance)
+}
+
 /// One of the words of a choice.
 pub(super) fn word<T: Copy>(words: Words<T>) -> impl Fn(&str) -> Result<T, What> {
     move |text| {
@@ -178,6 +192,19 @@ mod tests {
         for text in ["5", "5 cm", "0.5cm", "-5cm", "5m", "2in", "99999999999mm"] {
             assert_eq!(length(text), Err(What::NotALength(text.into())), "{text}");
         }
+    }
+
+    #[test]
+    fn distances_are_millimetres_with_or_without_decimals() {
+        assert_eq!(distance("0.05mm"), Ok(0.05));
+        assert_eq!(distance("2mm"), Ok(2.0));
+        for text in ["", "mm", "0.05", "0.05 mm", "-1mm", "+1mm", ".5mm", "1e3mm", "1.2.3mm", "5cm"]
+        {
+            assert_eq!(distance(text), Err(What::NotADistance(text.into())), "{text}");
+        }
+        let within = distance_in(Bounds { least: "0.005mm", most: "5mm" });
+        assert!(within("0.005mm").is_ok() && within("5mm").is_ok());
+        assert!(within("0.004mm").is_err() && within("5.1mm").is_err() && within("0mm").is_err());
     }
 
     #[test]

@@ -118,28 +118,32 @@ impl<'t> Reader<'t> {
         self.entry(key, value, &parse)
     }
 
-    /// A list of texts and their meanings, without those that are wrong. It must have an entry.
+    /// A list of texts and their meanings, without those that are wrong. One that must be there
+    /// must have an entry; the default of any other is a list of one.
     pub fn list<T>(
         &mut self,
         path: &'static str,
-        example: &'static str,
+        absent: Absent,
         parse: impl Fn(&str) -> Result<T, What>,
     ) -> Vec<Found<T>> {
-        let key = Key { path, absent: Absent::Required(example), list: true };
+        let key = Key { path, absent, list: true };
         self.keys.push(key);
-        let value = match self.find(path) {
-            Seen::Value(value) => value,
-            Seen::Absent(at) => {
+        let value = match (self.find(path), absent) {
+            (Seen::Value(value), _) => value,
+            (Seen::Absent(at), Absent::Default(text)) => {
+                return self.judge(path, at, parse(text)).into_iter().collect();
+            }
+            (Seen::Absent(at), Absent::Required(_)) => {
                 self.missing(key, at);
                 return Vec::new();
             }
-            Seen::Blocked => return Vec::new(),
+            (Seen::Absent(_), Absent::Nothing(_)) | (Seen::Blocked, _) => return Vec::new(),
         };
         let DeValue::Array(entries) = value.get_ref() else {
             self.wrong_kind(key, value, "a list of texts in [ ]");
             return Vec::new();
         };
-        if entries.is_empty() {
+        if entries.is_empty() && matches!(absent, Absent::Required(_)) {
             self.note(value.span(), path, What::EmptyList);
         }
         entries.iter().filter_map(|entry| self.entry(key, entry, &parse)).collect()

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use crate::cad::{FileFormat, FileKind, Schema, Shape};
 use crate::leg::Side;
 use crate::leg::method::{Axis, AxisFit, FacingChoice, Scope, SectionFit, Unit, UnitChoice, Up};
 
@@ -57,6 +58,30 @@ pub const AXES: Words<AxisFit> =
 
 /// `method.b1`
 pub const B1S: Words<B1Word> = &[("steepest", B1Word::Steepest), ("above-b", B1Word::AboveB)];
+
+const fn tube(format: FileFormat) -> FileKind {
+    FileKind { format, shape: Shape::Tube }
+}
+
+const fn solid(format: FileFormat) -> FileKind {
+    FileKind { format, shape: Shape::Solid }
+}
+
+/// `output.files`, `--files`
+pub const FILES: Words<FileKind> = &[
+    ("step", tube(FileFormat::Step(Schema::Ap214))),
+    ("step-solid", solid(FileFormat::Step(Schema::Ap214))),
+    ("step-ap242", tube(FileFormat::Step(Schema::Ap242))),
+    ("step-ap242-solid", solid(FileFormat::Step(Schema::Ap242))),
+    ("iges", tube(FileFormat::Iges)),
+    ("iges-solid", solid(FileFormat::Iges)),
+    ("stl", tube(FileFormat::Stl)),
+    ("stl-solid", solid(FileFormat::Stl)),
+    ("obj", tube(FileFormat::Obj)),
+    ("obj-solid", solid(FileFormat::Obj)),
+    ("glb", tube(FileFormat::Glb)),
+    ("glb-solid", solid(FileFormat::Glb)),
+];
 
 /// What a word means; `None` for a word that is none of these.
 pub fn meaning<T: Copy>(words: Words<T>, word: &str) -> Option<T> {

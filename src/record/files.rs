@@ -2,9 +2,11 @@
 
 use sha2::{Digest, Sha256};
 
-use super::{Provenance, compose, csv, drawing};
-use crate::cad::step::{self, StepHeader};
-use crate::leg::{Extraction, Method};
+use super::schema::FindingNote;
+use super::{Provenance, Record, compose, csv, drawing};
+use crate::cad::{CadFault, FileHeader, Output};
+use crate::leg::finding::Severity;
+use crate::leg::{Extraction, Method, Side};
 use crate::scan::Format;
 
 /// The list of all other files' hashes, as `sha256sum -c` reads it.
@@ -19,9 +21,9 @@ pub struct RecordFile {
     pub bytes: Vec<u8>,
 }
 
-/// All files of a record folder in the order in which they are to be written: `record.json` first,
-/// the scan's own bytes, and `SHA256SUMS` over all others last. The same arguments give the same
-/// bytes.
+/// The record and all files of its folder in the order in which they are to be written:
+/// `record.json` first, the scan's own bytes, and `SHA256SUMS` over all others last. The same
+/// arguments give the same bytes. A CAD file that cannot be made is a finding of the record.
 ///
 /// # Errors
 /// Where a figure cannot be written as JSON.
@@ -29,10 +31,13 @@ pub fn record_files(
     extraction: &Extraction,
     provenance: &Provenance,
     method: &Method,
+    output: &Output,
     scan_bytes: &[u8],
     format: Format,
-) -> Result<Vec<RecordFile>, serde_json::Error> {
-    let record = compose::record(extraction, provenance, method);
+) -> Result<(Record, Vec<RecordFile>), serde_json::Error> {
+    let mut record = compose::record(extraction, provenance, method);
+    let (surfaces, notes) = surface_files(extraction, output);
+    record.findings.extend(notes);
     let mut json = serde_json::to_vec_pretty(&record)?;
     json.push(b'\n');
     let file = |name: &str, bytes: Vec<u8>| RecordFile { name: name.to_owned(), bytes };
@@ -41,18 +46,40 @@ pub fn record_files(
         file("measurements.csv", csv::measurements(&record).into_bytes()),
         file("legs.svg", drawing::legs(extraction).into_bytes()),
     ];
-    for leg in &extraction.legs {
-        if let Some(surface) = &leg.surface {
-            let side = leg.side.word();
-            let (name, product) = (format!("{side}.step"), format!("{side} leg"));
-            let header = StepHeader { file_name: &name, product: &product, time_stamp: "" };
-            files.push(file(&name, step::tube(&surface.surface, &header)));
-        }
-    }
+    files.extend(surfaces);
     files.push(file(&format!("scan.{}", format.ending()), scan_bytes.to_vec()));
     let sums = sums(&files);
     files.push(file(SUMS, sums.into_bytes()));
-    Ok(files)
+    Ok((record, files))
+}
+
+/// The files that are made of each leg's surface, and what is to be said of those that are not.
+fn surface_files(extraction: &Extraction, output: &Output) -> (Vec<RecordFile>, Vec<FindingNote>) {
+    let (mut files, mut notes) = (Vec::new(), Vec::new());
+    for leg in &extraction.legs {
+        let Some(surface) = &leg.surface else { continue };
+        let side = leg.side.word();
+        let product = format!("{side} leg");
+        for kind in &output.files {
+            let name = format!("{side}{}", kind.ending());
+            let header = FileHeader { file_name: &name, product: &product };
+            match kind.bytes(&surface.surface, output.mesh_tolerance_mm, &header) {
+                Ok(bytes) => files.push(RecordFile { name, bytes }),
+                Err(fault) => notes.push(not_made(leg.side, &name, &fault)),
+            }
+        }
+    }
+    (files, notes)
+}
+
+fn not_made(side: Side, name: &str, fault: &CadFault) -> FindingNote {
+    FindingNote {
+        code: fault.code().to_owned(),
+        severity: Severity::Warning.word().to_owned(),
+        leg: Some(side.word().to_owned()),
+        level: None,
+        message: format!("{name} was not made: {fault}"),
+    }
 }
 
 /// SHA-256 of bytes, lower-case hexadecimal.

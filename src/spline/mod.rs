@@ -10,6 +10,8 @@
 //! | [`robust_fit`] | the same with outliers weighed down |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
 //! | [`foot`] | the nearest point of a surface |
+//! | [`mod@outward`] | which side of a tube is its outside |
+//! | [`tessellate`] | [`Facets`]: triangles that keep to a surface within a tolerance |
 //! | [`surface_fit`] | least-squares surface through a grid of points |
 //!
 //! Everything is of degree 3. Bases are clamped (functions on an interval) or periodic (closed
@@ -40,6 +42,7 @@ mod marquardt;
 pub mod measure;
 pub mod middle;
 mod normal;
+pub mod outward;
 mod penalty;
 mod polish;
 mod profiles;
@@ -51,6 +54,7 @@ pub mod surface_fit;
 mod tensor;
 mod tensor_equations;
 mod tensor_fit;
+pub mod tessellate;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
 pub use chord::mean_chord_parameters;
@@ -67,3 +71,4 @@ pub use surface::{Derivatives, Surface, SurfaceFault};
 pub use surface_fit::{GridData, SurfaceFit, fit_grid};
 pub use tensor::Tensor;
 pub use tensor_fit::{Scatter, TensorFit, fit_scatter};
+pub use tessellate::{Corner, Ends, Facets, TessellationFault, facets};

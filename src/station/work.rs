@@ -121,17 +121,17 @@ fn measured(
         acquired: Some(acquired(row.file_time, row.first_seen)),
         sha256: row.scan.to_string(),
     };
-    let method = &station.config.method;
+    let (method, output) = (&station.config.method, &station.config.output);
     let refused = |code: &str, message: String| {
         Setback::Refused(Reason::new(code, message, Stage::Measure, row.first_seen))
     };
     let measured = caught(|| {
         let extraction = leg::extract(bytes, format, method)?;
-        let files = record::record_files(&extraction, &provenance, method, bytes, format);
-        Ok::<_, leg::Refusal>(files)
+        let made = record::record_files(&extraction, &provenance, method, output, bytes, format);
+        Ok::<_, leg::Refusal>(made)
     });
     match measured {
-        Ok(Ok(Ok(files))) => Ok(files),
+        Ok(Ok(Ok((_, files)))) => Ok(files),
         Ok(Ok(Err(error))) => Err(refused("record-not-written", error.to_string())),
         Ok(Err(refusal)) => Err(refused(refusal.code(), refusal.to_string())),
         Err(panic) => Err(refused("panic", panic)),

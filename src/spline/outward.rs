@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use crate::spline::Surface;
+use super::surface::Surface;
 
 /// Whether ∂P/∂u × ∂P/∂v points out of the tube. It points in where v runs counter-clockwise seen
 /// against the direction of u, as around a left leg, and out around its mirror image.

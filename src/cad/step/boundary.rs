@@ -1,0 +1,138 @@
+//! The faces of a tube, the planes that close it, and the edges they share.
+
+use super::exchange::{Id, Instances, lines, list, logical, real};
+use crate::cad::ends::EndPlane;
+use crate::spline::Surface;
+use crate::spline::basis::DEGREE;
+
+/// The surface and the edges of the faces on it.
+pub struct Boundary {
+    surface: Id,
+    /// The edge around where u begins, and where it ends; both run in the direction of v.
+    rims: [Id; 2],
+    /// From the one to the other along the seam.
+    seam: Id,
+}
+
+impl Boundary {
+    /// Adds the surface with its control points and its edges.
+    pub fn new(file: &mut Instances, surface: &Surface) -> Boundary {
+        let net = Net::new(file, surface);
+        let Net { points, columns, along, around } = &net;
+        let rows = lines(points.chunks_exact(*columns).map(list));
+        let surface = file.add(&format!(
+            "B_SPLINE_SURFACE_WITH_KNOTS('',{DEGREE},{DEGREE},{rows},.UNSPECIFIED.,.F.,.T.,.F.,\n\
+             {},{},\n{},\n{},.UNSPECIFIED.)",
+            along.multiplicities, around.multiplicities, along.values, around.values
+        ));
+
+        let (low, high) = (&points[..*columns], &points[points.len() - columns..]);
+        let mut vertex = |point: Id| file.add(&format!("VERTEX_POINT('',{point})"));
+        let (foot, head) = (vertex(low[0]), vertex(high[0]));
+        let mut curve = |points: String, closed: bool, knots: &Knots| {
+            let (closed, Knots { multiplicities, values }) = (logical(closed), knots);
+            file.add(&format!(
+                "B_SPLINE_CURVE_WITH_KNOTS('',{DEGREE},{points},.UNSPECIFIED.,{closed},.F.,\n\
+                 {multiplicities},{values},.UNSPECIFIED.)"
+            ))
+        };
+        let bottom = curve(list(low), true, around);
+        let top = curve(list(high), true, around);
+        let seam = curve(list(points.iter().step_by(*columns)), false, along);
+
+        let mut edge = |from: Id, to: Id, curve: Id| {
+            file.add(&format!("EDGE_CURVE('',{from},{to},{curve},.T.)"))
+        };
+        let rims = [edge(foot, foot, bottom), edge(head, head, top)];
+        Boundary { surface, rims, seam: edge(foot, head, seam) }
+    }
+
+    /// The face on the tube. Its outward normal is u × v or the contrary.
+    pub fn tube(&self, file: &mut Instances, along_cross_around_is_outward: bool) -> Id {
+        let Boundary { surface, rims: [bottom, top], seam } = *self;
+        // Counter-clockwise in (u, v), the seam once at each end of v.
+        let round = [(seam, true), (top, true), (seam, false), (bottom, false)];
+        // A loop runs counter-clockwise seen from outside, so it turns together with the face.
+        face(file, surface, &round, along_cross_around_is_outward)
+    }
+
+    /// The faces at the two ends. Each runs along its rim the other way than the tube does.
+    pub fn caps(
+        &self,
+        file: &mut Instances,
+        [first, last]: &[EndPlane; 2],
+        along_cross_around_is_outward: bool,
+    ) -> [Id; 2] {
+        let [bottom, top] = self.rims;
+        let first = plane(file, first);
+        let first = face(file, first, &[(bottom, along_cross_around_is_outward)], true);
+        let last = plane(file, last);
+        [first, face(file, last, &[(top, !along_cross_around_is_outward)], true)]
+    }
+}
+
+/// A face on a surface, inside a loop of edges, each with whether it is run along its own way.
+/// `sense`: whether the face's normal is the surface's and the loop runs as listed.
+fn face(file: &mut Instances, surface: Id, round: &[(Id, bool)], sense: bool) -> Id {
+    let sides: Vec<Id> = round
+        .iter()
+        .map(|(edge, own_way)| {
+            file.add(&format!("ORIENTED_EDGE('',*,*,{edge},{})", logical(*own_way)))
+        })
+        .collect();
+    let round = file.add(&format!("EDGE_LOOP('',{})", list(sides)));
+    let sense = logical(sense);
+    let bound = file.add(&format!("FACE_OUTER_BOUND('',{round},{sense})"));
+    file.add(&format!("ADVANCED_FACE('',({bound}),{surface},{sense})"))
+}
+
+fn plane(file: &mut Instances, plane: &EndPlane) -> Id {
+    let numbers = |xyz: &[f64]| list(xyz.iter().map(|value| real(*value)));
+    let mut add = |kind: &str, xyz: &[f64]| file.add(&format!("{kind}('',{})", numbers(xyz)));
+    let place = add("CARTESIAN_POINT", plane.place.coords.as_slice());
+    let outward = add("DIRECTION", plane.outward.as_slice());
+    let across = add("DIRECTION", plane.across.as_slice());
+    let axes = file.add(&format!("AXIS2_PLACEMENT_3D('',{place},{outward},{across})"));
+    file.add(&format!("PLANE('',{axes})"))
+}
+
+/// The control points in the file, with what every curve and surface on them needs.
+struct Net {
+    /// Row-major; the last column repeats the first one's places under numbers of its own.
+    points: Vec<Id>,
+    columns: usize,
+    along: Knots,
+    around: Knots,
+}
+
+impl Net {
+    fn new(file: &mut Instances, surface: &Surface) -> Net {
+        let (around, points) = surface.clamped_around();
+        let mut point = |xyz: &[f64]| {
+            let xyz = list(xyz.iter().map(|value| real(*value)));
+            file.add(&format!("CARTESIAN_POINT('',{xyz})"))
+        };
+        Net {
+            points: points.iter().map(|p| point(p.coords.as_slice())).collect(),
+            columns: around.len() - DEGREE - 1,
+            along: Knots::new(surface.along().knots()),
+            around: Knots::new(&around),
+        }
+    }
+}
+
+/// A knot vector as STEP has it: distinct values and how often each occurs.
+struct Knots {
+    multiplicities: String,
+    values: String,
+}
+
+impl Knots {
+    fn new(knots: &[f64]) -> Knots {
+        let distinct = || knots.chunk_by(|a, b| a == b);
+        Knots {
+            multiplicities: list(distinct().map(<[f64]>::len)),
+            values: list(distinct().map(|equal| real(equal[0]))),
+        }
+    }
+}
