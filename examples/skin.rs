@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut out = io::stdout().lock();
     writeln!(out, "{HEADER}")?;
     for case in cases(Path::new(&folder))? {
-        let method = Method { up: case.up, ..Method::default() };
+        let method = Method { up: case.up, surface: surface_method(), ..Method::default() };
         let extraction = extract(&case.bytes, Format::Obj, &method)?;
         let skin = read(
             &fs::read(Path::new(&folder).join(format!("{}.skin.ply", case.name)))?,
@@ -127,4 +127,19 @@ fn row(
         s[s.len() - 1],
         s.len()
     )
+}
+
+fn surface_method() -> gaiter::leg::method::SurfaceMethod {
+    let a: Vec<String> = std::env::args().skip(2).collect();
+    let mut m = gaiter::leg::method::SurfaceMethod::default();
+    for w in &a {
+        match w.as_str() {
+            "points" => m.from = gaiter::leg::method::SurfaceFrom::Points,
+            "uniform" => m.knots = gaiter::spline::Knots::Uniform,
+            "polished" => m.knots = gaiter::spline::Knots::Polished,
+            "adaptive" => m.knots = gaiter::spline::Knots::Adaptive,
+            other => { let (a,b) = other.split_once('x').unwrap(); m.control_points = Some([a.parse().unwrap(), b.parse().unwrap()]); }
+        }
+    }
+    m
 }

@@ -82,6 +82,7 @@ pub fn leg_report(
     };
     if let Some(surface) = &surface {
         findings.about_extent(surface, wanted_mm);
+        findings.about_holes(surface);
     }
     let volume = leg_volume(&sections, &curve, &landmarks);
     let at = at_heights(&curve, &method.at_heights_mm, near);
@@ -204,5 +205,21 @@ impl Findings {
         if from_mm > wanted_from_mm || to_mm < wanted_to_mm {
             self.add(None, What::SurfaceShort { from_mm, to_mm, wanted_from_mm, wanted_to_mm });
         }
+    }
+
+    /// Holes that a surface bridges.
+    fn about_holes(&mut self, surface: &LegSurface) {
+        let Some(largest) = surface.holes().first() else { return };
+        let (along_mm, column) = (largest.along_mm, largest.column);
+        self.add(
+            None,
+            What::SurfaceHoles {
+                count: surface.holes().len(),
+                length_mm: largest.length_mm,
+                width_mm: largest.width_mm,
+                height_mm: surface.surface.point(along_mm, column).z,
+                angle_deg: surface.columns.angle(along_mm, column).to_degrees(),
+            },
+        );
     }
 }

@@ -15,8 +15,8 @@ use super::sections::Sections;
 use super::segment::Leg;
 use super::span::span;
 use crate::spline::{
-    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, Surface, fit_cloud,
-    fit_grid_by,
+    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, KnotsUsed, Surface,
+    SurfaceFit, fit_cloud, fit_grid_by,
 };
 use nalgebra::Point3;
 
@@ -54,6 +54,8 @@ pub struct LegSurface {
     pub columns: Columns,
     /// What of it was seen, with the holes that it bridges.
     pub coverage: Coverage,
+    /// Where its knots lie along and around.
+    pub knots: [KnotsUsed; 2],
     /// Height of the lower and the upper end's centre above the floor, mm.
     pub height_mm: [f64; 2],
     /// How far the measured sections lie from it, where the skin was seen.
@@ -128,9 +130,10 @@ pub fn surface(
     };
     let grid = Grid::of(axis, &outlines, &columns);
     let fit = fitted(&grid, &levels, method)?;
+    let knots = fit.knots;
     let surface = match method.from {
-        SurfaceFrom::Sections => fit,
-        SurfaceFrom::Points => through_points(leg, axis, &outlines, &columns, &fit)?,
+        SurfaceFrom::Sections => fit.surface,
+        SurfaceFrom::Points => through_points(leg, axis, &outlines, &columns, &fit.surface)?,
     };
     let frame = Frame { axis, outlines: &outlines, columns: &columns, surface: &surface };
     let coverage = frame.coverage(leg);
@@ -148,11 +151,20 @@ pub fn surface(
     };
     let height_mm = [&outlines[0], &outlines[outlines.len() - 1]]
         .map(|outline| axis.at(outline.along_mm, &outline.centre).z);
-    Ok(LegSurface { height_mm, to_sections, in_holes, to_points, coverage, columns, surface })
+    Ok(LegSurface {
+        height_mm,
+        to_sections,
+        in_holes,
+        to_points,
+        coverage,
+        columns,
+        knots,
+        surface,
+    })
 }
 
 /// The surface through a grid, with a row of knots at each level.
-fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<Surface, FitFault> {
+fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<SurfaceFit, FitFault> {
     let along = &grid.along_mm;
     let (low, high) = (along[0], along[along.len() - 1]);
     let rows = ((high - low) / ROW_MM).round() as usize + DEGREE;
@@ -164,7 +176,7 @@ fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<Surface
     };
     let domain = GridDomain { along: [low, high], around_from: -PI, period: TAU };
     let data = GridData { along, around: &grid.columns, points: &grid.points };
-    Ok(fit_grid_by(&data, &domain, &method)?.surface)
+    fit_grid_by(&data, &domain, &method)
 }
 
 /// The surface with the knots of another one, through the scan's own points.

@@ -21,6 +21,17 @@ pub enum Knots {
     Polished,
 }
 
+impl Knots {
+    /// The word used in configurations and records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Knots::Uniform => "uniform",
+            Knots::Adaptive => "adaptive",
+            Knots::Polished => "polished",
+        }
+    }
+}
+
 /// Where the knots of a fit do lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KnotsUsed {
@@ -36,6 +47,20 @@ pub enum KnotsUsed {
     Polished,
     /// At equal distances, though others were asked for: theirs left no smaller residual.
     UniformInstead,
+}
+
+impl KnotsUsed {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            KnotsUsed::Given => "given",
+            KnotsUsed::Uniform => "uniform",
+            KnotsUsed::Adaptive => "adaptive",
+            KnotsUsed::Widened => "widened",
+            KnotsUsed::Polished => "polished",
+            KnotsUsed::UniformInstead => "uniform-instead",
+        }
+    }
 }
 
 /// The knots of one direction.
