@@ -9,10 +9,10 @@ use std::f64::consts::{PI, TAU};
 
 use gaiter::leg::axis::{AxisFault, axis, principal_axis};
 use gaiter::leg::feature::features;
-use gaiter::leg::method::SectionFit;
+use gaiter::leg::method::{SectionFit, SurfaceMethod};
 use gaiter::leg::section::Section;
 use gaiter::leg::side::Side;
-use gaiter::leg::surface::surface;
+use gaiter::leg::surface::{Wanted, surface};
 use nalgebra::{Point3, Vector3};
 use solids::{
     CHORDS_MM, CROTCH_MM, REGULAR_MM, SCATTERED_MM, STATURE_MM, Tube, all, contour_mm, curve_of,
@@ -109,11 +109,14 @@ fn the_girth_of_a_cone_grows_evenly_and_its_surface_is_the_cone() {
     }
 
     let sections = tube.sections(SectionFit::Periodic);
-    let leg = surface(&tube.leg(), &sections, [100.0, 450.0]).unwrap();
+    let wanted = Wanted { height_mm: [100.0, 450.0], levels_mm: &[203.0] };
+    let leg = surface(&tube.leg(), &sections, &wanted, &SurfaceMethod::default()).unwrap();
     near(leg.to_sections.max_mm, 0.0, 0.01, "to sections");
     near(leg.to_points.max_mm, 0.0, 0.01, "to points");
     near(leg.height_mm[0], 100.0, 1e-6, "lower end");
-    near(leg.height_mm[1], 450.0, 1e-6, "upper end");
+    let highest = all(&sections).last().unwrap().height_mm;
+    near(leg.height_mm[1], highest, 1e-6, "upper end: as far as there are sections");
+    near(leg.girth_mm(203.0), TAU * shape(0.0, 203.0), 0.01, "girth");
     for (along, angle) in (0..36).map(|i| (100.0 + 10.0 * f64::from(i), f64::from(i) / 6.0 - PI)) {
         let point = leg.surface.point(along, angle);
         near(point.x.hypot(point.y), shape(0.0, point.z), 0.01, "surface");

@@ -12,13 +12,14 @@ use gaiter::leg::Level;
 use gaiter::leg::axis::LegAxis;
 use gaiter::leg::girth::{GirthCurve, girth_curve};
 use gaiter::leg::landmark::Landmark;
-use gaiter::leg::method::{B1, SectionFit};
+use gaiter::leg::method::{B1, SectionFit, SurfaceMethod};
 use gaiter::leg::search;
 use gaiter::leg::sections::{Sections, sections};
 use gaiter::leg::segment::Leg;
 use gaiter::leg::side::Side;
 use gaiter::leg::slice::Mesh;
-use gaiter::leg::surface::{LegSurface, surface};
+use gaiter::leg::surface::{LegSurface, Wanted, surface};
+use gaiter::spline::Knots;
 use nalgebra::{Point3, Vector3};
 
 /// The stature that goes with the leg: levels are looked for from 0.045 of it.
@@ -172,27 +173,42 @@ fn true_error(leg: &LegSurface) -> [f64; 3] {
     [relative / weight, sum / weight, max]
 }
 
-#[test]
-fn the_surface_from_ankle_to_knee_meets_the_limits_of_the_reference() {
+/// The surface from 80 mm up.
+fn surface_by(method: &SurfaceMethod) -> LegSurface {
     let leg = leg(180, 2.5);
     let sections = horizontal(&leg, SectionFit::Periodic);
-    let found = surface(&leg, &sections, [80.0, 440.0]).unwrap();
-    assert_eq!([found.surface.along().count(), found.surface.around().count()], [30, 24]);
-    // nurbs.md, acceptance limits: clean test leg, 30 × 24.
-    let [relative, _, max_mm] = true_error(&found);
-    assert!(relative <= 0.000_2 && max_mm <= 0.15, "{relative} {max_mm}");
-    assert!(found.to_points.mean_relative <= 0.000_2, "{:?}", found.to_points);
-    assert!(found.to_points.max_mm <= 0.15, "{:?}", found.to_points);
+    let wanted = Wanted { height_mm: [40.0, 440.0], levels_mm: &[112.8, 308.8, 398.0] };
+    surface(&leg, &sections, &wanted, method).unwrap()
 }
 
 #[test]
-fn the_surface_of_the_whole_leg_is_no_worse_than_plain_least_squares_and_says_so() {
-    let leg = leg(180, 2.5);
-    let sections = horizontal(&leg, SectionFit::Periodic);
-    let found = surface(&leg, &sections, [40.0, 795.0]).unwrap();
-    // nurbs.md 3, uniform knots, 30 × 24, whole leg: 0.0546 %, 0.0273 mm, 1.39 mm.
-    let [relative, mean_mm, max_mm] = true_error(&found);
-    assert!(relative <= 0.000_546 && mean_mm <= 0.0273 && max_mm <= 1.39, "{relative} {mean_mm}");
-    // The error that the surface states of itself is the true one.
-    near(found.to_sections.mean_relative / relative, 1.0, 0.1, "stated over true error");
+fn the_surface_of_the_whole_leg_meets_the_limits_of_the_reference() {
+    let found = surface_by(&SurfaceMethod::default());
+    // nurbs.md, acceptance limits: clean test leg, the larger net.
+    let [relative, _, max_mm] = true_error(&found);
+    assert!(relative <= 0.000_05 && max_mm <= 0.15, "{relative} {max_mm}");
+    assert!(found.to_points.mean_relative <= 0.000_05, "{:?}", found.to_points);
+    assert!(found.to_points.max_mm <= 0.15, "{:?}", found.to_points);
+    // The levels are knots.
+    for level_mm in [112.8, 308.8, 398.0] {
+        let far = found.surface.along().breakpoints().iter().map(|knot| (knot - level_mm).abs());
+        near(far.fold(f64::INFINITY, f64::min), 0.0, 1e-9, "knot at a level");
+        near(found.girth_mm(level_mm), test_leg::circumference(level_mm), 0.05, "girth");
+    }
+}
+
+#[test]
+fn a_surface_of_few_control_points_says_how_far_off_it_is() {
+    for (knots, most) in [(Knots::Uniform, 0.000_9), (Knots::Polished, 0.000_4)] {
+        let found = surface_by(&SurfaceMethod {
+            control_points: Some([30, 24]),
+            knots,
+            ..Default::default()
+        });
+        assert_eq!([found.surface.along().count(), found.surface.around().count()], [30, 24]);
+        let [relative, ..] = true_error(&found);
+        assert!(relative <= most, "{knots:?} {relative}");
+        // The error that the surface states of itself is the true one.
+        near(found.to_sections.mean_relative / relative, 1.0, 0.1, "stated over true error");
+    }
 }

@@ -1,31 +1,32 @@
 //! How far the surface reaches: the sections that it is laid through.
 
-use super::section::{Outline, SPACING_MM};
+use super::section::{Outline, Section};
 use super::sections::Sections;
 
-/// A section of which no more than this was not seen lends the surface what was, degrees.
+/// A section that is not measured lends the surface what was seen of it, unless this much was not,
+/// degrees.
 const GAP_MAX_DEG: f64 = 180.0;
 
-/// Skin of which nothing was seen for this length is not bridged, mm: a calf's girth may turn
-/// within it.
+/// Skin without a measured section for more than this length is not bridged, mm: a calf's girth may
+/// turn within it.
 const BAND_MAX_MM: f64 = 40.0;
 
-/// The outlines of the longest part of the leg, among those that cover most of the heights, in
-/// which no band of sections is missing; it begins with the highest section that is not above the
-/// lower height. Ascending.
+/// The outlines of the part of the leg that covers most of the heights and has no wider band
+/// without a measured section; it begins with the highest one that is not above the lower height.
+/// Ascending.
 pub fn span(sections: &Sections, [low_mm, high_mm]: [f64; 2]) -> Vec<Outline> {
-    let axis = &sections.axis;
-    let height_mm = |outline: &Outline| axis.at(outline.along_mm, &outline.centre).z;
-    let seen = sections.rows.iter().filter_map(|row| sections.outline(row, GAP_MAX_DEG));
-    let seen: Vec<Outline> = seen.collect();
-    let parts = seen.chunk_by(|low, high| high.along_mm - low.along_mm <= BAND_MAX_MM + SPACING_MM);
-    let covered_mm = |part: &&[Outline]| {
+    let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
+    let measured: Vec<&Section> = measured.collect();
+    let parts = measured.chunk_by(|low, high| high.along_mm - low.along_mm <= BAND_MAX_MM);
+    let covered_mm = |part: &&[&Section]| {
         let (Some(first), Some(last)) = (part.first(), part.last()) else { return 0.0 };
-        height_mm(last).min(high_mm) - height_mm(first).max(low_mm)
+        last.height_mm.min(high_mm) - first.height_mm.max(low_mm)
     };
     let Some(part) = parts.max_by(|a, b| covered_mm(a).total_cmp(&covered_mm(b))) else {
         return Vec::new();
     };
-    let first = part.iter().rposition(|outline| height_mm(outline) <= low_mm).unwrap_or(0);
-    part[first..].to_vec()
+    let first = part.iter().rposition(|section| section.height_mm <= low_mm).unwrap_or(0);
+    let (from_mm, to_mm) = (part[first].along_mm, part[part.len() - 1].along_mm);
+    let rows = sections.rows.iter().filter(|row| (from_mm..=to_mm).contains(&row.along_mm));
+    rows.filter_map(|row| sections.outline(row, GAP_MAX_DEG)).collect()
 }

@@ -29,7 +29,7 @@ const COLUMNS: usize = 36;
 /// Rows of the grid needed for each row of control points, so that none is left to the ridge.
 const ROWS_PER_CONTROL_ROW: f64 = 1.25;
 
-/// The fewest sections that make a surface: 10 cm of a leg.
+/// The fewest sections of what must be covered that make a surface: 10 cm of a leg.
 const ROWS_MIN: usize = 20;
 
 /// Angles at which a section is compared with the surface: none of them a column of the grid.
@@ -71,11 +71,11 @@ pub struct LegSurface {
 pub enum NoSurface {
     /// Too little of the leg is seen.
     #[error(
-        "no surface: between {from_mm:.0} and {to_mm:.0} mm only {rows} sections in a row are seen \
-         half around or more, where it needs {needed}"
+        "no surface: between {from_mm:.0} and {to_mm:.0} mm only {rows} sections are seen without a \
+         band between them, where it needs {needed}"
     )]
     TooFewRows {
-        /// Sections in a row.
+        /// Sections in the longest part.
         rows: usize,
         /// Sections needed.
         needed: usize,
@@ -109,9 +109,13 @@ pub fn surface(
     wanted: &Wanted,
     method: &SurfaceMethod,
 ) -> Result<LegSurface, NoSurface> {
+    let axis = &sections.axis;
     let mut outlines = span(sections, wanted.height_mm);
     let [from_mm, to_mm] = wanted.height_mm;
-    let (rows, needed) = (outlines.len(), ROWS_MIN);
+    let is_wanted = |outline: &&Outline| {
+        (from_mm..=to_mm).contains(&axis.at(outline.along_mm, &outline.centre).z)
+    };
+    let (rows, needed) = (outlines.iter().filter(is_wanted).count(), ROWS_MIN);
     let too_few = NoSurface::TooFewRows { rows, needed, from_mm, to_mm };
     let (Some(low), Some(high)) = (outlines.first(), outlines.last()) else { return Err(too_few) };
     let (low, high) = (low.along_mm, high.along_mm);
@@ -123,7 +127,6 @@ pub fn surface(
     outlines.extend(sections.at(leg, &levels).iter().flatten().map(Outline::from));
     outlines.sort_by(|a, b| a.along_mm.total_cmp(&b.along_mm));
 
-    let axis = &sections.axis;
     let measured: Vec<&Section> = measured(sections, low, high).collect();
     let Some(columns) = Columns::following(&ridges(axis, &measured), low, high) else {
         return Err(too_few);
