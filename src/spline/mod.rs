@@ -19,6 +19,7 @@
 
 pub mod basis;
 mod chord;
+mod cross_validation;
 mod distinct;
 pub mod fit;
 pub mod foot;
@@ -30,6 +31,7 @@ mod least_squares;
 mod marks;
 mod marquardt;
 mod normal;
+mod outliers;
 mod penalty;
 mod polish;
 mod profiles;
@@ -46,7 +48,7 @@ pub use basis::{Basis, BasisFault, DEGREE, Row};
 pub use chord::mean_chord_parameters;
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
-pub use grid_fit::{GridDomain, GridMethod, fit_grid_by};
+pub use grid_fit::{GridDomain, GridMethod, GridSmoothing, fit_grid_by};
 pub use knot_choice::{Knots, KnotsUsed};
 pub use robust::{Robust, robust_fit};
 pub use schoenberg_whitney::{Undetermined, determines};
