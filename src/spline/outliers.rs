@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 use super::basis::Basis;
 use super::least_squares::LeastSquares;
 use super::robust::biweights;
-use super::surface::{Surface, SurfaceFault};
+use super::surface::SurfaceFault;
 use super::surface_fit::{GridData, surface};
 
 /// Beyond this many standard deviations Huber's weights begin to fall; 96 % efficiency with normal
@@ -43,7 +43,7 @@ pub struct Cleaned {
 /// equations give. `start` are points from which to begin, the data or an earlier result.
 ///
 /// # Errors
-/// As [`Surface::new`].
+/// As [`super::Surface::new`].
 pub fn cleaned(
     data: &GridData,
     solver: &[LeastSquares; 2],
