@@ -140,29 +140,51 @@ fn a_hole_of_half_the_grid_is_refused() {
 }
 
 #[test]
-fn a_small_gap_is_bridged() {
-    // Eight of 80 sections are missing above the knee.
-    let part = Part::new(|i| !(52..60).contains(&i), |_| true);
-    for knots in [Knots::Uniform, Knots::Adaptive, Knots::Polished] {
-        let fit = part.fit(&GridMethod { knots, ..plain([30, 24]) }).unwrap();
-        let missed = (0..72).map(|j| {
-            let there = fit.surface.point(55.5 / 79.0, f64::from(j) / 72.0);
-            test_leg::outside_mm(&there).abs()
-        });
-        let missed = missed.fold(0.0, f64::max);
-        assert!(missed < 2.0, "{knots:?}: {missed} mm");
+fn an_end_without_data_is_refused() {
+    let part = Part::new(|i| i >= 5, |_| true);
+    let fault = part.refused(&plain([30, 24]));
+    let gap = |to| matches!(fault, FitFault::Gap { from: 0.0, to: end, .. } if end == to);
+    assert!(gap(5.0 / 79.0), "{fault}");
+    assert!(Part::new(|i| i >= 2, |_| true).fit(&plain([30, 24])).is_ok());
+}
+
+#[test]
+fn a_small_gap_is_bridged_and_told() {
+    // Eight sections are missing, above the knee and below the calf.
+    for (first, limit_mm) in [(52, 0.5), (20, 0.6)] {
+        let part = Part::new(|i| !(first..first + 8).contains(&i), |_| true);
+        for knots in [Knots::Uniform, Knots::Adaptive, Knots::Polished] {
+            let fit = part.fit(&GridMethod { knots, ..plain([30, 24]) }).unwrap();
+            let middle = (first as f64 + 3.5) / 79.0;
+            let there = (0..72).map(|j| fit.surface.point(middle, f64::from(j) / 72.0));
+            let missed = there.map(|point| test_leg::outside_mm(&point).abs()).fold(0.0, f64::max);
+            assert!(missed < limit_mm, "{first} {knots:?}: {missed} mm");
+            let [from, to] = fit.gaps[0][0];
+            let told = [from * 79.0, to * 79.0].map(f64::round);
+            assert_eq!(told, [first as f64 - 1.0, first as f64 + 8.0]);
+            assert!(fit.gaps[0].len() == 1 && fit.gaps[1].is_empty());
+        }
     }
 }
 
 #[test]
+fn columns_are_bridged_across_the_seam() {
+    let part = Part::new(|_| true, |j| (3..69).contains(&j));
+    let fit = part.fit(&plain([30, 24])).unwrap();
+    assert_eq!((fit.gaps[0].len(), fit.gaps[1].len()), (0, 1));
+    let seam = (0..40).map(|i| fit.surface.point(f64::from(i) / 39.0, 0.0));
+    let missed = seam.map(|point| test_leg::outside_mm(&point).abs()).fold(0.0, f64::max);
+    assert!(missed < 3.0, "{missed} mm");
+}
+
+#[test]
 fn knots_are_widened_where_the_data_are_too_thin_for_them() {
-    // Every fourth section, except close together where little happens: adaptive knots crowd
-    // where the data do not.
-    let part = Part::new(|i| i % 4 == 0 || i >= 60, |_| true);
-    let fit = part.fit(&plain([34, 24])).unwrap();
-    println!("{:?} {}", fit.knots, fit.smallest_pivot);
+    // As many sections as control points, which adaptive knots do not share evenly.
+    let part = Part::new(|i| i % 2 == 0, |_| true);
+    let fit = part.fit(&plain([40, 24])).unwrap();
     assert_eq!(fit.knots[0], KnotsUsed::Widened);
     assert!(fit.smallest_pivot > 1e-9, "{}", fit.smallest_pivot);
+    assert!(fit.rms_mm < 0.05 && fit.max_mm < 1.0, "{} {}", fit.rms_mm, fit.max_mm);
 }
 
 #[test]

@@ -32,7 +32,7 @@ fn breakpoints(steps: &[f64]) -> Vec<f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(ProptestConfig { failure_persistence: None, cases: 300, ..Default::default() })]
 
     /// Clamped: refused exactly where the rank falls short. Values on a coarse raster make both
     /// happen, and keep singular values apart from rounding.

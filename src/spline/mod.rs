@@ -18,6 +18,7 @@
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod basis;
+mod bridge;
 mod chord;
 mod cross_validation;
 mod distinct;
