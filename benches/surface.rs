@@ -6,8 +6,8 @@ mod test_leg;
 
 use divan::Bencher;
 use gaiter::spline::{
-    Basis, FitFault, GridData, GridDomain, GridMethod, Knots, SurfaceFit, fit_grid, fit_grid_by,
-    mean_chord_parameters,
+    Basis, FitFault, GridData, GridDomain, GridMethod, GridSmoothing, Knots, SurfaceFit, fit_grid,
+    fit_grid_by, mean_chord_parameters,
 };
 use nalgebra::Point3;
 
@@ -54,7 +54,13 @@ fn a_plain_fit_of_a_grid(bencher: Bencher) {
 
 fn by_itself(leg: &Leg, knots: Knots) -> Result<SurfaceFit, FitFault> {
     let domain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
-    let method = GridMethod { control_points: [30, 24], knots, marks: [vec![], vec![]] };
+    let method = GridMethod {
+        control_points: [30, 24],
+        knots,
+        smoothing: GridSmoothing::None,
+        robust: false,
+        marks: [vec![], vec![]],
+    };
     fit_grid_by(&leg.data(), &domain, &method)
 }
 

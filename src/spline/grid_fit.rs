@@ -1,10 +1,18 @@
 //! The surface through a grid of points, with knots that it finds itself.
 
+use nalgebra::Point3;
+
+use super::basis::Basis;
+use super::bridge::Bridged;
+use super::cross_validation::{Smoothest, Spectrum, best_by_gcv};
 use super::distinct::check_lines;
 use super::fit::FitFault;
-use super::knot_choice::{Knots, Wish, chosen};
+use super::knot_choice::{Knots, Wish, chosen, equal_spans};
+use super::knots::fine;
+use super::normal::RIDGE;
+use super::outliers::{Cleaned, cleaned};
 use super::profiles::{Domain, Profiles};
-use super::surface_fit::{GridData, SurfaceFit, check, fit_grid};
+use super::surface_fit::{GridData, SurfaceFit, check, flat, judged, solver, surface};
 
 /// How to fit a grid. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,9 +21,23 @@ pub struct GridMethod {
     pub control_points: [usize; 2],
     /// Where the knots lie.
     pub knots: Knots,
+    /// How noise is smoothed away.
+    pub smoothing: GridSmoothing,
+    /// Whether points far from the surface lose their weight.
+    pub robust: bool,
     /// Parameters that are to be knots, such as anatomical sections: the nearest one is moved
     /// there.
     pub marks: [Vec<f64>; 2],
+}
+
+/// How a fit of a grid is to smooth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum GridSmoothing {
+    /// Plain least squares.
+    None,
+    /// The smoothing of least generalised cross-validation score, along and around by themselves;
+    /// right for independent errors. The knots are then found in the smoothed data.
+    Gcv,
 }
 
 /// Where the surface's parameters live.
@@ -29,7 +51,7 @@ pub struct GridDomain {
     pub period: f64,
 }
 
-/// Fits a surface as `method` says. See [`fit_grid`] for the equations.
+/// Fits a surface as `method` says. See [`super::fit_grid`] for the equations.
 ///
 /// Gaps of a few spans are bridged; data that leave more open are refused, as are data that would
 /// only make a surface by solving nonsense.
@@ -44,15 +66,98 @@ pub fn fit_grid_by(
 ) -> Result<SurfaceFit, FitFault> {
     check(data)?;
     let wishes = wishes(domain, method)?;
-    let profiles = [Profiles::along(data), Profiles::around(data)];
-    for (profiles, wish) in profiles.iter().zip(&wishes) {
-        check_lines(profiles, wish)?;
+    check_lines(&Profiles::along(data), &wishes[0])?;
+    check_lines(&Profiles::around(data), &wishes[1])?;
+
+    let equal = [equal_spans(data.along, &wishes[0])?, equal_spans(data.around, &wishes[1])?];
+
+    let domains = wishes.map(|wish| wish.domain);
+    let whole = Bridged::new(data, domains, wishes.map(|wish| wish.spans));
+    let grid = whole.data();
+    let first = without_outliers(&grid, grid.points, &equal, method)?;
+    let shape = denoised(&GridData { points: &first.points, ..grid }, domains, method)?;
+    let shape = GridData { points: &shape, ..grid };
+    let along = chosen(&Profiles::along(&shape), &wishes[0])?;
+    let around = chosen(&Profiles::around(&shape), &wishes[1])?;
+
+    let bases = [along.basis, around.basis];
+    let Cleaned { points, outliers } = without_outliers(&grid, &first.points, &bases, method)?;
+    let clean = GridData { points: &points, ..grid };
+    let Smoothest { lambdas, edf } = smoothest(&clean, &bases, method)?;
+    let solver = solver(&clean, [&bases[0], &bases[1]], lambdas)?;
+    let [basis_along, basis_around] = bases;
+    let surface = surface(&solver, clean.points, basis_along, basis_around)?;
+    let outliers = given(&outliers, grid.around.len(), data);
+    Ok(SurfaceFit {
+        knots: [along.used, around.used],
+        marks_missed: [along.missed, around.missed],
+        edf,
+        gaps: whole.gaps.clone(),
+        ..judged(surface, data, &solver, lambdas, edf, outliers)
+    })
+}
+
+/// The places in a grid with lines added at its end that are places of the given data.
+fn given(places: &[usize], columns: usize, data: &GridData) -> Vec<usize> {
+    let places = places.iter().map(|place| (place / columns, place % columns));
+    let within = places.filter(|(i, j)| *i < data.along.len() && *j < data.around.len());
+    within.map(|(i, j)| i * data.around.len() + j).collect()
+}
+
+/// The smoothing that the method asks for.
+fn smoothest(
+    data: &GridData,
+    bases: &[Basis; 2],
+    method: &GridMethod,
+) -> Result<Smoothest, FitFault> {
+    match method.smoothing {
+        GridSmoothing::None => {
+            let edf = (bases[0].count() * bases[1].count()) as f64;
+            Ok(Smoothest { lambdas: [RIDGE; 2], edf })
+        }
+        GridSmoothing::Gcv => {
+            let along = Spectrum::new(&bases[0], data.along)?;
+            let around = Spectrum::new(&bases[1], data.around)?;
+            Ok(best_by_gcv(&[along, around], &flat(data.points)))
+        }
     }
-    let along = chosen(&profiles[0], &wishes[0])?;
-    let around = chosen(&profiles[1], &wishes[1])?;
-    let fit = fit_grid(data, along.basis, around.basis)?;
-    let marks_missed = [along.missed, around.missed];
-    Ok(SurfaceFit { knots: [along.used, around.used], marks_missed, ..fit })
+}
+
+/// The points without outliers, if the method asks for it, judged by the surface in these bases
+/// with the smoothing that the points of an earlier round need.
+fn without_outliers(
+    data: &GridData,
+    earlier: &[Point3<f64>],
+    bases: &[Basis; 2],
+    method: &GridMethod,
+) -> Result<Cleaned, FitFault> {
+    if !method.robust {
+        return Ok(Cleaned { points: data.points.to_vec(), outliers: Vec::new() });
+    }
+    let bases_used = [&bases[0], &bases[1]];
+    let smoothest = smoothest(&GridData { points: earlier, ..*data }, bases, method)?;
+    let solver = solver(data, bases_used, smoothest.lambdas)?;
+    Ok(cleaned(data, &solver, bases_used, earlier)?)
+}
+
+/// The points by which knots are placed: those of a fine fit where noise is to be smoothed, which
+/// knots would otherwise follow.
+fn denoised(
+    data: &GridData,
+    [along, around]: [Domain; 2],
+    method: &GridMethod,
+) -> Result<Vec<Point3<f64>>, FitFault> {
+    if method.smoothing == GridSmoothing::None || method.knots == Knots::Uniform {
+        return Ok(data.points.to_vec());
+    }
+    let bases = [
+        along.basis(&fine(data.along.len(), &along))?,
+        around.basis(&fine(data.around.len(), &around))?,
+    ];
+    let smoothest = smoothest(data, &bases, method)?;
+    let solver = solver(data, [&bases[0], &bases[1]], smoothest.lambdas)?;
+    let [along, around] = bases;
+    Ok(surface(&solver, data.points, along, around)?.grid(data.along, data.around))
 }
 
 /// What is asked of either direction.

@@ -76,18 +76,23 @@ impl Domain {
         if self.periodic { start + (place - start).rem_euclid(period) } else { place }
     }
 
-    /// The two ends of the widest stretch without a place.
-    pub fn widest_gap(&self, places: &[f64]) -> [f64; 2] {
+    /// The stretches between neighbouring places, each with its two ends; where clamped, with those
+    /// at the ends of the domain, which may be empty.
+    pub fn stretches(&self, places: &[f64]) -> Vec<[f64; 2]> {
         let places = self.homed(places, self.from);
         let (Some(first), Some(last)) = (places.first(), places.last()) else {
-            return [self.from, self.to];
-        };
-        let ends = match self.periodic {
-            true => vec![[*last, first + (self.to - self.from)]],
-            false => vec![[self.from, *first], [*last, self.to]],
+            return vec![[self.from, self.to]];
         };
         let inner = places.windows(2).map(|pair| [pair[0], pair[1]]);
+        match self.periodic {
+            true => inner.chain([[*last, first + (self.to - self.from)]]).collect(),
+            false => inner.chain([[self.from, *first], [*last, self.to]]).collect(),
+        }
+    }
+
+    /// The two ends of the widest stretch without a place.
+    pub fn widest_gap(&self, places: &[f64]) -> [f64; 2] {
         let wider = |a: &[f64; 2], b: &[f64; 2]| (a[1] - a[0]).total_cmp(&(b[1] - b[0]));
-        inner.chain(ends).max_by(wider).unwrap_or([self.from, self.to])
+        self.stretches(places).into_iter().max_by(wider).unwrap_or([self.from, self.to])
     }
 }
