@@ -5,7 +5,10 @@
 mod test_leg;
 
 use divan::Bencher;
-use gaiter::spline::{Basis, GridData, fit_grid, mean_chord_parameters};
+use gaiter::spline::{
+    Basis, FitFault, GridData, GridDomain, GridMethod, Knots, SurfaceFit, fit_grid, fit_grid_by,
+    mean_chord_parameters,
+};
 use nalgebra::Point3;
 
 fn main() {
@@ -47,4 +50,22 @@ fn a_plain_fit_of_a_grid(bencher: Bencher) {
         let around = Basis::uniform_periodic(0.0, 1.0, 24).unwrap_or_else(|fault| stop(&fault));
         fit_grid(&leg.data(), along, around)
     });
+}
+
+fn by_itself(leg: &Leg, knots: Knots) -> Result<SurfaceFit, FitFault> {
+    let domain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
+    let method = GridMethod { control_points: [30, 24], knots, marks: [vec![], vec![]] };
+    fit_grid_by(&leg.data(), &domain, &method)
+}
+
+#[divan::bench]
+fn b_adaptive_fit_of_a_grid(bencher: Bencher) {
+    let leg = Leg::new();
+    bencher.bench(|| by_itself(&leg, Knots::Adaptive));
+}
+
+#[divan::bench]
+fn c_polished_fit_of_a_grid(bencher: Bencher) {
+    let leg = Leg::new();
+    bencher.bench(|| by_itself(&leg, Knots::Polished));
 }

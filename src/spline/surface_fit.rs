@@ -3,7 +3,8 @@
 use nalgebra::Point3;
 
 use super::basis::Basis;
-use super::fit::{FitFault, check_places};
+use super::fit::{FitFault, LEAST_FREEDOM, check_places};
+use super::knot_choice::KnotsUsed;
 use super::least_squares::LeastSquares;
 use super::normal::RIDGE;
 use super::surface::{Surface, SurfaceFault};
@@ -32,6 +33,19 @@ pub struct SurfaceFit {
     /// The lesser [`super::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12 the grid does not
     /// determine all control points and the ridge chose among the solutions.
     pub smallest_pivot: f64,
+    /// Where the knots along and around come from.
+    pub knots: [KnotsUsed; 2],
+    /// Marks along and around that could not be knots: another mark or an end is too near.
+    pub marks_missed: [Vec<f64>; 2],
+    /// The smoothing along and around, the ridge of 1e-12 included: at 1 the penalty on the third
+    /// derivative has the trace of the data.
+    pub lambdas: [f64; 2],
+    /// Effective degrees of freedom, at most the number of control points.
+    pub edf: f64,
+    /// Standard deviation of a point, all coordinates together, √(Σ r² / (m − edf)), mm. Infinite
+    /// where the data leave less than half a degree of freedom. Without smoothing it holds what
+    /// the surface cannot follow besides the noise.
+    pub sigma_mm: f64,
 }
 
 /// The tensor-product least-squares surface C = (AᵀA + ridge)⁻¹ Aᵀ P B (BᵀB + ridge)⁻¹.
@@ -54,9 +68,7 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
         LeastSquares::new(&around, data.around, RIDGE)?,
     ];
     let surface = surface(&solver, data.points, along, around)?;
-    let (rms_mm, max_mm) = residuals(&surface, data);
-    let smallest_pivot = solver[0].smallest_pivot().min(solver[1].smallest_pivot());
-    Ok(SurfaceFit { surface, rms_mm, max_mm, smallest_pivot })
+    Ok(judged(surface, data, &solver, [RIDGE; 2]))
 }
 
 /// The surface of the points, with the equations along and around.
@@ -72,6 +84,35 @@ pub(super) fn surface(
     let control = transposed(&by_column, columns, rows);
     let control = control.chunks_exact(3).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect();
     Surface::new(basis_along, basis_around, control)
+}
+
+/// The fit of a surface that keeps all its degrees of freedom.
+fn judged(
+    surface: Surface,
+    data: &GridData,
+    solver: &[LeastSquares; 2],
+    lambdas: [f64; 2],
+) -> SurfaceFit {
+    let (rms_mm, max_mm) = residuals(&surface, data);
+    let smallest_pivot = solver[0].smallest_pivot().min(solver[1].smallest_pivot());
+    let edf = surface.control_points().len().min(data.points.len()) as f64;
+    SurfaceFit {
+        surface,
+        rms_mm,
+        max_mm,
+        smallest_pivot,
+        knots: [KnotsUsed::Given; 2],
+        marks_missed: [Vec::new(), Vec::new()],
+        lambdas,
+        edf,
+        sigma_mm: spread(rms_mm, data.points.len(), edf),
+    }
+}
+
+/// Standard deviation of one of `data` points of which a fit leaves this root mean square.
+pub(super) fn spread(rms_mm: f64, data: usize, edf: f64) -> f64 {
+    let freedom = data as f64 - edf;
+    if freedom > LEAST_FREEDOM { rms_mm * (data as f64 / freedom).sqrt() } else { f64::INFINITY }
 }
 
 /// The coordinates of points, one after another.
