@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 
 use chance::Chance;
 use gaiter::spline::{
-    Basis, CloudData, CloudFit, CloudMethod, CloudSmoothing, FitFault, GridDomain, GridMethod,
+    Basis, CloudData, CloudFit, CloudKnots, CloudMethod, CloudSmoothing, FitFault, GridDomain,
     Knots, Middle, Surface, fit_cloud, fit_cloud_by,
 };
 use nalgebra::{Point2, Point3, Vector3};
@@ -262,7 +262,7 @@ fn a_fit_that_finds_its_knots_refuses_by_the_control_points_asked_for() {
     let (points, around) = scattered(500, 0.5, 8);
     let domain = GridDomain { along: [0.0, HEIGHT_MM], around_from: 0.0, period: 1.0 };
     let with = |control_points, points: &[Point3<f64>]| {
-        let knots = GridMethod { control_points, knots: Knots::Adaptive, marks: [vec![], vec![]] };
+        let knots = CloudKnots { control_points, knots: Knots::Adaptive, marks: [vec![], vec![]] };
         let data = CloudData { points, around: &around };
         fit_cloud_by(&data, &domain, &knots, &CloudMethod::default())
     };

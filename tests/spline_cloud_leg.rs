@@ -5,7 +5,7 @@
 mod support;
 
 use gaiter::spline::{
-    Basis, CloudData, CloudFit, CloudMethod, CloudSmoothing, GridDomain, GridMethod, Knots, Middle,
+    Basis, CloudData, CloudFit, CloudKnots, CloudMethod, CloudSmoothing, GridDomain, Knots, Middle,
     Surface, fit_cloud, fit_cloud_by,
 };
 use nalgebra::Point3;
@@ -32,7 +32,7 @@ fn error_of(fit: &CloudFit) -> [f64; 4] {
 fn fitted(points: &[Point3<f64>], control_points: [usize; 2], knots: Knots) -> CloudFit {
     let around = Middle::of(points).unwrap().turns(points);
     let domain = GridDomain { along: [0.0, test_leg::HEIGHT_MM], around_from: 0.0, period: 1.0 };
-    let knots = GridMethod { control_points, knots, marks: [vec![], vec![]] };
+    let knots = CloudKnots { control_points, knots, marks: [vec![], vec![]] };
     let data = CloudData { points, around: &around };
     fit_cloud_by(&data, &domain, &knots, &CloudMethod::default()).unwrap()
 }

@@ -3,7 +3,9 @@
 
 mod support;
 
-use gaiter::spline::{GridData, GridDomain, GridMethod, Knots, KnotsUsed, SurfaceFit, fit_grid_by};
+use gaiter::spline::{
+    GridData, GridDomain, GridMethod, GridSmoothing, Knots, KnotsUsed, SurfaceFit, fit_grid_by,
+};
 use support::metric::{parameters, true_error};
 use support::test_leg;
 
@@ -13,7 +15,13 @@ fn fitted(control_points: [usize; 2], knots: Knots) -> SurfaceFit {
     let points = test_leg::grid();
     let (along, around) = parameters(&points);
     let data = GridData { along: &along, around: &around, points: &points };
-    let method = GridMethod { control_points, knots, marks: [vec![], vec![]] };
+    let method = GridMethod {
+        control_points,
+        knots,
+        smoothing: GridSmoothing::None,
+        robust: false,
+        marks: [vec![], vec![]],
+    };
     fit_grid_by(&data, &WHOLE, &method).unwrap()
 }
 

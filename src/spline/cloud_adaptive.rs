@@ -7,10 +7,21 @@
 use super::basis::Basis;
 use super::cloud_fit::{CloudData, CloudFit, CloudMethod, fit_cloud};
 use super::fit::FitFault;
-use super::grid_fit::{GridDomain, GridMethod, wishes};
-use super::knot_choice::{Choice, chosen};
+use super::grid_fit::{GridDomain, GridMethod, GridSmoothing, wishes};
+use super::knot_choice::{Choice, Knots, chosen};
 use super::profiles::Profiles;
 use super::surface_fit::GridData;
+
+/// Which knots the surface through a cloud is to have. Pairs are along and around.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CloudKnots {
+    /// Rows and columns of control points, at least 4 each and together at most as many as points.
+    pub control_points: [usize; 2],
+    /// Where the knots lie.
+    pub knots: Knots,
+    /// Parameters that are to be knots: heights, and places around.
+    pub marks: [Vec<f64>; 2],
+}
 
 /// Control points along and around of the first fit where there are points enough.
 const FIRST: [usize; 2] = [48, 36];
@@ -32,14 +43,17 @@ const LOOKED_AT: [usize; 2] = [80, 72];
 pub fn fit_cloud_by(
     data: &CloudData,
     domain: &GridDomain,
-    knots: &GridMethod,
+    knots: &CloudKnots,
     method: &CloudMethod,
 ) -> Result<CloudFit, FitFault> {
-    let wishes = wishes(domain, knots)?;
-    let [rows, columns] = knots.control_points;
-    let (points, control_points) = (data.points.len(), rows * columns);
-    if points < control_points {
-        return Err(FitFault::TooFewPoints { points, control_points });
+    let CloudKnots { control_points, knots, marks } = knots.clone();
+    let (points, needed) = (data.points.len(), control_points[0].saturating_mul(control_points[1]));
+    // The first fit looks through the noise, so that the grid of it has none.
+    let (smoothing, robust) = (GridSmoothing::None, false);
+    let look = GridMethod { control_points, knots, smoothing, robust, marks };
+    let wishes = wishes(domain, &look)?;
+    if points < needed {
+        return Err(FitFault::TooFewPoints { points, control_points: needed });
     }
     let [rows, columns] = first_control_points(points);
     let [from, to] = domain.along;

@@ -24,9 +24,9 @@ const SMOOTHING: [(isize, f64); 5] =
 /// The lambda of the fine fit where the data have no noise; nurbs.md 6.4.
 pub const FINE_LAMBDA: f64 = 1e-9;
 
-/// The equal spans of the fine fit.
-pub fn fine(profiles: &Profiles, domain: &Domain) -> Vec<f64> {
-    let spans = (FINE_SHARE * profiles.places.len() as f64) as usize;
+/// The equal spans of the fine fit for so many places.
+pub fn fine(places: usize, domain: &Domain) -> Vec<f64> {
+    let spans = (FINE_SHARE * places as f64) as usize;
     domain.equal(spans.clamp(4, FINE_MOST))
 }
 
@@ -41,7 +41,7 @@ pub fn adaptive(
     spans: usize,
     lambda: f64,
 ) -> Result<Vec<f64>, FitFault> {
-    let fine = fine(profiles, domain);
+    let fine = fine(profiles.places.len(), domain);
     let cells = fine.len() - 1;
     let jumps = jumps(profiles, domain, &fine, lambda)?;
     let at = |jumps: &[f64], cell: isize| {

@@ -10,7 +10,13 @@
 //! | [`robust_fit`] | the same with outliers weighed down |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
 //! | [`foot`] | the nearest point of a surface |
+//! | [`curvature`], [`measure`] | Gauss and mean curvature; area, volume, girths |
 //! | [`surface_fit`] | least-squares surface through a grid of points |
+//! | [`middle`] | [`Middle`]: the middle line of a cloud, and so the points' places around |
+//! | [`cloud_fit`] | robust smoothing surface through scattered points |
+//! | `cells`, `cloud_equations`, `banded` | its equations: points summed cell by cell, and their solution |
+//! | `cloud_penalty`, `cloud_weights` | its choice of smoothing; what outliers count for |
+//! | `cloud_adaptive` | [`fit_cloud_by`]: the same with knots found in a first fit |
 //!
 //! Everything is of degree 3. Bases are clamped (functions on an interval) or periodic (closed
 //! curves, C2 at the seam by construction). Nothing here depends on the unit of the abscissa.
@@ -26,6 +32,7 @@ mod cloud_equations;
 pub mod cloud_fit;
 mod cloud_penalty;
 mod cloud_weights;
+mod cross_validation;
 pub mod curvature;
 mod distinct;
 pub mod fit;
@@ -41,6 +48,7 @@ mod marquardt;
 pub mod measure;
 pub mod middle;
 mod normal;
+mod outliers;
 mod penalty;
 mod polish;
 mod profiles;
@@ -55,12 +63,12 @@ mod tensor_fit;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
 pub use chord::mean_chord_parameters;
-pub use cloud_adaptive::fit_cloud_by;
+pub use cloud_adaptive::{CloudKnots, fit_cloud_by};
 pub use cloud_fit::{CloudData, CloudFit, CloudMethod, CloudSmoothing, fit_cloud};
 pub use curvature::Curvatures;
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
-pub use grid_fit::{GridDomain, GridMethod, fit_grid_by};
+pub use grid_fit::{GridDomain, GridMethod, GridSmoothing, fit_grid_by};
 pub use knot_choice::{Knots, KnotsUsed};
 pub use middle::Middle;
 pub use robust::{Robust, robust_fit};

@@ -7,6 +7,7 @@ use super::fit::{FitFault, LEAST_FREEDOM, check_places};
 use super::knot_choice::KnotsUsed;
 use super::least_squares::LeastSquares;
 use super::normal::RIDGE;
+use super::solve::Singular;
 use super::surface::{Surface, SurfaceFault};
 
 /// Points on a grid of parameters.
@@ -46,6 +47,9 @@ pub struct SurfaceFit {
     /// where the data leave less than half a degree of freedom. Without smoothing it holds what
     /// the surface cannot follow besides the noise.
     pub sigma_mm: f64,
+    /// Places of the points that a robust fit left out, ascending; they count in `rms_mm` and
+    /// `max_mm`, not in `sigma_mm`.
+    pub outliers: Vec<usize>,
 }
 
 /// The tensor-product least-squares surface C = (AᵀA + ridge)⁻¹ Aᵀ P B (BᵀB + ridge)⁻¹.
@@ -63,12 +67,19 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
     check(data)?;
     check_places(&along, data.along, data.along)?;
     check_places(&around, data.around, data.around)?;
-    let solver = [
-        LeastSquares::new(&along, data.along, RIDGE)?,
-        LeastSquares::new(&around, data.around, RIDGE)?,
-    ];
+    let solver = solver(data, [&along, &around], [RIDGE; 2])?;
     let surface = surface(&solver, data.points, along, around)?;
     Ok(judged(surface, data, &solver, [RIDGE; 2]))
+}
+
+/// The equations along and around.
+pub(super) fn solver(
+    data: &GridData,
+    bases: [&Basis; 2],
+    lambdas: [f64; 2],
+) -> Result<[LeastSquares; 2], Singular> {
+    let along = LeastSquares::new(bases[0], data.along, lambdas[0])?;
+    Ok([along, LeastSquares::new(bases[1], data.around, lambdas[1])?])
 }
 
 /// The surface of the points, with the equations along and around.
@@ -87,7 +98,7 @@ pub(super) fn surface(
 }
 
 /// The fit of a surface that keeps all its degrees of freedom.
-fn judged(
+pub(super) fn judged(
     surface: Surface,
     data: &GridData,
     solver: &[LeastSquares; 2],
@@ -105,13 +116,15 @@ fn judged(
         marks_missed: [Vec::new(), Vec::new()],
         lambdas,
         edf,
-        sigma_mm: spread(rms_mm, data.points.len(), edf),
+        sigma_mm: spread(rms_mm, data.points.len(), 0, edf),
+        outliers: Vec::new(),
     }
 }
 
-/// Standard deviation of one of `data` points of which a fit leaves this root mean square.
-pub(super) fn spread(rms_mm: f64, data: usize, edf: f64) -> f64 {
-    let freedom = data as f64 - edf;
+/// Standard deviation of one of `data` points, of which the `absent` lie on the surface, where a fit
+/// leaves this root mean square.
+pub(super) fn spread(rms_mm: f64, data: usize, absent: usize, edf: f64) -> f64 {
+    let freedom = (data - absent) as f64 - edf;
     if freedom > LEAST_FREEDOM { rms_mm * (data as f64 / freedom).sqrt() } else { f64::INFINITY }
 }
 

@@ -1,0 +1,152 @@
+//! The points of a grid that do not belong to the surface, found and put onto it.
+//!
+//! A point is judged by how its residual differs from its neighbours': where a surface is too
+//! stiff for a malleolus all residuals there are large, and alike. The fit that it is judged by is
+//! made with the same equations each time: what stands out is drawn to the surface and fitted
+//! again, with Huber's weights first, which no start leads astray, then with Tukey's. Source:
+//! nurbs.md 6.8; the neighbours and the last step are ours.
+
+use nalgebra::{Point3, Vector3};
+
+use super::basis::Basis;
+use super::least_squares::LeastSquares;
+use super::robust::biweights;
+use super::surface::{Surface, SurfaceFault};
+use super::surface_fit::{GridData, surface};
+
+/// Beyond this many standard deviations Huber's weights begin to fall; 96 % efficiency with normal
+/// errors (Huber, Robust Statistics, 1981).
+const HUBER: f64 = 1.5;
+
+/// Median absolute deviation to standard deviation, for normal errors.
+const MAD_TO_SD: f64 = 1.4826;
+
+/// The least standard deviation, as a share of the grid's extent: what rounding leaves.
+const LEAST_SCALE: f64 = 1e-12;
+
+/// Rounds with either weights at most; nurbs.md 6.8.
+const ROUNDS_MAX: usize = 30;
+
+/// Points that move by less than this share of a standard deviation have settled.
+const SETTLED: f64 = 1e-2;
+
+/// A grid without its outliers.
+#[derive(Debug, Clone)]
+pub struct Cleaned {
+    /// The points; the outliers lie on the surface.
+    pub points: Vec<Point3<f64>>,
+    /// Places of the outliers in the grid, ascending.
+    pub outliers: Vec<usize>,
+}
+
+/// The grid without what stands out by 4.7 standard deviations from the surface that these
+/// equations give. `start` are points from which to begin, the data or an earlier result.
+///
+/// # Errors
+/// As [`Surface::new`].
+pub fn cleaned(
+    data: &GridData,
+    solver: &[LeastSquares; 2],
+    bases: [&Basis; 2],
+    start: &[Point3<f64>],
+) -> Result<Cleaned, SurfaceFault> {
+    let grid = Neighbours::new(data, bases[1]);
+    let least = LEAST_SCALE * extent(data.points);
+    let huber = |out: &[f64]| hubers(out, least);
+    let tukey = |out: &[f64]| biweights(out, least);
+    let weighings: [&dyn Fn(&[f64]) -> Vec<f64>; 2] = [&huber, &tukey];
+    let mut points = start.to_vec();
+    let mut last = (Vec::new(), Vec::new());
+    for weigh in weighings {
+        for _ in 0..ROUNDS_MAX {
+            let surface = surface(solver, &points, bases[0].clone(), bases[1].clone())?;
+            let fitted = surface.grid(data.along, data.around);
+            let out = grid.standing_out(data.points, &fitted);
+            let weights = weigh(&out);
+            let next = drawn(data.points, &fitted, &weights);
+            let moved = points.iter().zip(&next).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+            (points, last) = (next, (fitted, weights));
+            if moved < SETTLED * scale(&out, least) {
+                break;
+            }
+        }
+    }
+    // Points of some weight count in full: half-drawn ones would look like less noise.
+    let (fitted, weights) = last;
+    let whole: Vec<f64> = weights.iter().map(|w| if *w > 0.0 { 1.0 } else { 0.0 }).collect();
+    let outliers = (0..whole.len()).filter(|i| whole[*i] == 0.0).collect();
+    Ok(Cleaned { points: drawn(data.points, &fitted, &whole), outliers })
+}
+
+/// The points drawn to the surface as far as they lack weight.
+fn drawn(points: &[Point3<f64>], fitted: &[Point3<f64>], weights: &[f64]) -> Vec<Point3<f64>> {
+    let pairs = points.iter().zip(fitted).zip(weights);
+    pairs.map(|((point, fit), weight)| fit + *weight * (point - fit)).collect()
+}
+
+/// Which points of a grid lie beside each other.
+struct Neighbours {
+    /// Rows and columns in ascending order of their parameters.
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+}
+
+impl Neighbours {
+    fn new(data: &GridData, around: &Basis) -> Neighbours {
+        let order = |places: &[f64]| {
+            let mut order: Vec<usize> = (0..places.len()).collect();
+            order.sort_by(|a, b| places[*a].total_cmp(&places[*b]));
+            order
+        };
+        let home: Vec<f64> = data.around.iter().map(|v| around.brought_home(*v)).collect();
+        Neighbours { rows: order(data.along), columns: order(&home) }
+    }
+
+    /// How far each point's residual is from the median of those around it, mm.
+    fn standing_out(&self, points: &[Point3<f64>], fitted: &[Point3<f64>]) -> Vec<f64> {
+        let left: Vec<Vector3<f64>> = points.iter().zip(fitted).map(|(a, b)| a - b).collect();
+        let (rows, columns) = (self.rows.len(), self.columns.len());
+        let place = |i: usize, j: usize| self.rows[i] * columns + self.columns[j % columns];
+        let mut out = vec![0.0; left.len()];
+        for i in 0..rows {
+            for j in 0..columns {
+                let near = (i.saturating_sub(1)..(i + 2).min(rows))
+                    .flat_map(|a| [(a, j + columns - 1), (a, j), (a, j + 1)]);
+                let near = near.filter(|at| *at != (i, j)).map(|(a, b)| left[place(a, b)]);
+                out[place(i, j)] = (left[place(i, j)] - median(&near.collect::<Vec<_>>())).norm();
+            }
+        }
+        out
+    }
+}
+
+/// The median of each coordinate.
+fn median(vectors: &[Vector3<f64>]) -> Vector3<f64> {
+    Vector3::from_fn(|axis, _| {
+        let mut values: Vec<f64> = vectors.iter().map(|vector| vector[axis]).collect();
+        values.sort_by(f64::total_cmp);
+        let (low, high) = ((values.len() - 1) / 2, values.len() / 2);
+        0.5 * (values[low] + values[high])
+    })
+}
+
+/// The standard deviation of normal errors with this median size, at least `least`.
+fn scale(sizes: &[f64], least: f64) -> f64 {
+    let mut sizes = sizes.to_vec();
+    let middle = sizes.len() / 2;
+    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
+    (MAD_TO_SD * *median).max(least)
+}
+
+/// Huber's weights: as far as a residual goes beyond its reach it counts for less.
+fn hubers(sizes: &[f64], least: f64) -> Vec<f64> {
+    let reach = HUBER * scale(sizes, least);
+    sizes.iter().map(|size| (reach / size).min(1.0)).collect()
+}
+
+/// The longest edge of the points' box.
+fn extent(points: &[Point3<f64>]) -> f64 {
+    let lowest = points.iter().fold(Vector3::repeat(f64::MAX), |low, p| low.inf(&p.coords));
+    let highest = points.iter().fold(Vector3::repeat(f64::MIN), |high, p| high.sup(&p.coords));
+    (highest - lowest).max()
+}
