@@ -86,8 +86,13 @@ const WHOLE_ROUNDS: usize = 2;
 /// Rounds of choosing the smoothing where weights stay 1.
 const PLAIN_ROUNDS: usize = 1;
 
-/// Control points that may lie out of reach of every datum: a quarter.
-const UNSEEN_SHARE: f64 = 0.25;
+/// The fewest and the most regions each way in which points are looked for; between them so many
+/// that four points fall in one if they are spread evenly, and hardly any stays empty by chance.
+const REGIONS: [f64; 2] = [4.0, 24.0];
+
+/// Regions that must hold a point. With a quarter of a leg missing the rest can still be told; what
+/// lies in the gap is invention, and with half of it missing most of the surface would be.
+const SEEN_SHARE: f64 = 0.75;
 
 /// How far outside the domain rounding may put a point, as a share of its length.
 const ROUNDING: f64 = 1e-9;
@@ -100,7 +105,7 @@ const LEAST_STEP: f64 = 1e-6;
 /// # Errors
 /// A [`FitFault`]: a point or place not finite or outside the domain, lengths that differ, fewer
 /// points than control points, points at fewer than 4 different heights or places around, more
-/// than a quarter of the control points without data, bases that make no surface.
+/// than a quarter of the surface without points, bases that make no surface.
 pub fn fit_cloud(
     data: &CloudData,
     along: Basis,
@@ -110,7 +115,7 @@ pub fn fit_cloud(
     check(data, [&along, &around])?;
     let cells = Cells::new(data.points, data.around, [&along, &around]);
     let counts = [along.count(), around.count()];
-    let seen = seen(&cells, counts)?;
+    let seen = seen(data, [&along, &around])?;
     let penalty = Penalty::new(&along, &around, seen)?;
     let (rounds, mut lambdas) = match method.smoothing {
         CloudSmoothing::None => (0, [LEAST_LAMBDA; 2]),
@@ -161,19 +166,20 @@ fn weighted(squares: &[f64], weights: &[f64]) -> f64 {
     squares.iter().zip(weights).map(|(square, weight)| square * weight).sum()
 }
 
-/// The share of control points with a datum in reach.
-fn seen(cells: &Cells, [rows, columns]: [usize; 2]) -> Result<f64, FitFault> {
-    let mut reached = vec![false; rows * columns];
-    for (row, column, range) in cells.iter().filter(|(.., range)| !range.is_empty()) {
-        let _ = range;
-        for i in cells.pieces[0][row].indices {
-            for j in cells.pieces[1][column].indices {
-                reached[i * columns + j] = true;
-            }
-        }
+/// The share of equal regions of the surface that hold a point.
+fn seen(data: &CloudData, [along, around]: [&Basis; 2]) -> Result<f64, FitFault> {
+    let sides = ((data.points.len() as f64).sqrt() / 2.0).clamp(REGIONS[0], REGIONS[1]).floor();
+    let side = |basis: &Basis, place: f64| {
+        let (from, to) = basis.domain();
+        let share = (basis.brought_home(place) - from) / (to - from);
+        ((sides * share) as usize).min(sides as usize - 1)
+    };
+    let mut holds = vec![false; (sides * sides) as usize];
+    for (point, v) in data.points.iter().zip(data.around) {
+        holds[side(along, point.z) * sides as usize + side(around, *v)] = true;
     }
-    let (found, of) = (reached.iter().filter(|reached| **reached).count(), reached.len());
-    let needed = of - (UNSEEN_SHARE * of as f64) as usize;
+    let (found, of) = (holds.iter().filter(|holds| **holds).count(), holds.len());
+    let needed = (SEEN_SHARE * of as f64).ceil() as usize;
     if found < needed {
         return Err(FitFault::TooLittleSeen { found, of, needed });
     }

@@ -56,7 +56,7 @@ impl Penalty {
     }
 
     /// Adds the penalty to equations of data of this total weight. A lambda of 1 makes the traces
-    /// equal.
+    /// equal if the data are spread evenly.
     pub fn add_to(&self, system: &mut Banded, lambdas: [f64; 2], weight: f64) {
         let density = self.density(weight);
         let [along, around] = &self.directions;
@@ -129,7 +129,7 @@ impl Penalty {
     ) -> (DMatrix<f64>, f64) {
         let [along, around] = &self.directions;
         let (rows, columns) = (along.mass.size(), around.mass.size());
-        let density = self.density(equations.weight);
+        let density = self.density(equations.weight) / self.seen;
         let image = equations.gram.product(coefficients);
         let mut power = DMatrix::zeros(rows, columns);
         let mut outside = rss;
@@ -151,6 +151,8 @@ impl Penalty {
     /// Calls for each pair of eigenvectors with its place and the share that a fit keeps of it.
     fn each_kept(&self, lambdas: [f64; 2], mut call: impl FnMut((usize, usize), f64)) {
         let [along, around] = &self.directions;
+        // Where there are data they are denser than on average.
+        let lambdas = lambdas.map(|lambda| self.seen * lambda);
         for (b, rough_b) in around.eigenvalues.iter().enumerate() {
             let base = 1.0 + lambdas[1] * rough_b;
             for (a, rough_a) in along.eigenvalues.iter().enumerate() {
@@ -159,9 +161,9 @@ impl Penalty {
         }
     }
 
-    /// Weight of the data per unit of u and v, where there are any.
+    /// Weight of the data per unit of u and v.
     fn density(&self, weight: f64) -> f64 {
-        weight / (self.directions[0].length * self.directions[1].length * self.seen)
+        weight / (self.directions[0].length * self.directions[1].length)
     }
 }
 

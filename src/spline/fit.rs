@@ -120,12 +120,12 @@ pub enum FitFault {
         /// Number of control points.
         control_points: usize,
     },
-    /// Too much of the surface has no data: the rest would be invention.
-    #[error("{found} of {of} control points have a datum in their reach, fewer than {needed}")]
+    /// Too much of the surface has no points: the rest would be invention.
+    #[error("{found} of {of} equal regions of the surface hold points, fewer than {needed}")]
     TooLittleSeen {
-        /// Number of control points whose basis function is not zero at some datum.
+        /// Number of regions that hold a point.
         found: usize,
-        /// Number of control points.
+        /// Number of regions.
         of: usize,
         /// Number needed.
         needed: usize,

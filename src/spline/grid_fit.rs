@@ -161,7 +161,10 @@ fn denoised(
 }
 
 /// What is asked of either direction.
-fn wishes<'a>(domain: &GridDomain, method: &'a GridMethod) -> Result<[Wish<'a>; 2], FitFault> {
+pub(super) fn wishes<'a>(
+    domain: &GridDomain,
+    method: &'a GridMethod,
+) -> Result<[Wish<'a>; 2], FitFault> {
     let [from, to] = domain.along;
     let along = Domain { from, to, periodic: false };
     let (from, to) = (domain.around_from, domain.around_from + domain.period);

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Point2, Point3};
+use nalgebra::{Matrix3, Point2, Point3, Vector2, Vector3};
 
 use super::basis::Basis;
 use super::fit::{FitFault, Smoothing, Spline, fit};
@@ -15,13 +15,12 @@ const SLABS: usize = 60;
 const SECTORS: usize = 36;
 
 /// Rounds of finding the sectors about the middle and the middle from the sectors.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 4;
 
 /// Pieces of the line: enough for a leg's bends, too few for one slab's errors.
 const INTERVALS: usize = 8;
 
-/// Sectors that must hold points for a slab to count: half a turn and more, or the middle would lie
-/// towards the side that is seen.
+/// Sectors that must hold points for a slab to count: two thirds of a turn.
 const SECTORS_MIN: usize = 24;
 
 /// The middle line of a tube, over z.
@@ -86,33 +85,46 @@ impl Middle {
     }
 }
 
-/// The mean of the sectors' medians; none where too few sectors hold points.
+/// The place about which the sectors' median radii do not swing; none where too few sectors hold points.
 fn centre(points: &[Point2<f64>]) -> Option<Point2<f64>> {
-    let mut centre = median(points.to_vec())?;
+    let of = |axis: usize| median(&mut points.iter().map(|point| point[axis]).collect::<Vec<_>>());
+    let mut centre = Point2::new(of(0)?, of(1)?);
     for _ in 0..ROUNDS {
         let mut sectors = vec![Vec::new(); SECTORS];
         for point in points {
             let arm = point - centre;
             let sector = (SECTORS as f64 * (arm.y.atan2(arm.x) + PI) / TAU) as usize;
-            sectors[sector.min(SECTORS - 1)].push(*point);
+            sectors[sector.min(SECTORS - 1)].push(arm.norm());
         }
-        let medians: Vec<Point2<f64>> = sectors.into_iter().filter_map(median).collect();
-        if medians.len() < SECTORS_MIN {
+        // Of a circle about a place off its middle the radius swings once a turn, by that way. The
+        // least-squares swing, unlike a mean of places, is none the worse for an empty sector.
+        let (mut gram, mut moments, mut seen) = (Matrix3::zeros(), Vector3::zeros(), 0);
+        for (sector, radii) in sectors.iter_mut().enumerate() {
+            let angle = TAU * (sector as f64 + 0.5) / SECTORS as f64 - PI;
+            let row = Vector3::new(1.0, angle.cos(), angle.sin());
+            if let Some(radius) = median(radii) {
+                gram += row * row.transpose();
+                moments += radius * row;
+                seen += 1;
+            }
+        }
+        if seen < SECTORS_MIN {
             return None;
         }
-        let sum = medians.iter().fold(Point2::origin(), |sum, median| sum + median.coords);
-        centre = sum / medians.len() as f64;
+        let swing = gram.cholesky()?.solve(&moments);
+        centre += Vector2::new(swing.y, swing.z);
     }
     Some(centre)
 }
 
-/// The median of x and of y.
-fn median(mut points: Vec<Point2<f64>>) -> Option<Point2<f64>> {
-    let middle = points.len() / 2;
-    let mut of = |axis: usize| {
-        let order = |a: &Point2<f64>, b: &Point2<f64>| a[axis].total_cmp(&b[axis]);
-        let found = points.get_mut(..).filter(|points| !points.is_empty())?;
-        Some(found.select_nth_unstable_by(middle, order).1[axis])
-    };
-    Some(Point2::new(of(0)?, of(1)?))
+/// The median, half way between the middle two of an even number; none of none.
+fn median(values: &mut [f64]) -> Option<f64> {
+    let middle = values.len() / 2;
+    if values.is_empty() {
+        return None;
+    }
+    let (below, upper, _) = values.select_nth_unstable_by(middle, f64::total_cmp);
+    let upper = *upper;
+    let lower = below.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    Some(if values.len().is_multiple_of(2) { 0.5 * (lower + upper) } else { upper })
 }

@@ -12,7 +12,13 @@
 //! | [`foot`] | the nearest point of a surface |
 //! | [`mod@outward`] | which side of a tube is its outside |
 //! | [`tessellate`] | [`Facets`]: triangles that keep to a surface within a tolerance |
+//! | [`curvature`], [`measure`] | Gauss and mean curvature; area, volume, girths |
 //! | [`surface_fit`] | least-squares surface through a grid of points |
+//! | [`middle`] | [`Middle`]: the middle line of a cloud, and so the points' places around |
+//! | [`cloud_fit`] | robust smoothing surface through scattered points |
+//! | `cells`, `cloud_equations`, `banded` | its equations: points summed cell by cell, and their solution |
+//! | `cloud_penalty`, `cloud_weights` | its choice of smoothing; what outliers count for |
+//! | `cloud_adaptive` | [`fit_cloud_by`]: the same with knots found in a first fit |
 //!
 //! Everything is of degree 3. Bases are clamped (functions on an interval) or periodic (closed
 //! curves, C2 at the seam by construction). Nothing here depends on the unit of the abscissa.
@@ -23,6 +29,7 @@ mod banded;
 pub mod basis;
 mod cells;
 mod chord;
+mod cloud_adaptive;
 mod cloud_equations;
 pub mod cloud_fit;
 mod cloud_penalty;
@@ -61,6 +68,7 @@ pub mod tessellate;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
 pub use chord::mean_chord_parameters;
+pub use cloud_adaptive::{CloudKnots, fit_cloud_by};
 pub use cloud_fit::{CloudData, CloudFit, CloudMethod, CloudSmoothing, fit_cloud};
 pub use curvature::Curvatures;
 pub use fit::{FitFault, Smoothing, Spline, fit};

@@ -1,0 +1,81 @@
+//! The surface through a cloud of points, with knots that it finds itself: nurbs.md 6.4, 6.10.
+//!
+//! Points that lie anywhere do not tell how a line along or around bends. So a first fit with many
+//! uniform knots, smoothed, is looked at on a grid; the knots are chosen for that grid, and then
+//! the points themselves are fitted with them.
+
+use super::basis::Basis;
+use super::cloud_fit::{CloudData, CloudFit, CloudMethod, fit_cloud};
+use super::fit::FitFault;
+use super::grid_fit::{GridDomain, GridMethod, GridSmoothing, wishes};
+use super::knot_choice::{Choice, Knots, chosen};
+use super::profiles::Profiles;
+use super::surface_fit::GridData;
+
+/// Which knots the surface through a cloud is to have. Pairs are along and around.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CloudKnots {
+    /// Rows and columns of control points, at least 4 each and together at most as many as points.
+    pub control_points: [usize; 2],
+    /// Where the knots lie.
+    pub knots: Knots,
+    /// Parameters that are to be knots: heights, and places around.
+    pub marks: [Vec<f64>; 2],
+}
+
+/// Control points along and around of the first fit where there are points enough.
+const FIRST: [usize; 2] = [48, 36];
+
+/// Points that each control point of the first fit needs; with fewer points it has fewer control
+/// points, so that noise does not tell where to put knots.
+const POINTS_EACH: usize = 4;
+
+/// The fewest control points of the first fit each way.
+const FIRST_LEAST: [usize; 2] = [12, 9];
+
+/// Lines of the grid on which the first fit is looked at; along both ends are among them.
+const LOOKED_AT: [usize; 2] = [80, 72];
+
+/// Fits a surface to a cloud with the control points, knots and marks that `knots` asks for.
+///
+/// # Errors
+/// A [`FitFault`] as of [`fit_cloud`]; also for marks outside the domain.
+pub fn fit_cloud_by(
+    data: &CloudData,
+    domain: &GridDomain,
+    knots: &CloudKnots,
+    method: &CloudMethod,
+) -> Result<CloudFit, FitFault> {
+    let CloudKnots { control_points, knots, marks } = knots.clone();
+    let (points, needed) = (data.points.len(), control_points[0].saturating_mul(control_points[1]));
+    // The first fit looks through the noise, so that the grid of it has none.
+    let (smoothing, robust) = (GridSmoothing::None, false);
+    let look = GridMethod { control_points, knots, smoothing, robust, marks };
+    let wishes = wishes(domain, &look)?;
+    if points < needed {
+        return Err(FitFault::TooFewPoints { points, control_points: needed });
+    }
+    let [rows, columns] = first_control_points(points);
+    let [from, to] = domain.along;
+    let along = Basis::uniform_clamped(from, to, rows.saturating_sub(3))?;
+    let around = Basis::uniform_periodic(domain.around_from, domain.period, columns)?;
+    let first = fit_cloud(data, along, around, method)?;
+
+    let [rows, columns] = LOOKED_AT;
+    let along = |i: usize| from + (to - from) * i as f64 / (rows - 1) as f64;
+    let along: Vec<f64> = (0..rows).map(along).collect();
+    let around = |j: usize| domain.around_from + domain.period * j as f64 / columns as f64;
+    let around: Vec<f64> = (0..columns).map(around).collect();
+    let grid = first.surface.grid(&along, &around);
+    let grid = GridData { along: &along, around: &around, points: &grid };
+    let Choice { basis: along, .. } = chosen(&Profiles::along(&grid), &wishes[0])?;
+    let Choice { basis: around, .. } = chosen(&Profiles::around(&grid), &wishes[1])?;
+    fit_cloud(data, along, around, method)
+}
+
+/// Control points of the first fit for so many points.
+fn first_control_points(points: usize) -> [usize; 2] {
+    let wanted = (POINTS_EACH * FIRST[0] * FIRST[1]) as f64;
+    let share = (points as f64 / wanted).sqrt().min(1.0);
+    [0, 1].map(|d| ((share * FIRST[d] as f64) as usize).max(FIRST_LEAST[d]))
+}
