@@ -56,7 +56,7 @@ pub enum TessellationFault {
     },
     /// The tolerance asks for more triangles than [`TRIANGLES_MAX`].
     #[error(
-        "a mesh within {tolerance_mm} mm needs {triangles:.1e} triangles, more than {}",
+        "a mesh within {tolerance_mm} mm needs {triangles:.0} triangles, more than {}",
         TRIANGLES_MAX
     )]
     TooFine {
