@@ -7,9 +7,10 @@ use divan::Bencher;
 use flate2::read::GzDecoder;
 use gaiter::leg::body::{Body, body};
 use gaiter::leg::girth::girth_curve;
-use gaiter::leg::method::SectionFit;
+use gaiter::leg::method::{SectionFit, SurfaceMethod};
 use gaiter::leg::sections::{Sections, sections};
 use gaiter::leg::segment::{Leg, Legs, segment};
+use gaiter::leg::surface::Wanted;
 use gaiter::leg::{Method, axis, extract, surface};
 use gaiter::scan::{Format, Scan, read};
 
@@ -106,7 +107,9 @@ fn g_girth_curve_of_one_leg(bencher: Bencher) {
 #[divan::bench]
 fn h_surface_of_one_leg_with_its_error(bencher: Bencher) {
     let (leg, _, sections) = left_sections();
-    bencher.bench(|| surface::surface(&leg, &sections, [95.0, 465.0]));
+    let wanted = Wanted { height_mm: [95.0, 465.0], levels_mm: &[] };
+    let method = SurfaceMethod::default();
+    bencher.bench(|| surface::surface(&leg, &sections, &wanted, &method));
 }
 
 #[divan::bench]

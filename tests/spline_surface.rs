@@ -224,6 +224,60 @@ proptest! {
     }
 }
 
+/// The least distance to a fine grid of points, and how far the nearest place can lie from its
+/// nearest point.
+fn by_brute_force(surface: &Surface, point: &Point3<f64>) -> (f64, f64) {
+    let u: Vec<f64> = (0..=400).map(|i| f64::from(i) / 400.0).collect();
+    let v: Vec<f64> = (0..300).map(|j| 0.2 + f64::from(j) / 300.0).collect();
+    let points = surface.grid(&u, &v);
+    // Steps of 1 mm along and up to 3 mm around, less than 1.8 mm from corner to middle.
+    (points.iter().map(|near| (near - point).norm()).fold(f64::INFINITY, f64::min), 1.8)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn from_anywhere_the_nearest_place_of_all_is_found(
+        x in -250.0..250.0, y in -250.0..250.0, z in -200.0..600.0,
+    ) {
+        let (surface, point) = (tube(), Point3::new(x, y, z));
+        let foot = surface.closest_from_anywhere(&point);
+        let (least, reach) = by_brute_force(&surface, &point);
+        prop_assert!(foot.converged, "{foot:?}");
+        prop_assert!(foot.distance_mm <= least + 1e-9, "{foot:?} {least}");
+        prop_assert!(foot.distance_mm >= least - reach, "{foot:?} {least}");
+        prop_assert!(((surface.point(foot.u, foot.v) - point).norm() - foot.distance_mm).abs() < 1e-9);
+    }
+
+    #[test]
+    fn from_anywhere_a_point_beside_the_surface_finds_its_own_place(
+        u in 0.02..0.98, v in -0.05..0.05, out in -4.0..4.0,
+    ) {
+        // Around v = 0.2 is the seam.
+        let (surface, v) = (tube(), 0.2 + v);
+        let point = surface.point(u, v) + out * surface.normal(u, v).unwrap().into_inner();
+        let foot = surface.closest_from_anywhere(&point);
+        let turn = (foot.v - v).rem_euclid(1.0);
+        prop_assert!((foot.u - u).abs() < 1e-8 && turn.min(1.0 - turn) < 1e-8, "{foot:?} {u} {v}");
+        prop_assert!((foot.distance_mm - f64::abs(out)).abs() < 1e-9 && !foot.at_end);
+    }
+}
+
+#[test]
+fn from_anywhere_on_the_axis_and_beyond_the_ends_the_nearest_is_found() {
+    let surface = tube();
+    for z in [-900.0, -40.0, 0.0, 130.0, 300.0, 440.0, 2000.0] {
+        for (x, y) in [(0.0, 0.0), (0.0, 70.0), (30.0, -10.0)] {
+            let point = Point3::new(x, y, z);
+            let foot = surface.closest_from_anywhere(&point);
+            let (least, _) = by_brute_force(&surface, &point);
+            assert!(foot.distance_mm <= least + 1e-9, "{point} {foot:?} {least}");
+            assert!(!(z < -30.0 || z > 430.0) || foot.at_end, "{point} {foot:?}");
+        }
+    }
+}
+
 #[test]
 fn kept_starts_come_to_rest_too() {
     // Found by the property above while the search lacked a part: full Newton steps only, bends

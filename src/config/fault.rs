@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use super::words::HEIGHTS_CM;
+use super::words::{COLUMNS, HEIGHTS_CM, ROWS};
 
 /// One fault in a configuration file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -82,6 +82,9 @@ pub enum What {
     /// Not a distance at all.
     #[error("\"{0}\" is not a distance")]
     NotADistance(String),
+    /// No number of control points that a leg's surface can have.
+    #[error("\"{0}\" is no number of control points")]
+    NotControlPoints(String),
     /// A duration, size, length or distance that makes no sense here.
     #[error("\"{text}\" is out of range")]
     OutOfRange {
@@ -170,6 +173,13 @@ impl What {
             What::NotASize(_) => r#"write a number and a unit: "200MB", "1GB""#.into(),
             What::NotALength(_) => r#"write a number and a unit: "5cm", "80mm""#.into(),
             What::NotADistance(_) => r#"write a number and mm: "0.05mm", "1mm""#.into(),
+            What::NotControlPoints(_) => format!(
+                r#"write "auto" or their number along and around: "{}x{}" to "{}x{}""#,
+                ROWS.start(),
+                COLUMNS.start(),
+                ROWS.end(),
+                COLUMNS.end()
+            ),
             What::OutOfRange { least, most, .. } => {
                 format!("anything from \"{least}\" to \"{most}\"")
             }

@@ -10,14 +10,15 @@ use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::words::{
-    AXES, B1S, B1Word, FACINGS, FILES, FITS, SCOPES, UNITS, UPS, Words, faces_up_or_down,
+    AXES, B1S, B1Word, FACINGS, FILES, FITS, KNOTS, SCOPES, SURFACES, UNITS, UPS, Words,
+    faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, PatientConfig, ScannerConfig, StationConfig, StoreConfig, notation,
 };
 use crate::cad::Output;
 use crate::leg::Method;
-use crate::leg::method::{B1, LevelChoices};
+use crate::leg::method::{B1, LevelChoices, SurfaceMethod};
 
 /// Reads the text of a configuration.
 ///
@@ -81,6 +82,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
     let levels = level_choices(reader);
+    let surface = surface_method(reader);
     let output = output(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
 
@@ -114,6 +116,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             at_heights_mm: at.into_iter().map(|height| height.value).collect(),
             levels: levels?,
             axis: axis?.value,
+            surface: surface?,
         },
         output: output?,
         store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
@@ -134,6 +137,17 @@ fn level_choices(reader: &mut Reader) -> Option<LevelChoices> {
         B1Word::AboveB => B1::AboveB { distance_mm },
     };
     Some(LevelChoices { b1, g_below_crotch_mm: f64::from(below?.value) })
+}
+
+/// The keys of `[method]` that say how the surface is fitted.
+fn surface_method(reader: &mut Reader) -> Option<SurfaceMethod> {
+    use Absent::Default;
+    let from = reader.text("method.surface", Default("sections"), parse::word(SURFACES));
+    let knots = reader.text("method.surface_knots", Default("adaptive"), parse::word(KNOTS));
+    let key = "method.surface_control_points";
+    let control_points = reader.text(key, Default("auto"), parse::control_points);
+    let (from, knots) = (from?.value, knots?.value);
+    Some(SurfaceMethod { from, control_points: control_points?.value, knots })
 }
 
 fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {

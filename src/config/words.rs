@@ -1,10 +1,13 @@
 //! The words for choices, shared by the configuration and the command line.
 
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
 use crate::leg::Side;
-use crate::leg::method::{Axis, AxisFit, FacingChoice, Scope, SectionFit, Unit, UnitChoice, Up};
+use crate::leg::method::{
+    Axis, AxisFit, FacingChoice, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
+};
+use crate::spline::Knots;
 
 /// What `method.b1` may be; the distance of the second stands under a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -55,6 +58,20 @@ pub const FITS: Words<SectionFit> =
 /// `method.axis`
 pub const AXES: Words<AxisFit> =
     &[("centroids", AxisFit::Centroids), ("principal", AxisFit::Principal)];
+
+/// Rows and columns of control points that can be asked for: enough for a leg, and no more than its
+/// sections can hold.
+pub const ROWS: RangeInclusive<usize> = 8..=120;
+/// See [`ROWS`].
+pub const COLUMNS: RangeInclusive<usize> = 8..=60;
+
+/// `method.surface`
+pub const SURFACES: Words<SurfaceFrom> =
+    &[("sections", SurfaceFrom::Sections), ("points", SurfaceFrom::Points)];
+
+/// `method.surface_knots`
+pub const KNOTS: Words<Knots> =
+    &[("uniform", Knots::Uniform), ("adaptive", Knots::Adaptive), ("polished", Knots::Polished)];
 
 /// `method.b1`
 pub const B1S: Words<B1Word> = &[("steepest", B1Word::Steepest), ("above-b", B1Word::AboveB)];

@@ -112,6 +112,24 @@ pub enum What {
         /// Wanted upper end, height in mm.
         wanted_to_mm: f64,
     },
+    /// The surface bridges what the scanner did not see.
+    #[error(
+        "the surface bridges {count} {}; the largest is {length_mm:.0} mm long, {width_mm:.0} mm wide, \
+         at {height_mm:.0} mm and {angle_deg:.0} degrees from the front",
+        if *count == 1 { "hole" } else { "holes" }
+    )]
+    SurfaceHoles {
+        /// How many.
+        count: usize,
+        /// Extent of the largest along the leg, mm.
+        length_mm: f64,
+        /// Its extent around, mm.
+        width_mm: f64,
+        /// Height of its middle above the floor, mm.
+        height_mm: f64,
+        /// Angle of its middle, degrees: 0 front, 90 lateral.
+        angle_deg: f64,
+    },
     /// There is no girth at a height that was asked for.
     #[error("no girth at {height_mm:.0} mm: {why}")]
     HeightNotMeasured {
@@ -171,6 +189,7 @@ impl Finding {
             What::LegNotMeasured(_) => "leg-not-measured",
             What::NoSurface(_) => "no-surface",
             What::SurfaceShort { .. } => "surface-short",
+            What::SurfaceHoles { .. } => "surface-holes",
             What::HeightNotMeasured { .. } => "height-not-measured",
             What::LegsDiffer(_) => "legs-differ",
             What::SecondOpinion(opinion) => opinion.code(),
@@ -180,7 +199,7 @@ impl Finding {
     /// How much it matters.
     pub fn severity(&self) -> Severity {
         match &self.what {
-            What::LegsDiffer(_) => Severity::Info,
+            What::LegsDiffer(_) | What::SurfaceHoles { .. } => Severity::Info,
             What::SecondOpinion(SecondOpinion::Sides { .. }) => Severity::Error,
             What::LevelAbsent(_)
             | What::SecondOpinion(_)

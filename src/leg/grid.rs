@@ -1,14 +1,15 @@
-//! The quasi-grid: sections as rows, one common sequence of angles as columns (paper 2), so that
-//! every row has the same number of points and a column means the same direction in all of them.
+//! The quasi-grid: sections as rows, one common sequence of columns in all of them (paper 2), so
+//! that every row has the same number of points and a column keeps its meaning along the leg.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point3;
 
-use super::section::Section;
-use super::sections::Sections;
+use super::axis::LegAxis;
+use super::columns::Columns;
+use super::section::Outline;
 
-/// Columns: one every 5°, three times the surface's 24 control points.
+/// Columns: one every 5°, about as many as the skin has pieces.
 pub const COLUMNS: usize = 72;
 
 /// Points of the skin as rows × columns.
@@ -16,32 +17,22 @@ pub const COLUMNS: usize = 72;
 pub struct Grid {
     /// Distance of each row along the axis, mm, ascending.
     pub along_mm: Vec<f64>,
-    /// Angle of each column, radians from −π on, ascending.
-    pub angles: Vec<f64>,
+    /// Parameter v of each column, radians from −π on, ascending; see [`Columns`].
+    pub columns: Vec<f64>,
     /// `rows × columns` points, row-major, body frame, mm.
     pub points: Vec<Point3<f64>>,
 }
 
 impl Grid {
-    /// The grid of the measured sections within a range along the axis; open ones have no row.
-    pub fn of(sections: &Sections, from_mm: f64, to_mm: f64) -> Grid {
-        let angles: Vec<f64> =
-            (0..COLUMNS).map(|c| -PI + TAU * c as f64 / COLUMNS as f64).collect();
-        let rows: Vec<&Section> = measured(sections, from_mm, to_mm).collect();
-        let points = rows
-            .iter()
-            .flat_map(|section| angles.iter().map(|angle| section.point(&sections.axis, *angle)))
-            .collect();
-        Grid { along_mm: rows.iter().map(|section| section.along_mm).collect(), angles, points }
+    /// The grid of outlines, which must ascend.
+    pub fn of(axis: &LegAxis, outlines: &[Outline], columns: &Columns) -> Grid {
+        let v: Vec<f64> = (0..COLUMNS).map(|c| -PI + TAU * c as f64 / COLUMNS as f64).collect();
+        let row = |outline: &Outline| {
+            let angle = |v: &f64| columns.angle(outline.along_mm, *v);
+            v.iter().map(|v| outline.point(axis, angle(v))).collect::<Vec<_>>()
+        };
+        let points = outlines.iter().flat_map(row).collect();
+        let along_mm = outlines.iter().map(|outline| outline.along_mm).collect();
+        Grid { along_mm, columns: v, points }
     }
-}
-
-/// The measured sections within a range along the axis, ascending.
-pub fn measured(
-    sections: &Sections,
-    from_mm: f64,
-    to_mm: f64,
-) -> impl Iterator<Item = &Section> + Clone {
-    let rows = sections.rows.iter().filter_map(|row| row.section.as_ref());
-    rows.filter(move |section| (from_mm..=to_mm).contains(&section.along_mm))
 }

@@ -1,6 +1,7 @@
 //! The choices of the method: what the export declares, and which of the paper's steps are used.
 
 use super::side::Side;
+use crate::spline::Knots;
 
 /// How to read and measure a scan. `Default` is what gaiter does when nobody chooses.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -17,11 +18,50 @@ pub struct Method {
     pub fit: SectionFit,
     /// What a leg is made upright by.
     pub axis: AxisFit,
+    /// How the surface is fitted.
+    pub surface: SurfaceMethod,
     /// Heights above the floor at which girths are wanted besides the levels, mm, in the order
     /// they are reported in.
     pub at_heights_mm: Vec<f64>,
     /// Which of several definitions holds for levels that have more than one.
     pub levels: LevelChoices,
+}
+
+/// How a leg's surface is fitted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SurfaceMethod {
+    /// What it is fitted to.
+    pub from: SurfaceFrom,
+    /// Rows and columns of control points, along and around; none: as many as the leg is long.
+    pub control_points: Option<[usize; 2]>,
+    /// Where its knots lie.
+    pub knots: Knots,
+}
+
+/// What a surface is fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum SurfaceFrom {
+    /// The grid of the sections.
+    #[default]
+    Sections,
+    /// All points of the leg.
+    Points,
+}
+
+impl SurfaceFrom {
+    /// The word used in the configuration and in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            SurfaceFrom::Sections => "sections",
+            SurfaceFrom::Points => "points",
+        }
+    }
+}
+
+impl Default for SurfaceMethod {
+    fn default() -> SurfaceMethod {
+        SurfaceMethod { from: SurfaceFrom::Sections, control_points: None, knots: Knots::Adaptive }
+    }
 }
 
 /// What is in the scan.

@@ -17,7 +17,7 @@ use super::search::{Levels, levels};
 use super::sections::{Sections, sections};
 use super::segment::Leg;
 use super::side::Side;
-use super::surface::{LegSurface, surface};
+use super::surface::{LegSurface, Wanted, surface};
 use super::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
 use super::volume::leg_volume;
 use super::{Body, Method};
@@ -67,7 +67,13 @@ pub fn leg_report(
     let found = measures.levels.found.into_iter();
     let landmarks: Vec<Landmark> = found.filter(Landmark::is_plausible).collect();
     let wanted_mm = surface_heights_mm(&landmarks, scale_mm, crotch_height_mm);
-    let surface = match surface(leg, &sections, wanted_mm) {
+    let levels_mm: Vec<f64> = landmarks
+        .iter()
+        .filter(|landmark| landmark.level >= Level::B)
+        .map(|landmark| landmark.along_mm)
+        .collect();
+    let wanted = Wanted { height_mm: wanted_mm, levels_mm: &levels_mm };
+    let surface = match surface(leg, &sections, &wanted, &method.surface) {
         Ok(surface) => Some(surface),
         Err(none) => {
             findings.add(None, What::NoSurface(none));
@@ -76,6 +82,7 @@ pub fn leg_report(
     };
     if let Some(surface) = &surface {
         findings.about_extent(surface, wanted_mm);
+        findings.about_holes(surface);
     }
     let volume = leg_volume(&sections, &curve, &landmarks);
     let at = at_heights(&curve, &method.at_heights_mm, near);
@@ -198,5 +205,21 @@ impl Findings {
         if from_mm > wanted_from_mm || to_mm < wanted_to_mm {
             self.add(None, What::SurfaceShort { from_mm, to_mm, wanted_from_mm, wanted_to_mm });
         }
+    }
+
+    /// Holes that a surface bridges.
+    fn about_holes(&mut self, surface: &LegSurface) {
+        let Some(largest) = surface.holes().first() else { return };
+        let (along_mm, column) = (largest.along_mm, largest.column);
+        self.add(
+            None,
+            What::SurfaceHoles {
+                count: surface.holes().len(),
+                length_mm: largest.length_mm,
+                width_mm: largest.width_mm,
+                height_mm: surface.surface.point(along_mm, column).z,
+                angle_deg: surface.columns.angle(along_mm, column).to_degrees(),
+            },
+        );
     }
 }

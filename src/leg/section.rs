@@ -3,7 +3,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3};
 
 use super::axis::LegAxis;
 use super::hull::Hull;
@@ -43,6 +43,31 @@ pub struct Section {
     pub rms_mm: f64,
     /// Widest gap between neighbouring points as seen from the centre, degrees.
     pub largest_gap_deg: f64,
+}
+
+/// Where a section's curve lies: what the surface needs of it.
+#[derive(Debug, Clone)]
+pub struct Outline {
+    /// Distance of the plane along the axis, mm.
+    pub along_mm: f64,
+    /// The point that radius and angle count from, (front, lateral) in mm from the axis.
+    pub centre: Point2<f64>,
+    /// Radius over angle about `centre`.
+    pub curve: Curve,
+}
+
+impl Outline {
+    /// The skin's point at an angle, in the body frame.
+    pub fn point(&self, axis: &LegAxis, angle: f64) -> Point3<f64> {
+        axis.at(self.along_mm, &(self.centre + self.curve.point(angle).coords))
+    }
+}
+
+impl From<&Section> for Outline {
+    fn from(section: &Section) -> Outline {
+        let Section { along_mm, centre, ref curve, .. } = *section;
+        Outline { along_mm, centre, curve: curve.clone() }
+    }
 }
 
 /// Circumference of a section, mm.
@@ -102,7 +127,7 @@ impl Curve {
 
 impl Section {
     /// The skin's point at an angle, in the body frame.
-    pub fn point(&self, axis: &LegAxis, angle: f64) -> nalgebra::Point3<f64> {
+    pub fn point(&self, axis: &LegAxis, angle: f64) -> Point3<f64> {
         axis.at(self.along_mm, &(self.centre + self.curve.point(angle).coords))
     }
 }

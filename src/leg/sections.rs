@@ -6,7 +6,7 @@ use super::axis::LegAxis;
 use super::method::SectionFit;
 use super::pairs::Pairs;
 use super::plane::{self, PlaneFit};
-use super::section::{SPACING_MM, Section};
+use super::section::{Outline, SPACING_MM, Section};
 use super::segment::Leg;
 use super::skin::Skin;
 use super::slice::Crossing;
@@ -75,6 +75,19 @@ impl Sections {
         let far = |row: &&Row| (row.along_mm - along_mm).abs();
         let row = self.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
         row.and_then(|row| row.section.as_ref())
+    }
+
+    /// The outline of a row, bridged where the skin was not seen in up to `gap_deg` of it; none
+    /// where more is missing.
+    pub fn outline(&self, row: &Row, gap_deg: f64) -> Option<Outline> {
+        match (&row.section, &self.source) {
+            (Some(section), _) => Some(section.into()),
+            (None, Source::Skin(skin)) if skin.largest_gap_deg(row.along_mm) <= gap_deg => {
+                skin.outline(row.along_mm)
+            }
+            // The other sources know nothing of a section but its own points.
+            _ => None,
+        }
     }
 
     /// The sections of the same leg at other distances along the axis, which must ascend, from the

@@ -13,7 +13,7 @@ use nalgebra::Point2;
 
 use super::axis::{LegAxis, outline_centroid};
 use super::gap::{GAP_MAX_DEG, largest_gap_deg};
-use super::section::{Curve, Section, girth, r2};
+use super::section::{Curve, Outline, Section, girth, r2};
 use super::segment::Leg;
 use super::wave::{Left, Waves};
 use crate::spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
@@ -126,24 +126,12 @@ impl Skin {
     /// The section at a distance along the axis; none outside the skin or where too much of it was
     /// not seen.
     pub fn section(&self, axis: &LegAxis, along_mm: f64) -> Option<Section> {
-        let (from_mm, to_mm) = self.fit.function.along().domain();
-        if !(from_mm..=to_mm).contains(&along_mm) {
-            return None;
-        }
         let near = self.near(&self.points, along_mm);
-        let angles: Vec<f64> = near.iter().map(|point| point.angle).collect();
-        let largest_gap_deg = largest_gap_deg(&angles);
+        let largest_gap_deg = self.largest_gap_deg(along_mm);
         if largest_gap_deg > GAP_MAX_DEG {
             return None;
         }
-        let basis = self.fit.function.around().clone();
-        let fitted = self.fit.function.around_at(along_mm);
-        let slow = self.waves.coefficients(along_mm, &basis);
-        let coefficients =
-            fitted.into_iter().zip(slow).map(|(fitted, slow)| fitted + slow).collect();
-        let curve = Curve::Periodic { coefficients, basis };
-        let centre = self.middle.each_ref().map(|middle| middle.value(along_mm));
-        let centre = Point2::new(centre[0], centre[1]);
+        let Outline { centre, curve, .. } = self.outline(along_mm)?;
         let (r2, rms_mm) = Skin::goodness(near, self.near(&self.disbelieved, along_mm));
         let girth_sd = self.girth_sd(along_mm, near.len());
         Some(Section {
@@ -159,6 +147,29 @@ impl Skin {
             largest_gap_deg,
             curve,
         })
+    }
+
+    /// The skin's outline at a distance along the axis, bridged where it was not seen; none outside
+    /// the skin.
+    pub fn outline(&self, along_mm: f64) -> Option<Outline> {
+        let (from_mm, to_mm) = self.fit.function.along().domain();
+        if !(from_mm..=to_mm).contains(&along_mm) {
+            return None;
+        }
+        let basis = self.fit.function.around().clone();
+        let fitted = self.fit.function.around_at(along_mm);
+        let slow = self.waves.coefficients(along_mm, &basis);
+        let coefficients =
+            fitted.into_iter().zip(slow).map(|(fitted, slow)| fitted + slow).collect();
+        let curve = Curve::Periodic { coefficients, basis };
+        let centre = self.middle.each_ref().map(|middle| middle.value(along_mm));
+        Some(Outline { along_mm, centre: Point2::new(centre[0], centre[1]), curve })
+    }
+
+    /// Widest angle at a distance along the axis in which no point was seen, degrees.
+    pub fn largest_gap_deg(&self, along_mm: f64) -> f64 {
+        let near = self.near(&self.points, along_mm);
+        largest_gap_deg(&near.iter().map(|point| point.angle).collect::<Vec<_>>())
     }
 
     /// How far from a plane points still tell whether it was seen, mm.

@@ -6,17 +6,15 @@ use super::chart;
 use super::provenance::Provenance;
 use super::rounding::{degrees, mm, per_mm, share};
 use super::schema::{
-    BodyFigures, ErrorFigures, EstimateFigures, FeatureFigures, FindingNote, FootFigures,
-    GirthColumns, LandmarkFigures, LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures,
-    SurfaceFigures,
+    BodyFigures, EstimateFigures, FeatureFigures, FindingNote, FootFigures, GirthColumns,
+    LandmarkFigures, LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures,
 };
+use super::surface::surface;
 use crate::leg::body::FacingFrom;
 use crate::leg::doubt::Doubt;
 use crate::leg::girth::GirthCurve;
-use crate::leg::method::{B1, UnitChoice};
-use crate::leg::surface::{FitError, LegSurface};
+use crate::leg::method::{B1, SurfaceMethod, UnitChoice};
 use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
-use crate::spline::DEGREE;
 
 /// A scan measured for the first time; later results for it count on from here.
 const FIRST_REVISION: u32 = 1;
@@ -71,7 +69,8 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("axis", method.axis.word()),
     ];
     let words = words.map(|(key, word)| (key.to_owned(), word.to_owned()));
-    words.into_iter().chain(at_words(method)).chain(level_words(method)).collect()
+    let words = words.into_iter().chain(at_words(method));
+    words.chain(level_words(method)).chain(surface_words(method)).collect()
 }
 
 /// The heights that were asked for, where there are any.
@@ -94,6 +93,20 @@ fn level_words(method: &Method) -> Vec<(String, String)> {
     words
 }
 
+/// How the surface was fitted.
+fn surface_words(method: &Method) -> [(String, String); 3] {
+    let SurfaceMethod { from, control_points, knots } = method.surface;
+    let control_points = match control_points {
+        Some([along, around]) => format!("{along}x{around}"),
+        None => "auto".to_owned(),
+    };
+    [
+        ("surface".to_owned(), from.word().to_owned()),
+        ("surface_knots".to_owned(), knots.word().to_owned()),
+        ("surface_control_points".to_owned(), control_points),
+    ]
+}
+
 fn leg(report: &LegReport) -> LegFigures {
     let landmarks = report.landmarks.iter();
     LegFigures {
@@ -108,7 +121,7 @@ fn leg(report: &LegReport) -> LegFigures {
         girth_curve: girth_columns(&report.girth_curve),
         sections: report.level_sections.iter().map(section).collect(),
         features: report.level_sections.iter().flat_map(features).collect(),
-        surface: report.surface.as_ref().map(surface),
+        surface: surface(report),
         volume: chart::volumes(&report.volume),
         at: report.at.iter().map(chart::at).collect(),
     }
@@ -188,26 +201,6 @@ fn features(at: &LevelSection) -> impl Iterator<Item = FeatureFigures> + '_ {
         curvature_per_mm: per_mm(feature.curvature_per_mm),
         prominence_per_mm: per_mm(feature.prominence_per_mm),
     })
-}
-
-fn surface(leg: &LegSurface) -> SurfaceFigures {
-    let [from_mm, to_mm] = leg.height_mm;
-    SurfaceFigures {
-        control_points: [leg.surface.along().count(), leg.surface.around().count()],
-        degree: [DEGREE; 2],
-        from_height_mm: mm(from_mm),
-        to_height_mm: mm(to_mm),
-        to_sections: error(&leg.to_sections),
-        to_points: error(&leg.to_points),
-    }
-}
-
-fn error(error: &FitError) -> ErrorFigures {
-    ErrorFigures {
-        mean_relative: share(error.mean_relative),
-        rms_mm: mm(error.rms_mm),
-        max_mm: mm(error.max_mm),
-    }
 }
 
 fn note(finding: &Finding) -> FindingNote {

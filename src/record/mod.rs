@@ -10,6 +10,7 @@ mod files;
 mod provenance;
 mod rounding;
 pub mod schema;
+pub mod surface;
 
 pub use compose::record;
 pub use files::{RecordFile, SUMS, record_files, sha256};

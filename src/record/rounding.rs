@@ -11,6 +11,11 @@ pub fn ml(value: f64) -> f64 {
     to_places(value, 3)
 }
 
+/// Areas in mm² as cm², to 1 mm².
+pub fn cm2(value_mm2: f64) -> f64 {
+    to_places(value_mm2 / 100.0, 2)
+}
+
 /// Percentages, to 0.01 %.
 pub fn percent(value: f64) -> f64 {
     to_places(value, 2)

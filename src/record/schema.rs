@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
 use super::provenance::{Acquired, Patient};
+use super::surface::SurfaceFigures;
 
 /// Name and number of this schema.
 pub const SCHEMA: &str = "gaiter.leg-record/1";
@@ -216,34 +217,6 @@ pub struct FeatureFigures {
     pub curvature_per_mm: f64,
     /// By how much it stands out from its neighbours.
     pub prominence_per_mm: f64,
-}
-
-/// The surface's extent and error.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct SurfaceFigures {
-    /// Along, around.
-    pub control_points: [usize; 2],
-    /// Along, around.
-    pub degree: [usize; 2],
-    /// Height of the lower end's centre.
-    pub from_height_mm: f64,
-    /// Height of the upper end's centre.
-    pub to_height_mm: f64,
-    /// Distance of the measured sections.
-    pub to_sections: ErrorFigures,
-    /// Distance of the scan's own points.
-    pub to_points: ErrorFigures,
-}
-
-/// Distances from the surface.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ErrorFigures {
-    /// Area-weighted mean of |distance| / local radius.
-    pub mean_relative: f64,
-    /// Root mean square.
-    pub rms_mm: f64,
-    /// Largest.
-    pub max_mm: f64,
 }
 
 /// One finding.

@@ -138,6 +138,7 @@ impl Basis {
     }
 
     /// The values of the functions at `x`; see [`Basis::rows`] about `x` outside the domain.
+    #[inline]
     pub fn row(&self, x: f64) -> Row {
         let x = self.brought_home(x);
         self.blossom(self.span(x), [x; DEGREE])
@@ -149,27 +150,26 @@ impl Basis {
     pub fn rows(&self, x: f64) -> [Row; 4] {
         let x = self.brought_home(x);
         let span = self.span(x);
-        let indices = self.indices(span);
-        let differentiated = |times: usize| {
-            let mut values = [1.0, 0.0, 0.0, 0.0];
-            for degree in 1..=DEGREE {
-                let step = if degree + times > DEGREE { Raise::Slope } else { Raise::Value(x) };
-                values = self.raised(span, degree, values, step);
-            }
-            Row { indices, values }
-        };
-        [differentiated(0), differentiated(1), differentiated(2), differentiated(3)]
+        let (indices, knots) = (self.indices(span), self.knots_about(span));
+        let (value, slope) = (Raise::Value(x), Raise::Slope);
+        let linear = raised::<1>(&knots, ONE, value);
+        let quadratic = raised::<2>(&knots, linear, value);
+        let cubic = raised::<3>(&knots, quadratic, value);
+        let first = raised::<3>(&knots, quadratic, slope);
+        let second = raised::<3>(&knots, raised::<2>(&knots, linear, slope), slope);
+        let third = raised::<2>(&knots, raised::<1>(&knots, ONE, slope), slope);
+        let third = raised::<3>(&knots, third, slope);
+        [cubic, first, second, third].map(|values| Row { indices, values })
     }
 
     /// The functions' polar forms on interval `span` (below the number of intervals) at three
     /// arguments; with three equal arguments these are the functions' values there. At three
     /// consecutive knots of a refined basis they give the refined coefficient (Ramshaw 1989).
+    #[inline]
     pub fn blossom(&self, span: usize, arguments: [f64; DEGREE]) -> Row {
-        let mut values = [1.0, 0.0, 0.0, 0.0];
-        for (degree, x) in (1..).zip(arguments) {
-            values = self.raised(span, degree, values, Raise::Value(x));
-        }
-        Row { indices: self.indices(span), values }
+        let (knots, [a, b, c]) = (self.knots_about(span), arguments.map(Raise::Value));
+        let values = raised::<2>(&knots, raised::<1>(&knots, ONE, a), b);
+        Row { indices: self.indices(span), values: raised::<3>(&knots, values, c) }
     }
 
     /// The Greville abscissa of each function, the mean of its three inner knots; wrapped into the
@@ -185,14 +185,28 @@ impl Basis {
     }
 
     fn indices(&self, span: usize) -> [usize; 4] {
-        [0, 1, 2, 3].map(|i| (span + i) % self.count())
+        let count = self.count();
+        // At most once around; a division would take as long as the functions themselves.
+        let folded = |index: usize| if index < count { index } else { index - count };
+        [0, 1, 2, 3].map(|i| folded(span + i))
+    }
+
+    /// The knots on which the functions of interval `span` depend; it lies between the middle two.
+    fn knots_about(&self, span: usize) -> [f64; 2 * DEGREE] {
+        let mut knots = [0.0; 2 * DEGREE];
+        knots.copy_from_slice(&self.knots[span + 1..=span + 2 * DEGREE]);
+        knots
     }
 
     /// `x` wrapped or clamped into the domain; the end of a period becomes its start.
+    #[inline]
     pub(super) fn brought_home(&self, x: f64) -> f64 {
         let (from, to) = self.domain();
         if !self.periodic {
             return x.clamp(from, to);
+        }
+        if from <= x && x < to {
+            return x;
         }
         let wrapped = x - (to - from) * ((x - from) / (to - from)).floor();
         // Rounding can leave the wrapped value a hair outside.
@@ -201,31 +215,39 @@ impl Basis {
 
     /// The interval that holds `x` of the domain; the last one for its end. Source: The NURBS Book,
     /// A2.1.
-    fn span(&self, x: f64) -> usize {
+    #[inline]
+    pub(super) fn span(&self, x: f64) -> usize {
         let inner = &self.breakpoints[1..self.intervals()];
         inner.partition_point(|breakpoint| *breakpoint <= x)
     }
+}
 
-    /// The `degree + 1` functions of `degree` on interval `span`, or their slopes, from the
-    /// `degree` functions `lower` of one degree less: one column of the Cox-de Boor triangle (The
-    /// NURBS Book, equations 2.5 and 2.7).
-    fn raised(&self, span: usize, degree: usize, lower: [f64; 4], step: Raise) -> [f64; 4] {
-        let knot = span + DEGREE;
-        let mut values = [0.0; 4];
-        for r in 0..degree {
-            let left = self.knots[knot + 1 + r - degree];
-            let right = self.knots[knot + 1 + r];
-            // The interval itself lies between them, so the division is safe.
-            let share = lower[r] / (right - left);
-            let (falling, rising) = match step {
-                Raise::Value(x) => (right - x, x - left),
-                Raise::Slope => (-(degree as f64), degree as f64),
-            };
-            values[r] += falling * share;
-            values[r + 1] += rising * share;
-        }
-        values
+/// The function of degree 0 on its interval.
+const ONE: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+
+/// The `TO + 1` functions of degree `TO` on the interval in the middle of `knots`, or their
+/// slopes, from the functions `lower` of one degree less: one column of the Cox-de Boor triangle
+/// (The NURBS Book, equations 2.5 and 2.7).
+#[inline]
+fn raised<const TO: usize>(knots: &[f64; 2 * DEGREE], lower: [f64; 4], step: Raise) -> [f64; 4] {
+    let mut values = [0.0; 4];
+    for r in 0..TO {
+        let (left, right) = (knots[DEGREE + r - TO], knots[DEGREE + r]);
+        // The interval itself lies between them, so the division is safe; it waits for nothing.
+        let (falling, rising) = match step {
+            Raise::Value(x) => {
+                let falling = (right - x) / (right - left);
+                (falling, 1.0 - falling)
+            }
+            Raise::Slope => {
+                let rising = TO as f64 / (right - left);
+                (-rising, rising)
+            }
+        };
+        values[r] += falling * lower[r];
+        values[r + 1] += rising * lower[r];
     }
+    values
 }
 
 /// How one column of the Cox-de Boor triangle comes from the last.

@@ -45,7 +45,7 @@ pub struct Spline {
 }
 
 /// Residuals with fewer degrees of freedom than this say nothing about the data's errors.
-const LEAST_FREEDOM: f64 = 0.5;
+pub(super) const LEAST_FREEDOM: f64 = 0.5;
 
 /// Why data cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -104,6 +104,87 @@ pub enum FitFault {
         /// Number needed.
         needed: usize,
     },
+    /// Each point of a cloud needs its place around.
+    #[error("{points} points with {around} places around; they must be as many")]
+    PlacesDiffer {
+        /// Number of points.
+        points: usize,
+        /// Number of places.
+        around: usize,
+    },
+    /// A cloud has fewer points than its surface has control points.
+    #[error("{points} points, where {control_points} control points need at least as many")]
+    TooFewPoints {
+        /// Number of points.
+        points: usize,
+        /// Number of control points.
+        control_points: usize,
+    },
+    /// Too much of the surface has no data: the rest would be invention.
+    #[error("{found} of {of} control points have a datum in their reach, fewer than {needed}")]
+    TooLittleSeen {
+        /// Number of control points whose basis function is not zero at some datum.
+        found: usize,
+        /// Number of control points.
+        of: usize,
+        /// Number needed.
+        needed: usize,
+    },
+    /// All points of a section are one, so that it has no length to go by.
+    #[error("all points of row {row} are the same")]
+    NoLength {
+        /// 0-based row.
+        row: usize,
+    },
+    /// Two neighbouring rows or columns lie at the same parameter or have the same points.
+    #[error("{lines} {first} and {second} are the same")]
+    Coincident {
+        /// "rows" or "columns".
+        lines: &'static str,
+        /// 0-based, the one with the lower parameter.
+        first: usize,
+        /// 0-based, the other.
+        second: usize,
+    },
+    /// A direction has fewer different places than it is to have control points.
+    #[error("{found} places {direction} for {needed} control points")]
+    FewerThanControlPoints {
+        /// "along" or "around".
+        direction: &'static str,
+        /// Number of rows or columns.
+        found: usize,
+        /// Number of control points asked for.
+        needed: usize,
+    },
+    /// A stretch without data, too wide for the penalty to carry the surface over it.
+    #[error(
+        "no data {direction} from {from} to {to}: {functions} functions would have none of their own"
+    )]
+    Gap {
+        /// "along" or "around".
+        direction: &'static str,
+        /// The last place before the widest stretch, or the domain's end.
+        from: f64,
+        /// The first place after it.
+        to: f64,
+        /// Functions of equal spans that have no datum of their own.
+        functions: usize,
+    },
+    /// A place that is to be a knot lies outside the domain or is no number.
+    #[error("the mark {mark} {direction} lies outside the domain {from} to {to}")]
+    MarkOutside {
+        /// "along" or "around".
+        direction: &'static str,
+        /// The mark.
+        mark: f64,
+        /// Start of the domain.
+        from: f64,
+        /// End of the domain.
+        to: f64,
+    },
+    /// The domain and the control points asked for make no basis.
+    #[error(transparent)]
+    Basis(#[from] super::basis::BasisFault),
     /// A fixed lambda below 0 or no finite number.
     #[error("lambda is {lambda}; it must be finite and not negative")]
     BadLambda {

@@ -19,14 +19,35 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod banded;
 pub mod basis;
+mod cells;
+mod chord;
+mod cloud_equations;
+pub mod cloud_fit;
+mod cloud_penalty;
+mod cloud_weights;
+pub mod curvature;
+mod distinct;
 pub mod fit;
 pub mod foot;
+mod gauss;
+mod grid_fit;
+mod knot_choice;
+mod knots;
 mod kronecker;
+mod least_squares;
+mod marks;
+mod marquardt;
+pub mod measure;
+pub mod middle;
 mod normal;
 pub mod outward;
 mod penalty;
+mod polish;
+mod profiles;
 mod robust;
+mod schoenberg_whitney;
 pub mod solve;
 pub mod surface;
 pub mod surface_fit;
@@ -36,9 +57,16 @@ mod tensor_fit;
 pub mod tessellate;
 
 pub use basis::{Basis, BasisFault, DEGREE, Row};
+pub use chord::mean_chord_parameters;
+pub use cloud_fit::{CloudData, CloudFit, CloudMethod, CloudSmoothing, fit_cloud};
+pub use curvature::Curvatures;
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
+pub use grid_fit::{GridDomain, GridMethod, fit_grid_by};
+pub use knot_choice::{Knots, KnotsUsed};
+pub use middle::Middle;
 pub use robust::{Robust, robust_fit};
+pub use schoenberg_whitney::{Undetermined, determines};
 pub use surface::{Derivatives, Surface, SurfaceFault};
 pub use surface_fit::{GridData, SurfaceFit, fit_grid};
 pub use tensor::Tensor;

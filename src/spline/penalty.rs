@@ -1,6 +1,7 @@
 //! Roughness matrices: integrals of products of the basis functions' derivatives.
 
 use super::basis::Basis;
+use super::gauss::composite;
 use super::solve::Skyline;
 
 /// The Gram matrix of the functions' derivatives of `order` 2 or 3 over the domain: for
@@ -16,6 +17,16 @@ pub fn roughness(basis: &Basis, order: usize) -> Skyline {
         for node in [middle - offset, middle + offset] {
             matrix.add_square(&basis.rows(node)[order], half);
         }
+    }
+    matrix
+}
+
+/// The Gram matrix of the functions themselves over the domain: for coefficients c the integral of
+/// the squared spline is cᵀ M c.
+pub fn mass(basis: &Basis) -> Skyline {
+    let mut matrix = Skyline::zero(basis);
+    for (node, weight) in composite(basis.breakpoints()) {
+        matrix.add_square(&basis.row(node), weight);
     }
     matrix
 }

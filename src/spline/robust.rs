@@ -9,7 +9,7 @@ use super::normal::{Design, NormalEquations};
 const TUKEY: f64 = 4.685;
 
 /// Median absolute deviation to standard deviation, for normal errors.
-const MAD_TO_SD: f64 = 1.4826;
+pub(super) const MAD_TO_SD: f64 = 1.4826;
 
 /// Rounds of reweighting at most.
 const ROUNDS_MAX: usize = 8;

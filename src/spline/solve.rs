@@ -30,7 +30,7 @@ pub struct Singular {
 }
 
 /// A pivot below this fraction of its diagonal entry consists of rounding errors.
-const SMALLEST_RELATIVE_PIVOT: f64 = 16.0 * f64::EPSILON;
+pub(super) const SMALLEST_RELATIVE_PIVOT: f64 = 16.0 * f64::EPSILON;
 
 impl Skyline {
     /// The zero matrix for the functions of `basis`.

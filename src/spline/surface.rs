@@ -61,6 +61,15 @@ pub struct Derivatives {
     pub dvv: Vector3<f64>,
 }
 
+impl Derivatives {
+    /// See [`Surface::normal`].
+    pub(super) fn normal(&self) -> Option<Unit<Vector3<f64>>> {
+        let Derivatives { du, dv, .. } = self;
+        // A fraction of the tangents' own lengths, so that the unit of u and v does not matter.
+        Unit::try_new(dv.cross(du), 1e-12 * du.norm() * dv.norm())
+    }
+}
+
 impl Surface {
     /// A surface from its control points, row-major, a row for each function along.
     ///
@@ -106,7 +115,13 @@ impl Surface {
 
     /// The point at `u`, taken into the domain, and `v`, wrapped.
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
-        Point3::from(self.mixed(&self.along.row(u), &self.around.row(v)))
+        let (along, around) = (self.along.row(u), self.around.row(v));
+        let arc = self.arc(&along, &around.indices);
+        arc.iter()
+            .zip(around.values)
+            .map(|(point, value)| value * point)
+            .sum::<Vector3<f64>>()
+            .into()
     }
 
     /// The points at every pair of `u` and `v`, row-major, `u.len()` rows of `v.len()`; a tenth of
@@ -126,22 +141,25 @@ impl Surface {
     pub fn derivatives(&self, u: f64, v: f64) -> Derivatives {
         let [along, along_1, along_2, _] = self.along.rows(u);
         let [around, around_1, around_2, _] = self.around.rows(v);
+        let [ring, ring_1, ring_2] =
+            [along, along_1, along_2].map(|along| self.arc(&along, &around.indices));
+        let mixed = |arc: &[Vector3<f64>; 4], row: &Row| {
+            arc.iter().zip(row.values).map(|(point, value)| value * point).sum::<Vector3<f64>>()
+        };
         Derivatives {
-            point: Point3::from(self.mixed(&along, &around)),
-            du: self.mixed(&along_1, &around),
-            dv: self.mixed(&along, &around_1),
-            duu: self.mixed(&along_2, &around),
-            duv: self.mixed(&along_1, &around_1),
-            dvv: self.mixed(&along, &around_2),
+            point: Point3::from(mixed(&ring, &around)),
+            du: mixed(&ring_1, &around),
+            dv: mixed(&ring, &around_1),
+            duu: mixed(&ring_2, &around),
+            duv: mixed(&ring_1, &around_1),
+            dvv: mixed(&ring, &around_2),
         }
     }
 
     /// The unit normal dv × du: outward where u grows upwards and v counter-clockwise seen from
     /// above. None where the surface has no tangent plane.
     pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
-        let Derivatives { du, dv, .. } = self.derivatives(u, v);
-        // A fraction of the tangents' own lengths, so that the unit of u and v does not matter.
-        Unit::try_new(dv.cross(&du), 1e-12 * du.norm() * dv.norm())
+        self.derivatives(u, v).normal()
     }
 
     /// The surface moved as a rigid body; parameters stay.
@@ -181,11 +199,15 @@ impl Surface {
         (0..columns).map(|j| Point3::from(sum(j))).collect()
     }
 
-    fn mixed(&self, along: &Row, around: &Row) -> Vector3<f64> {
+    /// Four of the control points of the closed curve at one u.
+    fn arc(&self, along: &Row, around: &[usize; 4]) -> [Vector3<f64>; 4] {
         let columns = self.around.count();
-        let row = |i: usize| &self.control_points[i * columns..(i + 1) * columns];
-        let terms = along.indices.into_iter().zip(along.values);
-        terms.map(|(i, value)| value * combined(row(i), around)).sum()
+        let mut arc = [Vector3::zeros(); 4];
+        for (i, value) in along.indices.into_iter().zip(along.values) {
+            let row = &self.control_points[i * columns..(i + 1) * columns];
+            arc.iter_mut().zip(around).for_each(|(sum, j)| *sum += value * row[*j].coords);
+        }
+        arc
     }
 }
 

@@ -2,15 +2,12 @@
 
 use nalgebra::Point3;
 
-use super::basis::{Basis, Row};
-use super::fit::{FitFault, check_places};
+use super::basis::Basis;
+use super::fit::{FitFault, LEAST_FREEDOM, check_places};
+use super::knot_choice::KnotsUsed;
+use super::least_squares::LeastSquares;
 use super::normal::RIDGE;
-use super::penalty::roughness;
-use super::solve::{Cholesky, Singular, Skyline};
-use super::surface::Surface;
-
-/// The derivative that the ridge weighs, so that missing rows are bridged much as by a quintic.
-const RIDGED: usize = 3;
+use super::surface::{Surface, SurfaceFault};
 
 /// Points on a grid of parameters.
 #[derive(Debug, Clone, Copy)]
@@ -33,9 +30,22 @@ pub struct SurfaceFit {
     pub rms_mm: f64,
     /// The largest such distance, mm.
     pub max_mm: f64,
-    /// The lesser [`Cholesky::smallest_pivot`] of both directions: near 1e-12 the grid does not
+    /// The lesser [`super::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12 the grid does not
     /// determine all control points and the ridge chose among the solutions.
     pub smallest_pivot: f64,
+    /// Where the knots along and around come from.
+    pub knots: [KnotsUsed; 2],
+    /// Marks along and around that could not be knots: another mark or an end is too near.
+    pub marks_missed: [Vec<f64>; 2],
+    /// The smoothing along and around, the ridge of 1e-12 included: at 1 the penalty on the third
+    /// derivative has the trace of the data.
+    pub lambdas: [f64; 2],
+    /// Effective degrees of freedom, at most the number of control points.
+    pub edf: f64,
+    /// Standard deviation of a point, all coordinates together, √(Σ r² / (m − edf)), mm. Infinite
+    /// where the data leave less than half a degree of freedom. Without smoothing it holds what
+    /// the surface cannot follow besides the noise.
+    pub sigma_mm: f64,
 }
 
 /// The tensor-product least-squares surface C = (AᵀA + ridge)⁻¹ Aᵀ P B (BᵀB + ridge)⁻¹.
@@ -53,63 +63,78 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
     check(data)?;
     check_places(&along, data.along, data.along)?;
     check_places(&around, data.around, data.around)?;
-    let rows_along: Vec<Row> = data.along.iter().map(|u| along.row(*u)).collect();
-    let rows_around: Vec<Row> = data.around.iter().map(|v| around.row(*v)).collect();
-    let factor_along = factor(&along, &rows_along)?;
-    let factor_around = factor(&around, &rows_around)?;
+    let solver = [
+        LeastSquares::new(&along, data.along, RIDGE)?,
+        LeastSquares::new(&around, data.around, RIDGE)?,
+    ];
+    let surface = surface(&solver, data.points, along, around)?;
+    Ok(judged(surface, data, &solver, [RIDGE; 2]))
+}
 
-    let flat: Vec<f64> = data.points.iter().flat_map(|point| [point.x, point.y, point.z]).collect();
-    let by_row = solved(&factor_along, &rows_along, &flat, along.count());
-    let by_column = transposed(&by_row, along.count(), data.around.len());
-    let by_column = solved(&factor_around, &rows_around, &by_column, around.count());
-    let control = transposed(&by_column, around.count(), along.count());
+/// The surface of the points, with the equations along and around.
+pub(super) fn surface(
+    [along, around]: &[LeastSquares; 2],
+    points: &[Point3<f64>],
+    basis_along: Basis,
+    basis_around: Basis,
+) -> Result<Surface, SurfaceFault> {
+    let (rows, columns) = (basis_along.count(), basis_around.count());
+    let by_row = along.coefficients(&flat(points));
+    let by_column = around.coefficients(&transposed(&by_row, rows, by_row.len() / (3 * rows)));
+    let control = transposed(&by_column, columns, rows);
     let control = control.chunks_exact(3).map(|xyz| Point3::new(xyz[0], xyz[1], xyz[2])).collect();
-    let surface = Surface::new(along, around, control)?;
+    Surface::new(basis_along, basis_around, control)
+}
 
+/// The fit of a surface that keeps all its degrees of freedom.
+fn judged(
+    surface: Surface,
+    data: &GridData,
+    solver: &[LeastSquares; 2],
+    lambdas: [f64; 2],
+) -> SurfaceFit {
     let (rms_mm, max_mm) = residuals(&surface, data);
-    let smallest_pivot = factor_along.smallest_pivot().min(factor_around.smallest_pivot());
-    Ok(SurfaceFit { surface, rms_mm, max_mm, smallest_pivot })
+    let smallest_pivot = solver[0].smallest_pivot().min(solver[1].smallest_pivot());
+    let edf = surface.control_points().len().min(data.points.len()) as f64;
+    SurfaceFit {
+        surface,
+        rms_mm,
+        max_mm,
+        smallest_pivot,
+        knots: [KnotsUsed::Given; 2],
+        marks_missed: [Vec::new(), Vec::new()],
+        lambdas,
+        edf,
+        sigma_mm: spread(rms_mm, data.points.len(), edf),
+    }
 }
 
-/// The factor of BᵀB plus the ridge.
-fn factor(basis: &Basis, rows: &[Row]) -> Result<Cholesky, Singular> {
-    let mut gram = Skyline::zero(basis);
-    for row in rows {
-        gram.add_square(row, 1.0);
-    }
-    let ridge = roughness(basis, RIDGED);
-    gram.plus(RIDGE * gram.trace() / ridge.trace(), &ridge).factor()
+/// Standard deviation of one of `data` points of which a fit leaves this root mean square.
+pub(super) fn spread(rms_mm: f64, data: usize, edf: f64) -> f64 {
+    let freedom = data as f64 - edf;
+    if freedom > LEAST_FREEDOM { rms_mm * (data as f64 / freedom).sqrt() } else { f64::INFINITY }
 }
 
-/// The `count` coefficients of each column of `values`, whose rows belong to `rows`.
-fn solved(factor: &Cholesky, rows: &[Row], values: &[f64], count: usize) -> Vec<f64> {
-    let width = values.len() / rows.len();
-    let mut moments = vec![0.0; count * width];
-    for (row, values) in rows.iter().zip(values.chunks_exact(width)) {
-        for (index, weight) in row.indices.into_iter().zip(row.values) {
-            let sums = &mut moments[index * width..(index + 1) * width];
-            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += weight * value);
-        }
-    }
-    factor.solve(&mut moments, width);
-    moments
+/// The coordinates of points, one after another.
+pub(super) fn flat(points: &[Point3<f64>]) -> Vec<f64> {
+    points.iter().flat_map(|point| [point.x, point.y, point.z]).collect()
 }
 
 /// A grid of xyz triples with rows and columns exchanged.
-fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+pub(super) fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     let places = (0..columns).flat_map(|j| (0..rows).map(move |i| 3 * (i * columns + j)));
     places.flat_map(|place| [values[place], values[place + 1], values[place + 2]]).collect()
 }
 
 /// Root mean square and largest distance between data and surface at the data's parameters.
-fn residuals(surface: &Surface, data: &GridData) -> (f64, f64) {
+pub(super) fn residuals(surface: &Surface, data: &GridData) -> (f64, f64) {
     let fitted = surface.grid(data.along, data.around);
     let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
     let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, max), s| (sum + s, max.max(s)));
     ((sum / data.points.len() as f64).sqrt(), largest.sqrt())
 }
 
-fn check(data: &GridData) -> Result<(), FitFault> {
+pub(super) fn check(data: &GridData) -> Result<(), FitFault> {
     let (rows, columns, points) = (data.along.len(), data.around.len(), data.points.len());
     if points == 0 || points != rows * columns {
         return Err(FitFault::NoGrid { points, along: rows, around: columns });

@@ -13,7 +13,7 @@ pub struct Tensor {
 
 impl Tensor {
     /// A function of these bases; `coefficients` must be as many as their product.
-    pub(super) fn new(along: Basis, around: Basis, coefficients: Vec<f64>) -> Tensor {
+    pub(crate) fn new(along: Basis, around: Basis, coefficients: Vec<f64>) -> Tensor {
         debug_assert_eq!(coefficients.len(), along.count() * around.count());
         Tensor { along, around, coefficients }
     }

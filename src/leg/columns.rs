@@ -1,0 +1,151 @@
+//! The grid's columns: one sequence for all sections, bent along the leg so that a ridge keeps its
+//! column (the open problem of paper 2: "a common sequence of angles").
+//!
+//! Column v lies at the angle v + δ(along, v). On a ridge δ is the ridge's own angle less its mean
+//! one; between ridges, and above and below them, it fades smoothly. Because δ is as smooth as the
+//! surface, bending the columns puts no kink into it.
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::{DMatrix, DVector};
+
+use super::ridge::Ridge;
+use crate::spline::{Basis, Tensor};
+
+/// Length of the pieces of δ along the leg, mm: ridges lean one way for longer than that.
+const INTERVAL_MM: f64 = 60.0;
+
+/// Pieces of δ around, 30° each: ridges are further apart.
+const INTERVALS_AROUND: usize = 12;
+
+/// Weights of δ's bend along, of its change around and of its size from one coefficient to the
+/// next, where each place of a ridge weighs 1 and there are about ten to a coefficient: a ridge is
+/// followed, and its pull has faded after some 60° and 100 mm.
+const BEND: f64 = 1.0;
+const CHANGE: f64 = 0.3;
+const SIZE: f64 = 0.1;
+
+/// The distance of neighbouring columns may change by this share of itself; where ridges would press
+/// or pull them more, all of δ is made smaller.
+const STRAIN_MAX: f64 = 0.5;
+
+/// What δ is lessened by at a time where it strains the columns too much.
+const LESSENED: f64 = 0.8;
+
+/// Places along and around at which the strain is looked at.
+const STRAIN_PLACES: [usize; 2] = [20, 72];
+
+/// Halvings after which a column is known to 10⁻⁹ radians.
+const INVERSE_STEPS: usize = 32;
+
+/// Where the columns of a leg run.
+#[derive(Debug, Clone)]
+pub struct Columns {
+    /// δ in radians over (along in mm, v in radians).
+    bend: Tensor,
+    /// The ridges that keep their column: their v, radians, within [−π, π).
+    pub ridges: Vec<f64>,
+}
+
+impl Columns {
+    /// Columns over a range along the axis that follow the ridges; none where the range is empty.
+    pub fn following(ridges: &[Ridge], from_mm: f64, to_mm: f64) -> Option<Columns> {
+        let intervals = ((to_mm - from_mm) / INTERVAL_MM).ceil().max(1.0) as usize;
+        let along = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
+        let around = Basis::uniform_periodic(-PI, TAU, INTERVALS_AROUND).ok()?;
+        let [rows, columns] = [along.count(), around.count()];
+        let mut system = Equations::new(rows * columns);
+        let at = |i: usize, j: usize| i * columns + j % columns;
+        for i in 0..rows {
+            for j in 0..columns {
+                system.add(&[(at(i, j), SIZE)], 0.0);
+                system.add(&[(at(i, j), -CHANGE), (at(i, j + 1), CHANGE)], 0.0);
+                if (1..rows - 1).contains(&i) {
+                    let bend =
+                        [(at(i - 1, j), BEND), (at(i, j), -2.0 * BEND), (at(i + 1, j), BEND)];
+                    system.add(&bend, 0.0);
+                }
+            }
+        }
+        for ridge in ridges {
+            let v = around.row(ridge.angle());
+            for place in &ridge.places {
+                let u = along.row(place.along_mm);
+                let mut terms = [(0, 0.0); 16];
+                let shares = u.indices.into_iter().zip(u.values).flat_map(|(i, a)| {
+                    v.indices.into_iter().zip(v.values).map(move |(j, b)| (at(i, j), a * b))
+                });
+                terms.iter_mut().zip(shares).for_each(|(term, share)| *term = share);
+                system.add(&terms, place.angle - ridge.angle());
+            }
+        }
+        let mut coefficients = system.solved()?;
+        let columns = |coefficients: &[f64]| Columns {
+            bend: Tensor::new(along.clone(), around.clone(), coefficients.to_vec()),
+            ridges: ridges.iter().map(|ridge| home(ridge.angle())).collect(),
+        };
+        let mut bent = columns(&coefficients);
+        while bent.strain() > STRAIN_MAX {
+            coefficients.iter_mut().for_each(|value| *value *= LESSENED);
+            bent = columns(&coefficients);
+        }
+        Some(bent)
+    }
+
+    /// The angle of column `v` at a distance along the axis, radians.
+    pub fn angle(&self, along_mm: f64, v: f64) -> f64 {
+        v + self.bend.value(along_mm, v)
+    }
+
+    /// The column at an angle, radians in [−π, π).
+    pub fn column(&self, along_mm: f64, angle: f64) -> f64 {
+        // δ changes by half of v's change at most, so each step halves the distance.
+        let step = |v: f64, _| angle - self.bend.value(along_mm, v);
+        home((0..INVERSE_STEPS).fold(angle, step))
+    }
+
+    /// The largest change of the distance of neighbouring columns, as a share of it.
+    fn strain(&self) -> f64 {
+        let (from_mm, to_mm) = self.bend.along().domain();
+        let [rows, columns] = STRAIN_PLACES;
+        let step = TAU / columns as f64;
+        let strain = |(i, j): (usize, usize)| {
+            let along_mm = from_mm + (to_mm - from_mm) * i as f64 / rows as f64;
+            let bend = |j: usize| self.bend.value(along_mm, -PI + step * j as f64);
+            ((bend(j + 1) - bend(j)) / step).abs()
+        };
+        let places = (0..=rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+        places.map(strain).fold(0.0, f64::max)
+    }
+}
+
+/// The same direction in [−π, π).
+fn home(angle: f64) -> f64 {
+    (angle + PI).rem_euclid(TAU) - PI
+}
+
+/// Normal equations of a small least-squares problem, added to term by term.
+struct Equations {
+    gram: DMatrix<f64>,
+    moments: DVector<f64>,
+}
+
+impl Equations {
+    fn new(unknowns: usize) -> Equations {
+        Equations { gram: DMatrix::zeros(unknowns, unknowns), moments: DVector::zeros(unknowns) }
+    }
+
+    /// One more equation: the terms' sum shall be `value`.
+    fn add(&mut self, terms: &[(usize, f64)], value: f64) {
+        for (i, a) in terms {
+            self.moments[*i] += a * value;
+            for (j, b) in terms {
+                self.gram[(*i, *j)] += a * b;
+            }
+        }
+    }
+
+    fn solved(self) -> Option<Vec<f64>> {
+        Some(self.gram.cholesky()?.solve(&self.moments).as_slice().to_vec())
+    }
+}

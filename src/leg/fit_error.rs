@@ -1,0 +1,65 @@
+//! How far skin lies from a surface.
+
+use rayon::prelude::*;
+
+use nalgebra::Point3;
+
+use crate::spline::{Foot, Surface};
+
+/// Distances of skin from a surface, each the shortest.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FitError {
+    /// Mean of |distance| / local radius, weighted by area; 1 is 100 %.
+    pub mean_relative: f64,
+    /// Root mean square, weighted by area, mm.
+    pub rms_mm: f64,
+    /// 95 % of the area are no further away, mm.
+    pub p95_mm: f64,
+    /// Largest, mm.
+    pub max_mm: f64,
+}
+
+/// A place of the skin to be compared.
+#[derive(Debug, Clone, Copy)]
+pub struct Place {
+    /// Where it is.
+    pub point: Point3<f64>,
+    /// Where on the surface it should be: distance along the axis, mm, and column.
+    pub at: (f64, f64),
+    /// Its distance from the middle of the leg, mm.
+    pub radius_mm: f64,
+    /// The area it stands for, in any unit.
+    pub area: f64,
+}
+
+/// The nearest point of the surface to each place, in their order.
+pub fn feet(surface: &Surface, places: &[Place]) -> Vec<Foot> {
+    places.par_iter().map(|place| surface.closest(&place.point, place.at.0, place.at.1)).collect()
+}
+
+impl FitError {
+    /// The error over places and the distances found for them; none where there are no places.
+    pub fn of<'a>(places: impl Iterator<Item = (&'a Place, f64)>) -> Option<FitError> {
+        let (mut area, mut relative, mut squares) = (0.0, 0.0, 0.0);
+        let mut distances: Vec<(f64, f64)> = Vec::new();
+        for (place, distance_mm) in places {
+            area += place.area;
+            relative += place.area * distance_mm / place.radius_mm;
+            squares += place.area * distance_mm * distance_mm;
+            distances.push((distance_mm, place.area));
+        }
+        distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (max_mm, _) = *distances.last()?;
+        let mut passed = 0.0;
+        let within = distances.iter().find(|(_, own)| {
+            passed += own;
+            passed >= 0.95 * area
+        });
+        Some(FitError {
+            mean_relative: relative / area,
+            rms_mm: (squares / area).sqrt(),
+            p95_mm: within.map_or(max_mm, |(distance_mm, _)| *distance_mm),
+            max_mm,
+        })
+    }
+}

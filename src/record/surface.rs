@@ -1,0 +1,131 @@
+//! The surface of a leg as it stands in `record.json`: its extent, its error, and what it bridges.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::rounding::{cm2, degrees, mm, share};
+use crate::leg::LegReport;
+use crate::leg::fit_error::FitError;
+use crate::leg::hole::Hole;
+use crate::leg::surface::LegSurface;
+use crate::spline::DEGREE;
+
+/// The surface's extent and error.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceFigures {
+    /// Along, around.
+    pub control_points: [usize; 2],
+    /// Along, around.
+    pub degree: [usize; 2],
+    /// Where the knots lie along and around: `uniform`, `adaptive`, `polished`, …
+    #[serde(default)]
+    pub knots: Vec<String>,
+    /// Height of the lower end's centre.
+    pub from_height_mm: f64,
+    /// Height of the upper end's centre.
+    pub to_height_mm: f64,
+    /// Distance of the measured sections, holes left out.
+    pub to_sections: ErrorFigures,
+    /// Distance of the sections in holes, where both are bridges; null without holes.
+    #[serde(default)]
+    pub in_holes: Option<ErrorFigures>,
+    /// Distance of the scan's own points.
+    pub to_points: ErrorFigures,
+    /// Its girth at the levels it covers, by name.
+    #[serde(default)]
+    pub girths: BTreeMap<String, SurfaceGirth>,
+    /// The holes that it bridges, largest first.
+    #[serde(default)]
+    pub holes: Vec<HoleFigures>,
+}
+
+/// Distances from the surface.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ErrorFigures {
+    /// Area-weighted mean of |distance| / local radius.
+    pub mean_relative: f64,
+    /// Root mean square.
+    pub rms_mm: f64,
+    /// 95 % of the area are no further away.
+    #[serde(default)]
+    pub p95_mm: f64,
+    /// Largest.
+    pub max_mm: f64,
+}
+
+/// The girth of the surface at a level.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceGirth {
+    /// Along the surface's own section.
+    pub contour_mm: f64,
+    /// That less the girth of the section the level was measured on.
+    pub minus_section_mm: f64,
+}
+
+/// A hole of the scan that the surface bridges.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct HoleFigures {
+    /// Height of its middle above the floor.
+    pub height_mm: f64,
+    /// Angle of its middle around the leg: 0 front, 90 lateral.
+    pub angle_deg: f64,
+    /// Extent along the leg.
+    pub length_mm: f64,
+    /// Extent around the leg.
+    pub width_mm: f64,
+    /// Area.
+    pub area_cm2: f64,
+}
+
+/// The figures of a leg's surface; none where it has none.
+pub fn surface(report: &LegReport) -> Option<SurfaceFigures> {
+    let leg = report.surface.as_ref()?;
+    let [from_mm, to_mm] = leg.height_mm;
+    Some(SurfaceFigures {
+        control_points: [leg.surface.along().count(), leg.surface.around().count()],
+        degree: [DEGREE; 2],
+        knots: leg.knots.iter().map(|used| used.word().to_owned()).collect(),
+        from_height_mm: mm(from_mm),
+        to_height_mm: mm(to_mm),
+        to_sections: error(&leg.to_sections),
+        in_holes: leg.in_holes.as_ref().map(error),
+        to_points: error(&leg.to_points),
+        girths: girths(report, leg),
+        holes: leg.holes().iter().map(|at| hole(leg, at)).collect(),
+    })
+}
+
+fn girths(report: &LegReport, leg: &LegSurface) -> BTreeMap<String, SurfaceGirth> {
+    let (low, high) = leg.surface.along().domain();
+    let covered = report.level_sections.iter().filter(|at| {
+        let along_mm = at.section.along_mm;
+        (low..=high).contains(&along_mm)
+    });
+    let girth = |at: &crate::leg::LevelSection| {
+        let own_mm = leg.girth_mm(at.section.along_mm);
+        let minus_section_mm = mm(own_mm - at.section.girth.contour_mm);
+        (at.level.name().to_owned(), SurfaceGirth { contour_mm: mm(own_mm), minus_section_mm })
+    };
+    covered.map(girth).collect()
+}
+
+fn hole(leg: &LegSurface, hole: &Hole) -> HoleFigures {
+    let middle = leg.surface.point(hole.along_mm, hole.column);
+    HoleFigures {
+        height_mm: mm(middle.z),
+        angle_deg: degrees(leg.columns.angle(hole.along_mm, hole.column).to_degrees()),
+        length_mm: mm(hole.length_mm),
+        width_mm: mm(hole.width_mm),
+        area_cm2: cm2(hole.area_mm2),
+    }
+}
+
+fn error(error: &FitError) -> ErrorFigures {
+    ErrorFigures {
+        mean_relative: share(error.mean_relative),
+        rms_mm: mm(error.rms_mm),
+        p95_mm: mm(error.p95_mm),
+        max_mm: mm(error.max_mm),
+    }
+}

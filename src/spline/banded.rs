@@ -1,0 +1,138 @@
+//! Cholesky factor of a banded symmetric matrix: the equations of a tensor-product surface.
+//!
+//! Coefficients are numbered row by row, so that functions that overlap lie at most four rows'
+//! width apart. Within that band the factor fills up, and a plain band is all the shape there is.
+
+use super::solve::{SMALLEST_RELATIVE_PIVOT, Singular};
+
+/// A symmetric matrix of which only the diagonal and some columns left of it are not zero.
+#[derive(Debug, Clone)]
+pub struct Banded {
+    size: usize,
+    /// Entries kept of each row: the diagonal and what lies left of it.
+    width: usize,
+    /// Row-major; the diagonal entry is the last of each row. What would lie left of column 0 is
+    /// kept as zero.
+    entries: Vec<f64>,
+}
+
+impl Banded {
+    /// The zero matrix of `size` rows, of which each keeps `width` entries, the diagonal included.
+    pub fn zero(size: usize, width: usize) -> Banded {
+        Banded { size, width, entries: vec![0.0; size * width] }
+    }
+
+    /// Adds to the entry of `row` and `column`, `row ≥ column > row − width`.
+    pub fn add(&mut self, row: usize, column: usize, value: f64) {
+        let place = self.place(row, column);
+        self.entries[place] += value;
+    }
+
+    /// Product with `pairs`, two values a row.
+    pub fn product(&self, pairs: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        let mut product = vec![[0.0; 2]; self.size];
+        for row in 0..self.size {
+            let (first, left) = self.left_of(row);
+            let own = pairs[row];
+            let diagonal = self.entries[self.place(row, row)];
+            let mut sum = own.map(|value| diagonal * value);
+            for ((entry, pair), target) in
+                left.iter().zip(&pairs[first..]).zip(&mut product[first..])
+            {
+                for k in 0..2 {
+                    sum[k] += entry * pair[k];
+                    target[k] += entry * own[k];
+                }
+            }
+            (0..2).for_each(|k| product[row][k] += sum[k]);
+        }
+        product
+    }
+
+    /// The Cholesky factor.
+    ///
+    /// # Errors
+    /// [`Singular`] where the matrix is not positive definite beyond rounding.
+    pub fn factor(mut self) -> Result<BandedCholesky, Singular> {
+        let width = self.width;
+        for i in 0..self.size {
+            let first = (i + 1).saturating_sub(width);
+            let (above, rest) = self.entries.split_at_mut(i * width);
+            let row = &mut rest[..width];
+            // Column `j` of this row is kept at `j + shift`.
+            let shift = width - 1 - i.min(width - 1);
+            for j in first..i {
+                let other = &above[j * width..(j + 1) * width];
+                let begin = first.max((j + 1).saturating_sub(width));
+                let ours = begin - first + shift;
+                let theirs = begin + width - 1 - j;
+                let length = j - begin;
+                let done = dot(&row[ours..ours + length], &other[theirs..theirs + length]);
+                let place = j - first + shift;
+                row[place] = (row[place] - done) / other[width - 1];
+            }
+            let diagonal = row[width - 1];
+            let pivot = diagonal - dot(&row[..width - 1], &row[..width - 1]);
+            let relative_pivot = if diagonal > 0.0 { pivot / diagonal } else { 0.0 };
+            if relative_pivot.is_nan() || relative_pivot <= SMALLEST_RELATIVE_PIVOT {
+                return Err(Singular { row: i, relative_pivot });
+            }
+            row[width - 1] = pivot.sqrt();
+        }
+        Ok(BandedCholesky { lower: self })
+    }
+
+    fn place(&self, row: usize, column: usize) -> usize {
+        row * self.width + self.width - 1 - (row - column)
+    }
+
+    /// Row `row` left of the diagonal: its first column and its entries.
+    fn left_of(&self, row: usize) -> (usize, &[f64]) {
+        let first = (row + 1).saturating_sub(self.width);
+        (first, &self.entries[self.place(row, first)..self.place(row, row)])
+    }
+}
+
+/// The factor `L` of a matrix `L Lᵀ`.
+#[derive(Debug, Clone)]
+pub struct BandedCholesky {
+    lower: Banded,
+}
+
+impl BandedCholesky {
+    /// Solves in place for two right-hand sides, a pair of values for each row.
+    pub fn solve(&self, pairs: &mut [[f64; 2]]) {
+        let lower = &self.lower;
+        for row in 0..lower.size {
+            let (first, entries) = lower.left_of(row);
+            let mut own = pairs[row];
+            for (entry, known) in entries.iter().zip(&pairs[first..row]) {
+                (0..2).for_each(|k| own[k] -= entry * known[k]);
+            }
+            let diagonal = lower.entries[lower.place(row, row)];
+            pairs[row] = own.map(|value| value / diagonal);
+        }
+        for row in (0..lower.size).rev() {
+            let (first, entries) = lower.left_of(row);
+            let diagonal = lower.entries[lower.place(row, row)];
+            let own = pairs[row].map(|value| value / diagonal);
+            pairs[row] = own;
+            for (entry, open) in entries.iter().zip(&mut pairs[first..row]) {
+                (0..2).for_each(|k| open[k] -= entry * own[k]);
+            }
+        }
+    }
+}
+
+/// Sums kept side by side, so that products need not wait for one another.
+const LANES: usize = 8;
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; LANES];
+    let (a_lanes, b_lanes) = (a.chunks_exact(LANES), b.chunks_exact(LANES));
+    let rest: f64 = a_lanes.remainder().iter().zip(b_lanes.remainder()).map(|(a, b)| a * b).sum();
+    for (a, b) in a_lanes.zip(b_lanes) {
+        (0..LANES).for_each(|lane| sums[lane] += a[lane] * b[lane]);
+    }
+    sums.iter().sum::<f64>() + rest
+}

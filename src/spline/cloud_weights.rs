@@ -1,0 +1,46 @@
+//! Weights of a cloud's points by their residuals.
+//!
+//! What is near has weight 1. Tukey's biweights (`robust`), which fall from the middle on, would
+//! take weight from every point of a bump that the surface cannot quite follow and so flatten it
+//! further: on the test leg of nurbs.md 1.1 they make the mean error 2 % and the largest 10 %
+//! larger.
+
+use super::robust::MAD_TO_SD;
+
+/// Residuals up to this many standard deviations keep their weight; Huber's constant, nurbs.md 6.8.
+const NEAR: f64 = 2.5;
+
+/// Residuals from this many standard deviations on have none in the end.
+const FAR: f64 = 5.0;
+
+/// Standard deviation of standard normal errors under [`Fading::Whole`]: what is large counts for
+/// less. √(E[w x²] / E[w]) by quadrature.
+pub const FADED_NORMAL_SD: f64 = 0.9964;
+
+/// How weight fades beyond what is near.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fading {
+    /// As the reciprocal of the residual (Huber): no outlier is lost, none draws more than what is
+    /// just near. Finds the surface from a poor guess.
+    Huber,
+    /// As Tukey's biweight, from 1 to nothing.
+    Whole,
+}
+
+/// The weights of points by their squared residuals, scaled by the median, but by no less than
+/// `least_scale_mm`. There must be points.
+pub fn weights_of(squares: &[f64], least_scale_mm: f64, fading: Fading) -> Vec<f64> {
+    let mut sorted = squares.to_vec();
+    let middle = sorted.len() / 2;
+    let (_, median, _) = sorted.select_nth_unstable_by(middle, f64::total_cmp);
+    let scale_mm = (MAD_TO_SD * median.sqrt()).max(least_scale_mm);
+    let near = (NEAR * scale_mm).powi(2);
+    let faded = |square: f64| match fading {
+        Fading::Huber => (near / square).sqrt(),
+        Fading::Whole => {
+            let way = (square.sqrt() / scale_mm - NEAR) / (FAR - NEAR);
+            (1.0 - way * way).max(0.0).powi(2)
+        }
+    };
+    squares.iter().map(|square| if *square <= near { 1.0 } else { faded(*square) }).collect()
+}

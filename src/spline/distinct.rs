@@ -1,0 +1,57 @@
+//! Refusal of grids whose rows or columns are too few or the same.
+
+use super::basis::DEGREE;
+use super::fit::{FitFault, check_places};
+use super::knot_choice::Wish;
+use super::profiles::Profiles;
+
+/// Rows nearer than this are one: as a share of the domain in their parameter, or of the data's
+/// extent in all their points.
+const ONE_LINE: f64 = 1e-9;
+
+/// Refuses what no surface with these knots can be fitted to.
+///
+/// # Errors
+/// [`FitFault::FewerThanControlPoints`], [`FitFault::Basis`], [`FitFault::OutsideDomain`],
+/// [`FitFault::Coincident`].
+pub fn check_lines(profiles: &Profiles, wish: &Wish) -> Result<(), FitFault> {
+    let Wish { direction, domain, spans, .. } = *wish;
+    let (found, needed) = (profiles.places.len(), spans + if domain.periodic { 0 } else { DEGREE });
+    if found < needed {
+        return Err(FitFault::FewerThanControlPoints { direction, found, needed });
+    }
+    let basis = domain.basis(&domain.equal(spans))?;
+    check_places(&basis, &profiles.places, &profiles.places)?;
+    let lines = if wish.domain.periodic { "columns" } else { "rows" };
+    match twins(profiles, wish) {
+        Some([first, second]) => Err(FitFault::Coincident { lines, first, second }),
+        None => Ok(()),
+    }
+}
+
+/// Two neighbours at the same parameter or with the same points.
+fn twins(profiles: &Profiles, wish: &Wish) -> Option<[usize; 2]> {
+    let Profiles { places, values } = profiles;
+    let domain = wish.domain;
+    let width = values.len() / places.len();
+    let line = |i: usize| &values[i * width..(i + 1) * width];
+    let extent = |axis: usize| {
+        let values = || values.iter().skip(axis).step_by(3).copied();
+        values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
+    };
+    let near_mm = ONE_LINE * (0..3).map(extent).fold(0.0, f64::max);
+    let near = ONE_LINE * (domain.to - domain.from);
+    let home = |i: usize| domain.home(places[i], domain.from);
+    let mut order: Vec<usize> = (0..places.len()).collect();
+    order.sort_by(|a, b| home(*a).total_cmp(&home(*b)));
+    let same = |&[i, j]: &[usize; 2]| {
+        let apart = (home(j) - home(i)).abs();
+        let apart =
+            if domain.periodic { apart.min(domain.to - domain.from - apart) } else { apart };
+        apart <= near || line(i).iter().zip(line(j)).all(|(a, b)| (a - b).abs() <= near_mm)
+    };
+    let next = order.iter().cycle().skip(1);
+    let pairs = order.iter().zip(next).map(|(i, j)| [*i, *j]);
+    let pairs = pairs.take(if domain.periodic { order.len() } else { order.len() - 1 });
+    pairs.into_iter().find(same)
+}

@@ -1,0 +1,176 @@
+//! Which breakpoints a fit of one direction gets, and why not those that were asked for.
+
+use std::collections::BTreeSet;
+
+use super::basis::Basis;
+use super::fit::FitFault;
+use super::knots::{FINE_LAMBDA, adaptive};
+use super::marks::{Marked, marked};
+use super::polish::polished;
+use super::profiles::{Domain, Profiles};
+use super::schoenberg_whitney::{determines, undetermined};
+
+/// Where the knots of a fit are to lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Knots {
+    /// At equal distances.
+    Uniform,
+    /// Denser where the data bend more (nurbs.md 6.4).
+    Adaptive,
+    /// Adaptive, then moved to where the residual is least (nurbs.md 6.10).
+    Polished,
+}
+
+impl Knots {
+    /// The word used in configurations and records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Knots::Uniform => "uniform",
+            Knots::Adaptive => "adaptive",
+            Knots::Polished => "polished",
+        }
+    }
+}
+
+/// Where the knots of a fit do lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum KnotsUsed {
+    /// In the bases that the caller gave.
+    Given,
+    /// At equal distances, as asked.
+    Uniform,
+    /// Where the data bend.
+    Adaptive,
+    /// Where the data bend, but drawn towards the data until each function had some.
+    Widened,
+    /// Where the residual is least.
+    Polished,
+    /// At equal distances, though others were asked for: theirs left no smaller residual.
+    UniformInstead,
+}
+
+impl KnotsUsed {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            KnotsUsed::Given => "given",
+            KnotsUsed::Uniform => "uniform",
+            KnotsUsed::Adaptive => "adaptive",
+            KnotsUsed::Widened => "widened",
+            KnotsUsed::Polished => "polished",
+            KnotsUsed::UniformInstead => "uniform-instead",
+        }
+    }
+}
+
+/// The knots of one direction.
+#[derive(Debug, Clone)]
+pub struct Choice {
+    /// The basis with them.
+    pub basis: Basis,
+    /// Where they come from.
+    pub used: KnotsUsed,
+    /// Marks that could not be knots.
+    pub missed: Vec<f64>,
+}
+
+/// What is asked of the knots of one direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Wish<'a> {
+    /// "along" or "around".
+    pub direction: &'static str,
+    /// Where the parameter lives.
+    pub domain: Domain,
+    /// Number of spans.
+    pub spans: usize,
+    /// Where the knots are to lie.
+    pub knots: Knots,
+    /// Places that are to be knots.
+    pub marks: &'a [f64],
+}
+
+/// As many functions may stay without a datum in a gap: the penalty bridges it. More would leave a
+/// stretch of their own to it.
+const BRIDGED: usize = 3;
+
+/// Steps in which breakpoints are drawn towards the data until each function has some.
+const WIDENINGS: usize = 8;
+
+/// The knots for these data.
+///
+/// # Errors
+/// A [`FitFault`]: no basis, or a [`FitFault::Gap`] in the data that is not bridged.
+pub fn chosen(profiles: &Profiles, wish: &Wish) -> Result<Choice, FitFault> {
+    let equal = marked(wish.domain.equal(wish.spans), &wish.domain, wish.marks);
+    let uniform = wish.domain.basis(&equal.breakpoints)?;
+    let open = undetermined(&uniform, &profiles.places).len();
+    if open > BRIDGED {
+        let [from, to] = wish.domain.widest_gap(&profiles.places);
+        return Err(FitFault::Gap { direction: wish.direction, from, to, functions: open });
+    }
+    let instead = Choice { basis: uniform, used: KnotsUsed::Uniform, missed: equal.missed };
+    if wish.knots == Knots::Uniform {
+        return Ok(instead);
+    }
+    let instead = Choice { used: KnotsUsed::UniformInstead, ..instead };
+    let found = adaptive(profiles, &wish.domain, wish.spans, FINE_LAMBDA)?;
+    let found = marked(found, &wish.domain, wish.marks);
+    let polish =
+        if wish.knots == Knots::Polished { made_better(&found, wish, profiles) } else { None };
+    match polish.or_else(|| widened(found, &wish.domain, &profiles.places)) {
+        Some(choice) if profiles.rss(&choice.basis)? <= profiles.rss(&instead.basis)? => Ok(choice),
+        _ => Ok(instead),
+    }
+}
+
+/// The polished basis; None where it leaves a function without data.
+fn made_better(found: &Marked, wish: &Wish, profiles: &Profiles) -> Option<Choice> {
+    let basis = wish.domain.basis(&polished(profiles, &wish.domain, found)).ok()?;
+    determines(&basis, &profiles.places).ok()?;
+    Some(Choice { basis, used: KnotsUsed::Polished, missed: found.missed.clone() })
+}
+
+/// The basis of the breakpoints, drawn towards an even share of the data until each function has a
+/// datum; None where even that does not help.
+fn widened(found: Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
+    let even = evenly_shared(&found, domain, places);
+    (0..=WIDENINGS).find_map(|step| {
+        let share = step as f64 / WIDENINGS as f64;
+        let pairs = found.breakpoints.iter().zip(&even);
+        let drawn: Vec<f64> = pairs.map(|(found, even)| found + share * (even - found)).collect();
+        let basis = domain.basis(&drawn).ok()?;
+        determines(&basis, places).ok()?;
+        let used = if step == 0 { KnotsUsed::Adaptive } else { KnotsUsed::Widened };
+        Some(Choice { basis, used, missed: found.missed.clone() })
+    })
+}
+
+/// The breakpoints, the free ones between two fixed ones moved so that each span holds as many data.
+fn evenly_shared(found: &Marked, domain: &Domain, places: &[f64]) -> Vec<f64> {
+    let mut even = found.breakpoints.clone();
+    let last = even.len() - 1;
+    let places = domain.homed(places, even[0]);
+    let ends = found.fixed.iter().copied().chain([0, last]).collect::<BTreeSet<_>>();
+    for (low, high) in ends.iter().zip(ends.iter().skip(1)) {
+        let (from, to) = (found.breakpoints[*low], found.breakpoints[*high]);
+        let inside: Vec<f64> = places.iter().copied().filter(|x| (from..to).contains(x)).collect();
+        for i in low + 1..*high {
+            let share = (i - low) as f64 / (high - low) as f64;
+            even[i] = between(&inside, [from, to], share * inside.len() as f64);
+        }
+    }
+    even
+}
+
+/// Where `count` of the ascending `places` within `ends` lie below: halfway through the counting of
+/// a place on the place itself, linear in between.
+fn between(places: &[f64], [from, to]: [f64; 2], count: f64) -> f64 {
+    let below = (count + 0.5).floor();
+    let at = |i: f64| match i {
+        i if i < 0.0 => (0.0, from),
+        i if i as usize >= places.len() => (places.len() as f64, to),
+        i => (i + 0.5, places[i as usize]),
+    };
+    let ((low, start), (high, end)) = (at(below - 1.0), at(below));
+    start + (end - start) * (count - low) / (high - low)
+}

@@ -1,0 +1,93 @@
+//! A grid as data of one direction: all points of the other direction side by side.
+
+use super::basis::{Basis, BasisFault};
+use super::least_squares::LeastSquares;
+use super::normal::RIDGE;
+use super::solve::Singular;
+use super::surface_fit::{GridData, flat, transposed};
+
+/// Data of one direction.
+#[derive(Debug, Clone)]
+pub struct Profiles {
+    /// Where the rows of `values` lie.
+    pub places: Vec<f64>,
+    /// Row-major, a row for each place; of a grid the coordinates of all its points there, mm.
+    pub values: Vec<f64>,
+}
+
+impl Profiles {
+    /// The lines along, a place for each section.
+    pub fn along(data: &GridData) -> Profiles {
+        Profiles { places: data.along.to_vec(), values: flat(data.points) }
+    }
+
+    /// The sections, a place for each column.
+    pub fn around(data: &GridData) -> Profiles {
+        let values = transposed(&flat(data.points), data.along.len(), data.around.len());
+        Profiles { places: data.around.to_vec(), values }
+    }
+
+    /// Sum of the squared residuals of the plain fit in a basis.
+    ///
+    /// # Errors
+    /// [`Singular`] where the data leave a coefficient undetermined.
+    pub fn rss(&self, basis: &Basis) -> Result<f64, Singular> {
+        let left = LeastSquares::new(basis, &self.places, RIDGE)?.residuals(&self.values);
+        Ok(left.iter().map(|value| value * value).sum())
+    }
+}
+
+/// Where a direction's parameter lives.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Domain {
+    /// Its start.
+    pub from: f64,
+    /// Its end; where periodic, the start a period later.
+    pub to: f64,
+    /// Whether it closes.
+    pub periodic: bool,
+}
+
+impl Domain {
+    /// The basis of these breakpoints.
+    ///
+    /// # Errors
+    /// As [`Basis::clamped`] and [`Basis::periodic`].
+    pub fn basis(&self, breakpoints: &[f64]) -> Result<Basis, BasisFault> {
+        if self.periodic { Basis::periodic(breakpoints) } else { Basis::clamped(breakpoints) }
+    }
+
+    /// Breakpoints of `spans` equal spans.
+    pub fn equal(&self, spans: usize) -> Vec<f64> {
+        let step = (self.to - self.from) / spans as f64;
+        (0..spans).map(|i| self.from + step * i as f64).chain([self.to]).collect()
+    }
+
+    /// Places in ascending order; where periodic, within one period from `start`.
+    pub fn homed(&self, places: &[f64], start: f64) -> Vec<f64> {
+        let mut places: Vec<f64> = places.iter().map(|place| self.home(*place, start)).collect();
+        places.sort_by(f64::total_cmp);
+        places
+    }
+
+    /// A place; where periodic, within one period from `start`.
+    pub fn home(&self, place: f64, start: f64) -> f64 {
+        let period = self.to - self.from;
+        if self.periodic { start + (place - start).rem_euclid(period) } else { place }
+    }
+
+    /// The two ends of the widest stretch without a place.
+    pub fn widest_gap(&self, places: &[f64]) -> [f64; 2] {
+        let places = self.homed(places, self.from);
+        let (Some(first), Some(last)) = (places.first(), places.last()) else {
+            return [self.from, self.to];
+        };
+        let ends = match self.periodic {
+            true => vec![[*last, first + (self.to - self.from)]],
+            false => vec![[self.from, *first], [*last, self.to]],
+        };
+        let inner = places.windows(2).map(|pair| [pair[0], pair[1]]);
+        let wider = |a: &[f64; 2], b: &[f64; 2]| (a[1] - a[0]).total_cmp(&(b[1] - b[0]));
+        inner.chain(ends).max_by(wider).unwrap_or([self.from, self.to])
+    }
+}
