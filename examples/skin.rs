@@ -138,7 +138,10 @@ fn surface_method() -> gaiter::leg::method::SurfaceMethod {
             "uniform" => m.knots = gaiter::spline::Knots::Uniform,
             "polished" => m.knots = gaiter::spline::Knots::Polished,
             "adaptive" => m.knots = gaiter::spline::Knots::Adaptive,
-            other => { let (a,b) = other.split_once('x').unwrap(); m.control_points = Some([a.parse().unwrap(), b.parse().unwrap()]); }
+            other => {
+                let (a, b) = other.split_once('x').unwrap();
+                m.control_points = Some([a.parse().unwrap(), b.parse().unwrap()]);
+            }
         }
     }
     m
