@@ -226,6 +226,8 @@ fn each_edge_lies_on_its_surface_where_its_line_in_the_parameters_says() {
         let ends = [edges.at(5 * (edge - 1) + 3), edges.at(5 * (edge - 1) + 5)].map(vertex);
         let [from, to] = if own_way { ends } else { [ends[1], ends[0]] };
         let line = &entities[&line.unwrap()].parameters;
+        // Every edge runs in the direction of u or of v; a rim begins where it ends.
+        assert_eq!(own_way, line[3] + line[4] > line[0] + line[1], "edge {edge}");
         for (place, uv) in [(from, &line[..2]), (to, &line[3..5])] {
             assert!((surface.point(uv[0], uv[1]).coords - place).norm() < 1e-9, "{uv:?}");
         }

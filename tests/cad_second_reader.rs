@@ -1,6 +1,6 @@
 //! STEP files read by truck, a CAD kernel of its own: the faces, the points and the knots in them
 //! are ours.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 #[path = "support/bodies.rs"]
 mod bodies;

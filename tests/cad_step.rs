@@ -1,6 +1,6 @@
 //! STEP files of a tube, of the solid within it and of their mirror images, read back by the few
 //! rules of ISO 10303-21.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 #[path = "support/tubes.rs"]
 mod tubes;

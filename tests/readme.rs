@@ -5,7 +5,7 @@
 use std::fs;
 
 /// Files whose `code` functions give codes to records, `reason.json` or standard error.
-const SOURCES: [&str; 8] = [
+const SOURCES: [&str; 9] = [
     "src/scan/fault.rs",
     "src/leg/mod.rs",
     "src/leg/body_fault.rs",
@@ -14,6 +14,7 @@ const SOURCES: [&str; 8] = [
     "src/leg/doubt.rs",
     "src/leg/opinion.rs",
     "src/store/mod.rs",
+    "src/cad/kind.rs",
 ];
 
 /// Codes that a source hands out: what stands in quotes behind an arrow.

@@ -343,3 +343,23 @@ fn the_log_names_no_patient_no_file_and_no_folder() {
         assert!(!log.contains(planted), "{planted} is in the log:\n{log}");
     }
 }
+
+#[test]
+fn the_record_holds_the_files_that_the_configuration_asks_for() {
+    let booth = Booth::new();
+    let mut config = File::options().append(true).open(booth.path("station.toml")).unwrap();
+    config
+        .write_all(b"\n[output]\nfiles = [\"iges-solid\", \"stl\"]\nmesh_tolerance = \"1mm\"\n")
+        .unwrap();
+    let daemon = booth.start();
+    let bytes = body(1);
+    fs::write(booth.path("export/4711_a.obj"), &bytes).unwrap();
+    booth.wait_for_records(1);
+    assert_eq!(daemon.stop().code(), Some(0));
+    booth.assert_settled(&[("4711", &bytes)]);
+    let patient = booth.path("records/4711");
+    let record = patient.join(&names(&patient)[0]);
+    let made: Vec<String> =
+        names(&record).into_iter().filter(|name| name.starts_with("left")).collect();
+    assert_eq!(made, ["left-solid.igs", "left.stl"]);
+}

@@ -37,7 +37,7 @@ impl End {
 
 /// Why a tube cannot be closed by planes.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("the {} end of the surface is not plane: it leaves its plane by {off_mm:.1e} mm", end.word())]
+#[error("the {} end of the surface is not plane: it leaves its plane by {off_mm:.6} mm", end.word())]
 pub struct EndNotPlane {
     /// Which end.
     pub end: End,

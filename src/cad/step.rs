@@ -13,7 +13,6 @@ mod product;
 use super::ends::{self, EndNotPlane, Shape};
 use super::header::{FileHeader, SYSTEM};
 use crate::spline::Surface;
-use crate::spline::outward::along_cross_around_is_outward;
 use boundary::Boundary;
 use exchange::{Instances, text};
 
@@ -52,7 +51,7 @@ pub fn write(
 ) -> Result<Vec<u8>, EndNotPlane> {
     let mut file = Instances::default();
     let boundary = Boundary::new(&mut file, surface);
-    let outward = along_cross_around_is_outward(surface);
+    let outward = surface.along_cross_around_is_outward();
     let mut faces = vec![boundary.tube(&mut file, outward)];
     if shape == Shape::Solid {
         faces.extend(boundary.caps(&mut file, &ends::planes(surface)?, outward));

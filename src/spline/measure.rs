@@ -32,6 +32,13 @@ impl Surface {
         (tube + lid) / 3.0
     }
 
+    /// Whether ∂P/∂u × ∂P/∂v points out of the tube. It points in where v runs counter-clockwise
+    /// seen against the direction of u, and out around the mirror image. Depends on no frame, nor on
+    /// ends that are horizontal or plane.
+    pub fn along_cross_around_is_outward(&self) -> bool {
+        self.volume_mm3() < 0.0
+    }
+
     /// The length of the closed curve at one `u`, mm, `u` taken into the domain. Gauss-Legendre
     /// quadrature of |dv|, five nodes a span.
     pub fn girth_mm(&self, u: f64) -> f64 {

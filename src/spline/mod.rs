@@ -10,7 +10,6 @@
 //! | [`robust_fit`] | the same with outliers weighed down |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
 //! | [`foot`] | the nearest point of a surface |
-//! | [`mod@outward`] | which side of a tube is its outside |
 //! | [`tessellate`] | [`Facets`]: triangles that keep to a surface within a tolerance |
 //! | [`curvature`], [`measure`] | Gauss and mean curvature; area, volume, girths |
 //! | [`surface_fit`] | least-squares surface through a grid of points |

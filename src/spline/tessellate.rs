@@ -7,7 +7,6 @@ use std::ops::Range;
 use nalgebra::{Point3, Unit, Vector3};
 
 use super::basis::Basis;
-use super::outward::along_cross_around_is_outward;
 use super::surface::Surface;
 use steps::Steps;
 
@@ -56,7 +55,7 @@ pub enum TessellationFault {
     },
     /// The tolerance asks for more triangles than [`TRIANGLES_MAX`].
     #[error(
-        "a mesh within {tolerance_mm} mm needs {triangles:.1e} triangles, more than {}",
+        "a mesh within {tolerance_mm} mm needs {triangles:.0} triangles, more than {}",
         TRIANGLES_MAX
     )]
     TooFine {
@@ -100,7 +99,7 @@ pub fn facets(
     let mut v = parameters(surface.around(), &around);
     // The end of the turn is its beginning.
     v.pop();
-    let sense = if along_cross_around_is_outward(surface) { 1.0 } else { -1.0 };
+    let sense = if surface.along_cross_around_is_outward() { 1.0 } else { -1.0 };
     let mut facets = tube(surface, &u, &v, sense)?;
     if ends == Ends::Fans {
         let columns = v.len();

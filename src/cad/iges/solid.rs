@@ -4,7 +4,6 @@ use super::Net;
 use super::notation::{Entities, Entity, Pointer, real};
 use crate::cad::ends::EndPlane;
 use crate::spline::Surface;
-use crate::spline::outward::along_cross_around_is_outward;
 
 /// An edge as a loop runs along it.
 struct Side {
@@ -23,7 +22,7 @@ const SEAM: usize = 3;
 
 /// Adds the solid within a tube and the planes at its ends.
 pub fn solid(file: &mut Entities, surface: &Surface, net: &Net, planes: &[EndPlane; 2]) {
-    let outward = along_cross_around_is_outward(surface);
+    let outward = surface.along_cross_around_is_outward();
     let edges = edges(file, net, planes);
     let tube = net.surface(file, false);
     let [[u0, u1], [v0, v1]] = net.domain();

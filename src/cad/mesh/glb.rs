@@ -134,7 +134,7 @@ fn text(value: &str) -> String {
 
 /// Header, JSON chunk filled up with blanks, binary chunk: glTF 2.0, 4.4.
 fn container(mut json: String, buffer: &[u8]) -> Vec<u8> {
-    while json.len() % 4 != 0 {
+    while !json.len().is_multiple_of(4) {
         json.push(' ');
     }
     let length = 12 + 8 + json.len() + 8 + buffer.len();
