@@ -15,8 +15,8 @@ use super::sections::Sections;
 use super::segment::Leg;
 use super::span::span;
 use crate::spline::{
-    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, KnotsUsed, Surface,
-    SurfaceFit, fit_cloud, fit_grid_by,
+    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, GridSmoothing,
+    KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid_by,
 };
 use nalgebra::Point3;
 
@@ -175,6 +175,9 @@ fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<Surface
     let method = GridMethod {
         control_points: method.control_points.unwrap_or([rows.min(most), COLUMNS]),
         knots: method.knots,
+        // The sections are smooth already, and their outliers gone.
+        smoothing: GridSmoothing::None,
+        robust: false,
         marks: [levels.to_vec(), Vec::new()],
     };
     let domain = GridDomain { along: [low, high], around_from: -PI, period: TAU };

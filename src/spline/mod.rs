@@ -26,6 +26,7 @@
 
 mod banded;
 pub mod basis;
+mod bridge;
 mod cells;
 mod chord;
 mod cloud_adaptive;
@@ -33,9 +34,8 @@ mod cloud_equations;
 pub mod cloud_fit;
 mod cloud_penalty;
 mod cloud_weights;
-pub mod curvature;
-mod bridge;
 mod cross_validation;
+pub mod curvature;
 mod distinct;
 pub mod fit;
 pub mod foot;
@@ -50,7 +50,6 @@ mod marquardt;
 pub mod measure;
 pub mod middle;
 mod normal;
-pub mod outward;
 mod outliers;
 mod penalty;
 mod polish;
