@@ -13,7 +13,8 @@ mod section_table;
 
 use std::fs;
 
-use gaiter::cad::step::{StepHeader, tube};
+use gaiter::cad::step::{self, Schema};
+use gaiter::cad::{FileHeader, Shape};
 use gaiter::spline::{GridDomain, GridMethod, GridSmoothing, Knots, Surface, fit_grid_by};
 use nalgebra::{Point3, distance};
 use section_table::SectionTable;
@@ -56,8 +57,13 @@ fn main() {
         println!("{i},{:.3},{rms:.4}", girth_mm(&fit.surface, *u));
     }
     if let Some(out) = words[1..].iter().find(|word| word.ends_with(".step")) {
-        let name = StepHeader { file_name: out, product: "surface", time_stamp: "" };
-        fs::write(out, tube(&fit.surface, &name)).expect("the file can be written");
+        let header = FileHeader { file_name: out, product: "surface" };
+        fs::write(
+            out,
+            step::write(&fit.surface, Shape::Tube, Schema::Ap214, &header)
+                .expect("a tube has no lids"),
+        )
+        .expect("the file can be written");
     }
 }
 

@@ -5,7 +5,8 @@
 mod section_table;
 mod support;
 
-use gaiter::cad::step::{StepHeader, tube};
+use gaiter::cad::step::{self, Schema};
+use gaiter::cad::{FileHeader, Shape};
 use gaiter::spline::{GridDomain, GridMethod, GridSmoothing, Knots, fit_grid_by};
 use section_table::SectionTable;
 use support::metric::true_error;
@@ -37,7 +38,8 @@ fn the_shipped_sections_become_a_surface_and_a_file() {
     let fit = fit_grid_by(&grid.data(), &domain, &method).unwrap();
     let [_, _, largest, percent] = true_error(&fit.surface);
     assert!(percent < 0.012 && largest < 0.2, "{percent} % {largest} mm");
-    let file = tube(&fit.surface, &StepHeader::default());
+    let file =
+        step::write(&fit.surface, Shape::Tube, Schema::Ap214, &FileHeader::default()).unwrap();
     let points = String::from_utf8(file).unwrap().matches("=CARTESIAN_POINT(").count();
     assert_eq!(points, 30 * 27);
 }
