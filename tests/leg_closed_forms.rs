@@ -116,7 +116,7 @@ fn the_girth_of_a_cone_grows_evenly_and_its_surface_is_the_cone() {
     near(leg.height_mm[0], 100.0, 1e-6, "lower end");
     let highest = all(&sections).last().unwrap().height_mm;
     near(leg.height_mm[1], highest, 1e-6, "upper end: as far as there are sections");
-    near(leg.girth_mm(203.0), TAU * shape(0.0, 203.0), 0.01, "girth");
+    near(leg.surface.girth_mm(203.0), TAU * shape(0.0, 203.0), 0.01, "girth");
     for (along, angle) in (0..36).map(|i| (100.0 + 10.0 * f64::from(i), f64::from(i) / 6.0 - PI)) {
         let point = leg.surface.point(along, angle);
         near(point.x.hypot(point.y), shape(0.0, point.z), 0.01, "surface");

@@ -42,7 +42,7 @@ fn a_crest_keeps_its_column_although_it_runs_around_the_leg() {
     let tube = Tube::of(&crested);
     let sections = tube.sections(SectionFit::Skin);
     let rows: Vec<&Section> = all(&sections);
-    let found = ridges(&sections.axis, &rows);
+    let found = ridges(&rows);
     let crests: Vec<_> =
         found.iter().filter(|ridge| turned(ridge.angle() - 0.5).abs() < 0.4).collect();
     assert_eq!(crests.len(), 1, "{found:?}");
@@ -68,7 +68,7 @@ fn columns_and_angles_are_inverse_and_no_two_columns_cross() {
     let tube = Tube::of(&crested);
     let sections = tube.sections(SectionFit::Skin);
     let rows: Vec<&Section> = all(&sections);
-    let columns = Columns::following(&ridges(&sections.axis, &rows), 40.0, 700.0).unwrap();
+    let columns = Columns::following(&ridges(&rows), 40.0, 700.0).unwrap();
     for along_mm in [40.0, 133.0, 377.0, 700.0] {
         let angles: Vec<f64> =
             (0..=90).map(|i| columns.angle(along_mm, TAU * f64::from(i) / 90.0 - PI)).collect();
@@ -86,7 +86,7 @@ fn columns_of_a_round_leg_are_straight() {
     let tube = Tube::of(&|_, along| 40.0 + 0.02 * along);
     let sections = tube.sections(SectionFit::Skin);
     let rows: Vec<&Section> = all(&sections);
-    let found = ridges(&sections.axis, &rows);
+    let found = ridges(&rows);
     assert_eq!(found, []);
     let columns = Columns::following(&found, 40.0, 700.0).unwrap();
     assert_eq!(columns.angle(300.0, 1.25), 1.25);

@@ -193,7 +193,7 @@ fn the_surface_of_the_whole_leg_meets_the_limits_of_the_reference() {
     for level_mm in [112.8, 308.8, 398.0] {
         let far = found.surface.along().breakpoints().iter().map(|knot| (knot - level_mm).abs());
         near(far.fold(f64::INFINITY, f64::min), 0.0, 1e-9, "knot at a level");
-        near(found.girth_mm(level_mm), test_leg::circumference(level_mm), 0.05, "girth");
+        near(found.surface.girth_mm(level_mm), test_leg::circumference(level_mm), 0.05, "girth");
     }
 }
 

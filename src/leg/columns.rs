@@ -35,8 +35,11 @@ const LESSENED: f64 = 0.8;
 /// Places along and around at which the strain is looked at.
 const STRAIN_PLACES: [usize; 2] = [20, 72];
 
-/// Halvings after which a column is known to 10⁻⁹ radians.
+/// Halvings after which a column is known to 10⁻⁹ radians …
 const INVERSE_STEPS: usize = 32;
+
+/// … which a step this small, in radians, shows earlier.
+const INVERSE_REST: f64 = 1e-9;
 
 /// Where the columns of a leg run.
 #[derive(Debug, Clone)]
@@ -99,9 +102,17 @@ impl Columns {
 
     /// The column at an angle, radians in [−π, π).
     pub fn column(&self, along_mm: f64, angle: f64) -> f64 {
-        // δ changes by half of v's change at most, so each step halves the distance.
-        let step = |v: f64, _| angle - self.bend.value(along_mm, v);
-        home((0..INVERSE_STEPS).fold(angle, step))
+        // δ changes by half of v's change at most, so each step at least halves the distance.
+        let mut v = angle;
+        for _ in 0..INVERSE_STEPS {
+            let next = angle - self.bend.value(along_mm, v);
+            let moved = (next - v).abs();
+            v = next;
+            if moved < INVERSE_REST {
+                break;
+            }
+        }
+        home(v)
     }
 
     /// The largest change of the distance of neighbouring columns, as a share of it.

@@ -62,12 +62,10 @@ pub struct Feature {
 
 /// The feature points of a section in order around from the front: P1, P2, …
 pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
-    let curvatures = curvature::around(&outline(section));
+    let (curvatures, turns) = turns(section);
     let error = CurvatureError::of(section);
-    let alike = PROMINENCE_MIN_SHARE * TAU / section.girth.contour_mm;
-    let needed = alike.max(PROMINENCE_MIN_SD * SQRT_2 * error.sd());
     let feature = |turn: Turn| {
-        let cap = turn.cap(&curvatures, alike);
+        let cap = turn.cap(&curvatures, alike(section));
         let angle = wrapped(angle(turn.index as f64 + cap.middle));
         let [radius_mm, slope, _] = section.curve.derivatives(angle);
         let step_mm = radius_mm.hypot(slope) * TAU / ANGLES as f64;
@@ -80,10 +78,30 @@ pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
             prominence_per_mm: turn.prominence,
         }
     };
-    let mut found: Vec<Feature> =
-        standing_out(&curvatures, needed).into_iter().map(feature).collect();
+    let mut found: Vec<Feature> = turns.into_iter().map(feature).collect();
     found.sort_by(|a, b| a.angle_deg.rem_euclid(360.0).total_cmp(&b.angle_deg.rem_euclid(360.0)));
     found
+}
+
+/// The angles of the peaks among them, radians in (−π, π].
+pub fn peaks(section: &Section) -> Vec<f64> {
+    let (curvatures, turns) = turns(section);
+    let peaks = turns.into_iter().filter(|turn| turn.is_peak);
+    let middle = |turn: Turn| turn.index as f64 + turn.cap(&curvatures, alike(section)).middle;
+    peaks.map(|turn| wrapped(angle(middle(turn)))).collect()
+}
+
+/// The curvature around a section and where it turns by more than roundness and noise explain.
+fn turns(section: &Section) -> (Vec<f64>, Vec<Turn>) {
+    let curvatures = curvature::around(&outline(section));
+    let noise = PROMINENCE_MIN_SD * SQRT_2 * CurvatureError::of(section).sd();
+    let turns = standing_out(&curvatures, alike(section).max(noise));
+    (curvatures, turns)
+}
+
+/// Curvatures that differ by less are alike, 1/mm.
+fn alike(section: &Section) -> f64 {
+    PROMINENCE_MIN_SHARE * TAU / section.girth.contour_mm
 }
 
 /// The angle of a place in the row of angles.

@@ -1,10 +1,9 @@
 //! How far skin lies from a surface.
 
+use nalgebra::Point3;
 use rayon::prelude::*;
 
-use nalgebra::Point3;
-
-use crate::spline::{Foot, Surface};
+use crate::spline::Surface;
 
 /// Distances of skin from a surface, each the shortest.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,21 +31,19 @@ pub struct Place {
     pub area: f64,
 }
 
-/// The nearest point of the surface to each place, in their order.
-pub fn feet(surface: &Surface, places: &[Place]) -> Vec<Foot> {
-    places.par_iter().map(|place| surface.closest(&place.point, place.at.0, place.at.1)).collect()
-}
-
 impl FitError {
-    /// The error over places and the distances found for them; none where there are no places.
-    pub fn of<'a>(places: impl Iterator<Item = (&'a Place, f64)>) -> Option<FitError> {
+    /// How far places lie from a surface; none where there are no places. The order of summation is
+    /// fixed, so the figures do not depend on threads.
+    pub fn of(surface: &Surface, places: &[Place]) -> Option<FitError> {
+        let distance_mm = |place: &Place| {
+            (surface.closest(&place.point, place.at.0, place.at.1).distance_mm, place.area)
+        };
+        let mut distances: Vec<(f64, f64)> = places.par_iter().map(distance_mm).collect();
         let (mut area, mut relative, mut squares) = (0.0, 0.0, 0.0);
-        let mut distances: Vec<(f64, f64)> = Vec::new();
-        for (place, distance_mm) in places {
-            area += place.area;
-            relative += place.area * distance_mm / place.radius_mm;
-            squares += place.area * distance_mm * distance_mm;
-            distances.push((distance_mm, place.area));
+        for (place, (distance_mm, own)) in places.iter().zip(&distances) {
+            area += own;
+            relative += own * distance_mm / place.radius_mm;
+            squares += own * distance_mm * distance_mm;
         }
         distances.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (max_mm, _) = *distances.last()?;

@@ -121,7 +121,7 @@ impl Raster {
                 let (middle_mm, middle) = self.middle(cell);
                 let turn = middle - column;
                 let turn = turn - TAU * (turn / TAU).round();
-                if (middle_mm - along_mm).hypot(radius_mm * turn) <= reach_mm {
+                if (middle_mm - along_mm).powi(2) + (radius_mm * turn).powi(2) <= reach_mm.powi(2) {
                     each(cell);
                 }
             }

@@ -11,7 +11,8 @@
 //! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`extremum`], [`search`], [`landmark`] |
 //! | A, Y, E, F, G, lengths | – | [`foot`], `thigh`, `medial` |
 //! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] with `harmonic`, `turn` |
-//! | quasi-grid, NURBS surface | 2 | [`grid`], [`surface`] |
+//! | quasi-grid, NURBS surface | 2 | [`ridge`], [`columns`], [`grid`], `span`, [`surface`] |
+//! | its error, its holes | 2 | [`fit_error`], [`hole`], `unrolled` |
 //! | volumes, the legs' differences, girths at any height | – | [`volume`], [`difference`], [`at_height`] |
 //! | the scanner's own measures | – | [`second_opinion`] |
 
@@ -71,6 +72,7 @@ pub mod stance;
 pub mod surface;
 mod thigh;
 mod turn;
+mod unrolled;
 pub mod volume;
 mod wave;
 

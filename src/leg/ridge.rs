@@ -3,8 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use super::axis::LegAxis;
-use super::feature::{Kind, features};
+use super::feature::peaks;
 use super::section::{SPACING_MM, Section};
 
 /// From one section to the next a ridge moves by no more than this along the skin, mm: it runs
@@ -52,14 +51,10 @@ impl Ridge {
 }
 
 /// The ridges of a leg's sections, which ascend.
-pub fn ridges(axis: &LegAxis, sections: &[&Section]) -> Vec<Ridge> {
+pub fn ridges(sections: &[&Section]) -> Vec<Ridge> {
     let mut ridges: Vec<Ridge> = Vec::new();
     for (row, section) in sections.iter().enumerate() {
-        let mut peaks: Vec<f64> = features(axis, section)
-            .into_iter()
-            .filter(|feature| feature.kind == Kind::Peak)
-            .map(|feature| feature.angle_deg.to_radians())
-            .collect();
+        let mut peaks = peaks(section);
         let radius_mm = section.girth.contour_mm / TAU;
         while let Some((ridge, peak)) = nearest(&ridges, &peaks, row, radius_mm) {
             let last = ridges[ridge].last().angle;

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::axis::LegAxis;
 use super::columns::Columns;
-use super::fit_error::{FitError, Place, feet};
+use super::fit_error::{FitError, Place};
 use super::grid::Grid;
 use super::hole::{Coverage, Hole};
 use super::method::{SurfaceFrom, SurfaceMethod};
@@ -14,6 +14,7 @@ use super::section::{Outline, Section};
 use super::sections::Sections;
 use super::segment::Leg;
 use super::span::span;
+use super::unrolled::Unrolled;
 use crate::spline::{
     CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, GridSmoothing,
     KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid_by,
@@ -32,17 +33,11 @@ const ROWS_PER_CONTROL_ROW: f64 = 1.25;
 /// The fewest sections of what must be covered that make a surface: 10 cm of a leg.
 const ROWS_MIN: usize = 20;
 
-/// Angles at which a section is compared with the surface: none of them a column of the grid.
-const CHECK_ANGLES: usize = 90;
-
 /// Points that lie off the surface by more are no skin of it, mm: they fill no hole.
 const STRAY_MM: f64 = 6.0;
 
 /// Points so far beyond the ends still show that the skin at the ends was seen, mm.
 const BEYOND_MM: f64 = 20.0;
-
-/// Places around at which the girth of the surface is measured; the chord error is 3·10⁻⁶ of it.
-const GIRTH_PLACES: usize = 720;
 
 /// A leg's surface in the body frame.
 #[derive(Debug, Clone)]
@@ -127,29 +122,22 @@ pub fn surface(
     outlines.extend(sections.at(leg, &levels).iter().flatten().map(Outline::from));
     outlines.sort_by(|a, b| a.along_mm.total_cmp(&b.along_mm));
 
-    let measured: Vec<&Section> = measured(sections, low, high).collect();
-    let Some(columns) = Columns::following(&ridges(axis, &measured), low, high) else {
+    let rows = sections.rows.iter().filter_map(|row| row.section.as_ref());
+    let measured: Vec<&Section> =
+        rows.filter(|section| (low..=high).contains(&section.along_mm)).collect();
+    let Some(columns) = Columns::following(&ridges(&measured), low, high) else {
         return Err(too_few);
     };
-    let grid = Grid::of(axis, &outlines, &columns);
-    let fit = fitted(&grid, &levels, method)?;
-    let knots = fit.knots;
-    let surface = match method.from {
-        SurfaceFrom::Sections => fit.surface,
-        SurfaceFrom::Points => through_points(leg, axis, &outlines, &columns, &fit.surface)?,
-    };
-    let frame = Frame { axis, outlines: &outlines, columns: &columns, surface: &surface };
-    let coverage = frame.coverage(leg);
-    let places = section_places(axis, &measured, &columns);
-    let feet_of_sections = feet(&surface, &places);
-    let with_feet = || places.iter().zip(feet_of_sections.iter().map(|foot| foot.distance_mm));
-    let is_in_hole = |place: &Place| coverage.is_in_hole(place.at.0, place.at.1);
-    let seen = FitError::of(with_feet().filter(|(place, _)| !is_in_hole(place)));
-    let in_holes = FitError::of(with_feet().filter(|(place, _)| is_in_hole(place)));
-    let points = frame.places(leg, 0.0);
-    let feet_of_points = feet(&surface, &points);
-    let of_points = points.iter().zip(feet_of_points.iter().map(|foot| foot.distance_mm));
-    let (Some(to_sections), Some(to_points)) = (seen, FitError::of(of_points)) else {
+    let unrolled = Unrolled { axis, outlines: &outlines, columns: &columns };
+    let points = unrolled.points(leg, low - BEYOND_MM, high + BEYOND_MM);
+    let SurfaceFit { mut surface, knots, .. } =
+        fitted(&Grid::of(axis, &outlines, &columns), &levels, method)?;
+    if method.from == SurfaceFrom::Points {
+        surface = through_points(axis, &points, &surface)?;
+    }
+    let coverage = coverage(&unrolled, &points, &surface);
+    let (to_sections, in_holes) = to_sections(&unrolled, &measured, &surface, &coverage);
+    let (Some(to_sections), Some(to_points)) = (to_sections, to_points(&points, &surface)) else {
         return Err(too_few);
     };
     let height_mm = [&outlines[0], &outlines[outlines.len() - 1]]
@@ -185,115 +173,56 @@ fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<Surface
     fit_grid_by(&data, &domain, &method)
 }
 
-/// The surface with the knots of another one, through the scan's own points.
-fn through_points(
-    leg: &Leg,
-    axis: &LegAxis,
-    outlines: &[Outline],
-    columns: &Columns,
-    like: &Surface,
-) -> Result<Surface, FitFault> {
-    let frame = Frame { axis, outlines, columns, surface: like };
-    let places = frame.places(leg, 0.0);
-    let points: Vec<Point3<f64>> = places
-        .iter()
-        .map(|place| {
-            let across = axis.in_plane(&place.point);
-            Point3::new(across.x, across.y, place.at.0)
-        })
-        .collect();
-    let around: Vec<f64> = places.iter().map(|place| place.at.1).collect();
-    let data = CloudData { points: &points, around: &around };
-    let bases = (like.along().clone(), like.around().clone());
-    let fit = fit_cloud(&data, bases.0.clone(), bases.1.clone(), &CloudMethod::default())?;
-    let net = fit.surface.control_points().iter();
-    let net = net.map(|point| axis.at(point.z, &point.xy())).collect();
-    Ok(Surface::new(bases.0, bases.1, net)?)
+/// The surface with the knots of another one, through the scan's own points on it.
+fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Surface, FitFault> {
+    let (low, high) = like.along().domain();
+    let on_it = || points.iter().filter(|place| (low..=high).contains(&place.at.0));
+    let upright = on_it().map(|place| {
+        let across = axis.in_plane(&place.point);
+        Point3::new(across.x, across.y, place.at.0)
+    });
+    let (upright, around): (Vec<_>, Vec<f64>) =
+        upright.zip(on_it().map(|place| place.at.1)).unzip();
+    let data = CloudData { points: &upright, around: &around };
+    let [basis_along, basis_around] = [like.along(), like.around()].map(Clone::clone);
+    let fit = fit_cloud(&data, basis_along, basis_around, &CloudMethod::default())?.surface;
+    let net = fit.control_points().iter().map(|point| axis.at(point.z, &point.xy())).collect();
+    Ok(Surface::new(fit.along().clone(), fit.around().clone(), net)?)
+}
+
+/// What of a surface its points show.
+fn coverage(unrolled: &Unrolled, points: &[Place], surface: &Surface) -> Coverage {
+    let is_skin = |place: &&Place| {
+        let on_surface = surface.point(place.at.0, place.at.1);
+        (unrolled.arm_mm(&on_surface) - place.radius_mm).abs() <= STRAY_MM
+    };
+    let places: Vec<(f64, f64)> = points.iter().filter(is_skin).map(|place| place.at).collect();
+    let (low, high) = surface.along().domain();
+    Coverage::of([low, high], &places, |along_mm| unrolled.radius_mm(along_mm))
+}
+
+/// How far sections lie from a surface, where it was seen and in its holes.
+fn to_sections(
+    unrolled: &Unrolled,
+    sections: &[&Section],
+    surface: &Surface,
+    coverage: &Coverage,
+) -> (Option<FitError>, Option<FitError>) {
+    let (in_holes, seen): (Vec<Place>, Vec<Place>) =
+        unrolled.sections(sections).partition(|place| coverage.is_in_hole(place.at.0, place.at.1));
+    (FitError::of(surface, &seen), FitError::of(surface, &in_holes))
+}
+
+/// How far the scan's points on a surface lie from it.
+fn to_points(points: &[Place], surface: &Surface) -> Option<FitError> {
+    let (low, high) = surface.along().domain();
+    let on_it = points.iter().filter(|place| (low..=high).contains(&place.at.0));
+    FitError::of(surface, &on_it.copied().collect::<Vec<_>>())
 }
 
 impl LegSurface {
-    /// Length of the surface's section at a distance along the axis, mm.
-    pub fn girth_mm(&self, along_mm: f64) -> f64 {
-        let v: Vec<f64> = (0..GIRTH_PLACES).map(|i| TAU * i as f64 / GIRTH_PLACES as f64).collect();
-        let ring = self.surface.grid(&[along_mm], &v);
-        let next = ring.iter().cycle().skip(1);
-        ring.iter().zip(next).map(|(p, q)| (q - p).norm()).sum()
-    }
-
     /// The holes it bridges, largest first.
     pub fn holes(&self) -> &[Hole] {
         &self.coverage.holes
-    }
-}
-
-/// The measured sections within a range along the axis, ascending.
-fn measured(sections: &Sections, from_mm: f64, to_mm: f64) -> impl Iterator<Item = &Section> {
-    let rows = sections.rows.iter().filter_map(|row| row.section.as_ref());
-    rows.filter(move |section| (from_mm..=to_mm).contains(&section.along_mm))
-}
-
-fn section_places(axis: &LegAxis, rows: &[&Section], columns: &Columns) -> Vec<Place> {
-    let place = |section: &Section, index: usize| {
-        let angle = -PI + TAU * (index as f64 + 0.5) / CHECK_ANGLES as f64;
-        let [radius_mm, slope, _] = section.curve.derivatives(angle);
-        let at = (section.along_mm, columns.column(section.along_mm, angle));
-        Place { point: section.point(axis, angle), at, radius_mm, area: radius_mm.hypot(slope) }
-    };
-    let of = |section: &&Section| {
-        let section: &Section = section;
-        (0..CHECK_ANGLES).map(|index| place(section, index)).collect::<Vec<_>>()
-    };
-    rows.iter().flat_map(of).collect()
-}
-
-/// A surface where it belongs.
-struct Frame<'a> {
-    axis: &'a LegAxis,
-    outlines: &'a [Outline],
-    columns: &'a Columns,
-    surface: &'a Surface,
-}
-
-impl Frame<'_> {
-    /// The scan's points along the surface and up to `beyond_mm` further. They are spread evenly
-    /// over the skin, so each stands for the same area.
-    fn places(&self, leg: &Leg, beyond_mm: f64) -> Vec<Place> {
-        let (low, high) = self.surface.along().domain();
-        let place = |point: &Point3<f64>| {
-            let along_mm = self.axis.along(point);
-            (low - beyond_mm..=high + beyond_mm).contains(&along_mm).then(|| {
-                let arm = self.axis.in_plane(point) - self.nearest(along_mm).centre;
-                let angle = arm.y.atan2(arm.x);
-                let at = (along_mm, self.columns.column(along_mm, angle));
-                Place { point: *point, at, radius_mm: arm.norm(), area: 1.0 }
-            })
-        };
-        leg.mesh.points().iter().filter_map(place).collect()
-    }
-
-    fn coverage(&self, leg: &Leg) -> Coverage {
-        let (low, high) = self.surface.along().domain();
-        let is_skin = |place: &Place| {
-            let (along_mm, column) = place.at;
-            let on = self.surface.point(along_mm, column);
-            let arm = self.axis.in_plane(&on) - self.nearest(along_mm).centre;
-            (arm.norm() - place.radius_mm).abs() <= STRAY_MM
-        };
-        let places = self.places(leg, BEYOND_MM);
-        let places: Vec<(f64, f64)> =
-            places.iter().filter(|place| is_skin(place)).map(|place| place.at).collect();
-        let radius_mm = |along_mm: f64| {
-            let outline = self.nearest(along_mm);
-            (0..8).map(|i| outline.curve.radius(TAU * f64::from(i) / 8.0)).sum::<f64>() / 8.0
-        };
-        Coverage::of([low, high], &places, radius_mm)
-    }
-
-    /// The outline nearest to a distance along the axis.
-    fn nearest(&self, along_mm: f64) -> &Outline {
-        let above = self.outlines.partition_point(|outline| outline.along_mm < along_mm);
-        let [low, high] = [above.saturating_sub(1), above.min(self.outlines.len() - 1)];
-        let far = |index: usize| (self.outlines[index].along_mm - along_mm).abs();
-        &self.outlines[if far(low) <= far(high) { low } else { high }]
     }
 }

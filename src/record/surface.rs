@@ -103,7 +103,7 @@ fn girths(report: &LegReport, leg: &LegSurface) -> BTreeMap<String, SurfaceGirth
         (low..=high).contains(&along_mm)
     });
     let girth = |at: &crate::leg::LevelSection| {
-        let own_mm = leg.girth_mm(at.section.along_mm);
+        let own_mm = leg.surface.girth_mm(at.section.along_mm);
         let minus_section_mm = mm(own_mm - at.section.girth.contour_mm);
         (at.level.name().to_owned(), SurfaceGirth { contour_mm: mm(own_mm), minus_section_mm })
     };
