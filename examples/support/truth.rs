@@ -25,6 +25,11 @@ pub struct Case {
 }
 
 impl Case {
+    /// Standard deviation of its noise, mm.
+    pub fn noise_mm(&self) -> f64 {
+        self.truth["defects"]["noise"].as_f64().unwrap_or(0.0)
+    }
+
     /// What is true of a leg.
     pub fn leg(&self, leg: &LegReport) -> &Value {
         &self.truth["legs"][leg.side.word()]
