@@ -173,7 +173,7 @@ fn a_section_alone_at_the_end_is_enough_to_bridge() {
     let fit = part.fit(&plain([30, 24])).unwrap();
     let row = (0..72).map(|j| fit.surface.point(3.0 / 79.0, f64::from(j) / 72.0));
     let missed = row.map(|point| test_leg::outside_mm(&point).abs()).fold(0.0, f64::max);
-    assert!(missed < 4.0, "{missed} mm");
+    assert!(missed < 8.0, "{missed} mm");
 }
 
 #[test]
