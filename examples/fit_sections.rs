@@ -28,7 +28,8 @@ fn main() {
     let counts: Vec<usize> = words[1..].iter().filter_map(|word| word.parse().ok()).collect();
     let control_points = [counts.first().map_or(30, |n| *n), counts.get(1).map_or(24, |n| *n)];
     let table = fs::read_to_string(path).expect("the table can be read");
-    let table = SectionTable::parse(&table).unwrap_or_else(|line| panic!("line {line}: no point"));
+    let table = SectionTable::parse(&table)
+        .expect("every line is a point; the number is the first that is not");
 
     let method = GridMethod {
         control_points,
@@ -38,8 +39,8 @@ fn main() {
         marks: [vec![], vec![]],
     };
     let domain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
-    let grid = table.grid().unwrap_or_else(|fault| panic!("{fault}"));
-    let fit = fit_grid_by(&grid.data(), &domain, &method).unwrap_or_else(|fault| panic!("{fault}"));
+    let grid = table.grid().expect("the sections have as many points and a length");
+    let fit = fit_grid_by(&grid.data(), &domain, &method).expect("the sections make a surface");
 
     println!(
         "{} x {} points, {} x {} control points",

@@ -168,6 +168,15 @@ fn a_small_gap_is_bridged_and_told() {
 }
 
 #[test]
+fn a_section_alone_at_the_end_is_enough_to_bridge() {
+    let part = Part::new(|i| i == 0 || i >= 6, |_| true);
+    let fit = part.fit(&plain([30, 24])).unwrap();
+    let row = (0..72).map(|j| fit.surface.point(3.0 / 79.0, f64::from(j) / 72.0));
+    let missed = row.map(|point| test_leg::outside_mm(&point).abs()).fold(0.0, f64::max);
+    assert!(missed < 8.0, "{missed} mm");
+}
+
+#[test]
 fn columns_are_bridged_across_the_seam() {
     let part = Part::new(|_| true, |j| (3..69).contains(&j));
     let fit = part.fit(&plain([30, 24])).unwrap();

@@ -63,8 +63,10 @@ fn fill(profiles: &mut Profiles, domain: &Domain, spans: usize) -> Vec<[f64; 2]>
         let count = ((pair[1] - pair[0]) / usual).floor() as usize;
         for line in 1..count {
             let share = line as f64 / count as f64;
-            added.0.push(pair[0] + (pair[1] - pair[0]) * share);
-            added.1.extend(lines.bridge(i, share));
+            if let Some(values) = lines.bridge(i, share) {
+                added.0.push(pair[0] + (pair[1] - pair[0]) * share);
+                added.1.extend(values);
+            }
         }
     }
     profiles.places.extend(added.0);
@@ -106,37 +108,34 @@ impl Lines {
         Some((self.at[i] + turns as f64 * self.period, &self.values[i]))
     }
 
-    /// The values a share of the way from line `i` to the next: a cubic with the slopes there.
-    fn bridge(&self, i: usize, share: f64) -> Vec<f64> {
+    /// The values a share of the way from line `i` to the next: a cubic with the slopes there, or
+    /// with that across the gap where a line stands alone.
+    fn bridge(&self, i: usize, share: f64) -> Option<Vec<f64>> {
         let i = i as isize;
-        let (Some((from, start)), Some((to, end))) = (self.line(i), self.line(i + 1)) else {
-            return Vec::new();
-        };
-        let (leaving, arriving) =
-            (self.slopes([i, i - 1, i - 2]), self.slopes([i + 1, i + 2, i + 3]));
+        let ((from, start), (to, end)) = (self.line(i)?, self.line(i + 1)?);
         let (t, rest, length) = (share, 1.0 - share, to - from);
+        let across = || start.iter().zip(end).map(|(a, b)| (b - a) / length).collect();
+        let leaving: Vec<f64> = self.slopes([i, i - 1, i - 2]).unwrap_or_else(across);
+        let arriving: Vec<f64> = self.slopes([i + 1, i + 2, i + 3]).unwrap_or_else(across);
         let column = |c: usize| {
-            let ends =
-                rest * rest * (1.0 + 2.0 * t) * start[c] + t * t * (1.0 + 2.0 * rest) * end[c];
-            ends + length * t * rest * (rest * leaving[c] - t * arriving[c])
+            let [left, right] = [rest * rest * (1.0 + 2.0 * t), t * t * (1.0 + 2.0 * rest)];
+            let slope = length * t * rest * (rest * leaving[c] - t * arriving[c]);
+            left * start[c] + right * end[c] + slope
         };
-        (0..start.len()).map(column).collect()
+        Some((0..start.len()).map(column).collect())
     }
 
-    /// The slopes at the first of three lines of the parabola through them; of the straight line
-    /// where there are but two, and none for one.
-    fn slopes(&self, lines: [isize; 3]) -> Vec<f64> {
-        let [Some((x, y)), second, third] = lines.map(|i| self.line(i)) else { return Vec::new() };
+    /// The slopes at the first of three lines of the parabola through them, of the straight line
+    /// where there are but two; None for one.
+    fn slopes(&self, [first, second, third]: [isize; 3]) -> Option<Vec<f64>> {
+        let ((x, y), second) = (self.line(first)?, self.line(second)?);
         let slope = |(x2, y2): (f64, &[f64]), c: usize| (y2[c] - y[c]) / (x2 - x);
-        match (second, third) {
-            (Some(second), Some(third)) => {
-                let (near, far) = (second.0 - x, third.0 - x);
-                let column = |c| (far * slope(second, c) - near * slope(third, c)) / (far - near);
-                (0..y.len()).map(column).collect()
-            }
-            (Some(second), None) => (0..y.len()).map(|c| slope(second, c)).collect(),
-            _ => vec![0.0; y.len()],
-        }
+        let Some(third) = self.line(third) else {
+            return Some((0..y.len()).map(|c| slope(second, c)).collect());
+        };
+        let (near, far) = (second.0 - x, third.0 - x);
+        let column = |c| (far * slope(second, c) - near * slope(third, c)) / (far - near);
+        Some((0..y.len()).map(column).collect())
     }
 }
 

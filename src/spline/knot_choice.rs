@@ -104,11 +104,11 @@ const WIDENINGS: usize = 8;
 pub fn equal_spans(places: &[f64], wish: &Wish) -> Result<Basis, FitFault> {
     let basis = wish.domain.basis(&wish.domain.equal(wish.spans))?;
     let functions = undetermined(&basis, places).len();
-    let [from, to] = wish.domain.widest_gap(places);
     // Beyond the last datum nothing can be bridged.
-    let at_end = !wish.domain.periodic && (from == wish.domain.from || to == wish.domain.to);
     let span = (wish.domain.to - wish.domain.from) / wish.spans as f64;
-    if functions > BRIDGED || (at_end && to - from > span) {
+    let open_end = wish.domain.open_ends(places).into_iter().find(|[from, to]| to - from > span);
+    if functions > BRIDGED || open_end.is_some() {
+        let [from, to] = open_end.unwrap_or_else(|| wish.domain.widest_gap(places));
         return Err(FitFault::Gap { direction: wish.direction, from, to, functions });
     }
     Ok(basis)
@@ -167,9 +167,9 @@ fn evenly_shared(found: &Marked, domain: &Domain, places: &[f64]) -> Vec<f64> {
     for (low, high) in ends.iter().zip(ends.iter().skip(1)) {
         let (from, to) = (found.breakpoints[*low], found.breakpoints[*high]);
         let inside: Vec<f64> = places.iter().copied().filter(|x| (from..to).contains(x)).collect();
-        for i in low + 1..*high {
-            let share = (i - low) as f64 / (high - low) as f64;
-            even[i] = between(&inside, [from, to], share * inside.len() as f64);
+        for (i, free) in even[*low..*high].iter_mut().enumerate().skip(1) {
+            let share = i as f64 / (high - low) as f64;
+            *free = between(&inside, [from, to], share * inside.len() as f64);
         }
     }
     even

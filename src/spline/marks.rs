@@ -1,4 +1,8 @@
 //! Breakpoints moved onto places that must be knots.
+//!
+//! Adaptive knots are not made denser around such places: on the test leg with 30 rows and four
+//! marks that raises the residual along from 0.018 mm to between 0.028 and 0.087 mm as the pulse in
+//! the density grows from a quarter to four times its mean. Moving one knot each costs less.
 
 use super::profiles::Domain;
 

@@ -18,6 +18,14 @@
 //! | `cells`, `cloud_equations`, `banded` | its equations: points summed cell by cell, and their solution |
 //! | `cloud_penalty`, `cloud_weights` | its choice of smoothing; what outliers count for |
 //! | `cloud_adaptive` | [`fit_cloud_by`]: the same with knots found in a first fit |
+//! | [`surface_fit`] | least-squares surface through a grid of points, in given bases |
+//! | [`grid_fit`] | the same with knots, smoothing and outliers found by itself |
+//! | `chord` | parameters of points that have none |
+//! | `knots`, `polish`, `marks` | where knots lie: where data bend, where the residual is least, where the caller wants them |
+//! | `knot_choice` | which of these are used, and what instead |
+//! | `schoenberg_whitney` | whether data determine a basis |
+//! | `bridge`, `outliers`, `cross_validation` | gaps, outliers and noise of a grid |
+//! | `profiles`, `least_squares`, `marquardt` | a grid as data of one direction; its linear and nonlinear equations |
 //!
 //! Everything is of degree 3. Bases are clamped (functions on an interval) or periodic (closed
 //! curves, C2 at the seam by construction). Nothing here depends on the unit of the abscissa.
@@ -41,6 +49,7 @@ pub mod fit;
 pub mod foot;
 mod gauss;
 mod grid_fit;
+pub mod grid_fit;
 mod knot_choice;
 mod knots;
 mod kronecker;

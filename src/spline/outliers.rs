@@ -39,6 +39,9 @@ pub struct Cleaned {
     pub outliers: Vec<usize>,
 }
 
+/// Weights of residuals whose standard deviation is at least so much.
+type Weighing = fn(&[f64], f64) -> Vec<f64>;
+
 /// The grid without what stands out by 4.7 standard deviations from the surface that these
 /// equations give. `start` are points from which to begin, the data or an earlier result.
 ///
@@ -52,17 +55,14 @@ pub fn cleaned(
 ) -> Result<Cleaned, SurfaceFault> {
     let grid = Neighbours::new(data, bases[1]);
     let least = LEAST_SCALE * extent(data.points);
-    let huber = |out: &[f64]| hubers(out, least);
-    let tukey = |out: &[f64]| biweights(out, least);
-    let weighings: [&dyn Fn(&[f64]) -> Vec<f64>; 2] = [&huber, &tukey];
     let mut points = start.to_vec();
     let mut last = (Vec::new(), Vec::new());
-    for weigh in weighings {
+    for weigh in [hubers as Weighing, biweights] {
         for _ in 0..ROUNDS_MAX {
             let surface = surface(solver, &points, bases[0].clone(), bases[1].clone())?;
             let fitted = surface.grid(data.along, data.around);
             let out = grid.standing_out(data.points, &fitted);
-            let weights = weigh(&out);
+            let weights = weigh(&out, least);
             let next = drawn(data.points, &fitted, &weights);
             let moved = points.iter().zip(&next).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
             (points, last) = (next, (fitted, weights));
