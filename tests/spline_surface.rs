@@ -292,7 +292,7 @@ fn from_anywhere_on_the_axis_and_beyond_the_ends_the_nearest_is_found() {
             let foot = surface.closest_from_anywhere(&point);
             let least = least_distance(&points, &point);
             assert!(foot.distance_mm <= least + 1e-9, "{point} {foot:?} {least}");
-            assert!(!(z < -30.0 || z > 430.0) || foot.at_end, "{point} {foot:?}");
+            assert!((-30.0..=430.0).contains(&z) || foot.at_end, "{point} {foot:?}");
         }
     }
 }
