@@ -6,23 +6,26 @@ mod support;
 use gaiter::spline::{
     GridData, GridDomain, GridMethod, GridSmoothing, Knots, KnotsUsed, SurfaceFit, fit_grid_by,
 };
+use nalgebra::{Point3, Rotation3, Vector3};
 use support::metric::{parameters, true_error};
 use support::test_leg;
 
 const WHOLE: GridDomain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
 
+fn plain(control_points: [usize; 2], knots: Knots) -> GridMethod {
+    let (smoothing, marks) = (GridSmoothing::None, [vec![], vec![]]);
+    GridMethod { control_points, knots, smoothing, robust: false, marks }
+}
+
+/// The fit to points with the clean test leg's parameters.
+fn fit_by(points: &[Point3<f64>], method: &GridMethod) -> SurfaceFit {
+    let (along, around) = parameters(&test_leg::grid());
+    let data = GridData { along: &along, around: &around, points };
+    fit_grid_by(&data, &WHOLE, method).unwrap()
+}
+
 fn fitted(control_points: [usize; 2], knots: Knots) -> SurfaceFit {
-    let points = test_leg::grid();
-    let (along, around) = parameters(&points);
-    let data = GridData { along: &along, around: &around, points: &points };
-    let method = GridMethod {
-        control_points,
-        knots,
-        smoothing: GridSmoothing::None,
-        robust: false,
-        marks: [vec![], vec![]],
-    };
-    fit_grid_by(&data, &WHOLE, &method).unwrap()
+    fit_by(&test_leg::grid(), &plain(control_points, knots))
 }
 
 #[test]
@@ -78,8 +81,120 @@ fn polished_knots_keep_the_limits() {
         let fit = fitted(control_points, Knots::Polished);
         assert_eq!(fit.knots, [KnotsUsed::Polished; 2]);
         let [_, _, largest, relative] = true_error(&fit.surface);
-        println!("{} {:?}", fit.rms_mm, true_error(&fit.surface));
         assert!(relative < percent, "{control_points:?}: {relative} %");
         assert!(largest < largest_mm, "{control_points:?}: {largest} mm");
     }
+}
+
+#[test]
+fn the_seam_of_polished_knots_is_c2() {
+    let fit = fitted([30, 24], Knots::Polished);
+    let (from, to) = fit.surface.around().domain();
+    let step = 1e-9;
+    for u in [0.0, 0.13, 0.5, 0.77, 1.0] {
+        let here = fit.surface.derivatives(u, from);
+        let there = fit.surface.derivatives(u, to - step);
+        assert!((here.point - there.point).norm() < 1e-5);
+        // The third derivative times the step, some 1e5 mm, is the largest difference there is.
+        assert!((here.dv - there.dv).norm() < 1e-3 * here.dv.norm(), "{u}");
+        assert!((here.dvv - there.dvv).norm() < 1e-3 * here.dvv.norm().max(1e3), "{u}");
+    }
+    assert_eq!(fit.surface.point(0.3, from), fit.surface.point(0.3, to));
+}
+
+/// Knots agree and control points are the original ones moved.
+fn moves_along(moved: impl Fn(&Point3<f64>) -> Point3<f64>, knots: Knots, scale: f64) {
+    let points = test_leg::grid();
+    let method = plain([20, 16], knots);
+    let before = fit_by(&points, &method).surface;
+    let after = fit_by(&points.iter().map(&moved).collect::<Vec<_>>(), &method).surface;
+    let bases = [(before.along(), after.along()), (before.around(), after.around())];
+    for (before, after) in bases {
+        for (a, b) in before.breakpoints().iter().zip(after.breakpoints()) {
+            assert!((a - b).abs() < 1e-6, "{knots:?}: {a} {b}");
+        }
+    }
+    for (before, after) in before.control_points().iter().zip(after.control_points()) {
+        let missed = (moved(before) - after).norm() / scale;
+        assert!(missed < 1e-3, "{knots:?}: {missed}");
+    }
+}
+
+#[test]
+fn turning_moving_and_scaling_the_leg_leaves_its_knots() {
+    let turn = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
+    for knots in [Knots::Adaptive, Knots::Polished] {
+        moves_along(|point| turn * point, knots, 1.0);
+        moves_along(|point| point + Vector3::new(500.0, -200.0, 1000.0), knots, 1.0);
+        moves_along(|point| point * 1000.0, knots, 1000.0);
+    }
+}
+
+#[test]
+fn starting_elsewhere_around_turns_the_surface() {
+    let points = test_leg::grid();
+    let (along, around) = parameters(&points);
+    // The same columns, told from the 20th on, at the same parameters.
+    let turned: Vec<_> =
+        points.chunks(72).flat_map(|row| [&row[20..], &row[..20]].concat()).collect();
+    let elsewhere = [&around[20..], &around[..20]].concat();
+    let method = plain([30, 24], Knots::Polished);
+    let here = fit_by(&points, &method).surface;
+    let data = GridData { along: &along, around: &elsewhere, points: &turned };
+    let there = fit_grid_by(&data, &WHOLE, &method).unwrap().surface;
+    for k in 0..40 {
+        let (u, v) = (f64::from(k) / 39.0, 0.37 * f64::from(k));
+        assert!((here.point(u, v) - there.point(u, v)).norm() < 1e-4, "{u} {v}");
+    }
+}
+
+#[test]
+fn a_cylinder_needs_no_knots_anywhere_in_particular() {
+    let points: Vec<_> = (0..20)
+        .flat_map(|i| (0..36).map(move |j| (f64::from(i), f64::from(j).to_radians() * 10.0)))
+        .map(|(z, angle)| Point3::new(40.0 * angle.cos(), 40.0 * angle.sin(), 10.0 * z))
+        .collect();
+    let along: Vec<f64> = (0..20).map(|i| f64::from(i) / 19.0).collect();
+    let around: Vec<f64> = (0..36).map(|j| f64::from(j) / 36.0).collect();
+    let data = GridData { along: &along, around: &around, points: &points };
+    for knots in [Knots::Adaptive, Knots::Polished] {
+        let fit = fit_grid_by(&data, &WHOLE, &plain([10, 12], knots)).unwrap();
+        assert!(fit.max_mm < 0.02, "{knots:?}: {}", fit.max_mm);
+        let spans = fit.surface.around().breakpoints().windows(2).map(|pair| pair[1] - pair[0]);
+        assert!(spans.into_iter().all(|span| (0.04..0.16).contains(&span)), "{knots:?}");
+    }
+}
+
+#[test]
+fn marks_become_knots_and_cost_little() {
+    // Heights of B, B1, C and D of the test leg and where its front and back are.
+    let along = [112.8, 190.0, 308.8, 398.0].map(|z| z / test_leg::HEIGHT_MM);
+    let around = [0.2, 0.7];
+    for (knots, percent) in
+        [(Knots::Uniform, 0.055), (Knots::Adaptive, 0.03), (Knots::Polished, 0.014)]
+    {
+        let marks = [along.to_vec(), around.to_vec()];
+        let fit = fit_by(&test_leg::grid(), &GridMethod { marks, ..plain([30, 24], knots) });
+        let has = |breakpoints: &[f64], mark: f64| {
+            breakpoints.iter().any(|place| (place - mark).rem_euclid(1.0) < 1e-12)
+        };
+        assert!(fit.marks_missed.iter().all(Vec::is_empty), "{:?}", fit.marks_missed);
+        assert!(
+            along.iter().all(|mark| has(fit.surface.along().breakpoints(), *mark)),
+            "{knots:?}"
+        );
+        let breakpoints = fit.surface.around().breakpoints();
+        assert!(around.iter().all(|mark| has(breakpoints, *mark)), "{knots:?}: {breakpoints:?}");
+        let [_, _, _, relative] = true_error(&fit.surface);
+        assert!(relative < percent, "{knots:?}: {relative} %");
+    }
+}
+
+#[test]
+fn marks_too_close_are_told_and_leave_spans_whole() {
+    let marks = [vec![0.5, 0.502, 0.504, 0.999], vec![]];
+    let fit = fit_by(&test_leg::grid(), &GridMethod { marks, ..plain([30, 24], Knots::Uniform) });
+    assert_eq!(fit.marks_missed[0], [0.502, 0.504, 0.999]);
+    let mut spans = fit.surface.along().breakpoints().windows(2).map(|pair| pair[1] - pair[0]);
+    assert!(spans.all(|span| span >= 0.25 / 27.0));
 }

@@ -156,9 +156,9 @@ pub enum FitFault {
         /// Number of control points asked for.
         needed: usize,
     },
-    /// A stretch without data, too wide for the penalty to carry the surface over it.
+    /// A stretch without data, too wide to be bridged, or at an end of the domain.
     #[error(
-        "no data {direction} from {from} to {to}: {functions} functions would have none of their own"
+        "no data {direction} from {from} to {to}, which leaves {functions} functions without any"
     )]
     Gap {
         /// "along" or "around".

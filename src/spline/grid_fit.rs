@@ -3,17 +3,16 @@
 use nalgebra::Point3;
 
 use super::basis::Basis;
+use super::bridge::Bridged;
 use super::cross_validation::{Smoothest, Spectrum, best_by_gcv};
 use super::distinct::check_lines;
 use super::fit::FitFault;
-use super::knot_choice::{Knots, Wish, chosen};
+use super::knot_choice::{Knots, Wish, chosen, equal_spans};
 use super::knots::fine;
 use super::normal::RIDGE;
 use super::outliers::{Cleaned, cleaned};
 use super::profiles::{Domain, Profiles};
-use super::surface_fit::{
-    GridData, SurfaceFit, check, flat, judged, residuals, solver, spread, surface,
-};
+use super::surface_fit::{GridData, SurfaceFit, check, flat, judged, solver, surface};
 
 /// How to fit a grid. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,40 +69,39 @@ pub fn fit_grid_by(
     check_lines(&Profiles::along(data), &wishes[0])?;
     check_lines(&Profiles::around(data), &wishes[1])?;
 
-    let equal = wishes.map(|wish| wish.domain.equal(wish.spans));
-    let equal = [wishes[0].domain.basis(&equal[0])?, wishes[1].domain.basis(&equal[1])?];
-    let first = without_outliers(data, data.points, &equal, method)?;
-    let shape = denoised(&GridData { points: &first.points, ..*data }, &wishes, method)?;
-    let shape = GridData { points: &shape, ..*data };
+    let equal = [equal_spans(data.along, &wishes[0])?, equal_spans(data.around, &wishes[1])?];
+
+    let domains = wishes.map(|wish| wish.domain);
+    let whole = Bridged::new(data, domains, wishes.map(|wish| wish.spans));
+    let grid = whole.data();
+    let first = without_outliers(&grid, grid.points, &equal, method)?;
+    let shape = denoised(&GridData { points: &first.points, ..grid }, domains, method)?;
+    let shape = GridData { points: &shape, ..grid };
     let along = chosen(&Profiles::along(&shape), &wishes[0])?;
     let around = chosen(&Profiles::around(&shape), &wishes[1])?;
 
     let bases = [along.basis, around.basis];
-    let Cleaned { points, outliers } = without_outliers(data, &first.points, &bases, method)?;
-    let clean = GridData { points: &points, ..*data };
-    let chosen = smoothest(&clean, &bases, method)?;
-    let fit = solved(data, &clean, bases, &chosen, &outliers)?;
-    let marks_missed = [along.missed, around.missed];
-    Ok(SurfaceFit { knots: [along.used, around.used], marks_missed, outliers, ..fit })
+    let Cleaned { points, outliers } = without_outliers(&grid, &first.points, &bases, method)?;
+    let clean = GridData { points: &points, ..grid };
+    let Smoothest { lambdas, edf } = smoothest(&clean, &bases, method)?;
+    let solver = solver(&clean, [&bases[0], &bases[1]], lambdas)?;
+    let [basis_along, basis_around] = bases;
+    let surface = surface(&solver, clean.points, basis_along, basis_around)?;
+    let outliers = given(&outliers, grid.around.len(), data);
+    Ok(SurfaceFit {
+        knots: [along.used, around.used],
+        marks_missed: [along.missed, around.missed],
+        edf,
+        gaps: whole.gaps.clone(),
+        ..judged(surface, data, &solver, lambdas, edf, outliers)
+    })
 }
 
-/// The surface through the clean points, judged by the data without their outliers.
-fn solved(
-    data: &GridData,
-    clean: &GridData,
-    bases: [Basis; 2],
-    smoothest: &Smoothest,
-    outliers: &[usize],
-) -> Result<SurfaceFit, FitFault> {
-    let Smoothest { lambdas, edf } = *smoothest;
-    let solver = solver(data, [&bases[0], &bases[1]], lambdas)?;
-    let [along, around] = bases;
-    let surface = surface(&solver, clean.points, along, around)?;
-    let fit = judged(surface, data, &solver, lambdas);
-    // The outliers lie on the surface and so add nothing to the clean points' residuals.
-    let (rms_mm, _) = residuals(&fit.surface, clean);
-    let sigma_mm = spread(rms_mm, data.points.len(), outliers.len(), edf);
-    Ok(SurfaceFit { edf, sigma_mm, ..fit })
+/// The places in a grid with lines added at its end that are places of the given data.
+fn given(places: &[usize], columns: usize, data: &GridData) -> Vec<usize> {
+    let places = places.iter().map(|place| (place / columns, place % columns));
+    let within = places.filter(|(i, j)| *i < data.along.len() && *j < data.around.len());
+    within.map(|(i, j)| i * data.around.len() + j).collect()
 }
 
 /// The smoothing that the method asks for.
@@ -146,13 +144,12 @@ fn without_outliers(
 /// knots would otherwise follow.
 fn denoised(
     data: &GridData,
-    wishes: &[Wish; 2],
+    [along, around]: [Domain; 2],
     method: &GridMethod,
 ) -> Result<Vec<Point3<f64>>, FitFault> {
     if method.smoothing == GridSmoothing::None || method.knots == Knots::Uniform {
         return Ok(data.points.to_vec());
     }
-    let [along, around] = wishes.map(|wish| wish.domain);
     let bases = [
         along.basis(&fine(data.along.len(), &along))?,
         around.basis(&fine(data.around.len(), &around))?,

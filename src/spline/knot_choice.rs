@@ -64,25 +64,38 @@ pub struct Wish<'a> {
     pub marks: &'a [f64],
 }
 
-/// As many functions may stay without a datum in a gap: the penalty bridges it. More would leave a
-/// stretch of their own to it.
+/// As many functions may stay without a datum in a gap that is bridged: with one more the surface
+/// there would have a cubic piece of its own.
 const BRIDGED: usize = 3;
 
 /// Steps in which breakpoints are drawn towards the data until each function has some.
 const WIDENINGS: usize = 8;
 
+/// The basis of equal spans, without marks.
+///
+/// # Errors
+/// [`FitFault::Gap`] where the places leave too many of its functions open, or an end of the domain
+/// further than a span from the data.
+pub fn equal_spans(places: &[f64], wish: &Wish) -> Result<Basis, FitFault> {
+    let basis = wish.domain.basis(&wish.domain.equal(wish.spans))?;
+    let functions = undetermined(&basis, places).len();
+    // Beyond the last datum nothing can be bridged.
+    let span = (wish.domain.to - wish.domain.from) / wish.spans as f64;
+    let open_end = wish.domain.open_ends(places).into_iter().find(|[from, to]| to - from > span);
+    if functions > BRIDGED || open_end.is_some() {
+        let [from, to] = open_end.unwrap_or_else(|| wish.domain.widest_gap(places));
+        return Err(FitFault::Gap { direction: wish.direction, from, to, functions });
+    }
+    Ok(basis)
+}
+
 /// The knots for these data.
 ///
 /// # Errors
-/// A [`FitFault`]: no basis, or a [`FitFault::Gap`] in the data that is not bridged.
+/// A [`FitFault`] where they make no basis or the data do not determine the fine fit.
 pub fn chosen(profiles: &Profiles, wish: &Wish) -> Result<Choice, FitFault> {
     let equal = marked(wish.domain.equal(wish.spans), &wish.domain, wish.marks);
     let uniform = wish.domain.basis(&equal.breakpoints)?;
-    let open = undetermined(&uniform, &profiles.places).len();
-    if open > BRIDGED {
-        let [from, to] = wish.domain.widest_gap(&profiles.places);
-        return Err(FitFault::Gap { direction: wish.direction, from, to, functions: open });
-    }
     let instead = Choice { basis: uniform, used: KnotsUsed::Uniform, missed: equal.missed };
     if wish.knots == Knots::Uniform {
         return Ok(instead);
@@ -129,9 +142,9 @@ fn evenly_shared(found: &Marked, domain: &Domain, places: &[f64]) -> Vec<f64> {
     for (low, high) in ends.iter().zip(ends.iter().skip(1)) {
         let (from, to) = (found.breakpoints[*low], found.breakpoints[*high]);
         let inside: Vec<f64> = places.iter().copied().filter(|x| (from..to).contains(x)).collect();
-        for i in low + 1..*high {
-            let share = (i - low) as f64 / (high - low) as f64;
-            even[i] = between(&inside, [from, to], share * inside.len() as f64);
+        for (i, free) in even[*low..*high].iter_mut().enumerate().skip(1) {
+            let share = i as f64 / (high - low) as f64;
+            *free = between(&inside, [from, to], share * inside.len() as f64);
         }
     }
     even

@@ -11,7 +11,14 @@
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
 //! | [`foot`] | the nearest point of a surface |
 //! | [`curvature`], [`measure`] | Gauss and mean curvature; area, volume, girths |
-//! | [`surface_fit`] | least-squares surface through a grid of points |
+//! | [`surface_fit`] | least-squares surface through a grid of points, in given bases |
+//! | [`grid_fit`] | the same with knots, smoothing and outliers found by itself |
+//! | `chord` | parameters of points that have none |
+//! | `knots`, `polish`, `marks` | where knots lie: where data bend, where the residual is least, where the caller wants them |
+//! | `knot_choice` | which of these are used, and what instead |
+//! | `schoenberg_whitney` | whether data determine a basis |
+//! | `bridge`, `outliers`, `cross_validation` | gaps, outliers and noise of a grid |
+//! | `profiles`, `least_squares`, `marquardt` | a grid as data of one direction; its linear and nonlinear equations |
 //! | [`middle`] | [`Middle`]: the middle line of a cloud, and so the points' places around |
 //! | [`cloud_fit`] | robust smoothing surface through scattered points |
 //! | `cells`, `cloud_equations`, `banded` | its equations: points summed cell by cell, and their solution |
@@ -25,6 +32,7 @@
 
 mod banded;
 pub mod basis;
+mod bridge;
 mod cells;
 mod chord;
 mod cloud_adaptive;
@@ -38,7 +46,7 @@ mod distinct;
 pub mod fit;
 pub mod foot;
 mod gauss;
-mod grid_fit;
+pub mod grid_fit;
 mod knot_choice;
 mod knots;
 mod kronecker;

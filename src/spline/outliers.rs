@@ -11,7 +11,7 @@ use nalgebra::{Point3, Vector3};
 use super::basis::Basis;
 use super::least_squares::LeastSquares;
 use super::robust::biweights;
-use super::surface::{Surface, SurfaceFault};
+use super::surface::SurfaceFault;
 use super::surface_fit::{GridData, surface};
 
 /// Beyond this many standard deviations Huber's weights begin to fall; 96 % efficiency with normal
@@ -39,11 +39,14 @@ pub struct Cleaned {
     pub outliers: Vec<usize>,
 }
 
+/// Weights of residuals whose standard deviation is at least so much.
+type Weighing = fn(&[f64], f64) -> Vec<f64>;
+
 /// The grid without what stands out by 4.7 standard deviations from the surface that these
 /// equations give. `start` are points from which to begin, the data or an earlier result.
 ///
 /// # Errors
-/// As [`Surface::new`].
+/// As [`super::Surface::new`].
 pub fn cleaned(
     data: &GridData,
     solver: &[LeastSquares; 2],
@@ -52,17 +55,14 @@ pub fn cleaned(
 ) -> Result<Cleaned, SurfaceFault> {
     let grid = Neighbours::new(data, bases[1]);
     let least = LEAST_SCALE * extent(data.points);
-    let huber = |out: &[f64]| hubers(out, least);
-    let tukey = |out: &[f64]| biweights(out, least);
-    let weighings: [&dyn Fn(&[f64]) -> Vec<f64>; 2] = [&huber, &tukey];
     let mut points = start.to_vec();
     let mut last = (Vec::new(), Vec::new());
-    for weigh in weighings {
+    for weigh in [hubers as Weighing, biweights] {
         for _ in 0..ROUNDS_MAX {
             let surface = surface(solver, &points, bases[0].clone(), bases[1].clone())?;
             let fitted = surface.grid(data.along, data.around);
             let out = grid.standing_out(data.points, &fitted);
-            let weights = weigh(&out);
+            let weights = weigh(&out, least);
             let next = drawn(data.points, &fitted, &weights);
             let moved = points.iter().zip(&next).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
             (points, last) = (next, (fitted, weights));

@@ -76,18 +76,21 @@ impl Domain {
         if self.periodic { start + (place - start).rem_euclid(period) } else { place }
     }
 
+    /// The stretches at the ends of a clamped domain outside all places.
+    pub fn open_ends(&self, places: &[f64]) -> Vec<[f64; 2]> {
+        let first = places.iter().copied().fold(self.to, f64::min);
+        let last = places.iter().copied().fold(self.from, f64::max);
+        if self.periodic { Vec::new() } else { vec![[self.from, first], [last, self.to]] }
+    }
+
     /// The two ends of the widest stretch without a place.
     pub fn widest_gap(&self, places: &[f64]) -> [f64; 2] {
-        let places = self.homed(places, self.from);
-        let (Some(first), Some(last)) = (places.first(), places.last()) else {
-            return [self.from, self.to];
-        };
-        let ends = match self.periodic {
-            true => vec![[*last, first + (self.to - self.from)]],
-            false => vec![[self.from, *first], [*last, self.to]],
-        };
-        let inner = places.windows(2).map(|pair| [pair[0], pair[1]]);
+        let mut ends = self.homed(places, self.from);
+        let next_turn = ends.first().map(|first| first + (self.to - self.from));
+        ends.extend(next_turn.filter(|_| self.periodic));
+        let inner = ends.windows(2).map(|pair| [pair[0], pair[1]]);
         let wider = |a: &[f64; 2], b: &[f64; 2]| (a[1] - a[0]).total_cmp(&(b[1] - b[0]));
-        inner.chain(ends).max_by(wider).unwrap_or([self.from, self.to])
+        let stretches = inner.chain(self.open_ends(places));
+        stretches.max_by(wider).unwrap_or([self.from, self.to])
     }
 }

@@ -38,6 +38,9 @@ pub struct SurfaceFit {
     pub knots: [KnotsUsed; 2],
     /// Marks along and around that could not be knots: another mark or an end is too near.
     pub marks_missed: [Vec<f64>; 2],
+    /// Stretches along and around without data that were bridged, each from the last place before
+    /// it to the first one after it: there the surface is a guess.
+    pub gaps: [Vec<[f64; 2]>; 2],
     /// The smoothing along and around, the ridge of 1e-12 included: at 1 the penalty on the third
     /// derivative has the trace of the data.
     pub lambdas: [f64; 2],
@@ -69,7 +72,8 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
     check_places(&around, data.around, data.around)?;
     let solver = solver(data, [&along, &around], [RIDGE; 2])?;
     let surface = surface(&solver, data.points, along, around)?;
-    Ok(judged(surface, data, &solver, [RIDGE; 2]))
+    let edf = surface.control_points().len().min(data.points.len()) as f64;
+    Ok(judged(surface, data, &solver, [RIDGE; 2], edf, Vec::new()))
 }
 
 /// The equations along and around.
@@ -97,35 +101,35 @@ pub(super) fn surface(
     Surface::new(basis_along, basis_around, control)
 }
 
-/// The fit of a surface that keeps all its degrees of freedom.
+/// The fit of a surface, judged by the data; the outliers do not count in sigma.
 pub(super) fn judged(
     surface: Surface,
     data: &GridData,
     solver: &[LeastSquares; 2],
     lambdas: [f64; 2],
+    edf: f64,
+    outliers: Vec<usize>,
 ) -> SurfaceFit {
-    let (rms_mm, max_mm) = residuals(&surface, data);
-    let smallest_pivot = solver[0].smallest_pivot().min(solver[1].smallest_pivot());
-    let edf = surface.control_points().len().min(data.points.len()) as f64;
+    let fitted = surface.grid(data.along, data.around);
+    let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
+    let squares: Vec<f64> = squares.collect();
+    let (count, sum) = (squares.len() as f64, squares.iter().sum::<f64>());
+    let freedom = count - outliers.len() as f64 - edf;
+    let far: f64 = outliers.iter().map(|index| squares[*index]).sum();
+    let known = freedom > LEAST_FREEDOM;
     SurfaceFit {
         surface,
-        rms_mm,
-        max_mm,
-        smallest_pivot,
+        rms_mm: (sum / count).sqrt(),
+        max_mm: squares.iter().copied().fold(0.0, f64::max).sqrt(),
+        smallest_pivot: solver[0].smallest_pivot().min(solver[1].smallest_pivot()),
         knots: [KnotsUsed::Given; 2],
         marks_missed: [Vec::new(), Vec::new()],
+        gaps: [Vec::new(), Vec::new()],
         lambdas,
         edf,
-        sigma_mm: spread(rms_mm, data.points.len(), 0, edf),
-        outliers: Vec::new(),
+        sigma_mm: if known { ((sum - far) / freedom).sqrt() } else { f64::INFINITY },
+        outliers,
     }
-}
-
-/// Standard deviation of one of `data` points, of which the `absent` lie on the surface, where a fit
-/// leaves this root mean square.
-pub(super) fn spread(rms_mm: f64, data: usize, absent: usize, edf: f64) -> f64 {
-    let freedom = (data - absent) as f64 - edf;
-    if freedom > LEAST_FREEDOM { rms_mm * (data as f64 / freedom).sqrt() } else { f64::INFINITY }
 }
 
 /// The coordinates of points, one after another.
@@ -137,14 +141,6 @@ pub(super) fn flat(points: &[Point3<f64>]) -> Vec<f64> {
 pub(super) fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     let places = (0..columns).flat_map(|j| (0..rows).map(move |i| 3 * (i * columns + j)));
     places.flat_map(|place| [values[place], values[place + 1], values[place + 2]]).collect()
-}
-
-/// Root mean square and largest distance between data and surface at the data's parameters.
-pub(super) fn residuals(surface: &Surface, data: &GridData) -> (f64, f64) {
-    let fitted = surface.grid(data.along, data.around);
-    let squares = fitted.iter().zip(data.points).map(|(a, b)| (a - b).norm_squared());
-    let (sum, largest) = squares.fold((0.0, 0.0_f64), |(sum, max), s| (sum + s, max.max(s)));
-    ((sum / data.points.len() as f64).sqrt(), largest.sqrt())
 }
 
 pub(super) fn check(data: &GridData) -> Result<(), FitFault> {
