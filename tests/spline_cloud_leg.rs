@@ -2,16 +2,22 @@
 //! makes of outliers and holes.
 #![allow(clippy::unwrap_used)]
 
-mod support;
+#[path = "support/chance.rs"]
+mod chance;
+#[path = "support/cloud.rs"]
+mod cloud;
+#[path = "support/metric.rs"]
+mod metric;
+#[path = "support/test_leg.rs"]
+mod test_leg;
 
+use cloud::{Faults, cloud};
 use gaiter::spline::{
     Basis, CloudData, CloudFit, CloudKnots, CloudMethod, CloudSmoothing, GridDomain, Knots, Middle,
     Surface, fit_cloud, fit_cloud_by,
 };
+use metric::true_error;
 use nalgebra::Point3;
-use support::cloud::{Faults, cloud};
-use support::metric::true_error;
-use support::test_leg;
 
 const NOISY: Faults = Faults { sigma_mm: 0.5, outliers: 0.0 };
 

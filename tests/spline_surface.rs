@@ -224,14 +224,32 @@ proptest! {
     }
 }
 
-/// The least distance to a fine grid of points, and how far the nearest place can lie from its
-/// nearest point.
-fn by_brute_force(surface: &Surface, point: &Point3<f64>) -> (f64, f64) {
+/// Points of the tube in steps of 1 mm along and up to 3 mm around, less than 1.8 mm from corner to
+/// middle.
+fn densely(surface: &Surface) -> Vec<Point3<f64>> {
     let u: Vec<f64> = (0..=400).map(|i| f64::from(i) / 400.0).collect();
     let v: Vec<f64> = (0..300).map(|j| 0.2 + f64::from(j) / 300.0).collect();
-    let points = surface.grid(&u, &v);
-    // Steps of 1 mm along and up to 3 mm around, less than 1.8 mm from corner to middle.
-    (points.iter().map(|near| (near - point).norm()).fold(f64::INFINITY, f64::min), 1.8)
+    surface.grid(&u, &v)
+}
+
+fn least_distance(points: &[Point3<f64>], point: &Point3<f64>) -> f64 {
+    let squares = points.iter().map(|near| (near - point).norm_squared());
+    squares.fold(f64::INFINITY, f64::min).sqrt()
+}
+
+#[test]
+fn of_sides_almost_as_near_the_nearest_is_found() {
+    let surface = tube();
+    let points = densely(&surface);
+    for k in 0..120 {
+        // Near the axis, where all sides are about as far.
+        let (radius, angle) = (f64::from(k % 7), f64::from(k));
+        let point =
+            Point3::new(radius * angle.cos(), radius * angle.sin(), 20.0 + 3.0 * f64::from(k));
+        let foot = surface.closest_from_anywhere(&point);
+        let least = least_distance(&points, &point);
+        assert!(foot.distance_mm <= least + 1e-9, "{point} {foot:?} {least}");
+    }
 }
 
 proptest! {
@@ -243,10 +261,10 @@ proptest! {
     ) {
         let (surface, point) = (tube(), Point3::new(x, y, z));
         let foot = surface.closest_from_anywhere(&point);
-        let (least, reach) = by_brute_force(&surface, &point);
+        let least = least_distance(&densely(&surface), &point);
         prop_assert!(foot.converged, "{foot:?}");
         prop_assert!(foot.distance_mm <= least + 1e-9, "{foot:?} {least}");
-        prop_assert!(foot.distance_mm >= least - reach, "{foot:?} {least}");
+        prop_assert!(foot.distance_mm >= least - 1.8, "{foot:?} {least}");
         prop_assert!(((surface.point(foot.u, foot.v) - point).norm() - foot.distance_mm).abs() < 1e-9);
     }
 
@@ -267,13 +285,14 @@ proptest! {
 #[test]
 fn from_anywhere_on_the_axis_and_beyond_the_ends_the_nearest_is_found() {
     let surface = tube();
+    let points = densely(&surface);
     for z in [-900.0, -40.0, 0.0, 130.0, 300.0, 440.0, 2000.0] {
         for (x, y) in [(0.0, 0.0), (0.0, 70.0), (30.0, -10.0)] {
             let point = Point3::new(x, y, z);
             let foot = surface.closest_from_anywhere(&point);
-            let (least, _) = by_brute_force(&surface, &point);
+            let least = least_distance(&points, &point);
             assert!(foot.distance_mm <= least + 1e-9, "{point} {foot:?} {least}");
-            assert!(!(z < -30.0 || z > 430.0) || foot.at_end, "{point} {foot:?}");
+            assert!((-30.0..=430.0).contains(&z) || foot.at_end, "{point} {foot:?}");
         }
     }
 }
