@@ -292,7 +292,7 @@ pub(super) fn check(basis: &Basis, x: &[f64], y: &[f64], weights: &[f64]) -> Res
 
 /// Refuses abscissae `x` outside a clamped domain, which would otherwise be taken to its end in
 /// silence, and data at fewer than 4 different places: the ridge leaves lines free here and
-/// parabolas in [`super::surface_fit`], which the data must hold.
+/// parabolas in [`crate::spline::grid::given`], which the data must hold.
 pub(super) fn check_places(basis: &Basis, x: &[f64], weighty: &[f64]) -> Result<(), FitFault> {
     let (from, to) = basis.domain();
     let rounding = 1e-9 * (to - from);

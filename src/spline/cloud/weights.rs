@@ -5,7 +5,7 @@
 //! further: on the test leg of nurbs.md 1.1 they make the mean error 2 % and the largest 10 %
 //! larger.
 
-use super::robust::MAD_TO_SD;
+use crate::spline::robust::MAD_TO_SD;
 
 /// Residuals up to this many standard deviations keep their weight; Huber's constant, nurbs.md 6.8.
 const NEAR: f64 = 2.5;

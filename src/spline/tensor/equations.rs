@@ -3,8 +3,8 @@
 
 use nalgebra::DMatrix;
 
-use super::basis::{DEGREE, Row};
 use super::kronecker::Direction;
+use crate::spline::basis::{DEGREE, Row};
 
 /// Functions of one direction that overlap with one: itself and three to either side.
 const REACH: usize = 2 * DEGREE + 1;

@@ -2,13 +2,13 @@
 
 use nalgebra::Point3;
 
-use super::basis::Basis;
-use super::fit::{FitFault, LEAST_FREEDOM, check_places};
-use super::knot_choice::KnotsUsed;
 use super::least_squares::LeastSquares;
-use super::normal::RIDGE;
-use super::solve::Singular;
-use super::surface::{Surface, SurfaceFault};
+use crate::spline::basis::Basis;
+use crate::spline::fit::{FitFault, LEAST_FREEDOM, check_places};
+use crate::spline::knots::choice::KnotsUsed;
+use crate::spline::normal::RIDGE;
+use crate::spline::solve::Singular;
+use crate::spline::surface::{Surface, SurfaceFault};
 
 /// Points on a grid of parameters.
 #[derive(Debug, Clone, Copy)]
@@ -31,7 +31,7 @@ pub struct SurfaceFit {
     pub rms_mm: f64,
     /// The largest such distance, mm.
     pub max_mm: f64,
-    /// The lesser [`super::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12 the grid does not
+    /// The lesser [`crate::spline::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12 the grid does not
     /// determine all control points and the ridge chose among the solutions.
     pub smallest_pivot: f64,
     /// Where the knots along and around come from.
@@ -77,7 +77,7 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
 }
 
 /// The equations along and around.
-pub(super) fn solver(
+pub(in crate::spline) fn solver(
     data: &GridData,
     bases: [&Basis; 2],
     lambdas: [f64; 2],
@@ -87,7 +87,7 @@ pub(super) fn solver(
 }
 
 /// The surface of the points, with the equations along and around.
-pub(super) fn surface(
+pub(in crate::spline) fn surface(
     [along, around]: &[LeastSquares; 2],
     points: &[Point3<f64>],
     basis_along: Basis,
@@ -102,7 +102,7 @@ pub(super) fn surface(
 }
 
 /// The fit of a surface, judged by the data; the outliers do not count in sigma.
-pub(super) fn judged(
+pub(in crate::spline) fn judged(
     surface: Surface,
     data: &GridData,
     solver: &[LeastSquares; 2],
@@ -133,17 +133,17 @@ pub(super) fn judged(
 }
 
 /// The coordinates of points, one after another.
-pub(super) fn flat(points: &[Point3<f64>]) -> Vec<f64> {
+pub(in crate::spline) fn flat(points: &[Point3<f64>]) -> Vec<f64> {
     points.iter().flat_map(|point| [point.x, point.y, point.z]).collect()
 }
 
 /// A grid of xyz triples with rows and columns exchanged.
-pub(super) fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+pub(in crate::spline) fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     let places = (0..columns).flat_map(|j| (0..rows).map(move |i| 3 * (i * columns + j)));
     places.flat_map(|place| [values[place], values[place + 1], values[place + 2]]).collect()
 }
 
-pub(super) fn check(data: &GridData) -> Result<(), FitFault> {
+pub(in crate::spline) fn check(data: &GridData) -> Result<(), FitFault> {
     let (rows, columns, points) = (data.along.len(), data.around.len(), data.points.len());
     if points == 0 || points != rows * columns {
         return Err(FitFault::NoGrid { points, along: rows, around: columns });

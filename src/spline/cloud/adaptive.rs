@@ -4,13 +4,13 @@
 //! uniform knots, smoothed, is looked at on a grid; the knots are chosen for that grid, and then
 //! the points themselves are fitted with them.
 
-use super::basis::Basis;
-use super::cloud_fit::{CloudData, CloudFit, CloudMethod, fit_cloud};
-use super::fit::FitFault;
-use super::grid_fit::{GridDomain, GridMethod, GridSmoothing, wishes};
-use super::knot_choice::{Choice, Knots, chosen};
-use super::profiles::Profiles;
-use super::surface_fit::GridData;
+use super::fit::{CloudData, CloudFit, CloudMethod, fit_cloud};
+use crate::spline::basis::Basis;
+use crate::spline::fit::FitFault;
+use crate::spline::grid::fit::{GridDomain, GridMethod, GridSmoothing, wishes};
+use crate::spline::grid::given::GridData;
+use crate::spline::knots::choice::{Choice, Knots, chosen};
+use crate::spline::knots::profiles::Profiles;
 
 /// Which knots the surface through a cloud is to have. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]

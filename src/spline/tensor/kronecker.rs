@@ -7,9 +7,9 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::basis::Basis;
-use super::penalty::roughness;
-use super::solve::Singular;
+use crate::spline::basis::Basis;
+use crate::spline::penalty::roughness;
+use crate::spline::solve::Singular;
 
 /// The derivative whose square is penalised.
 const PENALISED: usize = 2;

@@ -5,9 +5,9 @@
 //! the best density of breakpoints is proportional to |f⁗|^(1/4) (de Boor, A Practical Guide to
 //! Splines, chapter XII). Source of the steps and constants: nurbs.md 6.4.
 
-use super::fit::FitFault;
-use super::least_squares::LeastSquares;
 use super::profiles::{Domain, Profiles};
+use crate::spline::fit::FitFault;
+use crate::spline::grid::least_squares::LeastSquares;
 
 /// Spans of the fine fit for each place, and at most; nurbs.md 6.4.
 const FINE_SHARE: f64 = 0.7;

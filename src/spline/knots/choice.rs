@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use super::basis::Basis;
-use super::fit::FitFault;
-use super::knots::{FINE_LAMBDA, adaptive};
+use super::adaptive::{FINE_LAMBDA, adaptive};
 use super::marks::{Marked, marked};
 use super::polish::polished;
 use super::profiles::{Domain, Profiles};
 use super::schoenberg_whitney::{determines, undetermined};
+use crate::spline::basis::Basis;
+use crate::spline::fit::FitFault;
 
 /// Where the knots of a fit are to lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

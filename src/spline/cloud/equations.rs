@@ -2,8 +2,8 @@
 
 use super::banded::{Banded, BandedCholesky};
 use super::cells::{Cells, Piece};
-use super::cloud_penalty::Penalty;
-use super::solve::Singular;
+use super::penalty::Penalty;
+use crate::spline::solve::Singular;
 
 /// Powers that a product of two cubics has.
 const POWERS: usize = 7;

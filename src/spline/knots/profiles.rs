@@ -1,10 +1,10 @@
 //! A grid as data of one direction: all points of the other direction side by side.
 
-use super::basis::{Basis, BasisFault};
-use super::least_squares::LeastSquares;
-use super::normal::RIDGE;
-use super::solve::Singular;
-use super::surface_fit::{GridData, flat, transposed};
+use crate::spline::basis::{Basis, BasisFault};
+use crate::spline::grid::given::{GridData, flat, transposed};
+use crate::spline::grid::least_squares::LeastSquares;
+use crate::spline::normal::RIDGE;
+use crate::spline::solve::Singular;
 
 /// Data of one direction.
 #[derive(Debug, Clone)]

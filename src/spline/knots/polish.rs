@@ -7,11 +7,11 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::least_squares::LeastSquares;
 use super::marks::Marked;
 use super::marquardt::least_squares;
-use super::normal::RIDGE;
 use super::profiles::{Domain, Profiles};
+use crate::spline::grid::least_squares::LeastSquares;
+use crate::spline::normal::RIDGE;
 
 /// A span's length may change by this factor's logarithm before the spans are scaled to fill their
 /// stretch again; nurbs.md 6.10.

@@ -1,6 +1,6 @@
 //! Whether data determine every function of a basis: the conditions of Schoenberg and Whitney.
 
-use super::basis::{Basis, DEGREE};
+use crate::spline::basis::{Basis, DEGREE};
 
 /// A function of a basis for which no datum is left.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]

@@ -8,11 +8,11 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::basis::Basis;
+use super::given::{GridData, surface};
 use super::least_squares::LeastSquares;
-use super::robust::biweights;
-use super::surface::SurfaceFault;
-use super::surface_fit::{GridData, surface};
+use crate::spline::basis::Basis;
+use crate::spline::robust::biweights;
+use crate::spline::surface::SurfaceFault;
 
 /// Beyond this many standard deviations Huber's weights begin to fall; 96 % efficiency with normal
 /// errors (Huber, Robust Statistics, 1981).
@@ -46,7 +46,7 @@ type Weighing = fn(&[f64], f64) -> Vec<f64>;
 /// equations give. `start` are points from which to begin, the data or an earlier result.
 ///
 /// # Errors
-/// As [`super::Surface::new`].
+/// As [`crate::spline::Surface::new`].
 pub fn cleaned(
     data: &GridData,
     solver: &[LeastSquares; 2],

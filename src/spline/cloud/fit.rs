@@ -7,13 +7,13 @@
 
 use nalgebra::Point3;
 
-use super::basis::{Basis, DEGREE};
 use super::cells::Cells;
-use super::cloud_equations::CloudEquations;
-use super::cloud_penalty::Penalty;
-use super::cloud_weights::{FADED_NORMAL_SD, Fading, weights_of};
-use super::fit::FitFault;
-use super::surface::Surface;
+use super::equations::CloudEquations;
+use super::penalty::Penalty;
+use super::weights::{FADED_NORMAL_SD, Fading, weights_of};
+use crate::spline::basis::{Basis, DEGREE};
+use crate::spline::fit::FitFault;
+use crate::spline::surface::Surface;
 
 /// A cloud of points and where each lies around.
 #[derive(Debug, Clone, Copy)]

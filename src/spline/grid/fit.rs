@@ -2,17 +2,17 @@
 
 use nalgebra::Point3;
 
-use super::basis::Basis;
 use super::bridge::Bridged;
 use super::cross_validation::{Smoothest, Spectrum, best_by_gcv};
 use super::distinct::check_lines;
-use super::fit::FitFault;
-use super::knot_choice::{Knots, Wish, chosen, equal_spans};
-use super::knots::fine;
-use super::normal::RIDGE;
+use super::given::{GridData, SurfaceFit, check, flat, judged, solver, surface};
 use super::outliers::{Cleaned, cleaned};
-use super::profiles::{Domain, Profiles};
-use super::surface_fit::{GridData, SurfaceFit, check, flat, judged, solver, surface};
+use crate::spline::basis::Basis;
+use crate::spline::fit::FitFault;
+use crate::spline::knots::adaptive::fine;
+use crate::spline::knots::choice::{Knots, Wish, chosen, equal_spans};
+use crate::spline::knots::profiles::{Domain, Profiles};
+use crate::spline::normal::RIDGE;
 
 /// How to fit a grid. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,7 +51,7 @@ pub struct GridDomain {
     pub period: f64,
 }
 
-/// Fits a surface as `method` says. See [`super::fit_grid`] for the equations.
+/// Fits a surface as `method` says. See [`crate::spline::fit_grid`] for the equations.
 ///
 /// Gaps of a few spans are bridged; data that leave more open are refused, as are data that would
 /// only make a surface by solving nonsense.
@@ -161,7 +161,7 @@ fn denoised(
 }
 
 /// What is asked of either direction.
-pub(super) fn wishes<'a>(
+pub(in crate::spline) fn wishes<'a>(
     domain: &GridDomain,
     method: &'a GridMethod,
 ) -> Result<[Wish<'a>; 2], FitFault> {

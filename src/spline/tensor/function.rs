@@ -1,6 +1,6 @@
 //! A scalar function of two variables: clamped cubic along, periodic cubic around.
 
-use super::basis::{Basis, Row};
+use crate::spline::basis::{Basis, Row};
 
 /// A tensor-product spline f(u, v).
 #[derive(Debug, Clone)]

@@ -7,8 +7,8 @@
 
 use nalgebra::Point3;
 
-use super::profiles::{Domain, Profiles};
-use super::surface_fit::{GridData, transposed};
+use super::given::{GridData, transposed};
+use crate::spline::knots::profiles::{Domain, Profiles};
 
 /// A stretch without data is a gap beyond this many median distances of lines …
 const WIDE: f64 = 2.5;

@@ -1,9 +1,9 @@
 //! Refusal of grids whose rows or columns are too few or the same.
 
-use super::basis::DEGREE;
-use super::fit::{FitFault, check_places};
-use super::knot_choice::Wish;
-use super::profiles::Profiles;
+use crate::spline::basis::DEGREE;
+use crate::spline::fit::{FitFault, check_places};
+use crate::spline::knots::choice::Wish;
+use crate::spline::knots::profiles::Profiles;
 
 /// Rows nearer than this are one: as a share of the domain in their parameter, or of the data's
 /// extent in all their points.

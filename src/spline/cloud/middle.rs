@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Matrix3, Point2, Point3, Vector2, Vector3};
 
-use super::basis::Basis;
-use super::fit::{FitFault, Smoothing, Spline, fit};
+use crate::spline::basis::Basis;
+use crate::spline::fit::{FitFault, Smoothing, Spline, fit};
 
 /// Slabs of equal height in which the middle is found.
 const SLABS: usize = 60;
@@ -54,7 +54,7 @@ impl Middle {
         let centres = slabs.iter().enumerate();
         let centres = centres.filter_map(|(slab, points)| Some((height(slab), centre(points)?)));
         let centres: Vec<(f64, Point2<f64>)> = centres.collect();
-        let (found, needed) = (centres.len(), super::DEGREE + 1);
+        let (found, needed) = (centres.len(), crate::spline::DEGREE + 1);
         if found < needed || low >= high {
             return Err(FitFault::TooFewPlaces { found, needed });
         }

@@ -6,11 +6,11 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::basis::Basis;
 use super::least_squares::PENALISED;
-use super::normal::RIDGE;
-use super::penalty::roughness;
-use super::solve::{Singular, Skyline};
+use crate::spline::basis::Basis;
+use crate::spline::normal::RIDGE;
+use crate::spline::penalty::roughness;
+use crate::spline::solve::{Singular, Skyline};
 
 /// What is added to a Gram matrix, relative to its mean diagonal; nurbs.md 6.7.
 const GRAM_RIDGE: f64 = 1e-11;

@@ -6,12 +6,12 @@
 
 use nalgebra::Point3;
 
-use super::basis::{Basis, DEGREE};
+use crate::spline::basis::{Basis, DEGREE};
 
 /// The four functions on one interval of a basis, as cubics.
 #[derive(Debug, Clone, Copy)]
 pub struct Piece {
-    /// Which functions, as in [`super::Row::indices`].
+    /// Which functions, as in [`crate::spline::Row::indices`].
     pub indices: [usize; 4],
     /// The coefficients of each function in powers of the local place, −1 to 1 over the interval.
     pub cubics: [[f64; 4]; 4],

@@ -2,7 +2,7 @@
 
 use nalgebra::{Point3, distance};
 
-use super::fit::FitFault;
+use crate::spline::fit::FitFault;
 
 /// The parameter of each column of closed sections, 0 for the first, below 1, ascending: the share
 /// of the section's length that is walked to it along the chords, the closing one included,

@@ -3,7 +3,7 @@
 //! Coefficients are numbered row by row, so that functions that overlap lie at most four rows'
 //! width apart. Within that band the factor fills up, and a plain band is all the shape there is.
 
-use super::solve::{SMALLEST_RELATIVE_PIVOT, Singular};
+use crate::spline::solve::{SMALLEST_RELATIVE_PIVOT, Singular};
 
 /// A symmetric matrix of which only the diagonal and some columns left of it are not zero.
 #[derive(Debug, Clone)]

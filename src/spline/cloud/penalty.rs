@@ -9,10 +9,10 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::banded::Banded;
-use super::basis::{Basis, DEGREE};
-use super::cloud_equations::CloudEquations;
-use super::penalty::{mass, roughness};
-use super::solve::{Singular, Skyline};
+use super::equations::CloudEquations;
+use crate::spline::basis::{Basis, DEGREE};
+use crate::spline::penalty::{mass, roughness};
+use crate::spline::solve::{Singular, Skyline};
 
 /// The derivative whose square is penalised.
 const PENALISED: usize = 3;

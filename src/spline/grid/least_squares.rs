@@ -1,8 +1,8 @@
 //! Penalised least squares in one direction, for as many right-hand sides as there are.
 
-use super::basis::{Basis, Row};
-use super::penalty::roughness;
-use super::solve::{Cholesky, Singular, Skyline};
+use crate::spline::basis::{Basis, Row};
+use crate::spline::penalty::roughness;
+use crate::spline::solve::{Cholesky, Singular, Skyline};
 
 /// The derivative that is penalised, so that missing data are bridged much as by a quintic.
 pub const PENALISED: usize = 3;

@@ -7,12 +7,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::basis::{Basis, DEGREE, Row};
-use super::fit::FitFault;
+use super::equations::Equations;
+use super::function::Tensor;
 use super::kronecker::{Direction, best_by_gcv};
-use super::robust::biweights;
-use super::tensor::Tensor;
-use super::tensor_equations::Equations;
+use crate::spline::basis::{Basis, DEGREE, Row};
+use crate::spline::fit::FitFault;
+use crate::spline::robust::biweights;
 
 /// Scattered data of a function of two variables; all slices are as long.
 #[derive(Debug, Clone, Copy)]

@@ -1,0 +1,16 @@
+//! A scalar function of two variables, fitted to scattered data.
+//!
+//! | file | what it holds |
+//! |---|---|
+//! | `function` | [`Tensor`] |
+//! | `fit` | [`fit_scatter`]: robust, smoothing by cross-validation |
+//! | `equations` | the equations of the data, solved by conjugate gradients |
+//! | `kronecker` | smoothing on a full grid of cells |
+
+mod equations;
+mod fit;
+mod function;
+mod kronecker;
+
+pub use fit::{Scatter, TensorFit, fit_scatter};
+pub use function::Tensor;
