@@ -3,8 +3,6 @@
 
 #![allow(clippy::unwrap_used)]
 
-#[path = "support/chance.rs"]
-mod chance;
 #[path = "support/solids.rs"]
 mod solids;
 

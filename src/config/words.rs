@@ -5,9 +5,8 @@ use std::ops::{Range, RangeInclusive};
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
 use crate::leg::Side;
 use crate::leg::method::{
-    Axis, AxisFit, FacingChoice, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
+    Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
 };
-use crate::spline::Knots;
 
 /// What `method.b1` may be; the distance of the second stands under a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -217,9 +217,10 @@ mod tests {
             let [hole] = found.holes[..] else { panic!("{:?}", found.holes) };
             assert!((hole.along_mm - 150.0).abs() < 1.5, "{hole:?}");
             assert!(aside(hole.column).abs() < 1.5, "{hole:?}");
-            // Points are 5 mm apart: the hole between them is wider than the disc by up to that.
-            assert!((39.0..=46.0).contains(&hole.length_mm), "{hole:?}");
-            assert!((39.0..=46.0).contains(&hole.width_mm), "{hole:?}");
+            // Points are 5 mm apart, so the hole ends up to that far outside the disc; what is narrower
+            // than the laid disc at its upper and lower end does not count.
+            assert!((34.0..=46.0).contains(&hole.length_mm), "{hole:?}");
+            assert!((34.0..=46.0).contains(&hole.width_mm), "{hole:?}");
             assert!((1200.0..1600.0).contains(&hole.area_mm2), "{hole:?}");
             assert!(found.is_in_hole(150.0, column) && !found.is_in_hole(150.0, column + 0.6));
         }

@@ -1,7 +1,7 @@
 //! The choices of the method: what the export declares, and which of the paper's steps are used.
 
 use super::side::Side;
-use crate::spline::Knots;
+pub use crate::spline::Knots;
 
 /// How to read and measure a scan. `Default` is what gaiter does when nobody chooses.
 #[derive(Debug, Clone, PartialEq, Default)]
