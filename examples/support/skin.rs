@@ -3,8 +3,10 @@
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
 use std::fs;
+use std::io::{self, Read};
 use std::path::Path;
 
+use flate2::read::GzDecoder;
 use gaiter::leg::axis::LegAxis;
 use gaiter::leg::{Extraction, LegReport, Level};
 use gaiter::scan::{Format, read};
@@ -79,8 +81,7 @@ impl Skin {
         name: &str,
         extraction: &Extraction,
     ) -> Result<Skin, Box<dyn Error>> {
-        let bytes = fs::read(folder.join(format!("{name}.skin.ply")))?;
-        let skin = read(&bytes, Format::Ply)?;
+        let skin = read(&skin_bytes(&folder.join(format!("{name}.skin.ply")))?, Format::Ply)?;
         let to_body = extraction.body.from_export;
         let points: Vec<Point3<f64>> =
             skin.points.iter().map(|point| to_body.transform_point(point)).collect();
@@ -154,6 +155,16 @@ impl Skin {
         }
         Ok(best)
     }
+}
+
+/// The bytes of a skin, plain or as `.gz`.
+fn skin_bytes(path: &Path) -> io::Result<Vec<u8>> {
+    if path.exists() {
+        return fs::read(path);
+    }
+    let mut bytes = Vec::new();
+    GzDecoder::new(fs::File::open(path.with_extension("ply.gz"))?).read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// From the middle of the surface to a point at a distance along the axis, (front, lateral).

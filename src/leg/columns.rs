@@ -35,11 +35,11 @@ const LESSENED: f64 = 0.8;
 /// Places along and around at which the strain is looked at.
 const STRAIN_PLACES: [usize; 2] = [20, 72];
 
-/// Halvings after which a column is known to 10⁻⁹ radians …
-const INVERSE_STEPS: usize = 32;
+/// Halvings that suffice for any columns …
+const INVERSE_STEPS: usize = 24;
 
-/// … which a step this small, in radians, shows earlier.
-const INVERSE_REST: f64 = 1e-9;
+/// … which a step this small, in radians, makes unnecessary: 5 nm on the skin.
+const INVERSE_REST: f64 = 1e-7;
 
 /// Where the columns of a leg run.
 #[derive(Debug, Clone)]
