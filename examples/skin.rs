@@ -7,7 +7,7 @@
 //! each for a third of its facets' area, from 20 mm below B to 20 mm above D (without D, to the
 //! knee).
 //!
-//! `floor` adds what is left where the smoothing is chosen with the truth in view: the best of 49
+//! `floor` adds what is left where the smoothing is chosen with the truth in view: the best of 81
 //! pairs of lambdas for a fit to the same points. No choice without the truth can be expected to do
 //! better.
 

@@ -30,7 +30,7 @@ const FLOOR_ALONG_MM: f64 = 10.0;
 const FLOOR_AROUND: usize = 40;
 
 /// Exponents of ten of the lambdas that are tried for the floor.
-const FLOOR_EXPONENTS: std::ops::RangeInclusive<i32> = -8..=-2;
+const FLOOR_EXPONENTS: std::ops::RangeInclusive<i32> = -3..=5;
 
 /// The true skin in the body frame.
 pub struct Skin {

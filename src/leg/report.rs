@@ -210,15 +210,15 @@ impl Findings {
     /// Holes that a surface bridges.
     fn about_holes(&mut self, surface: &LegSurface) {
         let Some(largest) = surface.holes().first() else { return };
-        let (along_mm, column) = (largest.along_mm, largest.column);
+        let (height_mm, angle_deg) = surface.middle_of(largest);
         self.add(
             None,
             What::SurfaceHoles {
                 count: surface.holes().len(),
                 length_mm: largest.length_mm,
                 width_mm: largest.width_mm,
-                height_mm: surface.surface.point(along_mm, column).z,
-                angle_deg: surface.columns.angle(along_mm, column).to_degrees(),
+                height_mm,
+                angle_deg,
             },
         );
     }

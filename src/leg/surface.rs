@@ -225,4 +225,13 @@ impl LegSurface {
     pub fn holes(&self) -> &[Hole] {
         &self.coverage.holes
     }
+
+    /// The middle of a hole: its height above the floor, mm, and its angle around the leg, degrees
+    /// in (−180, 180]: 0 front, 90 lateral.
+    pub fn middle_of(&self, hole: &Hole) -> (f64, f64) {
+        let Hole { along_mm, column, .. } = *hole;
+        let angle_deg = self.columns.angle(along_mm, column).to_degrees();
+        let height_mm = self.surface.point(along_mm, column).z;
+        (height_mm, 180.0 - (180.0 - angle_deg).rem_euclid(360.0))
+    }
 }

@@ -111,10 +111,10 @@ fn girths(report: &LegReport, leg: &LegSurface) -> BTreeMap<String, SurfaceGirth
 }
 
 fn hole(leg: &LegSurface, hole: &Hole) -> HoleFigures {
-    let middle = leg.surface.point(hole.along_mm, hole.column);
+    let (height_mm, angle_deg) = leg.middle_of(hole);
     HoleFigures {
-        height_mm: mm(middle.z),
-        angle_deg: degrees(leg.columns.angle(hole.along_mm, hole.column).to_degrees()),
+        height_mm: mm(height_mm),
+        angle_deg: degrees(angle_deg),
         length_mm: mm(hole.length_mm),
         width_mm: mm(hole.width_mm),
         area_cm2: cm2(hole.area_mm2),
