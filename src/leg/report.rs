@@ -67,11 +67,11 @@ pub fn leg_report(
     let found = measures.levels.found.into_iter();
     let landmarks: Vec<Landmark> = found.filter(Landmark::is_plausible).collect();
     let wanted_mm = surface_heights_mm(&landmarks, scale_mm, crotch_height_mm);
-    let levels_mm: Vec<f64> = landmarks
-        .iter()
-        .filter(|landmark| landmark.level >= Level::B)
-        .map(|landmark| landmark.along_mm)
-        .collect();
+    let found = landmarks.iter().map(|landmark| (landmark.level, landmark.along_mm));
+    let estimated = measures.estimates.iter().map(|estimate| (estimate.level, estimate.along_mm));
+    let levels = found.chain(estimated).filter(|(level, _)| *level >= Level::B);
+    let mut levels_mm: Vec<f64> = levels.map(|(_, along_mm)| along_mm).collect();
+    levels_mm.sort_by(f64::total_cmp);
     let wanted = Wanted { height_mm: wanted_mm, levels_mm: &levels_mm };
     let surface = match surface(leg, &sections, &wanted, &method.surface) {
         Ok(surface) => Some(surface),
