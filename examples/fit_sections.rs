@@ -6,72 +6,85 @@
 //! each with as many points in order around, the first of each on the same line along. ALONG and
 //! AROUND are the numbers of control points, 30 and 24 where nobody says.
 
-#![allow(clippy::print_stdout, clippy::unwrap_used, clippy::expect_used)]
+#![allow(clippy::print_stdout, clippy::print_stderr)]
 
 #[path = "support/section_table.rs"]
 mod section_table;
 
+use std::error::Error;
 use std::fs;
+use std::process::ExitCode;
 
 use gaiter::cad::step::{self, Schema};
 use gaiter::cad::{FileHeader, Shape};
-use gaiter::spline::{GridDomain, GridMethod, GridSmoothing, Knots, Surface, fit_grid_by};
-use nalgebra::{Point3, distance};
-use section_table::SectionTable;
+use gaiter::spline::{GridDomain, GridMethod, GridSmoothing, Knots, SurfaceFit, fit_grid_by};
+use section_table::{Grid, SectionTable};
 
-/// Points of the polygon that tells a section's length.
-const SIDES: usize = 720;
+/// What was asked for on the command line.
+struct Wanted {
+    path: String,
+    control_points: [usize; 2],
+    out: Option<String>,
+}
 
-fn main() {
-    let words: Vec<String> = std::env::args().skip(1).collect();
-    let path = words.first().expect("the path of a table of sections");
-    let counts: Vec<usize> = words[1..].iter().filter_map(|word| word.parse().ok()).collect();
-    let control_points = [counts.first().map_or(30, |n| *n), counts.get(1).map_or(24, |n| *n)];
-    let table = fs::read_to_string(path).expect("the table can be read");
-    let table = SectionTable::parse(&table)
-        .expect("every line is a point; the number is the first that is not");
+const USAGE: &str = "usage: fit_sections FILE [ALONG AROUND] [OUT.step]";
 
+impl Wanted {
+    fn from_words(mut words: Vec<String>) -> Option<Wanted> {
+        let out = words.pop_if(|word| word.ends_with(".step"));
+        let control_points = match &words[..] {
+            [_] => [30, 24],
+            [_, along, around] => [along.parse().ok()?, around.parse().ok()?],
+            _ => return None,
+        };
+        Some(Wanted { path: words.swap_remove(0), control_points, out })
+    }
+}
+
+fn main() -> ExitCode {
+    let wanted = Wanted::from_words(std::env::args().skip(1).collect());
+    match wanted.ok_or_else(|| USAGE.into()).and_then(|wanted| run(&wanted)) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(fault) => {
+            eprintln!("{fault}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(wanted: &Wanted) -> Result<(), Box<dyn Error>> {
+    let Wanted { path, control_points, out } = wanted;
+    let table = fs::read_to_string(path).map_err(|fault| format!("{path}: {fault}"))?;
+    let table = SectionTable::parse(&table).map_err(|fault| format!("{path}: {fault}"))?;
+    let grid = table.grid()?;
     let method = GridMethod {
-        control_points,
+        control_points: *control_points,
         knots: Knots::Polished,
         smoothing: GridSmoothing::None,
         robust: false,
         marks: [vec![], vec![]],
     };
     let domain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
-    let grid = table.grid().expect("the sections have as many points and a length");
-    let fit = fit_grid_by(&grid.data(), &domain, &method).expect("the sections make a surface");
+    let fit = fit_grid_by(&grid.data(), &domain, &method)?;
+    report(&grid, &fit);
+    if let Some(out) = out {
+        let header = FileHeader { file_name: out, product: "surface" };
+        let step = step::write(&fit.surface, Shape::Tube, Schema::Ap214, &header)?;
+        fs::write(out, step).map_err(|fault| format!("{out}: {fault}"))?;
+    }
+    Ok(())
+}
 
-    println!(
-        "{} x {} points, {} x {} control points",
-        grid.along.len(),
-        grid.around.len(),
-        control_points[0],
-        control_points[1]
-    );
+fn report(grid: &Grid, fit: &SurfaceFit) {
+    let (along, around) = (fit.surface.along().count(), fit.surface.around().count());
+    let (rows, columns) = (grid.along.len(), grid.around.len());
+    println!("{rows} x {columns} points, {along} x {around} control points");
     println!("knots {:?}, rms {:.4} mm, largest {:.4} mm", fit.knots, fit.rms_mm, fit.max_mm);
     println!("section,girth_mm,rms_mm");
     for (i, (u, section)) in grid.along.iter().zip(grid.sections()).enumerate() {
         let fitted = fit.surface.grid(&[*u], &grid.around);
         let squares = section.iter().zip(&fitted).map(|(a, b)| (a - b).norm_squared());
         let rms = (squares.sum::<f64>() / section.len() as f64).sqrt();
-        println!("{i},{:.3},{rms:.4}", girth_mm(&fit.surface, *u));
+        println!("{i},{:.3},{rms:.4}", fit.surface.girth_mm(*u));
     }
-    if let Some(out) = words[1..].iter().find(|word| word.ends_with(".step")) {
-        let header = FileHeader { file_name: out, product: "surface" };
-        fs::write(
-            out,
-            step::write(&fit.surface, Shape::Tube, Schema::Ap214, &header)
-                .expect("a tube has no lids"),
-        )
-        .expect("the file can be written");
-    }
-}
-
-/// The length of the surface's closed curve at one place along.
-fn girth_mm(surface: &Surface, u: f64) -> f64 {
-    let (from, to) = surface.around().domain();
-    let v = |side: usize| from + (to - from) * side as f64 / SIDES as f64;
-    let ring: Vec<Point3<f64>> = surface.grid(&[u], &(0..SIDES).map(v).collect::<Vec<_>>());
-    ring.iter().zip(ring.iter().cycle().skip(1)).map(|(a, b)| distance(a, b)).sum()
 }

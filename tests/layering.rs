@@ -125,6 +125,21 @@ fn a_layer_uses_only_layers_above_it() {
 }
 
 #[test]
+fn the_surface_fits_go_from_knots_to_grids_to_clouds() {
+    let mut faults = Vec::new();
+    for (folder, later) in [("knots", ["grid", "cloud"]), ("grid", ["cloud", "tensor"])] {
+        for path in files(&format!("spline/{folder}")) {
+            for (number, line) in code(&path) {
+                let used = named(&line, "spline::").find(|used| later.contains(used));
+                let place = format!("{}:{number}", path.display());
+                faults.extend(used.map(|used| format!("{place}: `{folder}` may not use `{used}`")));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
 fn pure_layers_use_only_their_crates_and_no_effects() {
     let dependencies = dependencies();
     assert!(dependencies.len() > 10, "Cargo.toml was not read: {dependencies:?}");

@@ -172,3 +172,12 @@ fn breakpoints_that_make_no_basis_are_refused_with_their_place() {
         assert_eq!(found.unwrap_err(), expected);
     }
 }
+
+proptest! {
+    #[test]
+    fn a_period_ends_where_it_starts_to_the_last_bit(from in -9.0..9.0_f64, period in 0.1..7.0_f64) {
+        let basis = Basis::uniform_periodic(from, period, 7).unwrap();
+        let (from, to) = basis.domain();
+        prop_assert_eq!(basis.row(from), basis.row(to));
+    }
+}

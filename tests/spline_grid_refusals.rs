@@ -108,6 +108,12 @@ fn lines_that_coincide_are_refused() {
     let rows = part.points.chunks(72).map(|row| [row, &row[..1]].concat());
     part.points = rows.collect::<Vec<_>>().concat();
     assert_eq!(part.refused(&method), fault("columns", 0, 72));
+    // Another column a hair before the seam, where the first one lies.
+    for row in part.points.chunks_mut(73) {
+        row[72].x += 1.0;
+    }
+    part.around[72] = 1.0 - 1e-12;
+    assert_eq!(part.refused(&method), fault("columns", 72, 0));
 }
 
 #[test]
@@ -164,6 +170,41 @@ fn a_small_gap_is_bridged_and_told() {
             assert_eq!(told, [first as f64 - 1.0, first as f64 + 8.0]);
             assert!(fit.gaps[0].len() == 1 && fit.gaps[1].is_empty());
         }
+    }
+}
+
+#[test]
+fn a_gap_of_three_functions_is_bridged_and_one_of_four_is_refused() {
+    let missing = |count: usize| {
+        let part = Part::new(|i| !(20..20 + count).contains(&i), |_| true);
+        part.fit(&GridMethod { knots: Knots::Uniform, ..plain([30, 24]) })
+    };
+    let fewest = (1..40).find(|count| missing(*count).is_err()).unwrap();
+    let fault = missing(fewest).unwrap_err();
+    assert!(matches!(fault, FitFault::Gap { functions: 4, .. }), "{fewest} rows: {fault}");
+}
+
+#[test]
+fn a_gap_between_parabolas_is_bridged_as_if_it_were_not_there() {
+    let tube = |kept: &dyn Fn(usize) -> bool| {
+        let rows: Vec<usize> = (0..40).filter(|i| kept(*i)).collect();
+        let along: Vec<f64> = rows.iter().map(|i| *i as f64 / 39.0).collect();
+        let around: Vec<f64> = (0..36).map(|j| f64::from(j) / 36.0).collect();
+        let point = |u: f64, v: f64| {
+            let (sin, cos) = (std::f64::consts::TAU * v).sin_cos();
+            let radius = 40.0 + 30.0 * u * u;
+            Point3::new(radius * cos, radius * sin, 400.0 * u)
+        };
+        let points = along.iter().flat_map(|u| around.iter().map(move |v| point(*u, *v))).collect();
+        let part = Part { along, around, points };
+        part.fit(&GridMethod { knots: Knots::Uniform, ..plain([16, 12]) }).unwrap()
+    };
+    let (whole, gap) = (tube(&|_| true), tube(&|i| !(17..24).contains(&i)));
+    assert_eq!((whole.gaps[0].len(), gap.gaps[0].len()), (0, 1));
+    for i in 0..=50 {
+        let u = f64::from(i) / 50.0;
+        let apart = (whole.surface.point(u, 0.3) - gap.surface.point(u, 0.3)).norm();
+        assert!(apart < 1e-6, "{u}: {apart} mm");
     }
 }
 

@@ -8,7 +8,7 @@ mod support;
 use gaiter::cad::step::{self, Schema};
 use gaiter::cad::{FileHeader, Shape};
 use gaiter::spline::{GridDomain, GridMethod, GridSmoothing, Knots, fit_grid_by};
-use section_table::SectionTable;
+use section_table::{SectionTable, TableFault};
 use support::metric::true_error;
 use support::test_leg;
 
@@ -45,8 +45,27 @@ fn the_shipped_sections_become_a_surface_and_a_file() {
 }
 
 #[test]
-fn a_line_that_is_no_point_is_named() {
+fn a_table_that_holds_no_sections_is_refused_with_the_place() {
+    let fault = |text: &str| SectionTable::parse(text).err().unwrap();
     let table = |line: &str| format!("section,x,y,z\n0,1,2,3\n{line}\n");
-    assert_eq!(SectionTable::parse(&table("0,1,two,3")).err(), Some(3));
-    assert_eq!(SectionTable::parse(&table("0,1,2")).err(), Some(3));
+    for line in ["0,1,two,3", "0,1,2", "0,1,2,NaN", "0,1,2,inf", "0,1,2,3,4"] {
+        assert_eq!(fault(&table(line)), TableFault::NoPoint { line: 3, text: line.to_owned() });
+    }
+    for text in ["", "0,1,2,3\n", "x,y,z\n1,2,3\n"] {
+        assert_eq!(fault(text), TableFault::NoHeading);
+    }
+    let uneven = table("1,1,2,3\n1,2,3,4\n2,5,6,7");
+    assert_eq!(fault(&uneven), TableFault::Uneven { section: 1.0, found: 2, needed: 1 });
+    assert_eq!(fault("section,x,y,z\n"), TableFault::TooFewSections { found: 0 });
+    let three: String = TABLE.lines().take(1 + 3 * 72).map(|line| format!("{line}\n")).collect();
+    assert_eq!(fault(&three), TableFault::TooFewSections { found: 3 });
+}
+
+#[test]
+fn a_table_as_a_spreadsheet_writes_it_is_the_same_table() {
+    let written = format!("\u{feff}{}\r\n", TABLE.replace('\n', "\r\n").replace(',', ", "));
+    let written = written.replacen("section, x, y, z", "section,x,y,z", 1);
+    let (one, other) =
+        (SectionTable::parse(TABLE).unwrap(), SectionTable::parse(&written).unwrap());
+    assert!(one.grid().unwrap().sections().eq(other.grid().unwrap().sections()));
 }

@@ -208,7 +208,7 @@ impl Basis {
         if from <= x && x < to {
             return x;
         }
-        let wrapped = x - (to - from) * ((x - from) / (to - from)).floor();
+        let wrapped = from + (x - from).rem_euclid(to - from);
         // Rounding can leave the wrapped value a hair outside.
         if wrapped < from || wrapped >= to { from } else { wrapped }
     }

@@ -6,6 +6,7 @@
 //! | [`solve`] | Cholesky factors of the matrices that such bases give |
 //! | `penalty`, `gauss` | roughness matrices, the integrals of squared derivatives; quadrature |
 //! | [`mod@fit`] | [`Spline`]: smoothing fit of a scalar function, with standard errors |
+//! | `least_squares` | the same for many right-hand sides at fixed places |
 //! | `normal` | the normal equations behind it and the choice of lambda by GCV |
 //! | `robust` | [`robust_fit`]: the same with outliers weighed down |
 //! | [`tensor`] | [`Tensor`]: a function of two variables, fitted to scattered data |
@@ -30,6 +31,7 @@ pub mod foot;
 mod gauss;
 pub mod grid;
 pub mod knots;
+mod least_squares;
 pub mod measure;
 mod normal;
 mod penalty;
@@ -45,9 +47,9 @@ pub use cloud::{fit_cloud, fit_cloud_by};
 pub use curvature::Curvatures;
 pub use fit::{FitFault, Smoothing, Spline, fit};
 pub use foot::Foot;
-pub use grid::{GridData, GridDomain, GridMethod, GridSmoothing, SurfaceFit};
+pub use grid::{GridData, GridMethod, GridSmoothing, SurfaceFit};
 pub use grid::{fit_grid, fit_grid_by, mean_chord_parameters};
-pub use knots::{Knots, KnotsUsed, Undetermined, determines};
+pub use knots::{GridDomain, Knots, KnotsUsed, Undetermined, determines};
 pub use robust::{Robust, robust_fit};
 pub use surface::{Derivatives, Surface, SurfaceFault};
 pub use tensor::{Scatter, Tensor, TensorFit, fit_scatter};

@@ -7,10 +7,9 @@
 use super::fit::{CloudData, CloudFit, CloudMethod, fit_cloud};
 use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
-use crate::spline::grid::fit::{GridDomain, GridMethod, GridSmoothing, wishes};
-use crate::spline::grid::given::GridData;
+use crate::spline::grid::GridData;
 use crate::spline::knots::choice::{Choice, Knots, chosen};
-use crate::spline::knots::profiles::Profiles;
+use crate::spline::knots::wish::{GridDomain, wishes};
 
 /// Which knots the surface through a cloud is to have. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,12 +45,9 @@ pub fn fit_cloud_by(
     knots: &CloudKnots,
     method: &CloudMethod,
 ) -> Result<CloudFit, FitFault> {
-    let CloudKnots { control_points, knots, marks } = knots.clone();
+    let CloudKnots { control_points, knots, ref marks } = *knots;
+    let wishes = wishes(domain, control_points, knots, marks)?;
     let (points, needed) = (data.points.len(), control_points[0].saturating_mul(control_points[1]));
-    // The first fit looks through the noise, so that the grid of it has none.
-    let (smoothing, robust) = (GridSmoothing::None, false);
-    let look = GridMethod { control_points, knots, smoothing, robust, marks };
-    let wishes = wishes(domain, &look)?;
     if points < needed {
         return Err(FitFault::TooFewPoints { points, control_points: needed });
     }
@@ -67,9 +63,10 @@ pub fn fit_cloud_by(
     let around = |j: usize| domain.around_from + domain.period * j as f64 / columns as f64;
     let around: Vec<f64> = (0..columns).map(around).collect();
     let grid = first.surface.grid(&along, &around);
+    // The first fit looks through the noise, so that its grid has none.
     let grid = GridData { along: &along, around: &around, points: &grid };
-    let Choice { basis: along, .. } = chosen(&Profiles::along(&grid), &wishes[0])?;
-    let Choice { basis: around, .. } = chosen(&Profiles::around(&grid), &wishes[1])?;
+    let Choice { basis: along, .. } = chosen(&grid.profiles_along(), &wishes[0])?;
+    let Choice { basis: around, .. } = chosen(&grid.profiles_around(), &wishes[1])?;
     fit_cloud(data, along, around, method)
 }
 

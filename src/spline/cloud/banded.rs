@@ -136,3 +136,33 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     }
     sums.iter().sum::<f64>() + rest
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_product_is_that_of_the_whole_matrix() {
+        // Rows (4 1 2 0), (1 5 3 1), (2 3 6 2), (0 1 2 7).
+        let mut matrix = Banded::zero(4, 3);
+        let entries = [
+            (0, 0, 4.0),
+            (1, 0, 1.0),
+            (1, 1, 5.0),
+            (2, 0, 2.0),
+            (2, 1, 3.0),
+            (2, 2, 6.0),
+            (3, 1, 1.0),
+            (3, 2, 2.0),
+            (3, 3, 7.0),
+        ];
+        entries.into_iter().for_each(|(row, column, value)| matrix.add(row, column, value));
+        let pairs = [[1.0, 0.0], [2.0, 0.0], [3.0, 0.0], [4.0, 1.0]];
+        let product = [[12.0, 0.0], [24.0, 1.0], [34.0, 2.0], [36.0, 7.0]];
+        assert_eq!(matrix.product(&pairs), product);
+        let mut solved = product;
+        matrix.factor().unwrap().solve(&mut solved);
+        let missed = solved.iter().zip(&pairs).flat_map(|(a, b)| [a[0] - b[0], a[1] - b[1]]);
+        assert!(missed.into_iter().all(|missed| missed.abs() < 1e-12), "{solved:?}");
+    }
+}

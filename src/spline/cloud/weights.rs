@@ -44,3 +44,35 @@ pub fn weights_of(squares: &[f64], least_scale_mm: f64, fading: Fading) -> Vec<f
     };
     squares.iter().map(|square| if *square <= near { 1.0 } else { faded(*square) }).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Weights where the median residual is 0 and the scale therefore 2 mm.
+    fn weights(residual_mm: f64, fading: Fading) -> f64 {
+        weights_of(&[0.0, 0.0, residual_mm * residual_mm], 2.0, fading)[2]
+    }
+
+    #[test]
+    fn weights_fade_from_two_and_a_half_to_five_standard_deviations() {
+        for (residual_mm, huber, whole) in
+            [(4.9, 1.0, 1.0), (7.5, 5.0 / 7.5, 0.5625), (10.0, 0.5, 0.0), (50.0, 0.1, 0.0)]
+        {
+            assert!((weights(residual_mm, Fading::Huber) - huber).abs() < 1e-12);
+            assert!((weights(residual_mm, Fading::Whole) - whole).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn normal_errors_seem_less_by_what_is_given_back() {
+        let (mut weight, mut square) = (0.0, 0.0);
+        for i in 0..100_000 {
+            let x = 1e-4 * (f64::from(i) + 0.5);
+            let density = (-0.5 * x * x).exp() * weights(2.0 * x, Fading::Whole);
+            (weight, square) = (weight + density, square + density * x * x);
+        }
+        let sd = (square / weight).sqrt();
+        assert!((sd - FADED_NORMAL_SD).abs() < 6e-5, "{sd}");
+    }
+}

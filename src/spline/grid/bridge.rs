@@ -32,11 +32,11 @@ pub struct Bridged {
 impl Bridged {
     /// The grid with its gaps filled, for so many spans along and around.
     pub fn new(data: &GridData, domains: [Domain; 2], spans: [usize; 2]) -> Bridged {
-        let mut rows = Profiles::along(data);
+        let mut rows = data.profiles_along();
         let along = fill(&mut rows, &domains[0], spans[0]);
         let points = points(&rows.values);
         let mut columns =
-            Profiles::around(&GridData { along: &rows.places, points: &points, ..*data });
+            GridData { along: &rows.places, points: &points, ..*data }.profiles_around();
         let around = fill(&mut columns, &domains[1], spans[1]);
         let values = transposed(&columns.values, columns.places.len(), rows.places.len());
         let points = self::points(&values);

@@ -6,8 +6,8 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::least_squares::PENALISED;
 use crate::spline::basis::Basis;
+use crate::spline::least_squares::PENALISED;
 use crate::spline::normal::RIDGE;
 use crate::spline::penalty::roughness;
 use crate::spline::solve::{Singular, Skyline};
@@ -28,7 +28,7 @@ const SMOOTH: f64 = 1e-9;
 pub struct Spectrum {
     /// Orthonormal combinations of the basis functions' values, places × functions.
     combinations: DMatrix<f64>,
-    /// Roughness of each combination, in the unit of [`super::least_squares::LeastSquares`].
+    /// Roughness of each combination, in the unit of [`crate::spline::least_squares::LeastSquares`].
     roughness: Vec<f64>,
 }
 

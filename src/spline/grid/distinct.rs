@@ -2,8 +2,8 @@
 
 use crate::spline::basis::DEGREE;
 use crate::spline::fit::{FitFault, check_places};
-use crate::spline::knots::choice::Wish;
 use crate::spline::knots::profiles::Profiles;
+use crate::spline::knots::wish::Wish;
 
 /// Rows nearer than this are one: as a share of the domain in their parameter, or of the data's
 /// extent in all their points.

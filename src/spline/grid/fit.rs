@@ -10,8 +10,9 @@ use super::outliers::{Cleaned, cleaned};
 use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
 use crate::spline::knots::adaptive::fine;
-use crate::spline::knots::choice::{Knots, Wish, chosen, equal_spans};
-use crate::spline::knots::profiles::{Domain, Profiles};
+use crate::spline::knots::choice::{Knots, chosen, equal_spans};
+use crate::spline::knots::profiles::Domain;
+use crate::spline::knots::wish::{GridDomain, wishes};
 use crate::spline::normal::RIDGE;
 
 /// How to fit a grid. Pairs are along and around.
@@ -40,17 +41,6 @@ pub enum GridSmoothing {
     Gcv,
 }
 
-/// Where the surface's parameters live.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct GridDomain {
-    /// First and last parameter along.
-    pub along: [f64; 2],
-    /// Where a turn around starts, unless knots are polished or marked; then the knots say.
-    pub around_from: f64,
-    /// The period around.
-    pub period: f64,
-}
-
 /// Fits a surface as `method` says. See [`crate::spline::fit_grid`] for the equations.
 ///
 /// Gaps of a few spans are bridged; data that leave more open are refused, as are data that would
@@ -65,9 +55,9 @@ pub fn fit_grid_by(
     method: &GridMethod,
 ) -> Result<SurfaceFit, FitFault> {
     check(data)?;
-    let wishes = wishes(domain, method)?;
-    check_lines(&Profiles::along(data), &wishes[0])?;
-    check_lines(&Profiles::around(data), &wishes[1])?;
+    let wishes = wishes(domain, method.control_points, method.knots, &method.marks)?;
+    check_lines(&data.profiles_along(), &wishes[0])?;
+    check_lines(&data.profiles_around(), &wishes[1])?;
 
     let equal = [equal_spans(data.along, &wishes[0])?, equal_spans(data.around, &wishes[1])?];
 
@@ -77,8 +67,8 @@ pub fn fit_grid_by(
     let first = without_outliers(&grid, grid.points, &equal, method)?;
     let shape = denoised(&GridData { points: &first.points, ..grid }, domains, method)?;
     let shape = GridData { points: &shape, ..grid };
-    let along = chosen(&Profiles::along(&shape), &wishes[0])?;
-    let around = chosen(&Profiles::around(&shape), &wishes[1])?;
+    let along = chosen(&shape.profiles_along(), &wishes[0])?;
+    let around = chosen(&shape.profiles_around(), &wishes[1])?;
 
     let bases = [along.basis, around.basis];
     let Cleaned { points, outliers } = without_outliers(&grid, &first.points, &bases, method)?;
@@ -158,26 +148,4 @@ fn denoised(
     let solver = solver(data, [&bases[0], &bases[1]], smoothest.lambdas)?;
     let [along, around] = bases;
     Ok(surface(&solver, data.points, along, around)?.grid(data.along, data.around))
-}
-
-/// What is asked of either direction.
-pub(in crate::spline) fn wishes<'a>(
-    domain: &GridDomain,
-    method: &'a GridMethod,
-) -> Result<[Wish<'a>; 2], FitFault> {
-    let [from, to] = domain.along;
-    let along = Domain { from, to, periodic: false };
-    let (from, to) = (domain.around_from, domain.around_from + domain.period);
-    let around = Domain { from, to, periodic: true };
-    let wish = |i: usize, direction, domain: Domain, spans: usize| {
-        let marks = method.marks[i].as_slice();
-        let Domain { from, to, periodic } = domain;
-        let outside = |mark: &&f64| !mark.is_finite() || !periodic && !(from..=to).contains(*mark);
-        match marks.iter().find(outside) {
-            Some(&mark) => Err(FitFault::MarkOutside { direction, mark, from, to }),
-            None => Ok(Wish { direction, domain, spans, knots: method.knots, marks }),
-        }
-    };
-    let spans = method.control_points[0].saturating_sub(3);
-    Ok([wish(0, "along", along, spans)?, wish(1, "around", around, method.control_points[1])?])
 }

@@ -2,10 +2,11 @@
 
 use nalgebra::Point3;
 
-use super::least_squares::LeastSquares;
 use crate::spline::basis::Basis;
 use crate::spline::fit::{FitFault, LEAST_FREEDOM, check_places};
 use crate::spline::knots::choice::KnotsUsed;
+use crate::spline::knots::profiles::Profiles;
+use crate::spline::least_squares::LeastSquares;
 use crate::spline::normal::RIDGE;
 use crate::spline::solve::Singular;
 use crate::spline::surface::{Surface, SurfaceFault};
@@ -19,6 +20,19 @@ pub struct GridData<'a> {
     pub around: &'a [f64],
     /// The points, row-major, `along.len()` rows of `around.len()`, mm.
     pub points: &'a [Point3<f64>],
+}
+
+impl GridData<'_> {
+    /// The lines along, a place for each section.
+    pub(in crate::spline) fn profiles_along(&self) -> Profiles {
+        Profiles { places: self.along.to_vec(), values: flat(self.points) }
+    }
+
+    /// The sections, a place for each column.
+    pub(in crate::spline) fn profiles_around(&self) -> Profiles {
+        let values = transposed(&flat(self.points), self.along.len(), self.around.len());
+        Profiles { places: self.around.to_vec(), values }
+    }
 }
 
 /// A fitted surface and what it leaves of the data.
@@ -77,7 +91,7 @@ pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceF
 }
 
 /// The equations along and around.
-pub(in crate::spline) fn solver(
+pub fn solver(
     data: &GridData,
     bases: [&Basis; 2],
     lambdas: [f64; 2],
@@ -87,7 +101,7 @@ pub(in crate::spline) fn solver(
 }
 
 /// The surface of the points, with the equations along and around.
-pub(in crate::spline) fn surface(
+pub fn surface(
     [along, around]: &[LeastSquares; 2],
     points: &[Point3<f64>],
     basis_along: Basis,
@@ -102,7 +116,7 @@ pub(in crate::spline) fn surface(
 }
 
 /// The fit of a surface, judged by the data; the outliers do not count in sigma.
-pub(in crate::spline) fn judged(
+pub fn judged(
     surface: Surface,
     data: &GridData,
     solver: &[LeastSquares; 2],
@@ -133,17 +147,17 @@ pub(in crate::spline) fn judged(
 }
 
 /// The coordinates of points, one after another.
-pub(in crate::spline) fn flat(points: &[Point3<f64>]) -> Vec<f64> {
+pub fn flat(points: &[Point3<f64>]) -> Vec<f64> {
     points.iter().flat_map(|point| [point.x, point.y, point.z]).collect()
 }
 
 /// A grid of xyz triples with rows and columns exchanged.
-pub(in crate::spline) fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
+pub fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     let places = (0..columns).flat_map(|j| (0..rows).map(move |i| 3 * (i * columns + j)));
     places.flat_map(|place| [values[place], values[place + 1], values[place + 2]]).collect()
 }
 
-pub(in crate::spline) fn check(data: &GridData) -> Result<(), FitFault> {
+pub fn check(data: &GridData) -> Result<(), FitFault> {
     let (rows, columns, points) = (data.along.len(), data.around.len(), data.points.len());
     if points == 0 || points != rows * columns {
         return Err(FitFault::NoGrid { points, along: rows, around: columns });

@@ -6,17 +6,16 @@
 //! | `fit` | [`fit_grid_by`]: the same with knots, smoothing and outliers found by itself |
 //! | `chord` | [`mean_chord_parameters`] of points that have none |
 //! | `bridge`, `outliers`, `cross_validation` | its gaps, its outliers, its noise |
-//! | `distinct`, `least_squares` | whether rows and columns differ; the equations of one direction |
+//! | `distinct` | whether rows and columns differ |
 
 mod bridge;
 mod chord;
 mod cross_validation;
 mod distinct;
-pub(super) mod fit;
-pub(super) mod given;
-pub(super) mod least_squares;
+mod fit;
+mod given;
 mod outliers;
 
 pub use chord::mean_chord_parameters;
-pub use fit::{GridDomain, GridMethod, GridSmoothing, fit_grid_by};
+pub use fit::{GridMethod, GridSmoothing, fit_grid_by};
 pub use given::{GridData, SurfaceFit, fit_grid};

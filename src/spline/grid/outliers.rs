@@ -9,8 +9,8 @@
 use nalgebra::{Point3, Vector3};
 
 use super::given::{GridData, surface};
-use super::least_squares::LeastSquares;
 use crate::spline::basis::Basis;
+use crate::spline::least_squares::LeastSquares;
 use crate::spline::robust::biweights;
 use crate::spline::surface::SurfaceFault;
 

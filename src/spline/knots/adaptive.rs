@@ -7,7 +7,7 @@
 
 use super::profiles::{Domain, Profiles};
 use crate::spline::fit::FitFault;
-use crate::spline::grid::least_squares::LeastSquares;
+use crate::spline::least_squares::LeastSquares;
 
 /// Spans of the fine fit for each place, and at most; nurbs.md 6.4.
 const FINE_SHARE: f64 = 0.7;

@@ -7,6 +7,7 @@ use super::marks::{Marked, marked};
 use super::polish::polished;
 use super::profiles::{Domain, Profiles};
 use super::schoenberg_whitney::{determines, undetermined};
+use super::wish::Wish;
 use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
 
@@ -72,21 +73,6 @@ pub struct Choice {
     pub used: KnotsUsed,
     /// Marks that could not be knots.
     pub missed: Vec<f64>,
-}
-
-/// What is asked of the knots of one direction.
-#[derive(Debug, Clone, Copy)]
-pub struct Wish<'a> {
-    /// "along" or "around".
-    pub direction: &'static str,
-    /// Where the parameter lives.
-    pub domain: Domain,
-    /// Number of spans.
-    pub spans: usize,
-    /// Where the knots are to lie.
-    pub knots: Knots,
-    /// Places that are to be knots.
-    pub marks: &'a [f64],
 }
 
 /// As many functions may stay without a datum in a gap that is bridged: with one more the surface

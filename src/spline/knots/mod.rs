@@ -7,6 +7,7 @@
 //! | `marks` | where the caller wants them |
 //! | `schoenberg_whitney` | [`determines`]: whether data determine a basis |
 //! | `choice` | [`Knots`]: which of these are used, and what instead |
+//! | `wish` | [`GridDomain`]; what is asked of either direction |
 //! | `profiles` | the data of one direction |
 
 pub(super) mod adaptive;
@@ -16,6 +17,8 @@ mod marquardt;
 mod polish;
 pub(super) mod profiles;
 mod schoenberg_whitney;
+pub(super) mod wish;
 
 pub use choice::{Knots, KnotsUsed};
 pub use schoenberg_whitney::{Undetermined, determines};
+pub use wish::GridDomain;

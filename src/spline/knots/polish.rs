@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, SymmetricEigen};
 use super::marks::Marked;
 use super::marquardt::least_squares;
 use super::profiles::{Domain, Profiles};
-use crate::spline::grid::least_squares::LeastSquares;
+use crate::spline::least_squares::LeastSquares;
 use crate::spline::normal::RIDGE;
 
 /// A span's length may change by this factor's logarithm before the spans are scaled to fill their

@@ -1,8 +1,7 @@
-//! A grid as data of one direction: all points of the other direction side by side.
+//! Data of one direction; of a grid all points of the other direction side by side.
 
 use crate::spline::basis::{Basis, BasisFault};
-use crate::spline::grid::given::{GridData, flat, transposed};
-use crate::spline::grid::least_squares::LeastSquares;
+use crate::spline::least_squares::LeastSquares;
 use crate::spline::normal::RIDGE;
 use crate::spline::solve::Singular;
 
@@ -16,17 +15,6 @@ pub struct Profiles {
 }
 
 impl Profiles {
-    /// The lines along, a place for each section.
-    pub fn along(data: &GridData) -> Profiles {
-        Profiles { places: data.along.to_vec(), values: flat(data.points) }
-    }
-
-    /// The sections, a place for each column.
-    pub fn around(data: &GridData) -> Profiles {
-        let values = transposed(&flat(data.points), data.along.len(), data.around.len());
-        Profiles { places: data.around.to_vec(), values }
-    }
-
     /// Sum of the squared residuals of the plain fit in a basis.
     ///
     /// # Errors

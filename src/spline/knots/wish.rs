@@ -1,0 +1,58 @@
+//! What a caller asks of the knots along and around.
+
+use super::choice::Knots;
+use super::profiles::Domain;
+use crate::spline::fit::FitFault;
+
+/// Where the surface's parameters live.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GridDomain {
+    /// First and last parameter along.
+    pub along: [f64; 2],
+    /// Where a turn around starts, unless knots are polished or marked; then the knots say.
+    pub around_from: f64,
+    /// The period around.
+    pub period: f64,
+}
+
+/// What is asked of the knots of one direction.
+#[derive(Debug, Clone, Copy)]
+pub struct Wish<'a> {
+    /// "along" or "around".
+    pub direction: &'static str,
+    /// Where the parameter lives.
+    pub domain: Domain,
+    /// Number of spans.
+    pub spans: usize,
+    /// Where the knots are to lie.
+    pub knots: Knots,
+    /// Places that are to be knots.
+    pub marks: &'a [f64],
+}
+
+/// What is asked along and around of a surface with so many rows and columns of control points.
+///
+/// # Errors
+/// [`FitFault::MarkOutside`].
+pub fn wishes<'a>(
+    domain: &GridDomain,
+    control_points: [usize; 2],
+    knots: Knots,
+    marks: &'a [Vec<f64>; 2],
+) -> Result<[Wish<'a>; 2], FitFault> {
+    let [from, to] = domain.along;
+    let along = Domain { from, to, periodic: false };
+    let (from, to) = (domain.around_from, domain.around_from + domain.period);
+    let around = Domain { from, to, periodic: true };
+    let wish = |i: usize, direction, domain: Domain, spans: usize| {
+        let marks = marks[i].as_slice();
+        let Domain { from, to, periodic } = domain;
+        let outside = |mark: &&f64| !mark.is_finite() || !periodic && !(from..=to).contains(*mark);
+        match marks.iter().find(outside) {
+            Some(&mark) => Err(FitFault::MarkOutside { direction, mark, from, to }),
+            None => Ok(Wish { direction, domain, spans, knots, marks }),
+        }
+    };
+    let spans = control_points[0].saturating_sub(3);
+    Ok([wish(0, "along", along, spans)?, wish(1, "around", around, control_points[1])?])
+}
