@@ -1,9 +1,7 @@
 //! The normal equations of a cloud's x and y in a tensor-product basis.
 
-use super::banded::{Banded, BandedCholesky};
+use super::banded::Banded;
 use super::cells::{Cells, Piece};
-use super::penalty::Penalty;
-use crate::spline::solve::Singular;
 
 /// Powers that a product of two cubics has.
 const POWERS: usize = 7;
@@ -42,16 +40,6 @@ impl CloudEquations {
             sums.add_gram([&squares[0][row], &squares[1][column]], indices, columns, &mut gram);
         }
         CloudEquations { gram, moments, weight: weights.iter().sum() }
-    }
-
-    /// The factor of the equations with a penalty.
-    ///
-    /// # Errors
-    /// [`Singular`] where data and penalty leave coefficients undetermined.
-    pub fn factor(&self, penalty: &Penalty, lambdas: [f64; 2]) -> Result<BandedCholesky, Singular> {
-        let mut system = self.gram.clone();
-        penalty.add_to(&mut system, lambdas, self.weight);
-        system.factor()
     }
 }
 

@@ -127,7 +127,7 @@ pub fn fit_cloud(
     let mut weights = vec![1.0; data.points.len()];
     let mut equations = CloudEquations::new(&cells, &weights, counts);
     let mut coefficients = equations.moments.clone();
-    equations.factor(&penalty, lambdas)?.solve(&mut coefficients);
+    penalty.factor(&equations, lambdas)?.solve(&mut coefficients);
     let mut squares = cells.squares(&coefficients, counts[1]);
     for round in 0..rounds {
         if method.robust {
@@ -140,7 +140,7 @@ pub fn fit_cloud(
             (lambdas, _) = penalty.best_by_gcv(&equations, &coefficients, rss);
         }
         coefficients.clone_from(&equations.moments);
-        equations.factor(&penalty, lambdas)?.solve(&mut coefficients);
+        penalty.factor(&equations, lambdas)?.solve(&mut coefficients);
         squares = cells.squares(&coefficients, counts[1]);
     }
 

@@ -8,7 +8,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::banded::Banded;
+use super::banded::{Banded, BandedCholesky};
 use super::equations::CloudEquations;
 use crate::spline::basis::{Basis, DEGREE};
 use crate::spline::penalty::{mass, roughness};
@@ -55,9 +55,23 @@ impl Penalty {
         Ok(Penalty { directions: [Direction::new(along)?, Direction::new(around)?], seen })
     }
 
+    /// The factor of the equations with the penalty.
+    ///
+    /// # Errors
+    /// [`Singular`] where data and penalty leave coefficients undetermined.
+    pub fn factor(
+        &self,
+        equations: &CloudEquations,
+        lambdas: [f64; 2],
+    ) -> Result<BandedCholesky, Singular> {
+        let mut system = equations.gram.clone();
+        self.add_to(&mut system, lambdas, equations.weight);
+        system.factor()
+    }
+
     /// Adds the penalty to equations of data of this total weight. A lambda of 1 makes the traces
     /// equal if the data are spread evenly.
-    pub fn add_to(&self, system: &mut Banded, lambdas: [f64; 2], weight: f64) {
+    fn add_to(&self, system: &mut Banded, lambdas: [f64; 2], weight: f64) {
         let density = self.density(weight);
         let [along, around] = &self.directions;
         let [rows, columns] = [along.mass.size(), around.mass.size()];
