@@ -1,5 +1,8 @@
 //! The true skin of a body, and how far a leg's surface lies from it.
 
+// Each program uses its own part.
+#![allow(dead_code)]
+
 use std::error::Error;
 use std::f64::consts::{PI, TAU};
 use std::fs;

@@ -8,7 +8,8 @@ use super::fit::{CloudData, CloudFit, CloudMethod, fit_cloud};
 use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
 use crate::spline::grid::GridData;
-use crate::spline::knots::choice::{Choice, Knots, chosen};
+use crate::spline::knots::choice::{Choice, chosen};
+use crate::spline::knots::wish::Knots;
 use crate::spline::knots::wish::{GridDomain, wishes};
 
 /// Which knots the surface through a cloud is to have. Pairs are along and around.

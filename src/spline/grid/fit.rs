@@ -10,8 +10,9 @@ use super::outliers::{Cleaned, cleaned};
 use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
 use crate::spline::knots::adaptive::fine;
-use crate::spline::knots::choice::{Knots, chosen, equal_spans};
+use crate::spline::knots::choice::{chosen, equal_spans};
 use crate::spline::knots::profiles::Domain;
+use crate::spline::knots::wish::Knots;
 use crate::spline::knots::wish::{GridDomain, wishes};
 use crate::spline::normal::RIDGE;
 

@@ -7,31 +7,9 @@ use super::marks::{Marked, marked};
 use super::polish::polished;
 use super::profiles::{Domain, Profiles};
 use super::schoenberg_whitney::{determines, undetermined};
-use super::wish::Wish;
+use super::wish::{Knots, Wish};
 use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
-
-/// Where the knots of a fit are to lie.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Knots {
-    /// At equal distances.
-    Uniform,
-    /// Denser where the data bend more (nurbs.md 6.4).
-    Adaptive,
-    /// Adaptive, then moved to where the residual is least (nurbs.md 6.10).
-    Polished,
-}
-
-impl Knots {
-    /// The word used in configurations and records.
-    pub fn word(self) -> &'static str {
-        match self {
-            Knots::Uniform => "uniform",
-            Knots::Adaptive => "adaptive",
-            Knots::Polished => "polished",
-        }
-    }
-}
 
 /// Where the knots of a fit do lie.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

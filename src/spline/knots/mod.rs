@@ -6,8 +6,8 @@
 //! | `polish`, `marquardt` | where the residual is least, by variable projection |
 //! | `marks` | where the caller wants them |
 //! | `schoenberg_whitney` | [`determines`]: whether data determine a basis |
-//! | `choice` | [`Knots`]: which of these are used, and what instead |
-//! | `wish` | [`GridDomain`]; what is asked of either direction |
+//! | `choice` | [`KnotsUsed`]: which of these are used, and what instead |
+//! | `wish` | [`Knots`], [`GridDomain`]: what is asked of either direction |
 //! | `profiles` | the data of one direction |
 
 pub(super) mod adaptive;
@@ -19,6 +19,6 @@ pub(super) mod profiles;
 mod schoenberg_whitney;
 pub(super) mod wish;
 
-pub use choice::{Knots, KnotsUsed};
+pub use choice::KnotsUsed;
 pub use schoenberg_whitney::{Undetermined, determines};
-pub use wish::GridDomain;
+pub use wish::{GridDomain, Knots};

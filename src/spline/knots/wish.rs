@@ -1,8 +1,29 @@
 //! What a caller asks of the knots along and around.
 
-use super::choice::Knots;
 use super::profiles::Domain;
 use crate::spline::fit::FitFault;
+
+/// Where the knots of a fit are to lie.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Knots {
+    /// At equal distances.
+    Uniform,
+    /// Denser where the data bend more (nurbs.md 6.4).
+    Adaptive,
+    /// Adaptive, then moved to where the residual is least (nurbs.md 6.10).
+    Polished,
+}
+
+impl Knots {
+    /// The word used in configurations and records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Knots::Uniform => "uniform",
+            Knots::Adaptive => "adaptive",
+            Knots::Polished => "polished",
+        }
+    }
+}
 
 /// Where the surface's parameters live.
 #[derive(Debug, Clone, Copy, PartialEq)]
