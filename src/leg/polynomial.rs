@@ -4,7 +4,7 @@
 //! periodic: the two ends meet at the seam at ±180° only as well as the fit makes them, and a gap
 //! in the points sets it swinging. Kept because it is the paper's.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use nalgebra::{DMatrix, DVector};
 
@@ -36,9 +36,11 @@ pub fn fit(angles: &[f64], radii_mm: &[f64]) -> Option<Polynomial> {
 }
 
 impl Polynomial {
-    /// Radius and its first two derivatives by the angle (radians), at an angle in [−π, π].
+    /// Radius and its first two derivatives by the angle (radians). Angles outside [−π, π] are
+    /// turned into it: out there the polynomial is metres away from any skin.
     pub fn derivatives(&self, angle: f64) -> [f64; 3] {
-        let values = legendre(angle / PI);
+        let home = if angle.abs() > PI { angle - TAU * (angle / TAU).round() } else { angle };
+        let values = legendre(home / PI);
         let sum = |order: usize| -> f64 {
             self.coefficients.iter().zip(values[order]).map(|(c, value)| c * value).sum()
         };
@@ -80,6 +82,20 @@ mod tests {
         for angle in [-3.0, -1.0, 0.0, 0.5, 2.9] {
             for (found, expected) in polynomial.derivatives(angle).iter().zip(truth(angle)) {
                 assert!((found - expected).abs() < 1e-8, "{angle}: {found} for {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_whole_turn_more_or_less_is_the_same_direction() {
+        let angles: Vec<f64> = (0..200).map(|i| -PI + PI * f64::from(i) / 100.0).collect();
+        let radii: Vec<f64> = angles.iter().map(|t| 40.0 + 3.0 * (2.0 * t).cos()).collect();
+        let polynomial = fit(&angles, &radii).unwrap();
+        for angle in [-3.0, -1.0, 0.5, 2.9] {
+            let [radius, ..] = polynomial.derivatives(angle);
+            for turned in [angle - TAU, angle + TAU] {
+                let [found, ..] = polynomial.derivatives(turned);
+                assert!((found - radius).abs() < 1e-9, "{turned}: {found} for {radius}");
             }
         }
     }
