@@ -33,7 +33,10 @@ const ROWS_PER_CONTROL_ROW: f64 = 1.25;
 /// The fewest sections of what must be covered that make a surface: 10 cm of a leg.
 const ROWS_MIN: usize = 20;
 
-/// Points that lie off the surface by more are no skin of it, mm: they fill no hole.
+/// Places along and around at which the surface is looked at for folds: 10 mm apart and less.
+const FOLD_PLACES: [usize; 2] = [96, 48];
+
+/// Points that lie off their section by more are no skin of it, mm: they fill no hole.
 const STRAY_MM: f64 = 6.0;
 
 /// Points so far beyond the ends still show that the skin at the ends was seen, mm.
@@ -78,6 +81,13 @@ pub enum NoSurface {
         from_mm: f64,
         /// To this height, mm.
         to_mm: f64,
+    },
+    /// The surface would fold, which no skin about a middle line does: it swings where too little of
+    /// the leg was seen.
+    #[error("no surface: it would fold at {height_mm:.0} mm, where too little of the leg was seen")]
+    Folded {
+        /// Height of the fold, mm.
+        height_mm: f64,
     },
     /// The sections cannot be fitted.
     #[error("no surface: {0}")]
@@ -135,6 +145,9 @@ pub fn surface(
     if method.from == SurfaceFrom::Points {
         surface = through_points(axis, &points, &surface)?;
     }
+    if let Some(height_mm) = fold(&unrolled, &surface) {
+        return Err(NoSurface::Folded { height_mm });
+    }
     let coverage = coverage(&unrolled, &points, &surface);
     let (to_sections, in_holes) = to_sections(&unrolled, &measured, &surface, &coverage);
     let (Some(to_sections), Some(to_points)) = (to_sections, to_points(&points, &surface)) else {
@@ -190,13 +203,26 @@ fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Su
     Ok(Surface::new(fit.along().clone(), fit.around().clone(), net)?)
 }
 
+/// The height of the lowest fold of a surface, mm: where its outside faces the middle of the leg.
+/// Sections are curves of one radius for each angle, so a surface through them has no such place.
+fn fold(unrolled: &Unrolled, surface: &Surface) -> Option<f64> {
+    let (low, high) = surface.along().domain();
+    let outward = if surface.along_cross_around_is_outward() { 1.0 } else { -1.0 };
+    let [rows, columns] = FOLD_PLACES;
+    let places = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let mut heights = places.filter_map(|(i, j)| {
+        let along_mm = low + (high - low) * (i as f64 + 0.5) / rows as f64;
+        let here = surface.derivatives(along_mm, TAU * j as f64 / columns as f64);
+        let faces_out = outward * here.du.cross(&here.dv).dot(&unrolled.arm(&here.point));
+        (faces_out <= 0.0).then_some(here.point.z)
+    });
+    heights.next()
+}
+
 /// What of a surface its points show.
 fn coverage(unrolled: &Unrolled, points: &[Place], surface: &Surface) -> Coverage {
-    let is_skin = |place: &&Place| {
-        let on_surface = surface.point(place.at.0, place.at.1);
-        (unrolled.arm_mm(&on_surface) - place.radius_mm).abs() <= STRAY_MM
-    };
-    let places: Vec<(f64, f64)> = points.iter().filter(is_skin).map(|place| place.at).collect();
+    let skin = points.iter().filter(|place| unrolled.outside_mm(place).abs() <= STRAY_MM);
+    let places: Vec<(f64, f64)> = skin.map(|place| place.at).collect();
     let (low, high) = surface.along().domain();
     Coverage::of([low, high], &places, |along_mm| unrolled.radius_mm(along_mm))
 }
@@ -233,5 +259,51 @@ impl LegSurface {
         let angle_deg = self.columns.angle(along_mm, column).to_degrees();
         let height_mm = self.surface.point(along_mm, column).z;
         (height_mm, 180.0 - (180.0 - angle_deg).rem_euclid(360.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point2, Vector3};
+
+    use super::super::section::Curve;
+    use super::*;
+    use crate::spline::{Basis, fit_grid};
+
+    /// A tube of 50 mm radius whose columns run backwards where `swing` is more than 0.5.
+    fn tube(axis: &LegAxis, swing: f64) -> Surface {
+        let along: Vec<f64> = (0..20).map(|i| 10.0 * f64::from(i)).collect();
+        let around: Vec<f64> = (0..72).map(|j| TAU * f64::from(j) / 72.0 - PI).collect();
+        let place = |(u, v): (f64, f64)| {
+            // Only in the middle of its length.
+            let angle = v + swing * (2.0 * v).sin() * (-((u - 120.0) / 30.0).powi(2)).exp();
+            axis.at(u, &Point2::new(50.0 * angle.cos(), 50.0 * angle.sin()))
+        };
+        let places = along.iter().flat_map(|u| around.iter().map(move |v| (*u, *v)));
+        let points: Vec<Point3<f64>> = places.map(place).collect();
+        let data = GridData { along: &along, around: &around, points: &points };
+        let bases = [Basis::uniform_clamped(0.0, 190.0, 14), Basis::uniform_periodic(-PI, TAU, 36)];
+        let [rows, columns] = bases.map(Result::unwrap);
+        fit_grid(&data, rows, columns).unwrap().surface
+    }
+
+    #[test]
+    fn a_fold_is_found_with_its_height_and_none_where_columns_only_lie_closer() {
+        let ahead = -Vector3::y_axis();
+        let (foot, direction, lateral) = (Point3::origin(), Vector3::z_axis(), Vector3::x_axis());
+        let axis = LegAxis { foot, direction, front: ahead, lateral };
+        let basis = Basis::uniform_periodic(-PI, TAU, 8).unwrap();
+        let round = |along_mm: f64| Outline {
+            along_mm,
+            centre: Point2::origin(),
+            curve: Curve::Periodic { coefficients: vec![50.0; 8], basis: basis.clone() },
+        };
+        let outlines: Vec<Outline> = (0..20).map(|i| round(10.0 * f64::from(i))).collect();
+        let columns = Columns::following(&[], 0.0, 190.0).unwrap();
+        let unrolled = Unrolled { axis: &axis, outlines: &outlines, columns: &columns };
+        assert_eq!(fold(&unrolled, &tube(&axis, 0.4)), None);
+        let height_mm = fold(&unrolled, &tube(&axis, 0.8)).unwrap();
+        // 1 − 2 · 0.8 exp(−x²) is 0 where x = 0.69 · 30 mm below the middle.
+        assert!((height_mm - (120.0 - 20.6)).abs() < 4.0, "{height_mm}");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 
 use super::axis::LegAxis;
 use super::columns::Columns;
@@ -63,9 +63,17 @@ impl<'a> Unrolled<'a> {
         angles.map(|angle| curve.radius(angle)).sum::<f64>() / RADIUS_ANGLES as f64
     }
 
-    /// Distance of a point from the middle of its outline, mm.
-    pub fn arm_mm(&self, point: &Point3<f64>) -> f64 {
-        (self.axis.in_plane(point) - self.nearest(self.axis.along(point)).centre).norm()
+    /// How far outside its outline a place lies, mm.
+    pub fn outside_mm(&self, place: &Place) -> f64 {
+        let (along_mm, column) = place.at;
+        let angle = self.columns.angle(along_mm, column);
+        place.radius_mm - self.nearest(along_mm).curve.radius(angle)
+    }
+
+    /// From the middle of its outline to a point, square to the axis, body frame, mm.
+    pub fn arm(&self, point: &Point3<f64>) -> Vector3<f64> {
+        let along_mm = self.axis.along(point);
+        point - self.axis.at(along_mm, &self.nearest(along_mm).centre)
     }
 
     /// The outline nearest to a distance along the axis.
