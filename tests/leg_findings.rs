@@ -10,7 +10,7 @@ mod mesh;
 
 use chance::Chance;
 use gaiter::leg::finding::Severity;
-use gaiter::leg::method::{Axis, FacingChoice, SectionFit};
+use gaiter::leg::method::{Axis, FacingChoice};
 use gaiter::leg::{Extraction, Finding, Level, Method, Side, extract};
 use gaiter::scan::Format;
 use mesh::Mesh;
