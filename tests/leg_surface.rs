@@ -124,6 +124,33 @@ fn without_holes_none_are_told() {
 }
 
 #[test]
+fn a_narrow_band_is_bridged_and_a_wide_one_ends_the_surface() {
+    let band = |to_mm: f64| move |_: f64, along: f64| (250.0..to_mm).contains(&along);
+    let narrow = band(275.0);
+    let found = wanted(&Tube { hole: &narrow, ..Tube::of(&crested) }, &SurfaceMethod::default());
+    let found = found.unwrap();
+    let [at] = found.holes() else { panic!("{:?}", found.holes()) };
+    near(at.width_mm, found.surface.girth_mm(at.along_mm), 8.0, "all around");
+    let wide = band(330.0);
+    let found = wanted(&Tube { hole: &wide, ..Tube::of(&crested) }, &SurfaceMethod::default());
+    let (_, top_mm) = found.unwrap().surface.along().domain();
+    assert!((230.0..=260.0).contains(&top_mm), "{top_mm}");
+}
+
+#[test]
+fn a_bump_is_no_ridge() {
+    let bumped = |angle: f64, along: f64| {
+        let bump = 6.0 * (14.0 * ((angle - 1.0).cos() - 1.0)).exp();
+        45.0 + bump * (-((along - 300.0) / 20.0).powi(2)).exp()
+    };
+    let tube = Tube::of(&bumped);
+    let sections = tube.sections(SectionFit::Skin);
+    let found = ridges(&all(&sections));
+    let near_it = found.iter().filter(|ridge| turned(ridge.angle() - 1.0).abs() < 0.3);
+    assert_eq!(near_it.count(), 0, "{found:?}");
+}
+
+#[test]
 fn half_a_leg_makes_no_surface() {
     let hole = |angle: f64, along: f64| along < 600.0 && turned(angle - 1.0).abs() < PI / 2.0;
     let tube = Tube { hole: &hole, ..Tube::of(&crested) };

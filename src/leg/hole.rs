@@ -206,6 +206,22 @@ mod tests {
     }
 
     #[test]
+    fn points_strewn_at_random_leave_no_hole() {
+        // Knuth's generator (The Art of Computer Programming 2, MMIX).
+        let mut state = 1_u64;
+        let mut even = || {
+            state = state
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
+            (state >> 11) as f64 / (1_u64 << 53) as f64
+        };
+        // One for 25 mm².
+        let places: Vec<(f64, f64)> =
+            (0..4300).map(|_| (342.0 * even() - 11.0, TAU * even() - PI)).collect();
+        assert_eq!(coverage(&places).holes, []);
+    }
+
+    #[test]
     fn a_round_hole_has_its_place_and_size_across_the_seam_too() {
         for column in [0.3, PI, -2.9] {
             let aside = |v: f64| {
