@@ -138,6 +138,19 @@ fn a_narrow_band_is_bridged_and_a_wide_one_ends_the_surface() {
 }
 
 #[test]
+fn a_level_may_lie_on_a_section_on_another_level_or_at_an_end() {
+    let tube = Tube::of(&crested);
+    let sections = tube.sections(SectionFit::Skin);
+    let rows: Vec<f64> = all(&sections).iter().map(|section| section.along_mm).collect();
+    let at = |index: usize| rows[index];
+    for levels_mm in [vec![at(40)], vec![at(12)], vec![203.0, 203.0], vec![at(rows.len() - 1)]] {
+        let wanted = Wanted { height_mm: [100.0, 450.0], levels_mm: &levels_mm };
+        let found = surface(&tube.leg(), &sections, &wanted, &SurfaceMethod::default());
+        assert!(found.is_ok(), "{levels_mm:?}: {}", found.unwrap_err());
+    }
+}
+
+#[test]
 fn a_bump_is_no_ridge() {
     let bumped = |angle: f64, along: f64| {
         let bump = 6.0 * (14.0 * ((angle - 1.0).cos() - 1.0)).exp();

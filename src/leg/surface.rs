@@ -3,6 +3,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use nalgebra::Point3;
+
 use super::axis::LegAxis;
 use super::columns::Columns;
 use super::fit_error::{FitError, Place};
@@ -19,7 +21,6 @@ use crate::spline::{
     CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, GridSmoothing,
     KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid_by,
 };
-use nalgebra::Point3;
 
 /// Distance of the rows of control points where nobody chose their number, mm.
 const ROW_MM: f64 = 12.0;
@@ -32,6 +33,9 @@ const ROWS_PER_CONTROL_ROW: f64 = 1.25;
 
 /// The fewest sections of what must be covered that make a surface: 10 cm of a leg.
 const ROWS_MIN: usize = 20;
+
+/// Rows of the grid that are nearer say the same, mm: of a level and a section the level is kept.
+const APART_MM: f64 = 1.0;
 
 /// Places along and around at which the surface is looked at for folds: 10 mm apart and less.
 const FOLD_PLACES: [usize; 2] = [96, 48];
@@ -127,8 +131,10 @@ pub fn surface(
     if rows < needed {
         return Err(too_few);
     }
-    let levels: Vec<f64> =
-        wanted.levels_mm.iter().copied().filter(|mm| (low..=high).contains(mm)).collect();
+    let levels = apart(wanted.levels_mm, [low, high]);
+    let is_end = |mm: f64| mm <= low || mm >= high;
+    let is_apart = |mm: f64| levels.iter().all(|level| (level - mm).abs() >= APART_MM);
+    outlines.retain(|outline| is_end(outline.along_mm) || is_apart(outline.along_mm));
     outlines.extend(sections.at(leg, &levels).iter().flatten().map(Outline::from));
     outlines.sort_by(|a, b| a.along_mm.total_cmp(&b.along_mm));
 
@@ -165,6 +171,14 @@ pub fn surface(
         knots,
         surface,
     })
+}
+
+/// The levels, which ascend, without those that almost are the one below or an end.
+fn apart(levels_mm: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
+    let is_inner = |mm: &f64| (low + APART_MM..=high - APART_MM).contains(mm);
+    let mut inner: Vec<f64> = levels_mm.iter().copied().filter(is_inner).collect();
+    inner.dedup_by(|next, last| *next - *last < APART_MM);
+    inner
 }
 
 /// The surface through a grid, with a row of knots at each level.
