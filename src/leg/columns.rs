@@ -10,7 +10,8 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::{DMatrix, DVector};
 
 use super::ridge::Ridge;
-use crate::spline::{Basis, Tensor};
+use crate::spline::solve::Singular;
+use crate::spline::{Basis, FitFault, Tensor};
 
 /// Length of the pieces of δ along the leg, mm: ridges lean one way for longer than that.
 const INTERVAL_MM: f64 = 60.0;
@@ -51,11 +52,14 @@ pub struct Columns {
 }
 
 impl Columns {
-    /// Columns over a range along the axis that follow the ridges; none where the range is empty.
-    pub fn following(ridges: &[Ridge], from_mm: f64, to_mm: f64) -> Option<Columns> {
+    /// Columns over a range along the axis that follow the ridges.
+    ///
+    /// # Errors
+    /// A [`FitFault`] where the range is empty.
+    pub fn following(ridges: &[Ridge], from_mm: f64, to_mm: f64) -> Result<Columns, FitFault> {
         let intervals = ((to_mm - from_mm) / INTERVAL_MM).ceil().max(1.0) as usize;
-        let along = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
-        let around = Basis::uniform_periodic(-PI, TAU, INTERVALS_AROUND).ok()?;
+        let along = Basis::uniform_clamped(from_mm, to_mm, intervals)?;
+        let around = Basis::uniform_periodic(-PI, TAU, INTERVALS_AROUND)?;
         let [rows, columns] = [along.count(), around.count()];
         let mut system = Equations::new(rows * columns);
         let at = |i: usize, j: usize| i * columns + j % columns;
@@ -92,7 +96,7 @@ impl Columns {
             coefficients.iter_mut().for_each(|value| *value *= LESSENED);
             bent = columns(&coefficients);
         }
-        Some(bent)
+        Ok(bent)
     }
 
     /// The angle of column `v` at a distance along the axis, radians.
@@ -156,7 +160,9 @@ impl Equations {
         }
     }
 
-    fn solved(self) -> Option<Vec<f64>> {
-        Some(self.gram.cholesky()?.solve(&self.moments).as_slice().to_vec())
+    fn solved(self) -> Result<Vec<f64>, Singular> {
+        let singular = Singular { row: 0, relative_pivot: 0.0 };
+        let factor = self.gram.cholesky().ok_or(singular)?;
+        Ok(factor.solve(&self.moments).as_slice().to_vec())
     }
 }

@@ -93,6 +93,9 @@ pub enum NoSurface {
         /// Height of the fold, mm.
         height_mm: f64,
     },
+    /// All of it lies in holes.
+    #[error("no surface: none of its skin was seen")]
+    NothingSeen,
     /// The sections cannot be fitted.
     #[error("no surface: {0}")]
     Fit(#[from] FitFault),
@@ -141,9 +144,7 @@ pub fn surface(
     let rows = sections.rows.iter().filter_map(|row| row.section.as_ref());
     let measured: Vec<&Section> =
         rows.filter(|section| (low..=high).contains(&section.along_mm)).collect();
-    let Some(columns) = Columns::following(&ridges(&measured), low, high) else {
-        return Err(too_few);
-    };
+    let columns = Columns::following(&ridges(&measured), low, high)?;
     let unrolled = Unrolled { axis, outlines: &outlines, columns: &columns };
     let points = unrolled.points(leg, low - BEYOND_MM, high + BEYOND_MM);
     let SurfaceFit { mut surface, knots, .. } =
@@ -157,7 +158,7 @@ pub fn surface(
     let coverage = coverage(&unrolled, &points, &surface);
     let (to_sections, in_holes) = to_sections(&unrolled, &measured, &surface, &coverage);
     let (Some(to_sections), Some(to_points)) = (to_sections, to_points(&points, &surface)) else {
-        return Err(too_few);
+        return Err(NoSurface::NothingSeen);
     };
     let height_mm = [&outlines[0], &outlines[outlines.len() - 1]]
         .map(|outline| axis.at(outline.along_mm, &outline.centre).z);
@@ -221,7 +222,9 @@ fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Su
 /// Sections are curves of one radius for each angle, so a surface through them has no such place.
 fn fold(unrolled: &Unrolled, surface: &Surface) -> Option<f64> {
     let (low, high) = surface.along().domain();
-    let outward = if surface.along_cross_around_is_outward() { 1.0 } else { -1.0 };
+    // About an axis whose front and lateral turn counter-clockwise, u × v leads inward.
+    let LegAxis { front, lateral, direction, .. } = unrolled.axis;
+    let outward = -front.cross(lateral).dot(direction).signum();
     let [rows, columns] = FOLD_PLACES;
     let places = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
     let mut heights = places.filter_map(|(i, j)| {
