@@ -5,7 +5,7 @@ use super::sections::Sections;
 
 /// A section that is not measured lends the surface what was seen of it, unless this much was not,
 /// degrees.
-const GAP_MAX_DEG: f64 = 180.0;
+const BRIDGED_GAP_DEG: f64 = 180.0;
 
 /// Skin without a measured section for more than this length is not bridged, mm: a calf's girth may
 /// turn within it.
@@ -28,5 +28,5 @@ pub fn span(sections: &Sections, [low_mm, high_mm]: [f64; 2]) -> Vec<Outline> {
     let first = part.iter().rposition(|section| section.height_mm <= low_mm).unwrap_or(0);
     let (from_mm, to_mm) = (part[first].along_mm, part[part.len() - 1].along_mm);
     let rows = sections.rows.iter().filter(|row| (from_mm..=to_mm).contains(&row.along_mm));
-    rows.filter_map(|row| sections.outline(row, GAP_MAX_DEG)).collect()
+    rows.filter_map(|row| sections.outline(row, BRIDGED_GAP_DEG)).collect()
 }

@@ -1,5 +1,7 @@
 //! The cubic B-spline basis, clamped on an interval or periodic: knots, values, derivatives.
 
+use nalgebra::DMatrix;
+
 /// The degree of every spline here.
 pub const DEGREE: usize = 3;
 
@@ -142,6 +144,16 @@ impl Basis {
     pub fn row(&self, x: f64) -> Row {
         let x = self.brought_home(x);
         self.blossom(self.span(x), [x; DEGREE])
+    }
+
+    /// The values of all functions at each place: places × functions.
+    pub(super) fn design(&self, places: &[f64]) -> DMatrix<f64> {
+        let mut design = DMatrix::zeros(places.len(), self.count());
+        for (i, place) in places.iter().enumerate() {
+            let row = self.row(*place);
+            row.indices.into_iter().zip(row.values).for_each(|(j, value)| design[(i, j)] += value);
+        }
+        design
     }
 
     /// The functions' derivatives 0 to 3 at `x`, the third from the right at a breakpoint (from the

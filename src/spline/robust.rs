@@ -59,12 +59,18 @@ pub fn robust_fit(
     Ok(Robust { spline: judged(basis, y, &weights, solution), weights })
 }
 
-/// Tukey's weights of residuals, scaled by their median absolute deviation.
-pub fn biweights(residuals: &[f64], least_scale: f64) -> Vec<f64> {
+/// The standard deviation of normal errors whose sizes have the residuals' median, at least `least`.
+/// There must be residuals.
+pub(super) fn scale(residuals: &[f64], least: f64) -> f64 {
     let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
     let middle = sizes.len() / 2;
     let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    let reach = TUKEY * (MAD_TO_SD * *median).max(least_scale);
+    (MAD_TO_SD * *median).max(least)
+}
+
+/// Tukey's weights of residuals, scaled by their median absolute deviation.
+pub fn biweights(residuals: &[f64], least_scale: f64) -> Vec<f64> {
+    let reach = TUKEY * scale(residuals, least_scale);
     residuals.iter().map(|residual| (1.0 - (residual / reach).powi(2)).max(0.0).powi(2)).collect()
 }
 

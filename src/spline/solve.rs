@@ -6,6 +6,8 @@
 
 use std::ops::Range;
 
+use nalgebra::DMatrix;
+
 use super::basis::{Basis, DEGREE, Row};
 
 /// A symmetric matrix with a row and column for each function of a basis. Only pairs of functions
@@ -72,6 +74,20 @@ impl Skyline {
     pub fn plus(&self, factor: f64, other: &Skyline) -> Skyline {
         let entries = self.entries.iter().zip(&other.entries).map(|(a, b)| a + factor * b);
         Skyline { entries: entries.collect(), ..self.clone() }
+    }
+
+    /// The matrix with all its entries.
+    pub fn dense(&self) -> DMatrix<f64> {
+        let size = self.size();
+        let mut dense = DMatrix::zeros(size, size);
+        for i in 0..size {
+            let (first, left) = self.left_of(i);
+            for (j, value) in (first..).zip(left) {
+                (dense[(i, j)], dense[(j, i)]) = (*value, *value);
+            }
+            dense[(i, i)] = self.entry(i, i);
+        }
+        dense
     }
 
     /// The sum of the diagonal.

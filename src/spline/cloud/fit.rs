@@ -137,7 +137,7 @@ pub fn fit_cloud(
         }
         if method.smoothing == CloudSmoothing::Gcv {
             let rss = weighted(&squares, &weights);
-            (lambdas, _) = penalty.best_by_gcv(&equations, &coefficients, rss);
+            lambdas = penalty.best_by_gcv(&equations, &coefficients, rss);
         }
         coefficients.clone_from(&equations.moments);
         penalty.factor(&equations, lambdas)?.solve(&mut coefficients);

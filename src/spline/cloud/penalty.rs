@@ -91,7 +91,7 @@ impl Penalty {
         }
     }
 
-    /// The pair of lambdas of least score, and the degrees of freedom that a fit with them uses.
+    /// The pair of lambdas of least score.
     ///
     /// `coefficients` are any fit of these equations that leaves the weighted sum of squares
     /// `rss`. Where there are no points it stands for them.
@@ -100,7 +100,7 @@ impl Penalty {
         equations: &CloudEquations,
         coefficients: &[[f64; 2]],
         rss: f64,
-    ) -> ([f64; 2], f64) {
+    ) -> [f64; 2] {
         let (power, outside) = self.spectrum(equations, coefficients, rss);
         let score = |lambdas: [f64; 2]| {
             let (mut lost, mut edf) = (0.0, 0.0);
@@ -109,10 +109,10 @@ impl Penalty {
                 edf += kept;
             });
             let freedom = (equations.weight - edf).max(1e-3 * equations.weight);
-            ((outside + lost) / (freedom * freedom), edf)
+            (outside + lost) / (freedom * freedom)
         };
         let lambdas = |exponents: [f64; 2]| exponents.map(|e| 10.0_f64.powf(e));
-        let judged = |exponents: [f64; 2]| (score(lambdas(exponents)).0, exponents);
+        let judged = |exponents: [f64; 2]| (score(lambdas(exponents)), exponents);
         let better = |a: &(f64, [f64; 2]), b: &(f64, [f64; 2])| a.0.total_cmp(&b.0);
         let decades = || SEARCH_DECADES.map(f64::from);
         let coarse = decades().flat_map(|a| decades().map(move |b| [a, b]));
@@ -123,7 +123,7 @@ impl Penalty {
                 offsets.into_iter().flat_map(|a| offsets.map(|b| [best[0] + a, best[1] + b]));
             best = near.map(judged).min_by(better).map_or(best, |(_, best)| best);
         }
-        (lambdas(best), score(lambdas(best)).1)
+        lambdas(best)
     }
 
     /// Degrees of freedom that a fit with these lambdas uses, were the points spread evenly.
@@ -186,21 +186,11 @@ impl Direction {
         let (mass, rough) = (mass(basis), roughness(basis, PENALISED));
         let unit = mass.trace() / rough.trace();
         let periodic = basis.is_periodic();
-        let dense = |matrix: &Skyline| {
-            let size = matrix.size();
-            let mut dense = DMatrix::zeros(size, size);
-            for i in 0..size {
-                for j in neighbours(i, size, periodic) {
-                    dense[(i, j)] = matrix.entry(i, j);
-                }
-            }
-            dense
-        };
-        let gram = dense(&mass);
+        let gram = mass.dense();
         let singular = Singular { row: 0, relative_pivot: 0.0 };
         let factor = gram.clone().cholesky().ok_or(singular.clone())?;
         let lower = factor.l().try_inverse().ok_or(singular)?;
-        let eigen = SymmetricEigen::new(&lower * dense(&rough) * lower.transpose());
+        let eigen = SymmetricEigen::new(&lower * rough.dense() * lower.transpose());
         let vectors = lower.transpose() * &eigen.eigenvectors;
         let eigenvalues = eigen.eigenvalues.iter().map(|value| unit * value.max(0.0)).collect();
         let inverse = vectors.tr_mul(&gram);

@@ -10,7 +10,7 @@ use crate::spline::basis::Basis;
 use crate::spline::least_squares::PENALISED;
 use crate::spline::normal::RIDGE;
 use crate::spline::penalty::roughness;
-use crate::spline::solve::{Singular, Skyline};
+use crate::spline::solve::Singular;
 
 /// What is added to a Gram matrix, relative to its mean diagonal; nurbs.md 6.7.
 const GRAM_RIDGE: f64 = 1e-11;
@@ -39,11 +39,7 @@ impl Spectrum {
     /// [`Singular`] where the places leave the basis undetermined.
     pub fn new(basis: &Basis, places: &[f64]) -> Result<Spectrum, Singular> {
         let count = basis.count();
-        let mut design: DMatrix<f64> = DMatrix::zeros(places.len(), count);
-        for (i, place) in places.iter().enumerate() {
-            let row = basis.row(*place);
-            row.indices.into_iter().zip(row.values).for_each(|(j, value)| design[(i, j)] += value);
-        }
+        let design = basis.design(places);
         let mut gram = design.tr_mul(&design);
         let trace = gram.trace();
         (0..count).for_each(|i| gram[(i, i)] += GRAM_RIDGE * trace / count as f64);
@@ -52,7 +48,7 @@ impl Spectrum {
         let singular = Singular { row: 0, relative_pivot: 0.0 };
         let lower = gram.cholesky().ok_or(singular.clone())?.l();
         let inverse = lower.try_inverse().ok_or(singular)?;
-        let eigen = SymmetricEigen::new(&inverse * dense(basis, &rough) * inverse.transpose());
+        let eigen = SymmetricEigen::new(&inverse * rough.dense() * inverse.transpose());
         let roughness = eigen.eigenvalues.iter().map(|value| scale * value.max(0.0)).collect();
         let combinations = design * inverse.transpose() * eigen.eigenvectors;
         Ok(Spectrum { combinations, roughness })
@@ -75,21 +71,6 @@ impl Spectrum {
     fn kept(&self, lambda: f64) -> Vec<f64> {
         self.roughness.iter().map(|rough| 1.0 / (1.0 + lambda * rough)).collect()
     }
-}
-
-/// A basis' matrix with all its entries.
-fn dense(basis: &Basis, matrix: &Skyline) -> DMatrix<f64> {
-    let count = basis.count();
-    let mut dense = DMatrix::zeros(count, count);
-    for i in 0..count {
-        // Functions that overlap are at most three apart, around the seam too.
-        let near = (0..4).map(|step| (i + step) % count);
-        for j in near.filter(|&j| basis.is_periodic() || j >= i) {
-            let value = matrix.entry(i, j);
-            (dense[(i, j)], dense[(j, i)]) = (value, value);
-        }
-    }
-    dense
 }
 
 /// A choice of smoothing.

@@ -12,8 +12,7 @@ use crate::spline::fit::FitFault;
 use crate::spline::knots::adaptive::fine;
 use crate::spline::knots::choice::{chosen, equal_spans};
 use crate::spline::knots::profiles::Domain;
-use crate::spline::knots::wish::Knots;
-use crate::spline::knots::wish::{GridDomain, wishes};
+use crate::spline::knots::wish::{GridDomain, Knots, wishes};
 use crate::spline::normal::RIDGE;
 
 /// How to fit a grid. Pairs are along and around.
@@ -82,7 +81,6 @@ pub fn fit_grid_by(
     Ok(SurfaceFit {
         knots: [along.used, around.used],
         marks_missed: [along.missed, around.missed],
-        edf,
         gaps: whole.gaps.clone(),
         ..judged(surface, data, &solver, lambdas, edf, outliers)
     })

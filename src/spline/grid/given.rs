@@ -45,8 +45,8 @@ pub struct SurfaceFit {
     pub rms_mm: f64,
     /// The largest such distance, mm.
     pub max_mm: f64,
-    /// The lesser [`crate::spline::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12 the grid does not
-    /// determine all control points and the ridge chose among the solutions.
+    /// The lesser [`crate::spline::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12
+    /// the grid does not determine all control points and the ridge chose among the solutions.
     pub smallest_pivot: f64,
     /// Where the knots along and around come from.
     pub knots: [KnotsUsed; 2],
@@ -78,8 +78,9 @@ pub struct SurfaceFit {
 /// 6.6.
 ///
 /// # Errors
-/// A [`FitFault`]: points that make no grid, data not finite, u outside the domain, fewer than 4 different rows or columns, `along` not
-/// clamped or `around` not periodic, or a grid that determines nothing.
+/// A [`FitFault`]: points that make no grid, data not finite, u outside the domain, fewer than 4
+/// different rows or columns, `along` not clamped or `around` not periodic, or a grid that
+/// determines nothing.
 pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceFit, FitFault> {
     check(data)?;
     check_places(&along, data.along, data.along)?;

@@ -11,15 +11,12 @@ use nalgebra::{Point3, Vector3};
 use super::given::{GridData, surface};
 use crate::spline::basis::Basis;
 use crate::spline::least_squares::LeastSquares;
-use crate::spline::robust::biweights;
+use crate::spline::robust::{biweights, scale};
 use crate::spline::surface::SurfaceFault;
 
 /// Beyond this many standard deviations Huber's weights begin to fall; 96 % efficiency with normal
 /// errors (Huber, Robust Statistics, 1981).
 const HUBER: f64 = 1.5;
-
-/// Median absolute deviation to standard deviation, for normal errors.
-const MAD_TO_SD: f64 = 1.4826;
 
 /// The least standard deviation, as a share of the grid's extent: what rounding leaves.
 const LEAST_SCALE: f64 = 1e-12;
@@ -128,14 +125,6 @@ fn median(vectors: &[Vector3<f64>]) -> Vector3<f64> {
         let (low, high) = ((values.len() - 1) / 2, values.len() / 2);
         0.5 * (values[low] + values[high])
     })
-}
-
-/// The standard deviation of normal errors with this median size, at least `least`.
-fn scale(sizes: &[f64], least: f64) -> f64 {
-    let mut sizes = sizes.to_vec();
-    let middle = sizes.len() / 2;
-    let (_, median, _) = sizes.select_nth_unstable_by(middle, f64::total_cmp);
-    (MAD_TO_SD * *median).max(least)
 }
 
 /// Huber's weights: as far as a residual goes beyond its reach it counts for less.

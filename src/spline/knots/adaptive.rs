@@ -21,8 +21,9 @@ const FLOOR: f64 = 0.35;
 const SMOOTHING: [(isize, f64); 5] =
     [(-2, 1.0 / 9.0), (-1, 2.0 / 9.0), (0, 3.0 / 9.0), (1, 2.0 / 9.0), (2, 1.0 / 9.0)];
 
-/// The lambda of the fine fit where the data have no noise; nurbs.md 6.4.
-pub const FINE_LAMBDA: f64 = 1e-9;
+/// The lambda of the fine fit (see [`LeastSquares::new`]), whose data have no noise or none any
+/// more; nurbs.md 6.4.
+const FINE_LAMBDA: f64 = 1e-9;
 
 /// The equal spans of the fine fit for so many places.
 pub fn fine(places: usize, domain: &Domain) -> Vec<f64> {
@@ -30,20 +31,14 @@ pub fn fine(places: usize, domain: &Domain) -> Vec<f64> {
     domain.equal(spans.clamp(4, FINE_MOST))
 }
 
-/// Breakpoints of `spans` spans with equal shares of the data's bending, the fine fit being
-/// smoothed by `lambda` (see [`LeastSquares::new`]).
+/// Breakpoints of `spans` spans with equal shares of the data's bending.
 ///
 /// # Errors
 /// A [`FitFault`] where the data leave the fine fit undetermined.
-pub fn adaptive(
-    profiles: &Profiles,
-    domain: &Domain,
-    spans: usize,
-    lambda: f64,
-) -> Result<Vec<f64>, FitFault> {
+pub fn adaptive(profiles: &Profiles, domain: &Domain, spans: usize) -> Result<Vec<f64>, FitFault> {
     let fine = fine(profiles.places.len(), domain);
     let cells = fine.len() - 1;
-    let jumps = jumps(profiles, domain, &fine, lambda)?;
+    let jumps = jumps(profiles, domain, &fine)?;
     let at = |jumps: &[f64], cell: isize| {
         let wrapped = cell.rem_euclid(cells as isize);
         let held = cell.clamp(0, cells as isize - 1);
@@ -63,14 +58,9 @@ pub fn adaptive(
 
 /// How much the third derivative of the fine fit changes at the end of each cell, over all columns
 /// together.
-fn jumps(
-    profiles: &Profiles,
-    domain: &Domain,
-    fine: &[f64],
-    lambda: f64,
-) -> Result<Vec<f64>, FitFault> {
+fn jumps(profiles: &Profiles, domain: &Domain, fine: &[f64]) -> Result<Vec<f64>, FitFault> {
     let basis = domain.basis(fine)?;
-    let fit = LeastSquares::new(&basis, &profiles.places, lambda)?;
+    let fit = LeastSquares::new(&basis, &profiles.places, FINE_LAMBDA)?;
     let coefficients = fit.coefficients(&profiles.values);
     let width = coefficients.len() / basis.count();
     let third = |pair: &[f64]| {

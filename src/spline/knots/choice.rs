@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::adaptive::{FINE_LAMBDA, adaptive};
+use super::adaptive::adaptive;
 use super::marks::{Marked, marked};
 use super::polish::polished;
 use super::profiles::{Domain, Profiles};
@@ -90,7 +90,7 @@ pub fn chosen(profiles: &Profiles, wish: &Wish) -> Result<Choice, FitFault> {
         return Ok(instead);
     }
     let instead = Choice { used: KnotsUsed::UniformInstead, ..instead };
-    let found = adaptive(profiles, &wish.domain, wish.spans, FINE_LAMBDA)?;
+    let found = adaptive(profiles, &wish.domain, wish.spans)?;
     let found = marked(found, &wish.domain, wish.marks);
     let polish =
         if wish.knots == Knots::Polished { made_better(&found, wish, profiles) } else { None };

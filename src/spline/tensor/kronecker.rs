@@ -47,25 +47,8 @@ impl Direction {
     /// [`Singular`] where the cells leave the basis undetermined.
     pub fn new(basis: &Basis, middles: &[f64]) -> Result<Direction, Singular> {
         let count = basis.count();
-        let mut design = DMatrix::zeros(middles.len(), count);
-        for (cell, middle) in middles.iter().enumerate() {
-            let row = basis.row(*middle);
-            row.indices
-                .into_iter()
-                .zip(row.values)
-                .for_each(|(j, value)| design[(cell, j)] += value);
-        }
-        let skyline = roughness(basis, PENALISED);
-        let mut rough = DMatrix::zeros(count, count);
-        for i in 0..count {
-            // Functions that overlap are at most three apart, around the seam too.
-            for j in
-                (0..4).map(|step| (i + step) % count).filter(|&j| basis.is_periodic() || j >= i)
-            {
-                let value = skyline.entry(i, j);
-                (rough[(i, j)], rough[(j, i)]) = (value, value);
-            }
-        }
+        let design = basis.design(middles);
+        let rough = roughness(basis, PENALISED).dense();
         let mut gram = design.tr_mul(&design);
         let ridge = RIDGE * gram.trace() / count as f64;
         (0..count).for_each(|i| gram[(i, i)] += ridge);
