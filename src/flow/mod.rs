@@ -7,12 +7,14 @@
 
 pub mod acquired;
 pub mod backoff;
+pub mod facts;
 pub mod identity;
 pub mod lifecycle;
 pub mod naming;
 pub mod scan_id;
 pub mod settle;
 
+pub use facts::Facts;
 pub use identity::{Identity, NameSays, Verdict};
 pub use lifecycle::{DeliveryState, DeliveryStep, IllegalStep, ScanState, ScanStep};
 pub use scan_id::ScanId;

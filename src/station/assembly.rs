@@ -3,9 +3,11 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use jiff::Timestamp;
 use tokio::sync::Notify;
 use tracing::{info, warn};
 
+use super::board::Board;
 use super::custody::Custody;
 use super::error::{StationError, chain};
 use super::event::Observer;
@@ -13,7 +15,7 @@ use super::journal::{Journal, StateLock};
 use super::quarantine::Quarantine;
 use super::spool::Spool;
 use crate::config::Config;
-use crate::flow::Identity;
+use crate::flow::{Facts, Identity};
 use crate::store::{FolderStore, RecordStore, durable};
 
 /// The parts of a station that its workers share.
@@ -27,6 +29,8 @@ pub struct Station {
     pub custody: Custody,
     /// Where records go.
     pub store: RecordStore,
+    /// What the workers know, for those who ask.
+    pub board: Board,
     /// Who looks on.
     pub observer: Observer,
     /// Tells the delivery that the journal has something new; a hint only.
@@ -67,11 +71,13 @@ impl Station {
             warn!(event = "store-unavailable", code = fault.code());
         }
         info!(event = "station-open", adopted, first_start);
+        let board = Board::new(Facts::new(Timestamp::now(), config.scanner.export_dirs.len()));
         Ok(Station {
             config,
             identity,
             custody,
             store,
+            board,
             observer,
             work: Notify::new(),
             started: Instant::now(),

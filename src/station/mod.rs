@@ -15,6 +15,7 @@
 //! Logs speak of scans by the first digits of their id, never of patients, file names or folders.
 
 pub mod assembly;
+pub mod board;
 pub mod custody;
 pub mod error;
 pub mod event;
