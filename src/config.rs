@@ -20,6 +20,7 @@ use std::time::Duration;
 use regex::Regex;
 
 use crate::cad::Output;
+use crate::flow::retention::Retention;
 use crate::leg::Method;
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
@@ -41,6 +42,8 @@ pub struct Config {
     pub measure: MeasureConfig,
     /// `[store]`
     pub store: StoreConfig,
+    /// `[retention]`: how long what has served is kept.
+    pub retention: Retention,
     /// The text it was read from, for the process that measures.
     pub text: String,
 }

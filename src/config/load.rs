@@ -18,6 +18,7 @@ use super::{
     StoreConfig, notation,
 };
 use crate::cad::Output;
+use crate::flow::retention::Retention;
 use crate::leg::Method;
 use crate::leg::method::{B1, LevelChoices, SurfaceMethod};
 
@@ -90,6 +91,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
 
+    let retention = retention(reader);
+
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
     if let (Some(up), Some(facing)) = (&up, &facing)
@@ -128,6 +131,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             folder: FolderStoreConfig { path: store?.value },
             copy: copy.map(|found| FolderStoreConfig { path: found.value }),
         },
+        retention: retention?,
         text: String::new(),
     })
 }
@@ -184,6 +188,17 @@ fn measure(reader: &mut Reader) -> Option<MeasureConfig> {
     let cpu = reader.text("measure.cpu", Default("60s"), parse::duration_in(bounds));
     let wall = reader.text("measure.wall", Default("120s"), parse::duration_in(bounds));
     Some(MeasureConfig { memory_bytes: memory?.value, cpu: cpu?.value, wall: wall?.value })
+}
+
+/// The keys of `[retention]`.
+fn retention(reader: &mut Reader) -> Option<Retention> {
+    use Absent::Default;
+    let bounds = Bounds { least: "0s", most: "87600h" };
+    let spool = reader.text("retention.spool", Default("0s"), parse::duration_in(bounds));
+    let kept = parse::duration_or_off(Bounds { least: "24h", most: "876000h" });
+    let quarantine = reader.text("retention.quarantine", Default("off"), &kept);
+    let journal = reader.text("retention.journal", Default("off"), &kept);
+    Some(Retention { spool: spool?.value, quarantine: quarantine?.value, journal: journal?.value })
 }
 
 fn twice<T: PartialEq>(

@@ -12,6 +12,7 @@ pub mod identity;
 pub mod lifecycle;
 pub mod naming;
 pub mod outbox;
+pub mod retention;
 pub mod scan_id;
 pub mod settle;
 

@@ -70,7 +70,8 @@ impl Station {
         let opened = rebuild::open(&state_dir.join("journal.db"), &names, first_start)?;
         let paused = opened.journal.is_paused().map_err(CustodyFault::from);
         let paused = paused.map_err(StationError::Recovery)?;
-        let custody = Custody::new(opened.journal, spool, quarantine, names);
+        let custody =
+            Custody::new(opened.journal, spool, quarantine, names, config.retention.spool);
         let adopted = custody.recover().map_err(StationError::Recovery)?;
         let mut facts = Facts::new(Timestamp::now(), config.scanner.export_dirs.len());
         if let Some(why) = opened.rebuilt {

@@ -85,6 +85,8 @@ pub enum Worker {
     },
     /// Measures scans and makes deliveries.
     Delivery,
+    /// Lets go what has served.
+    Housekeeping,
 }
 
 impl fmt::Display for Worker {
@@ -92,6 +94,7 @@ impl fmt::Display for Worker {
         match self {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
             Worker::Delivery => f.write_str("the delivery"),
+            Worker::Housekeeping => f.write_str("the housekeeping"),
         }
     }
 }

@@ -31,6 +31,7 @@ mod beat;
 mod caught;
 mod chance;
 mod delivery;
+mod housekeeping;
 mod intake;
 mod look;
 mod rebuild;

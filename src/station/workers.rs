@@ -12,7 +12,7 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::error::{StationError, Worker};
 use super::stop::Stop;
-use super::{delivery, intake};
+use super::{delivery, housekeeping, intake};
 
 /// The workers, their names and their beats.
 pub struct Workers {
@@ -35,6 +35,9 @@ impl Workers {
         }
         let beat = workers.beat(Worker::Delivery, station);
         workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), beat, stop.clone()));
+        let beat = workers.beat(Worker::Housekeeping, station);
+        let task = housekeeping::worker(Arc::clone(station), beat, stop.clone());
+        workers.spawn(Worker::Housekeeping, task);
         (workers, first_looks)
     }
 

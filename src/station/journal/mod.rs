@@ -10,6 +10,7 @@ mod deliveries;
 mod history;
 mod lock;
 mod meta;
+mod prune;
 mod scans;
 mod schema;
 mod seal;
