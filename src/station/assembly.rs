@@ -11,6 +11,7 @@ use super::board::Board;
 use super::custody::Custody;
 use super::error::{StationError, chain};
 use super::event::Observer;
+use super::gate::Gate;
 use super::journal::{Journal, StateLock};
 use super::quarantine::Quarantine;
 use super::spool::Spool;
@@ -31,6 +32,8 @@ pub struct Station {
     pub store: RecordStore,
     /// What the workers know, for those who ask.
     pub board: Board,
+    /// Whether scans are taken in.
+    pub gate: Gate,
     /// Who looks on.
     pub observer: Observer,
     /// Tells the delivery that the journal has something new; a hint only.
@@ -71,6 +74,7 @@ impl Station {
             warn!(event = "store-unavailable", code = fault.code());
         }
         info!(event = "station-open", adopted, first_start);
+        let gate = Gate::new(config.station.disk_floor_bytes);
         let board = Board::new(Facts::new(Timestamp::now(), config.scanner.export_dirs.len()));
         Ok(Station {
             config,
@@ -78,6 +82,7 @@ impl Station {
             custody,
             store,
             board,
+            gate,
             observer,
             work: Notify::new(),
             started: Instant::now(),

@@ -6,6 +6,7 @@ use super::*;
 
 const QUIET: Duration = Duration::from_secs(2);
 const SHORT_WAIT: Duration = Duration::from_secs(30);
+const OVERDUE: Duration = Duration::from_secs(600);
 
 fn stamp(version: u64) -> Stamp {
     // Size and times do not change with every write: any one field must do.
@@ -13,7 +14,7 @@ fn stamp(version: u64) -> Stamp {
 }
 
 fn look(files: &[(&str, u64)]) -> Look {
-    Look::Seen(files.iter().map(|(name, v)| (PathBuf::from(name), stamp(*v))).collect())
+    Look::Seen(files.iter().map(|(name, v)| (PathBuf::from(name), stamp(*v).into())).collect())
 }
 
 fn at(seconds: u64) -> LookTime {
@@ -21,7 +22,7 @@ fn at(seconds: u64) -> LookTime {
 }
 
 fn settling() -> Settling {
-    Settling::new(QUIET, SHORT_WAIT)
+    Settling::new(QUIET, SHORT_WAIT, OVERDUE)
 }
 
 fn names(settled: &[Settled]) -> Vec<&str> {
@@ -161,7 +162,7 @@ impl Folder {
     fn look(&self) -> Look {
         let present = self.files.iter().enumerate();
         let present = present.filter_map(|(name, file)| Some((name, (*file)?.0)));
-        Look::Seen(present.map(|(n, v)| (PathBuf::from(n.to_string()), stamp(v))).collect())
+        Look::Seen(present.map(|(n, v)| (PathBuf::from(n.to_string()), stamp(v).into())).collect())
     }
 
     /// Looks, and takes all that is offered; fails where a file is younger than the quiet time.
