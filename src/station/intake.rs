@@ -33,6 +33,9 @@ const BREATH: Duration = Duration::from_millis(100);
 /// A look at a large folder takes long; this many times as long is rested after it.
 const REST_PER_LOOK: u32 = 10;
 
+/// The same while a file is about to settle: the operator waits for it.
+const REST_PER_LOOK_SETTLING: u32 = 2;
+
 /// How long files are taken before the folder is looked at again: no fresh scan waits longer for a
 /// backlog.
 const TAKING: Duration = Duration::from_secs(1);
@@ -102,8 +105,12 @@ impl Intake {
     /// One look, and what has settled by it; none where a stop came in between.
     async fn round(&mut self, watch: Watch, stop: &mut Stop) -> Result<Option<Round>, JoinError> {
         let Some((watch, due, took)) = self.look(watch, stop).await? else { return Ok(None) };
-        let rescan = self.station.config.scanner.rescan;
-        let rest = BREATH.max(took * REST_PER_LOOK).min(rescan);
+        let (rescan, quiet) =
+            (self.station.config.scanner.rescan, self.station.config.scanner.quiet);
+        let soon = self.station.now() + quiet;
+        let is_settling = self.settling.next_due().is_some_and(|at| at <= soon);
+        let rests = if is_settling { REST_PER_LOOK_SETTLING } else { REST_PER_LOOK };
+        let rest = BREATH.max(took * rests).min(rescan);
         let began = Instant::now();
         let is_open = self.take_all(due, TAKING.max(rest), stop).await?;
         let took = began.elapsed();
@@ -149,20 +156,17 @@ impl Intake {
     ) -> Result<bool, JoinError> {
         let began = Instant::now();
         let station = Arc::clone(&self.station);
-        let (due, known) = spawn_blocking(move || {
-            // Notes what is free although nothing may be due.
-            station.intake_gate(0);
-            let known = take::dealt_with(&station, &due);
-            (due, known)
+        let (known, fresh) = spawn_blocking(move || {
+            let (known, fresh) = take::dealt_with(&station, due);
+            // Tells what is free although nothing may be due; what is refused unread needs no room.
+            let largest = station.config.scanner.max_scan_bytes;
+            let next = fresh.iter().map(|file| file.stamp.size).find(|size| *size <= largest);
+            station.intake_gate(next.unwrap_or(0));
+            (known, fresh)
         })
         .await?;
-        let known = known.unwrap_or_else(|fault| {
-            self.notes.failed(&fault);
-            vec![false; due.len()]
-        });
-        let (known, fresh): (Vec<_>, Vec<_>) = due.into_iter().zip(known).partition(|(_, is)| *is);
-        known.iter().for_each(|(settled, _)| self.settling.taken(settled));
-        for (settled, _) in fresh {
+        known.iter().for_each(|settled| self.settling.taken(settled));
+        for settled in fresh {
             if stop.is_requested() || began.elapsed() > budget {
                 break;
             }

@@ -8,7 +8,7 @@ use std::io;
 use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::path::{Path, PathBuf};
 
-use super::file_system;
+use super::file_system::{self, folder_id};
 use super::patience::Pulse;
 use crate::config::WatchConfig;
 use crate::flow::companions::{self, Done};
@@ -45,7 +45,7 @@ pub struct Found {
 /// list would make files vanish.
 pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Found> {
     let before = folder_id(folder)?;
-    let mount = mount(folder, config)?;
+    let mount = file_system::mount(folder, config)?;
     let mut walk = Walk::new(config, pulse);
     walk.list(folder, 0)?;
     let is_same = folder_id(folder)? == before && file_system::of(folder)? == mount.file_system;
@@ -53,30 +53,6 @@ pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Fo
         return Err(io::Error::other("it was replaced while it was looked through"));
     }
     Ok(walk.found(mount))
-}
-
-/// Which folder a path leads to: device and inode.
-///
-/// # Errors
-/// Where it leads nowhere.
-pub fn folder_id(folder: &Path) -> io::Result<(u64, u64)> {
-    let metadata = fs::metadata(folder)?;
-    Ok((metadata.dev(), metadata.ino()))
-}
-
-fn mount(folder: &Path, config: &WatchConfig) -> io::Result<Mount> {
-    let marker = config.expected.marker.as_ref();
-    let has_marker = marker.is_some_and(|name| folder.join(name).symlink_metadata().is_ok());
-    let is_mounted = config.mount_point.as_ref().is_none_or(|place| is_mount_point(place));
-    Ok(Mount { file_system: file_system::of(folder)?, has_marker, is_mounted })
-}
-
-/// Whether a folder is on another device than the one it lies in; a folder that is not there is
-/// not mounted either.
-fn is_mount_point(place: &Path) -> bool {
-    let device = |place: &Path| folder_id(place).map(|(device, _)| device).ok();
-    let above = place.parent().and_then(device);
-    device(place).is_some_and(|device| above != Some(device))
 }
 
 /// A walk through a folder and, by choice, those in it.

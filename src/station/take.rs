@@ -44,13 +44,14 @@ pub enum TakeFault {
     Journal(#[from] JournalError),
 }
 
-/// Which settled files have been dealt with in this state before, each by its place. Blocks.
-///
-/// # Errors
-/// Where the journal cannot be read.
-pub fn dealt_with(station: &Station, settled: &[Settled]) -> Result<Vec<bool>, JournalError> {
+/// Parts settled files into those that have been dealt with in this state before and the others.
+/// A journal that cannot say counts as not knowing: taking the file will meet the same fault and
+/// tell of it. Blocks.
+pub fn dealt_with(station: &Station, settled: Vec<Settled>) -> (Vec<Settled>, Vec<Settled>) {
     let journal = station.custody.journal();
-    settled.iter().map(|file| journal.was_sighted(&file.path, file.stamp)).collect()
+    settled
+        .into_iter()
+        .partition(|file| journal.was_sighted(&file.path, file.stamp).unwrap_or(false))
 }
 
 /// Refuses a settled file for its size alone; says whether it did. Blocks.

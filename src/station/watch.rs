@@ -12,7 +12,7 @@ use notify::event::{AccessKind, AccessMode};
 use notify::{Config, Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use tokio::sync::Notify;
 
-use super::{file_system, look};
+use super::file_system;
 
 /// A watch on one folder, as well as it can be had.
 #[derive(Debug)]
@@ -45,7 +45,7 @@ impl Watch {
     /// # Errors
     /// Where it cannot be armed: looks then come at their own pace only.
     pub fn keep_armed(&mut self) -> notify::Result<bool> {
-        let now = look::folder_id(&self.folder).ok();
+        let now = file_system::folder_id(&self.folder).ok();
         let broken = self.broken.swap(false, Ordering::Relaxed);
         let on = self.armed.as_ref().map(|armed| armed.on);
         if on.is_some() && on == now && !broken {

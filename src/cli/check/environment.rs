@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use crate::config::{Config, nested};
+use crate::config::{Config, WatchConfig, nested};
 use crate::flow::FileSystem;
+use crate::flow::mount::{Expected, MountGuard};
 use crate::station::file_system;
 
 /// How a check went.
@@ -70,6 +71,7 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     let exports = &config.scanner.export_dirs;
     let mut rows: Vec<Row> =
         exports.iter().map(|folder| Row::of("export folder", folder, readable(folder))).collect();
+    rows.extend(exports.iter().filter_map(|folder| mounted(folder, &config.scanner.watch)));
     for (check, folder) in [("state folder", state), ("record store", store)] {
         rows.push(Row::of(check, folder, writable(folder)));
         rows.push(room(folder, config.scanner.max_scan_bytes));
@@ -97,6 +99,20 @@ fn readable(folder: &Path) -> io::Result<String> {
     Ok(match network(folder) {
         Some(kind) => format!("can be read, {count} {files}; on {kind}: found by the rescan"),
         None => format!("can be read, {count} {files}"),
+    })
+}
+
+/// Whether the station would believe what it sees in an export folder. One that cannot be asked is
+/// told of by the check before.
+fn mounted(folder: &Path, config: &WatchConfig) -> Option<Row> {
+    if config.expected == Expected::default() && config.mount_point.is_none() {
+        return None;
+    }
+    let seen = file_system::mount(folder, config).ok()?;
+    let check = "export mounted";
+    Some(match MountGuard::new(config.expected.clone()).judge(seen) {
+        Ok(()) => Row::ok(check, folder, format!("as configured, on {}", seen.file_system)),
+        Err(why) => Row::new(check, folder, Verdict::Fail, format!("the export folder {why}")),
     })
 }
 
