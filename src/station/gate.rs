@@ -27,7 +27,10 @@ impl Station {
         // A disk that cannot be asked says by a fault of its own what is wrong with it.
         let free = file_system::free_bytes(&self.config.station.state_dir).unwrap_or(u64::MAX);
         let mut space = self.gate.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let state = if space.admits(free, size_bytes) {
+        let has_room = space.admits(free, size_bytes);
+        let state = if self.is_paused() {
+            IntakeState::Paused
+        } else if has_room {
             IntakeState::Open
         } else {
             IntakeState::DiskLow { free, floor: space.floor_bytes() }

@@ -14,10 +14,11 @@ use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 
 use super::assembly::Station;
+use super::beat::Beat;
 use super::chance;
 use super::event::StationEvent;
 use super::look;
-use super::patience::{DEADLINE, Pulse, patiently};
+use super::patience::{DEADLINE, LOOK_UP, Pulse, patiently};
 use super::source::{self, Export};
 use super::stop::Stop;
 use super::take::{self, TakeFault, Taken};
@@ -50,6 +51,7 @@ struct Intake {
     guard: MountGuard,
     settling: Settling,
     notes: Notes,
+    beat: Beat,
 }
 
 /// What a round came to.
@@ -70,6 +72,7 @@ pub async fn worker(
     station: Arc<Station>,
     place: usize,
     folder: PathBuf,
+    beat: Beat,
     mut stop: Stop,
     looked: mpsc::Sender<()>,
 ) -> Result<(), JoinError> {
@@ -80,7 +83,7 @@ pub async fn worker(
     let mut watch = Watch::new(folder.clone(), scanner.watch.subfolders, Arc::clone(&hint));
     let notes = Notes::new(Arc::clone(&station), place, &folder);
     let mut looked = Some(looked);
-    let mut intake = Intake { station, folder, guard, settling, notes };
+    let mut intake = Intake { station, folder, guard, settling, notes, beat };
     while !stop.is_requested() {
         let Some(round) = intake.round(watch, &mut stop).await? else { break };
         watch = round.watch;
@@ -88,20 +91,38 @@ pub async fn worker(
             // Nobody listens any more where readiness did not wait for a folder out of reach.
             let _ = looked.send(()).await;
         }
+        let rest = intake.beating(sleep(round.rest));
         tokio::select! {
             () = stop.requested() => break,
-            () = sleep(round.rest) => {}
+            () = rest => {}
         }
+        let pause = intake.beating(sleep(round.pause));
         tokio::select! {
             () = stop.requested() => break,
             () = hint.notified() => {}
-            () = sleep(round.pause) => {}
+            () = pause => {}
         }
     }
     Ok(())
 }
 
 impl Intake {
+    fn beat(&self) {
+        self.beat.beat(self.station.now());
+    }
+
+    /// Waits, and beats meanwhile.
+    async fn beating(&self, wait: impl Future<Output = ()>) {
+        tokio::pin!(wait);
+        loop {
+            self.beat();
+            tokio::select! {
+                () = &mut wait => return,
+                () = sleep(LOOK_UP) => {}
+            }
+        }
+    }
+
     /// One look, and what has settled by it; none where a stop came in between.
     async fn round(&mut self, watch: Watch, stop: &mut Stop) -> Result<Option<Round>, JoinError> {
         let Some((watch, due, took)) = self.look(watch, stop).await? else { return Ok(None) };
@@ -138,7 +159,8 @@ impl Intake {
             let found = look::look(&folder, &station.config.scanner.watch, pulse);
             (watch, armed, found, LookTime { began, ended: station.now() })
         };
-        let looked = patiently(DEADLINE, stop, look, || self.notes.stalled()).await?;
+        let looked =
+            patiently(DEADLINE, stop, look, || self.beat(), || self.notes.stalled()).await?;
         let Some((watch, armed, found, when)) = looked else { return Ok(None) };
         self.notes.watched(armed);
         let look = self.notes.found(found, &mut self.guard);
@@ -170,6 +192,7 @@ impl Intake {
             if stop.is_requested() || began.elapsed() > budget {
                 break;
             }
+            self.beat();
             if !self.take(settled, stop).await? {
                 return Ok(false);
             }
@@ -225,7 +248,7 @@ impl Intake {
         stop: &mut Stop,
     ) -> Result<Option<Result<Option<Export>, TakeFault>>, JoinError> {
         let read = move |pulse: &Pulse| source::read(&settled, pulse).map_err(TakeFault::Source);
-        patiently(DEADLINE, stop, read, || self.notes.stalled()).await
+        patiently(DEADLINE, stop, read, || self.beat(), || self.notes.stalled()).await
     }
 }
 

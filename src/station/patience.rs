@@ -14,9 +14,8 @@ use super::stop::Stop;
 /// server that restarts answers again within 15 s or so; a disk that spins up within 10 s.
 pub const DEADLINE: Duration = Duration::from_secs(30);
 
-/// How often whoever waits looks up. Its loop goes round at least this often while a share hangs,
-/// so a beat of the worker belongs there.
-const LOOK_UP: Duration = Duration::from_secs(1);
+/// How often whoever waits looks up and beats, whatever it waits for.
+pub const LOOK_UP: Duration = Duration::from_secs(1);
 
 /// The steps of one piece of work: entries listed, pieces read.
 #[derive(Debug, Clone, Default)]
@@ -34,8 +33,9 @@ impl Pulse {
 }
 
 /// Does `work` in a thread and gives what it gives; none where a stop was asked for before, and the
-/// work goes on unheard. `stalled` is called once if the work makes no step within `deadline`; the
-/// same work is waited for all the same, so that no share ever holds two threads.
+/// work goes on unheard. `beat` is called while it is waited for, and `stalled` once if the work
+/// makes no step within `deadline`; the same work is waited for all the same, so that no share ever
+/// holds two threads.
 ///
 /// # Errors
 /// Where the work panicked.
@@ -43,6 +43,7 @@ pub async fn patiently<T: Send + 'static>(
     deadline: Duration,
     stop: &mut Stop,
     work: impl FnOnce(&Pulse) -> T + Send + 'static,
+    beat: impl Fn(),
     stalled: impl FnOnce(),
 ) -> Result<Option<T>, JoinError> {
     let pulse = Pulse::default();
@@ -57,6 +58,7 @@ pub async fn patiently<T: Send + 'static>(
             () = stop.requested() => return Ok(None),
             () = sleep(LOOK_UP.min(deadline)) => {}
         }
+        beat();
         let count = pulse.count();
         if count != last.0 {
             last = (count, Instant::now());
@@ -82,18 +84,19 @@ mod tests {
     async fn work_that_hangs_is_told_of_once_and_waited_for() {
         let (_stopper, mut stop) = Stopper::new();
         let (let_go, hangs) = mpsc::channel();
-        let stalls = AtomicUsize::new(0);
-        let done = patiently(
-            SHORT,
-            &mut stop,
-            move |_| hangs.recv(),
-            || {
-                stalls.fetch_add(1, Ordering::Relaxed);
+        let (beats, stalls) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let beat = || {
+            // It beats on after the stall was told.
+            if beats.fetch_add(1, Ordering::Relaxed) == 3 {
                 let_go.send(7).unwrap();
-            },
-        );
+            }
+        };
+        let stalled = || {
+            stalls.fetch_add(1, Ordering::Relaxed);
+        };
+        let done = patiently(SHORT, &mut stop, move |_| hangs.recv(), beat, stalled);
         assert_eq!(done.await.unwrap(), Some(Ok(7)));
-        assert_eq!(stalls.into_inner(), 1);
+        assert_eq!(stalls.load(Ordering::Relaxed), 1);
     }
 
     #[tokio::test]
@@ -106,7 +109,7 @@ mod tests {
             }
         };
         let deadline = 50 * SHORT;
-        let done = patiently(deadline, &mut stop, steps, || panic!("it stalled")).await;
+        let done = patiently(deadline, &mut stop, steps, || (), || panic!("it stalled")).await;
         assert_eq!(done.unwrap(), Some(()));
     }
 
@@ -114,7 +117,7 @@ mod tests {
     async fn a_stop_does_not_wait_for_work_that_hangs() {
         let (stopper, mut stop) = Stopper::new();
         let (let_go, hangs) = mpsc::channel::<()>();
-        let hung = patiently(DEADLINE, &mut stop, move |_| hangs.recv(), || ());
+        let hung = patiently(DEADLINE, &mut stop, move |_| hangs.recv(), || (), || ());
         let (done, ()) = tokio::join!(hung, async { stopper.request() });
         assert!(done.unwrap().is_none());
         drop(let_go);

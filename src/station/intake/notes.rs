@@ -51,7 +51,8 @@ impl Notes {
     }
 
     /// What could not be done with a file.
-    pub(super) fn failed(&self, fault: &dyn Error) {
+    pub(super) fn failed(&self, fault: &(dyn Error + 'static)) {
+        self.station.mind(fault);
         warn!(event = "intake-failed", export_dir = self.place, error = chain(fault));
     }
 
