@@ -11,6 +11,7 @@ mod place;
 mod reader;
 #[cfg(test)]
 mod tests;
+mod watch;
 pub mod words;
 
 use std::io;
@@ -24,6 +25,7 @@ use crate::flow::retention::Retention;
 use crate::leg::Method;
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
+pub use watch::WatchConfig;
 
 /// The whole configuration of a station, checked.
 #[derive(Debug, Clone)]
@@ -66,6 +68,8 @@ pub struct StationConfig {
     pub id: String,
     /// Journal, spool and quarantine; a local disk, this station's alone.
     pub state_dir: PathBuf,
+    /// So much of the disk of `state_dir` stays free, bytes: intake stops before.
+    pub disk_floor_bytes: u64,
 }
 
 /// `[scanner]`: where and how the scanner exports.
@@ -81,6 +85,8 @@ pub struct ScannerConfig {
     pub short_wait: Duration,
     /// A larger file is refused before it is read, bytes.
     pub max_scan_bytes: u64,
+    /// What is watched and when it is believed.
+    pub watch: WatchConfig,
     /// Expression on the file name; its group `patient` is the patient's id.
     pub file_name: Option<Regex>,
 }

@@ -145,6 +145,12 @@ pub enum What {
     /// The expression would let ids through that are unsafe as names of folders.
     #[error("would accept {0:?} as a patient's id")]
     LoosePattern(&'static str),
+    /// Not a rule by which done files are called.
+    #[error("\"{0}\" does not say how a done file is called")]
+    NotADoneFile(String),
+    /// Not a file name.
+    #[error("\"{0}\" is not the name of a file")]
+    NotAMarker(String),
     /// The toes cannot point along the axis that points up.
     #[error("\"{facing}\" lies along the axis that points up, scanner.up = \"{up}\"")]
     FacesUpOrDown {
@@ -211,6 +217,10 @@ impl What {
             What::LoosePattern(_) => {
                 "name the characters an id may hold and how many: '[A-Z]?[0-9]{1,12}'".into()
             }
+            What::NotADoneFile(_) => {
+                "use {name} or {stem}, no folder, and no ending of a scan: \"{name}.done\"".into()
+            }
+            What::NotAMarker(_) => "a bare name, without a folder: \".mounted\"".into(),
             What::FacesUpOrDown { .. } => {
                 "name a level axis, or \"auto\" to find it from the feet".into()
             }

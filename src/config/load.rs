@@ -15,7 +15,7 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, notation,
+    StoreConfig, notation, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -61,6 +61,9 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
     let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
 
+    let bounds = Bounds { least: "0B", most: "1000GB" };
+    let disk_floor = reader.text("station.disk_floor", Default("1GB"), parse::size_in(bounds));
+
     let exports =
         reader.list("scanner.export_dirs", Required("/srv/scanner/export"), parse::full_path);
     let bounds = Bounds { least: "50ms", most: "10m" };
@@ -71,6 +74,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let short_wait = reader.text("scanner.short_wait", Default("60s"), parse::duration_in(bounds));
     let bounds = Bounds { least: "1kB", most: "4GB" };
     let max_scan = reader.text("scanner.max_scan", Default("200MB"), parse::size_in(bounds));
+    let watch = watch::config(reader);
     let scope = reader.text("scanner.scope", Default("body"), parse::word(SCOPES));
     let unit = reader.text("scanner.unit", Default("auto"), parse::word(UNITS));
     let up = reader.text("scanner.up", Default("y"), parse::word(UPS));
@@ -104,13 +108,18 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     }
 
     Some(Config {
-        station: StationConfig { id: id?.value, state_dir: state_dir?.value },
+        station: StationConfig {
+            id: id?.value,
+            state_dir: state_dir?.value,
+            disk_floor_bytes: disk_floor?.value,
+        },
         scanner: ScannerConfig {
             export_dirs: exports.into_iter().map(|folder| folder.value).collect(),
             quiet: quiet?.value,
             rescan: rescan?.value,
             short_wait: short_wait?.value,
             max_scan_bytes: max_scan?.value,
+            watch: watch?,
             file_name: file_name.map(|found| found.value),
         },
         patient: PatientConfig { pattern: pattern?.value },

@@ -14,7 +14,7 @@ use jiff::Timestamp;
 
 use super::journal::{Due, Journal, JournalError, ScanRow};
 use super::quarantine::{Quarantine, Reason};
-use super::spool::{Intake, Spool};
+use super::spool::{Companion, Intake, Spool};
 use crate::flow::identity::{self, ID_NOT_ALLOWED, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{DeliveryState, NameSays, ScanId, ScanState, Verdict};
 use crate::record::Patient;
@@ -47,6 +47,8 @@ pub struct Arrival<'a> {
     pub file_time: Option<Timestamp>,
     /// What the file's name says about the patient.
     pub says: NameSays,
+    /// What the scanner wrote beside it.
+    pub companions: &'a [Companion],
 }
 
 /// Why custody could not change; it is as before, or recovers at the next start or attempt.
@@ -118,7 +120,8 @@ impl Custody {
         // A held scan that was refused before has its bytes in quarantine already.
         let kept = self.spool.holds(scan) || (held && self.quarantine.holds(scan));
         if !kept {
-            io("keeping a scan", self.spool.keep(scan, intake, arrival.bytes))?;
+            let (bytes, beside) = (arrival.bytes, arrival.companions);
+            io("keeping a scan", self.spool.keep(scan, intake, bytes, beside))?;
         }
         self.enter(&row, patient, held)?;
         Ok(verdict)

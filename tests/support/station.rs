@@ -1,5 +1,7 @@
 //! A station on temporary folders, started as the real program, and the oracle over what it left.
 
+// Each test crate uses its own part.
+#![allow(dead_code)]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::collections::BTreeSet;

@@ -24,7 +24,8 @@ fn says(id: &str) -> NameSays {
 
 fn admit(custody: &Custody, says: NameSays) -> Verdict {
     let scan = sums::scan_id(BYTES);
-    let arrival = Arrival { scan: &scan, bytes: BYTES, format: Format::Obj, file_time: None, says };
+    let (format, file_time, companions) = (Format::Obj, None, &[][..]);
+    let arrival = Arrival { scan: &scan, bytes: BYTES, format, file_time, says, companions };
     custody.admit(&arrival).unwrap()
 }
 
@@ -95,11 +96,12 @@ fn spooled_bytes_that_the_journal_does_not_know_are_adopted_with_their_first_sig
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
     let says = says("4711");
-    let arrival = Arrival { scan: &scan, bytes: BYTES, format: Format::Obj, file_time: None, says };
+    let (format, file_time, companions) = (Format::Obj, None, &[][..]);
+    let arrival = Arrival { scan: &scan, bytes: BYTES, format, file_time, says, companions };
     let NameSays::Patient(patient) = &arrival.says else { panic!() };
     let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
     let kept = Intake { first_seen, ..intake(&arrival, None, Some(patient), false) };
-    custody.spool.keep(&scan, kept, BYTES).unwrap();
+    custody.spool.keep(&scan, kept, BYTES, &[]).unwrap();
     // The crash was here. Either the start adopts it, or the file is seen again first.
     assert_eq!(custody.admit(&arrival).unwrap(), Verdict::Already);
     assert_eq!(custody.recover().unwrap(), 0);
