@@ -9,6 +9,7 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
+use super::seeing;
 use super::words::{
     AXES, B1S, B1Word, FACINGS, FILES, FITS, KNOTS, SCOPES, SURFACES, UNITS, UPS, Words,
     faces_up_or_down,
@@ -85,7 +86,9 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let surface = surface_method(reader);
     let output = output(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
+    let (status, log) = (seeing::status(reader), seeing::log(reader));
 
+    seeing::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref());
     if let (Some(up), Some(facing)) = (&up, &facing)
@@ -120,6 +123,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         },
         output: output?,
         store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
+        status: status?,
+        log: log?,
     })
 }
 

@@ -8,6 +8,7 @@
 pub mod acquired;
 pub mod backoff;
 pub mod facts;
+pub mod health;
 pub mod identity;
 pub mod lifecycle;
 pub mod naming;

@@ -6,6 +6,7 @@
 //! thread. Text columns hold words, RFC 3339 times and JSON, so that `sqlite3` shows them as is.
 
 mod deliveries;
+pub mod listing;
 mod lock;
 mod scans;
 mod schema;
