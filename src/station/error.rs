@@ -78,6 +78,8 @@ pub enum Worker {
     },
     /// Measures scans and makes deliveries.
     Delivery,
+    /// Answers on the control socket.
+    Control,
 }
 
 impl fmt::Display for Worker {
@@ -85,6 +87,7 @@ impl fmt::Display for Worker {
         match self {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
             Worker::Delivery => f.write_str("the delivery"),
+            Worker::Control => f.write_str("the control socket"),
         }
     }
 }

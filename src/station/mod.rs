@@ -16,10 +16,12 @@
 
 pub mod assembly;
 pub mod board;
+pub mod control;
 pub mod custody;
 pub mod error;
 pub mod event;
 pub mod journal;
+pub mod overview;
 pub mod quarantine;
 pub mod run;
 pub mod simulated_scanner;

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Row, params};
-use serde::{Deserialize, Serialize};
 
 use super::{Journal, JournalError, cell};
+use crate::flow::account::{Delivered, FILTERS, Filter, Listed, Seen, Summary, Whole};
 use crate::flow::{DeliveryState, ScanId, ScanState};
 
 /// How many scans and deliveries there are, and the two that people ask for first.
@@ -22,112 +22,6 @@ pub struct Tally {
     pub oldest: Option<Seen>,
     /// The scan seen last.
     pub last: Option<Seen>,
-}
-
-/// A scan, when it was first seen, and where it is.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Seen {
-    /// First digits of its id.
-    pub scan: String,
-    /// When the station first saw it.
-    pub first_seen: Timestamp,
-    /// The word of its state.
-    pub state: String,
-}
-
-/// A scan in a list: nothing that tells whose it is.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Listed {
-    /// First digits of its id.
-    pub scan: String,
-    /// When the station first saw it.
-    pub first_seen: Timestamp,
-    /// The word of its state.
-    pub state: String,
-    /// A delivery of it waits for a person.
-    pub held: bool,
-    /// Its format's file-name ending.
-    pub format: String,
-    /// Size, bytes.
-    pub size: u64,
-    /// Why it was refused or is held.
-    pub code: Option<String>,
-    /// Failed attempts at its deliveries.
-    pub attempts: u64,
-    /// When the next attempt is due.
-    pub next_at: Option<Timestamp>,
-}
-
-/// Which scans a list is of.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Filter {
-    /// Waiting for a record.
-    Spooled,
-    /// Nothing is left to be delivered without a person.
-    Delivered,
-    /// Refused, in quarantine.
-    Refused,
-    /// A delivery waits for a person.
-    Held,
-}
-
-/// The words of the filters, in the order in which a scan meets them.
-pub const FILTERS: [(&str, Filter); 4] = [
-    ("spooled", Filter::Spooled),
-    ("delivered", Filter::Delivered),
-    ("refused", Filter::Refused),
-    ("held", Filter::Held),
-];
-
-/// Everything the journal knows of a scan and its deliveries, the patients' ids included.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Whole {
-    /// Its id, all digits.
-    pub scan: String,
-    /// The scan itself.
-    #[serde(flatten)]
-    pub summary: Summary,
-    /// Its deliveries, in the order of patients and stores.
-    pub deliveries: Vec<Delivered>,
-}
-
-/// The scan itself.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Summary {
-    /// The word of its state.
-    pub state: String,
-    /// When the station first saw it.
-    pub first_seen: Timestamp,
-    /// Its file's own time.
-    pub file_time: Option<Timestamp>,
-    /// Its format's file-name ending.
-    pub format: String,
-    /// Size, bytes.
-    pub size: u64,
-    /// Why it was refused.
-    pub code: Option<String>,
-    /// Likewise, for people.
-    pub message: Option<String>,
-}
-
-/// One delivery.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Delivered {
-    /// The patient's id; none while nobody named the patient.
-    pub patient: Option<String>,
-    /// The store.
-    pub store: String,
-    /// The word of its state.
-    pub state: String,
-    /// Why it is held or was refused.
-    pub code: Option<String>,
-    /// Failed attempts.
-    pub attempts: u64,
-    /// When the next attempt is due.
-    pub next_at: Option<Timestamp>,
-    /// The record.
-    pub folder: Option<String>,
 }
 
 impl Journal {

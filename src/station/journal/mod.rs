@@ -6,7 +6,7 @@
 //! thread. Text columns hold words, RFC 3339 times and JSON, so that `sqlite3` shows them as is.
 
 mod deliveries;
-pub mod listing;
+mod listing;
 mod lock;
 mod scans;
 mod schema;
@@ -21,6 +21,7 @@ use rusqlite::Connection;
 use crate::flow::IllegalStep;
 use crate::store::durable;
 pub use deliveries::Due;
+pub use listing::Tally;
 pub use lock::{LockError, StateLock};
 pub use scans::ScanRow;
 
