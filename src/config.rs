@@ -25,7 +25,7 @@ use crate::cad::Output;
 use crate::leg::Method;
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
-pub use seeing::control_path;
+pub use seeing::{control_path, state_dir};
 
 /// The whole configuration of a station, checked.
 #[derive(Debug, Clone)]

@@ -1,5 +1,7 @@
 //! The command line as types, with the help texts a technician reads.
 
+mod asking;
+
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -9,6 +11,7 @@ use clap::{Parser, Subcommand};
 use crate::cad::FileKind;
 use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
+pub use asking::{AskArgs, ExplainArgs, Named, ScansArgs, ShowArgs, StatusArgs};
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -50,6 +53,22 @@ pub enum Verb {
     /// Names every fault in the configuration file at once, with its line and a hint. When the
     /// file has none, tries the folders: that exports can be read and that records can be written.
     Check(CheckArgs),
+    /// Tell how the running station is: ready, or what is wrong and what to do
+    ///
+    /// Ends with 0 when the station is ready and with 74 when it is not. Names no patient and no
+    /// file. Run it as root or as the station's user.
+    Status(StatusArgs),
+    /// List the station's scans, the newest first
+    ///
+    /// Names no patient and no file; `gaiter show ID` does.
+    Scans(ScansArgs),
+    /// Show one scan with its deliveries, the patient's id included
+    ///
+    /// The patient's id and the record's folder are shown, for that is what a person needs to
+    /// decide what becomes of a scan: mind who looks over your shoulder.
+    Show(ShowArgs),
+    /// Say in one sentence why a scan is where it is
+    Explain(ExplainArgs),
 }
 
 /// `gaiter demo`

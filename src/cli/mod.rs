@@ -1,12 +1,15 @@
 //! The command line: one file per verb.
 
 pub mod args;
+pub mod ask;
 pub mod check;
 pub mod demo;
 pub mod exit;
 pub mod extract;
 pub mod ord;
 pub mod run;
+pub mod scans;
+pub mod status;
 pub mod table;
 
 use std::fmt::Display;
@@ -34,6 +37,10 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Run(args) => run::run(&args),
         Verb::Extract(args) => extract::extract(&args),
         Verb::Check(args) => check::check(&args),
+        Verb::Status(args) => status::status(&args),
+        Verb::Scans(args) => scans::scans(&args),
+        Verb::Show(args) => scans::show(&args),
+        Verb::Explain(args) => scans::explain(&args),
     }
 }
 

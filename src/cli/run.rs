@@ -9,7 +9,7 @@ use tracing_subscriber::EnvFilter;
 
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
-use crate::config;
+use crate::config::{self, LogFormat};
 use crate::station::error::chain;
 use crate::station::{self, StationError};
 
@@ -22,7 +22,7 @@ pub fn run(args: &RunArgs) -> Exit {
         Ok(config) => config,
         Err(error) => return explain_config(&error),
     };
-    log_to_stderr();
+    log_to_stderr(config.log.format);
     let started = Runtime::new().and_then(|runtime| {
         let stop = runtime.block_on(async { asked_to_stop() })?;
         Ok((runtime, stop))
@@ -53,15 +53,18 @@ fn asked_to_stop() -> io::Result<impl Future<Output = ()>> {
 }
 
 /// Log lines go to standard error, where the service manager collects them; `RUST_LOG` chooses.
-fn log_to_stderr() {
+fn log_to_stderr(format: LogFormat) {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(LOG_LEVEL));
-    // Whoever set a subscriber before keeps it.
-    let _ = tracing_subscriber::fmt()
+    let lines = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(io::stderr)
         .with_ansi(false)
-        .with_target(false)
-        .try_init();
+        .with_target(false);
+    // Whoever set a subscriber before keeps it.
+    let _ = match format {
+        LogFormat::Text => lines.try_init(),
+        LogFormat::Json => lines.json().flatten_event(true).try_init(),
+    };
 }
 
 /// Tells why the station ended, every cause of it.

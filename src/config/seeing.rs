@@ -4,6 +4,8 @@ use std::net::SocketAddr;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
+use toml::de::DeTable;
+
 use super::fault::What;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Found, Reader};
@@ -47,6 +49,15 @@ pub fn control_path(state_dir: &Path) -> PathBuf {
     state_dir.join(CONTROL_SOCKET)
 }
 
+/// The state folder that a text names, whatever else is wrong with it: a station that refused a
+/// changed configuration goes on under the old one, and must still be found.
+pub fn state_dir(text: &str) -> Option<PathBuf> {
+    let (root, _) = DeTable::parse_recoverable(text);
+    let mut reader = Reader::new(root.get_ref(), text.len());
+    let required = Absent::Required("/var/lib/gaiter");
+    reader.text("station.state_dir", required, parse::full_path).map(|found| found.value)
+}
+
 /// `"off"`, or an address that other machines cannot reach.
 fn loopback(text: &str) -> Result<Option<SocketAddr>, What> {
     if text == "off" {
@@ -62,6 +73,16 @@ fn loopback(text: &str) -> Result<Option<SocketAddr>, What> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_state_folder_is_found_in_a_file_with_faults() {
+        let text = "[station]\nstate_dir = \"/s\"\ncolour = 1\n[scanner]\nquiet = \"2 sec\"\n[x";
+        assert!(crate::config::load(text).is_err());
+        assert_eq!(state_dir(text), Some(PathBuf::from("/s")));
+        for none in ["", "[station]\n", "[station]\nstate_dir = 7\n", "state_dir = \"s\"\n"] {
+            assert_eq!(state_dir(none), None, "{none}");
+        }
+    }
 
     #[test]
     fn only_addresses_of_this_machine_are_listened_on() {

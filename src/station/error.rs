@@ -80,6 +80,8 @@ pub enum Worker {
     Delivery,
     /// Answers on the control socket.
     Control,
+    /// Gives metrics and health.
+    Http,
 }
 
 impl fmt::Display for Worker {
@@ -87,6 +89,7 @@ impl fmt::Display for Worker {
         match self {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
             Worker::Delivery => f.write_str("the delivery"),
+            Worker::Http => f.write_str("the metrics and health"),
             Worker::Control => f.write_str("the control socket"),
         }
     }

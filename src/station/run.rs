@@ -15,7 +15,7 @@ use super::assembly::Station;
 use super::error::{StationError, Worker};
 use super::event::{Observer, StationEvent};
 use super::stop::{Stop, Stopper};
-use super::{control, delivery, intake};
+use super::{control, delivery, http, intake};
 use crate::config::Config;
 
 /// How long the first looks are waited for before the station calls itself ready: a share that
@@ -87,6 +87,7 @@ impl Workers {
             workers.spawn(Worker::Intake { folder }, task);
         }
         workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), stop.clone()));
+        workers.spawn(Worker::Http, http::worker(Arc::clone(station), stop.clone()));
         workers.spawn(Worker::Control, control::worker(Arc::clone(station), stop.clone()));
         (workers, first_looks)
     }
