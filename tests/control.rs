@@ -263,6 +263,86 @@ fn whoever_hangs_on_the_socket_or_floods_it_harms_nobody() {
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
+/// As [`gaiter`], with a line on standard input.
+fn gaiter_told(booth: &Booth, args: &[&str], line: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gaiter"));
+    command.args(args).arg("--config").arg(booth.path("station.toml")).stdin(Stdio::piped());
+    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(line.as_bytes()).unwrap();
+    child.wait_with_output().unwrap()
+}
+
+#[test]
+fn a_paused_station_is_not_ready_and_takes_nothing_until_it_is_resumed() {
+    let booth = Booth::new();
+    let daemon = booth.start();
+    wait_until_ready(&booth);
+    assert_eq!(code(&gaiter(&booth, &["pause"])), Some(0));
+    assert!(stdout(&gaiter(&booth, &["status"])).starts_with("not ready: a person has paused"));
+    assert_eq!(daemon.stop().code(), Some(0));
+    let daemon = booth.start();
+    booth.wait_for("the pause after a restart", || {
+        json(&booth, &["status"])["complaints"][0]["code"] == "paused"
+    });
+    assert_eq!(code(&gaiter(&booth, &["resume", "--json"])), Some(0));
+    booth.export("4711_a.obj", &coarse(1));
+    booth.wait_for_records(1);
+    wait_until_ready(&booth);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_scan_for_nobody_is_assigned_by_standard_input_and_a_held_one_released() {
+    let booth = Booth::new();
+    let daemon = booth.start();
+    let (nobody, twice) = (coarse(1), coarse(2));
+    booth.export("nobody.obj", &nobody);
+    booth.export("4711_a.obj", &twice);
+    booth.wait_for_records(2);
+    booth.export("4712_a.obj", &twice);
+    booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'held'", 1);
+    let (nobody, twice) = (sha256(&nobody), sha256(&twice));
+
+    for (line, expected) in [("", 64), ("\n", 64), ("no id\n", 64), ("../etc\n", 64)] {
+        let output = gaiter_told(&booth, &["assign", &nobody[..8]], line);
+        assert_eq!(code(&output), Some(expected), "{line:?}: {}", stderr(&output));
+    }
+    assert_eq!(code(&gaiter_told(&booth, &["assign", &nobody[..8], "4713"], "4713\n")), Some(64));
+    let output = gaiter_told(&booth, &["assign", &nobody[..8]], "4713\n");
+    assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+    assert!(!stdout(&output).contains("4713"), "{}", stdout(&output));
+    assert_eq!(code(&gaiter(&booth, &["release", &twice[..8]])), Some(0));
+    let whose = |patient: &str| booth.records().iter().any(|(folder, _)| folder == patient);
+    booth.wait_for("the records", || whose("4712") && whose("4713"));
+
+    let output = gaiter(&booth, &["release", &twice[..8], "--json"]);
+    assert_eq!(code(&output), Some(64), "it is not held any more: {}", stdout(&output));
+    assert_eq!(code(&gaiter(&booth, &["retry", "00c0ffee"])), Some(66));
+    assert!(stdout(&gaiter(&booth, &["show", &nobody[..8]])).contains("assigned"));
+    let log = booth.log();
+    for planted in ["4713", "4712"] {
+        assert!(!log.contains(planted), "{planted} is in the log:\n{log}");
+    }
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_station_that_reloads_can_be_asked_all_the_while() {
+    let booth = Booth::new();
+    let daemon = booth.start();
+    wait_until_ready(&booth);
+    let pid = fs::read_to_string(booth.path("state/lock")).unwrap().trim().parse().unwrap();
+    let pid = rustix::process::Pid::from_raw(pid).unwrap();
+    for _ in 0..3 {
+        rustix::process::kill_process(pid, rustix::process::Signal::HUP).unwrap();
+        for _ in 0..5 {
+            let output = gaiter(&booth, &["status"]);
+            assert_eq!(code(&output), Some(0), "{}", stderr(&output));
+        }
+    }
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
 #[test]
 fn a_station_whose_configuration_was_spoilt_can_still_be_asked() {
     let booth = Booth::new();

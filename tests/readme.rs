@@ -46,7 +46,8 @@ fn events(folder: &Path, found: &mut BTreeSet<String>) {
             continue;
         }
         let text = fs::read_to_string(&path).unwrap();
-        // `info!(event = "code", …)`, and a `let (event, …) = ("code", …)` for a long line.
+        // `info!(event = "code", …)`, and a `let (event, …) = ("code", …)` for a long line,
+        // or a `let event` that chooses between two.
         let plain = text.split("event = \"").skip(1);
         let bound = text.split("(event, ").skip(1).filter_map(|rest| rest.split_once(") = (\""));
         let codes =

@@ -11,7 +11,8 @@ use clap::{Parser, Subcommand};
 use crate::cad::FileKind;
 use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
-pub use asking::{AskArgs, ExplainArgs, Named, ScansArgs, ShowArgs, StatusArgs};
+use crate::station::measure::VERB;
+pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, ScansArgs};
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -48,6 +49,9 @@ pub enum Verb {
     ///
     /// Prints a table of both legs for every scan. Girths and heights are in millimetres.
     Extract(ExtractArgs),
+    /// Measure one scan on standard input; the station runs this itself
+    #[command(name = VERB, hide = true)]
+    Measure(MeasureArgs),
     /// Check the configuration and the folders it names
     ///
     /// Names every fault in the configuration file at once, with its line and a hint. When the
@@ -57,7 +61,7 @@ pub enum Verb {
     ///
     /// Ends with 0 when the station is ready and with 74 when it is not. Names no patient and no
     /// file. Run it as root or as the station's user.
-    Status(StatusArgs),
+    Status(AskArgs),
     /// List the station's scans, the newest first
     ///
     /// Names no patient and no file; `gaiter show ID` does.
@@ -66,9 +70,28 @@ pub enum Verb {
     ///
     /// The patient's id and the record's folder are shown, for that is what a person needs to
     /// decide what becomes of a scan: mind who looks over your shoulder.
-    Show(ShowArgs),
+    Show(OneArgs),
     /// Say in one sentence why a scan is where it is
     Explain(ExplainArgs),
+    /// Try a refused scan again, or a waiting one at once
+    ///
+    /// For a scan that lies in quarantine, once its cause is mended: after a change of the
+    /// configuration, say, or a new version of gaiter.
+    Retry(OneArgs),
+    /// Deliver a held scan to the patient for whom it came in
+    ///
+    /// A scan is held when the same bytes came in for a second patient. Look at it first, with
+    /// `gaiter show ID`: one of the two patients has the wrong legs.
+    Release(OneArgs),
+    /// Say whose scan it is that came in for nobody
+    ///
+    /// Asks for the patient's id, or reads it from standard input; it is never an argument, for
+    /// every user of the machine can read those.
+    Assign(OneArgs),
+    /// Let no scan be taken or delivered until `gaiter resume`; outlasts a restart
+    Pause(AskArgs),
+    /// Go on after `gaiter pause`
+    Resume(AskArgs),
 }
 
 /// `gaiter demo`
@@ -123,6 +146,13 @@ pub struct ExtractArgs {
     /// otherwise
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+}
+
+/// `gaiter measure`
+#[derive(Debug, clap::Args)]
+pub struct MeasureArgs {
+    /// The scan's hash
+    pub hash: String,
 }
 
 /// `gaiter check`

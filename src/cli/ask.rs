@@ -3,7 +3,8 @@
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use serde_json::json;
@@ -15,6 +16,12 @@ use crate::station::control::protocol::{Answer, Fault, FaultKind, Request};
 
 /// The station answers within its own limits, which are shorter.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A reload takes less; the journal is not rebuilt in it.
+const BETWEEN_SOCKETS: Duration = Duration::from_secs(5);
+
+/// The pause before the socket is tried again.
+const AGAIN: Duration = Duration::from_millis(100);
 
 /// The longest answer that is read, bytes: a list of the most scans has far less.
 const ANSWER_MOST: u64 = 16 * 1024 * 1024;
@@ -93,14 +100,7 @@ impl AskFault {
 /// See [`AskFault`].
 pub fn ask(config: &Path, request: &Request) -> Result<Answer, AskFault> {
     let state_dir = state_dir(config)?;
-    let stream =
-        UnixStream::connect(control_path(&state_dir)).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused => {
-                AskFault::NoStation { state_dir, config: config.to_owned() }
-            }
-            io::ErrorKind::PermissionDenied => AskFault::Denied,
-            _ => AskFault::Io(error),
-        })?;
+    let stream = connect(&state_dir, config)?;
     stream.set_read_timeout(Some(PATIENCE))?;
     stream.set_write_timeout(Some(PATIENCE))?;
     let mut line = serde_json::to_vec(request)?;
@@ -115,6 +115,35 @@ pub fn ask(config: &Path, request: &Request) -> Result<Answer, AskFault> {
         Answer::Fault(fault) => Err(AskFault::Refused(fault)),
         answer => Ok(answer),
     }
+}
+
+/// The station's control socket. A station that reloads is without one for a moment: where its
+/// process lives it is asked again.
+fn connect(state_dir: &Path, config: &Path) -> Result<UnixStream, AskFault> {
+    let deadline = Instant::now() + BETWEEN_SOCKETS;
+    loop {
+        let error = match UnixStream::connect(control_path(state_dir)) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => error,
+        };
+        match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused => {}
+            io::ErrorKind::PermissionDenied => return Err(AskFault::Denied),
+            _ => return Err(AskFault::Io(error)),
+        }
+        if !process_lives(state_dir) || Instant::now() > deadline {
+            let (state_dir, config) = (state_dir.to_owned(), config.to_owned());
+            return Err(AskFault::NoStation { state_dir, config });
+        }
+        sleep(AGAIN);
+    }
+}
+
+/// Whether the process that wrote the state folder's lock lives, as far as one can see.
+fn process_lives(state_dir: &Path) -> bool {
+    let pid = std::fs::read_to_string(state_dir.join("lock")).unwrap_or_default();
+    let pid = pid.trim();
+    pid.parse::<u32>().is_ok() && Path::new("/proc").join(pid).exists()
 }
 
 /// The state folder; a file with faults elsewhere may still name it.
@@ -161,6 +190,18 @@ pub fn told<T: Serialize>(
             Exit::Io
         }
     }
+}
+
+/// Asks, and prints the sentence that answers.
+pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
+    let taken = |answer| match answer {
+        Answer::Sentence(sentence) => Some(json!({ "sentence": sentence })),
+        _ => None,
+    };
+    let table = |answer: &serde_json::Value| {
+        format!("{}\n", shown(answer["sentence"].as_str().unwrap_or_default()))
+    };
+    told(args, request, taken, table, |_| Exit::Done)
 }
 
 /// Tells why there is no answer; with `--json` as an object, too.

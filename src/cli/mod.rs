@@ -1,11 +1,13 @@
 //! The command line: one file per verb.
 
+pub mod act;
 pub mod args;
 pub mod ask;
 pub mod check;
 pub mod demo;
 pub mod exit;
 pub mod extract;
+pub mod measure;
 pub mod ord;
 pub mod run;
 pub mod scans;
@@ -36,11 +38,17 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Demo(args) => demo::demo(&args),
         Verb::Run(args) => run::run(&args),
         Verb::Extract(args) => extract::extract(&args),
+        Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
         Verb::Status(args) => status::status(&args),
         Verb::Scans(args) => scans::scans(&args),
         Verb::Show(args) => scans::show(&args),
         Verb::Explain(args) => scans::explain(&args),
+        Verb::Retry(args) => act::retry(&args),
+        Verb::Release(args) => act::release(&args),
+        Verb::Assign(args) => act::assign(&args),
+        Verb::Pause(args) => act::pause(&args),
+        Verb::Resume(args) => act::resume(&args),
     }
 }
 

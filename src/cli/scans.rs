@@ -2,12 +2,10 @@
 
 use std::fmt::Write;
 
-use serde_json::json;
-
-use super::args::{ExplainArgs, Named, ScansArgs, ShowArgs};
+use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
 use super::status::utc;
 use super::{Exit, ask, complain, shown};
-use crate::flow::account::{Listed, Whole};
+use crate::flow::account::{Happened, Listed, Whole};
 use crate::flow::health::bytes;
 use crate::station::control::protocol::{Answer, Request};
 
@@ -50,7 +48,7 @@ fn list(scans: &[Listed]) -> String {
 }
 
 /// Shows one scan, the patient's id included.
-pub fn show(args: &ShowArgs) -> Exit {
+pub fn show(args: &OneArgs) -> Exit {
     let request = Request::Show { scan: args.scan.clone() };
     let taken = |answer| match answer {
         Answer::Scan(whole) => Some(*whole),
@@ -83,6 +81,11 @@ fn detail(whole: &Whole) -> String {
         }
         rows.extend(delivery.folder.clone().map(|folder| ("record", folder)));
     }
+    rows.push(("", String::new()));
+    rows.extend(whole.history.iter().map(|row| {
+        let Happened { at, event, detail } = row;
+        ("history", format!("{at}  {event}  {detail}"))
+    }));
     let lines = rows.into_iter().map(|(label, value)| {
         let line = format!("{label:<11}  {}", shown(value));
         format!("{}\n", line.trim_end())
@@ -99,12 +102,5 @@ pub fn explain(args: &ExplainArgs) -> Exit {
             return Exit::Usage;
         }
     };
-    let taken = |answer| match answer {
-        Answer::Sentence(sentence) => Some(json!({ "sentence": sentence })),
-        _ => None,
-    };
-    let table = |answer: &serde_json::Value| {
-        format!("{}\n", shown(answer["sentence"].as_str().unwrap_or_default()))
-    };
-    ask::told(&args.ask, &request, taken, table, |_| Exit::Done)
+    ask::sentence(&args.ask, &request)
 }

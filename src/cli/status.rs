@@ -5,19 +5,19 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
-use super::args::StatusArgs;
+use super::args::AskArgs;
 use super::{Exit, ask, shown};
 use crate::flow::health::{age, bytes, words};
 use crate::station::control::protocol::{Answer, Request, SourceStatus, Status};
 
 /// Asks and prints; ends as [`Exit::Io`] when the station is not ready, as `gaiter check` does.
-pub fn status(args: &StatusArgs) -> Exit {
+pub fn status(args: &AskArgs) -> Exit {
     let taken = |answer| match answer {
         Answer::Status(status) => Some(*status),
         _ => None,
     };
     let exit = |status: &Status| if status.ready { Exit::Done } else { Exit::Io };
-    ask::told(&args.ask, &Request::Status, taken, table, exit)
+    ask::told(args, &Request::Status, taken, table, exit)
 }
 
 /// One screen; the first line says whether all is well.

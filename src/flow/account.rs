@@ -73,6 +73,19 @@ pub struct Whole {
     pub summary: Summary,
     /// Its deliveries, in the order of patients and stores.
     pub deliveries: Vec<Delivered>,
+    /// What happened to it, oldest first.
+    pub history: Vec<Happened>,
+}
+
+/// One row of a scan's history.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Happened {
+    /// When, UTC.
+    pub at: String,
+    /// What happened.
+    pub event: String,
+    /// Its details, JSON; they may hold patients' ids.
+    pub detail: String,
 }
 
 /// The scan itself.
@@ -153,7 +166,8 @@ pub fn explain(whole: &Whole, now: Timestamp) -> String {
             "Scan {scan} is held: {why}; a person must look (gaiter show {scan}) and decide."
         );
     }
-    let unassigned = whole.deliveries.iter().any(|delivery| delivery.patient.is_none());
+    let done = in_state(DeliveryState::Delivered);
+    let unassigned = done.is_some_and(|delivery| delivery.patient.is_none());
     let whose = if unassigned {
         "nobody named its patient, so it lies under _unassigned"
     } else {

@@ -3,7 +3,7 @@
 
 use std::io;
 use std::net::SocketAddr;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 
 use axum::Router;
@@ -45,9 +45,8 @@ const RETRY: Duration = Duration::from_secs(10);
 /// None; the type is that of all workers.
 pub async fn worker(station: Arc<Station>, mut stop: Stop) -> Result<(), JoinError> {
     let mut said = false;
-    let mut passed = ListenFd::from_env();
     while !stop.is_requested() {
-        let listened = match given(&mut passed) {
+        let listened = match given() {
             Ok(None) => match station.config.status.listen {
                 Some(address) => TcpListener::bind(address).await.map(Some),
                 None => Ok(None),
@@ -74,17 +73,22 @@ pub async fn worker(station: Arc<Station>, mut stop: Stop) -> Result<(), JoinErr
     Ok(())
 }
 
-/// The socket that the service manager has passed to us, if there is one.
-fn given(passed: &mut ListenFd) -> io::Result<Option<TcpListener>> {
-    let Some(listener) = passed.take_tcp_listener(0)? else { return Ok(None) };
+/// The socket that the service manager has passed to this process. It is kept: a reload begins
+/// anew with workers, not with the process.
+static PASSED: OnceLock<Option<std::net::TcpListener>> = OnceLock::new();
+
+/// That socket, if there is one.
+fn given() -> io::Result<Option<TcpListener>> {
+    let take = || ListenFd::from_env().take_tcp_listener(0).ok().flatten();
+    let Some(listener) = PASSED.get_or_init(take) else { return Ok(None) };
     // Children that measure have no business with it.
-    fcntl_setfd(&listener, FdFlags::CLOEXEC)?;
+    fcntl_setfd(listener, FdFlags::CLOEXEC)?;
     if !listener.local_addr()?.ip().is_loopback() {
         let message = "the socket unit listens on an address that other machines can reach";
         return Err(io::Error::new(io::ErrorKind::AddrNotAvailable, message));
     }
     listener.set_nonblocking(true)?;
-    TcpListener::from_std(listener).map(Some)
+    TcpListener::from_std(listener.try_clone()?).map(Some)
 }
 
 fn port(listener: &TcpListener) -> Option<u16> {

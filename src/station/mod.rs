@@ -14,6 +14,7 @@
 //!
 //! Logs speak of scans by the first digits of their id, never of patients, file names or folders.
 
+pub mod act;
 pub mod assembly;
 pub mod board;
 pub mod control;
@@ -21,12 +22,14 @@ pub mod custody;
 pub mod error;
 pub mod event;
 pub mod journal;
+pub mod measure;
 pub mod overview;
 pub mod quarantine;
 pub mod run;
 pub mod simulated_scanner;
 pub mod spool;
 
+mod beat;
 mod caught;
 mod chance;
 mod delivery;
@@ -34,12 +37,14 @@ mod http;
 mod intake;
 mod look;
 mod metrics;
+mod rebuild;
 mod source;
 mod stop;
 mod take;
 mod watch;
 mod work;
+mod workers;
 
 pub use error::{StationError, Worker};
 pub use event::StationEvent;
-pub use run::run;
+pub use run::{Orders, Reload, run};

@@ -35,7 +35,8 @@ impl Overview {
     /// Looks now. Blocks, on the local disk only.
     pub fn take(station: &Station) -> Overview {
         let (facts, now) = (station.board.facts(), Timestamp::now());
-        let tally = station.custody.journal().tally().ok();
+        let tally = station.custody.journal().tally();
+        let tally = tally.inspect_err(|error| station.mind(error)).ok();
         let pending = |tally: &Tally| {
             let of_all = tally.deliveries.iter().filter(|((_, state), _)| state == "pending");
             of_all.map(|(_, count)| count).sum()

@@ -20,14 +20,6 @@ pub struct AskArgs {
     pub json: bool,
 }
 
-/// `gaiter status`
-#[derive(Debug, clap::Args)]
-pub struct StatusArgs {
-    /// What is asked, and how.
-    #[command(flatten)]
-    pub ask: AskArgs,
-}
-
 /// `gaiter scans`
 #[derive(Debug, clap::Args)]
 pub struct ScansArgs {
@@ -43,9 +35,9 @@ pub struct ScansArgs {
     pub ask: AskArgs,
 }
 
-/// `gaiter show`
+/// `gaiter show`, `retry`, `release` and `assign`
 #[derive(Debug, clap::Args)]
-pub struct ShowArgs {
+pub struct OneArgs {
     /// The scan: the first digits of its id, at least four, as `gaiter scans` and the log show them
     #[arg(value_name = "ID", value_parser = digits)]
     pub scan: String,

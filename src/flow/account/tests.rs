@@ -29,6 +29,7 @@ fn whole(state: ScanState, delivery: DeliveryState, attempts: u64) -> Whole {
             next_at: (attempts > 0).then(|| at(900)),
             folder: Some("/srv/records/4711/x".to_owned()),
         }],
+        history: Vec::new(),
     }
 }
 

@@ -8,9 +8,10 @@ use super::protocol::{
 use crate::flow::facts::IntakeState;
 use crate::flow::health::age;
 use crate::flow::{ScanId, account};
+use crate::station::act::{Act, ActFault, act};
 use crate::station::assembly::Station;
 use crate::station::error::chain;
-use crate::station::journal::JournalError;
+use crate::station::journal::{HistoryRow, JournalError};
 use crate::station::overview::Overview;
 
 /// Answers a request.
@@ -26,6 +27,13 @@ pub fn answer(station: &Station, request: &Request) -> Answer {
             let whole = whole(station, scan);
             whole.map(|whole| Answer::Sentence(account::explain(&whole, Timestamp::now())))
         }
+        Request::Retry { scan } => acted(station, Some(scan), &Act::Retry),
+        Request::Release { scan } => acted(station, Some(scan), &Act::Release),
+        Request::Assign { scan, patient } => {
+            acted(station, Some(scan), &Act::Assign(patient.clone()))
+        }
+        Request::Pause => acted(station, None, &Act::Pause),
+        Request::Resume => acted(station, None, &Act::Resume),
     };
     answered.unwrap_or_else(Answer::Fault)
 }
@@ -54,10 +62,20 @@ fn named(station: &Station, digits: &str) -> Result<ScanId, Fault> {
 
 fn whole(station: &Station, digits: &str) -> Result<account::Whole, Fault> {
     let scan = named(station, digits)?;
-    let whole = station.custody.journal().whole(&scan)?;
-    whole.ok_or_else(|| {
+    let journal = station.custody.journal();
+    let mut whole = journal.whole(&scan)?.ok_or_else(|| {
         Fault::new(FaultKind::Unknown, "scan-unknown", "the scan has just been forgotten")
-    })
+    })?;
+    let rows = journal.history(&scan)?.into_iter();
+    let happened = |HistoryRow { at, event, detail }| account::Happened { at, event, detail };
+    whole.history = rows.map(happened).collect();
+    Ok(whole)
+}
+
+/// Carries out what a person decided.
+fn acted(station: &Station, digits: Option<&str>, decided: &Act) -> Result<Answer, Fault> {
+    let scan = digits.map(|digits| named(station, digits)).transpose()?;
+    Ok(Answer::Sentence(act(station, scan.as_ref(), decided)?))
 }
 
 fn status(station: &Station) -> Status {
@@ -104,5 +122,22 @@ fn status(station: &Station) -> Status {
 impl From<JournalError> for Fault {
     fn from(error: JournalError) -> Fault {
         Fault::new(FaultKind::Failed, "journal-failed", chain(&error))
+    }
+}
+
+impl From<ActFault> for Fault {
+    fn from(fault: ActFault) -> Fault {
+        let kind = match fault {
+            ActFault::Unknown => FaultKind::Unknown,
+            ActFault::NoScan
+            | ActFault::NoOccasion(_)
+            | ActFault::NotAnId
+            | ActFault::Somebodys => FaultKind::Request,
+            ActFault::NoBytes
+            | ActFault::Custody(_)
+            | ActFault::Journal(_)
+            | ActFault::Store(_) => FaultKind::Failed,
+        };
+        Fault::new(kind, fault.code(), chain(&fault))
     }
 }

@@ -42,6 +42,27 @@ pub enum Request {
         /// The beginning of its id.
         scan: String,
     },
+    /// A refused scan is to be tried again, and one that waits at once.
+    Retry {
+        /// The beginning of its id.
+        scan: String,
+    },
+    /// A held scan is the patient's for whom it came in.
+    Release {
+        /// The beginning of its id.
+        scan: String,
+    },
+    /// A scan that came in for nobody is this patient's.
+    Assign {
+        /// The beginning of its id.
+        scan: String,
+        /// The patient's id.
+        patient: String,
+    },
+    /// No scan is to be taken until somebody resumes.
+    Pause,
+    /// Go on.
+    Resume,
 }
 
 /// What the station answers.

@@ -109,7 +109,7 @@ impl Journal {
         rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
     }
 
-    /// Everything that is known of a scan; none for one never seen.
+    /// Everything that is known of a scan but its history; none for one never seen.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -147,7 +147,7 @@ impl Journal {
             })
         })?;
         let deliveries = rows.collect::<Result<_, _>>()?;
-        Ok(Some(Whole { scan: scan.to_string(), summary, deliveries }))
+        Ok(Some(Whole { scan: scan.to_string(), summary, deliveries, history: Vec::new() }))
     }
 }
 

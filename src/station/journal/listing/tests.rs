@@ -3,7 +3,7 @@
 use super::*;
 use crate::flow::DeliveryState::{Delivered as Done, Held, Pending};
 use crate::record::{Patient, Source, SourceKind};
-use crate::station::journal::{Due, ScanRow};
+use crate::station::journal::ScanRow;
 
 fn scan(digits: &str) -> ScanId {
     ScanId::parse(&format!("{digits:0<64}")).unwrap()
@@ -25,7 +25,7 @@ fn enter(journal: &Journal, digits: &str, second: i64, id: Option<&str>, state: 
         state: scanned,
     };
     let code = (state == Held).then_some("same-scan-other-patient");
-    journal.enter(&row, id.map(patient).as_ref(), "folder", state, code).unwrap();
+    journal.enter(&row, id.map(patient).as_ref(), &["folder"], state, code).unwrap();
 }
 
 /// A scan in each state: abcd waits, abce is refused, 1111 is delivered and held for another.
@@ -104,9 +104,9 @@ fn the_beginning_of_an_id_finds_all_that_begin_so() {
 #[test]
 fn a_scan_is_shown_whole_with_its_deliveries() {
     let (_dir, journal) = journal();
-    let due = Due { scan: scan("abcd"), patient: Some(patient("4711")) };
+    let due = journal.pending().unwrap().remove(0);
     let next_at = Timestamp::from_second(999).unwrap();
-    journal.put_off(&due, "folder", next_at).unwrap();
+    journal.put_off(&due, "store-unavailable", next_at).unwrap();
     let whole = journal.whole(&scan("abcd")).unwrap().unwrap();
     assert_eq!(whole.deliveries[0].attempts, 1);
     assert_eq!(whole.deliveries[0].next_at, Some(next_at));
