@@ -9,12 +9,14 @@ mod notation;
 mod parse;
 mod place;
 mod reader;
+mod seeing;
 #[cfg(test)]
 mod tests;
 mod watch;
 pub mod words;
 
 use std::io;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -25,6 +27,7 @@ use crate::flow::retention::Retention;
 use crate::leg::Method;
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
+pub use seeing::{control_path, state_dir};
 pub use watch::WatchConfig;
 
 /// The whole configuration of a station, checked.
@@ -46,6 +49,10 @@ pub struct Config {
     pub store: StoreConfig,
     /// `[retention]`: how long what has served is kept.
     pub retention: Retention,
+    /// `[status]`
+    pub status: StatusConfig,
+    /// `[log]`
+    pub log: LogConfig,
     /// The text it was read from, for the process that measures.
     pub text: String,
 }
@@ -112,6 +119,31 @@ pub struct StoreConfig {
 pub struct FolderStoreConfig {
     /// The folder that holds a folder per patient.
     pub path: PathBuf,
+}
+
+/// `[status]`: what the station says of itself, and where.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StatusConfig {
+    /// A scan without a record for longer than this makes the station not ready.
+    pub overdue: Duration,
+    /// Where metrics and health can be asked for, on this machine only; nowhere if none.
+    pub listen: Option<SocketAddr>,
+}
+
+/// `[log]`: what the log looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LogConfig {
+    /// How an event is written.
+    pub format: LogFormat,
+}
+
+/// How an event of the log is written, one a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogFormat {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
 }
 
 /// Why a file gave no configuration.

@@ -120,6 +120,20 @@ pub enum What {
     /// A path with a control character, mostly a `\r` or `\t` that was meant as a folder's name.
     #[error("\"{0}\" holds a control character")]
     ControlInPath(String),
+    /// A folder in which the control socket would have a path that the system does not take.
+    #[error("has {length} bytes; the station's control socket in it allows {most}")]
+    LongPath {
+        /// Its length, bytes.
+        length: usize,
+        /// What is allowed, bytes.
+        most: usize,
+    },
+    /// Not an address with a port.
+    #[error("\"{0}\" is not an address and port")]
+    NotAnAddress(String),
+    /// An address that other machines may reach.
+    #[error("\"{0}\" can be reached from other machines")]
+    NotLoopback(String),
     /// A list that needs an entry.
     #[error("is an empty list")]
     EmptyList,
@@ -204,6 +218,13 @@ impl What {
             What::ClimbingPath(_) => "write where the path really leads, without ..".into(),
             What::ControlInPath(_) => {
                 "in double quotes a \\ begins a special character; use single quotes".into()
+            }
+            What::LongPath { .. } => "choose a shorter path: \"/var/lib/gaiter\"".into(),
+            What::NotAnAddress(_) => {
+                r#"write "off", or an address of this machine and a port: "127.0.0.1:9184""#.into()
+            }
+            What::NotLoopback(_) => {
+                r#"what stands there is for this machine only: "127.0.0.1:9184""#.into()
             }
             What::EmptyList => "name at least one folder that the scanner exports to".into(),
             What::Twice(_) => "remove one of the two".into(),

@@ -9,6 +9,7 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
+use super::seeing;
 use super::words::{
     AXES, B1S, B1Word, FACINGS, FILES, FITS, KNOTS, SCOPES, SURFACES, UNITS, UPS, Words,
     faces_up_or_down,
@@ -94,9 +95,10 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
-
     let retention = retention(reader);
+    let (status, log) = (seeing::status(reader), seeing::log(reader));
 
+    seeing::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
     if let (Some(up), Some(facing)) = (&up, &facing)
@@ -141,6 +143,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             copy: copy.map(|found| FolderStoreConfig { path: found.value }),
         },
         retention: retention?,
+        status: status?,
+        log: log?,
         text: String::new(),
     })
 }

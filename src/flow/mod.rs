@@ -5,12 +5,14 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+pub mod account;
 pub mod acquired;
 pub mod backoff;
 pub mod companions;
 pub mod explain;
 pub mod facts;
 pub mod file_system;
+pub mod health;
 pub mod identity;
 pub mod lifecycle;
 pub mod mount;

@@ -33,7 +33,7 @@ pub struct File {
 }
 
 /// The export folder.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Scanner {
     /// Its files.
     pub files: BTreeMap<PathBuf, File>,
@@ -44,6 +44,11 @@ pub struct Scanner {
 }
 
 impl Scanner {
+    /// An empty folder in reach.
+    pub fn new() -> Scanner {
+        Scanner { files: BTreeMap::new(), in_reach: true, stamps: 0, names: 0 }
+    }
+
     /// Begins an export, mostly of a new scan, now and then of one that was exported before, under
     /// the same name or another's.
     pub fn begin(&mut self, chance: &mut Chance) {

@@ -68,7 +68,7 @@ impl World {
         World {
             chance: Chance(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)),
             now: Duration::ZERO,
-            scanner: Scanner { in_reach: true, ..Scanner::default() },
+            scanner: Scanner::new(),
             station: Station::new(),
             disk: Disk::default(),
             stores: Default::default(),
