@@ -135,9 +135,8 @@ fn a_store_that_is_gone_makes_the_station_not_ready_until_it_is_back() {
         complaints.iter().any(|complaint| complaint["code"] == "delivery-overdue")
             && status["oldest"]["scan"] == *scan
     });
-    booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE attempts > 0", 1);
     let said = stdout(&gaiter(&booth, &["explain", scan]));
-    assert!(said.contains("did not take its record"), "{said}");
+    assert!(said.contains("waits for the store"), "{said}");
     assert_eq!(said.lines().count(), 1, "{said}");
     fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();
     booth.wait_for_records(1);
@@ -268,7 +267,8 @@ fn gaiter_told(booth: &Booth, args: &[&str], line: &str) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gaiter"));
     command.args(args).arg("--config").arg(booth.path("station.toml")).stdin(Stdio::piped());
     let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(line.as_bytes()).unwrap();
+    // A verb that refuses its arguments ends without reading.
+    let _ = child.stdin.take().unwrap().write_all(line.as_bytes());
     child.wait_with_output().unwrap()
 }
 

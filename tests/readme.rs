@@ -50,6 +50,9 @@ fn events(folder: &Path, found: &mut BTreeSet<String>) {
         // or a `let event` that chooses between two.
         let plain = text.split("event = \"").skip(1);
         let bound = text.split("(event, ").skip(1).filter_map(|rest| rest.split_once(") = (\""));
+        let chosen = text.split("let event = ").skip(1).filter_map(|rest| rest.split(';').next());
+        let chosen = chosen.flat_map(|choice| choice.split('"').skip(1).step_by(2));
+        found.extend(chosen.map(str::to_owned));
         let codes =
             plain.chain(bound.map(|(_, rest)| rest)).filter_map(|rest| rest.split('"').next());
         found.extend(codes.map(str::to_owned));

@@ -1,8 +1,11 @@
 //! What the journal knows of scans, as it is told to people and programs, and one scan in a sentence.
 
+use std::collections::BTreeMap;
+
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use super::facts::StoreFacts;
 use super::health::{age, words};
 use super::identity::SAME_SCAN_OTHER_PATIENT;
 use super::{DeliveryState, ScanState};
@@ -126,8 +129,8 @@ pub struct Delivered {
     pub folder: Option<String>,
 }
 
-/// Why a scan is where it is, in one sentence; names no patient.
-pub fn explain(whole: &Whole, now: Timestamp) -> String {
+/// Why a scan is where it is, in one sentence; names no patient. `stores` tells how each store is.
+pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestamp) -> String {
     let (scan, summary) = (whole.scan.get(..8).unwrap_or(&whole.scan), &whole.summary);
     let code = |code: &Option<String>| code.clone().unwrap_or_else(|| "no code".to_owned());
     let in_state = |state: DeliveryState| {
@@ -139,6 +142,14 @@ pub fn explain(whole: &Whole, now: Timestamp) -> String {
     }
     if let Some(pending) = in_state(DeliveryState::Pending) {
         let waited = words(age(summary.first_seen, now));
+        let store = stores.get(pending.store.as_str());
+        if let Some(fault) = store.and_then(|store| store.fault.as_ref()) {
+            let store = &pending.store;
+            return format!(
+                "Scan {scan} is safe in the spool since {waited} and waits for the store \
+                 \"{store}\", which takes nothing now: {fault}."
+            );
+        }
         return match (pending.attempts, pending.next_at) {
             (0, _) => format!(
                 "Scan {scan} is safe in the spool since {waited} and waits for its turn to be \

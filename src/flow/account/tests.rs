@@ -46,7 +46,7 @@ fn each_state_is_said_in_a_sentence_of_its_own() {
         (whole(ScanState::Delivered, DeliveryState::Delivered, 0), "nothing is left to do."),
     ];
     for (whole, expected) in cases {
-        let said = explain(&whole, at(600));
+        let said = explain(&whole, &BTreeMap::new(), at(600));
         assert!(said.starts_with("Scan abcdabcd ") && said.ends_with('.'), "{said}");
         assert!(said.contains(expected), "{said}");
         assert!(!said.contains("4711"), "{said} names the patient");
@@ -55,7 +55,8 @@ fn each_state_is_said_in_a_sentence_of_its_own() {
 
 #[test]
 fn an_attempt_to_come_is_told_with_its_time() {
-    let said = explain(&whole(ScanState::Spooled, DeliveryState::Pending, 3), at(600));
+    let said =
+        explain(&whole(ScanState::Spooled, DeliveryState::Pending, 3), &BTreeMap::new(), at(600));
     assert!(said.contains("since 10 minutes") && said.contains("in 5 minutes"), "{said}");
 }
 
@@ -64,12 +65,20 @@ fn what_waits_goes_before_what_is_held() {
     let mut both = whole(ScanState::Spooled, DeliveryState::Pending, 0);
     let held = Delivered { state: "held".to_owned(), ..both.deliveries[0].clone() };
     both.deliveries.insert(0, held);
-    assert!(explain(&both, at(1)).contains("waits for its turn"));
+    assert!(explain(&both, &BTreeMap::new(), at(1)).contains("waits for its turn"));
 }
 
 #[test]
 fn a_record_without_a_patient_says_so() {
     let mut nobody = whole(ScanState::Delivered, DeliveryState::Delivered, 0);
     nobody.deliveries[0].patient = None;
-    assert!(explain(&nobody, at(1)).contains("_unassigned"));
+    assert!(explain(&nobody, &BTreeMap::new(), at(1)).contains("_unassigned"));
+}
+
+#[test]
+fn a_scan_whose_store_is_away_waits_for_the_store_and_not_for_its_turn() {
+    let fault = StoreFacts { fault: Some("opening failed".to_owned()), since: at(0) };
+    let stores = BTreeMap::from([("folder", fault)]);
+    let said = explain(&whole(ScanState::Spooled, DeliveryState::Pending, 0), &stores, at(1));
+    assert!(said.contains("waits for the store") && said.contains("opening failed"), "{said}");
 }

@@ -25,7 +25,13 @@ pub fn answer(station: &Station, request: &Request) -> Answer {
         Request::Show { scan } => whole(station, scan).map(Box::new).map(Answer::Scan),
         Request::ExplainScan { scan } => {
             let whole = whole(station, scan);
-            whole.map(|whole| Answer::Sentence(account::explain(&whole, Timestamp::now())))
+            whole.map(|whole| {
+                Answer::Sentence(account::explain(
+                    &whole,
+                    &station.board.facts().stores,
+                    Timestamp::now(),
+                ))
+            })
         }
         Request::Retry { scan } => acted(station, Some(scan), &Act::Retry),
         Request::Release { scan } => acted(station, Some(scan), &Act::Release),
