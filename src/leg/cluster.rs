@@ -37,13 +37,14 @@ pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
 /// The points of each inhabited cell that comes after `place` in order and lies within a link.
 fn neighbours(by_cell: &[(Cell, u32)], [x, y]: Cell) -> impl Iterator<Item = &[(Cell, u32)]> {
     const REACH: i64 = 2;
-    let offsets = (0..=REACH).flat_map(|dx| (-REACH..=REACH).map(move |dy| (dx, dy)));
-    let after = offsets.filter(|offset| *offset > (0, 0));
-    after.filter_map(move |(dx, dy)| {
-        let of = [x.saturating_add(dx), y.saturating_add(dy)];
-        let from = by_cell.partition_point(|entry| entry.0 < of);
-        let to = from + by_cell[from..].partition_point(|entry| entry.0 == of);
-        (from < to).then(|| &by_cell[from..to])
+    // The cells of one x stand side by side.
+    (0..=REACH).flat_map(move |dx| {
+        let x = x.saturating_add(dx);
+        let lowest = if dx == 0 { y.saturating_add(1) } else { y.saturating_sub(REACH) };
+        let highest = y.saturating_add(REACH);
+        let from = by_cell.partition_point(|entry| entry.0 < [x, lowest]);
+        let near = by_cell[from..].iter().take_while(|entry| entry.0 <= [x, highest]).count();
+        by_cell[from..from + near].chunk_by(|a, b| a.0 == b.0)
     })
 }
 

@@ -106,17 +106,25 @@ impl Columns {
 
     /// The column at an angle, radians in [−π, π).
     pub fn column(&self, along_mm: f64, angle: f64) -> f64 {
+        self.at(along_mm)(angle)
+    }
+
+    /// The column at any angle, radians in [−π, π), at one distance along the axis.
+    pub fn at(&self, along_mm: f64) -> impl Fn(f64) -> f64 {
+        let (bend, around) = (self.bend.around_at(along_mm), self.bend.around());
         // δ changes by half of v's change at most, so each step at least halves the distance.
-        let mut v = angle;
-        for _ in 0..INVERSE_STEPS {
-            let next = angle - self.bend.value(along_mm, v);
-            let moved = (next - v).abs();
-            v = next;
-            if moved < INVERSE_REST {
-                break;
+        move |angle| {
+            let mut v = angle;
+            for _ in 0..INVERSE_STEPS {
+                let next = angle - around.row(v).dot(&bend);
+                let moved = (next - v).abs();
+                v = next;
+                if moved < INVERSE_REST {
+                    break;
+                }
             }
+            home(v)
         }
-        home(v)
     }
 
     /// The largest change of the distance of neighbouring columns, as a share of it.

@@ -9,6 +9,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 use nalgebra::{Point2, Point3};
 
 use super::axis::LegAxis;
+use super::harmonic::Harmonics;
 use super::section::Section;
 use super::turn::{Cap, Turn, standing_out};
 use super::{curvature, harmonic};
@@ -62,7 +63,7 @@ pub struct Feature {
 
 /// The feature points of a section in order around from the front: P1, P2, …
 pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
-    let (curvatures, turns) = turns(section);
+    let (curvatures, turns) = turns(section, &angles());
     let error = CurvatureError::of(section);
     let feature = |turn: Turn| {
         let cap = turn.cap(&curvatures, alike(section));
@@ -83,17 +84,22 @@ pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
     found
 }
 
+/// The angles at which the curvature of any section is taken, with their harmonics.
+pub fn angles() -> Harmonics {
+    Harmonics::at(ANGLES)
+}
+
 /// The angles of the peaks among them, radians in (−π, π].
-pub fn peaks(section: &Section) -> Vec<f64> {
-    let (curvatures, turns) = turns(section);
+pub fn peaks(section: &Section, angles: &Harmonics) -> Vec<f64> {
+    let (curvatures, turns) = turns(section, angles);
     let peaks = turns.into_iter().filter(|turn| turn.is_peak);
     let middle = |turn: Turn| turn.index as f64 + turn.cap(&curvatures, alike(section)).middle;
     peaks.map(|turn| wrapped(angle(middle(turn)))).collect()
 }
 
 /// The curvature around a section and where it turns by more than roundness and noise explain.
-fn turns(section: &Section) -> (Vec<f64>, Vec<Turn>) {
-    let curvatures = curvature::around(&outline(section));
+fn turns(section: &Section, angles: &Harmonics) -> (Vec<f64>, Vec<Turn>) {
+    let curvatures = curvature::around(&outline(section, angles));
     let noise = PROMINENCE_MIN_SD * SQRT_2 * CurvatureError::of(section).sd();
     let turns = standing_out(&curvatures, alike(section).max(noise));
     (curvatures, turns)
@@ -110,11 +116,16 @@ fn angle(index: f64) -> f64 {
 }
 
 /// The section without its finest harmonics, relative to its centre, from −180° on.
-fn outline(section: &Section) -> Vec<Point2<f64>> {
-    let angles = || (0..ANGLES).map(|index| angle(index as f64));
-    let radii: Vec<f64> = angles().map(|angle| section.curve.radius(angle)).collect();
-    let smooth = harmonic::smoothed(&radii);
-    angles().zip(smooth).map(|(angle, r)| Point2::new(r * angle.cos(), r * angle.sin())).collect()
+fn outline(section: &Section, angles: &Harmonics) -> Vec<Point2<f64>> {
+    let radii = (0..ANGLES).map(|index| section.curve.radius(angle(index as f64)));
+    let smooth = angles.smoothed(&radii.collect::<Vec<f64>>());
+    // The first angle is −180°, so that each direction is the opposite one.
+    let directions = angles.directions().map(|(cos, sin)| (-cos, -sin));
+    smooth
+        .into_iter()
+        .zip(directions)
+        .map(|(r, (cos, sin))| Point2::new(r * cos, r * sin))
+        .collect()
 }
 
 /// What the scan's noise makes of the curvature: standard errors of its harmonics, 1/mm, each for

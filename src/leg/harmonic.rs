@@ -23,27 +23,61 @@ pub fn kept(harmonic: usize) -> f64 {
     1.0 / (1.0 + (harmonic as f64 / HALVED_HARMONIC).powi(POWER))
 }
 
-/// The values, at equal angles all around, with each of their harmonics kept by its share.
-pub fn smoothed(values: &[f64]) -> Vec<f64> {
-    let count = values.len();
-    let turn: Vec<(f64, f64)> =
-        (0..count).map(|step| (TAU * step as f64 / count as f64).sin_cos()).collect();
-    let mut smooth = vec![values.iter().sum::<f64>() / count as f64; count];
-    for harmonic in 1..=FINEST.min(count / 2) {
-        let place = |index: usize| turn[harmonic * index % count];
-        let (mut sine, mut cosine) = (0.0, 0.0);
-        for (index, value) in values.iter().enumerate() {
-            let (sin, cos) = place(index);
-            sine += value * sin;
-            cosine += value * cos;
-        }
-        let share = 2.0 * kept(harmonic) / count as f64;
-        for (index, value) in smooth.iter_mut().enumerate() {
-            let (sin, cos) = place(index);
-            *value += share * (sine * sin + cosine * cos);
-        }
+/// Sine and cosine of each harmonic.
+const WAVES: usize = 2 * FINEST;
+
+/// Sums that are taken side by side.
+const LANES: usize = 4;
+
+/// The harmonics at equal angles all around, for any number of outlines.
+pub struct Harmonics {
+    /// For each angle the cosines of all harmonics, then their sines; 0 for what so few angles do
+    /// not tell apart.
+    waves: Vec<[f64; WAVES]>,
+}
+
+impl Harmonics {
+    /// The harmonics at so many angles.
+    pub fn at(count: usize) -> Harmonics {
+        let turn: Vec<(f64, f64)> =
+            (0..count).map(|step| (TAU * step as f64 / count as f64).sin_cos()).collect();
+        let waves = |index: usize| {
+            let mut waves = [0.0; WAVES];
+            for harmonic in 1..=FINEST.min(count / 2) {
+                let (sin, cos) = turn[harmonic * index % count];
+                (waves[harmonic - 1], waves[FINEST + harmonic - 1]) = (cos, sin);
+            }
+            waves
+        };
+        Harmonics { waves: (0..count).map(waves).collect() }
     }
-    smooth
+
+    /// As many values as there are angles, with each of their harmonics kept by its share.
+    pub fn smoothed(&self, values: &[f64]) -> Vec<f64> {
+        let count = values.len() as f64;
+        let mut sizes = [0.0; WAVES];
+        for (value, waves) in values.iter().zip(&self.waves) {
+            sizes.iter_mut().zip(waves).for_each(|(size, wave)| *size += value * wave);
+        }
+        for (index, size) in sizes.iter_mut().enumerate() {
+            *size *= 2.0 * kept(index % FINEST + 1) / count;
+        }
+        let mean = values.iter().sum::<f64>() / count;
+        let smooth = |waves: &[f64; WAVES]| {
+            let mut sums = [0.0; LANES];
+            for (sizes, waves) in sizes.chunks_exact(LANES).zip(waves.chunks_exact(LANES)) {
+                let parts = sums.iter_mut().zip(sizes).zip(waves);
+                parts.for_each(|((sum, size), wave)| *sum += size * wave);
+            }
+            mean + sums.iter().sum::<f64>()
+        };
+        self.waves.iter().map(smooth).collect()
+    }
+
+    /// The direction of each angle, as cosine and sine.
+    pub fn directions(&self) -> impl Iterator<Item = (f64, f64)> {
+        self.waves.iter().map(|waves| (waves[0], waves[FINEST]))
+    }
 }
 
 #[cfg(test)]
@@ -53,11 +87,12 @@ mod tests {
     #[test]
     fn each_harmonic_keeps_its_share_and_its_place() {
         let at = |index: usize| TAU * index as f64 / 360.0;
+        let harmonics = Harmonics::at(360);
         for harmonic in [1, 2, 4, 7, 15, 24, 30] {
             let wave = |index: usize| (harmonic as f64 * (at(index) - 0.4)).cos();
             let values: Vec<f64> = (0..360).map(|index| 50.0 + wave(index)).collect();
             let share = if harmonic <= FINEST { kept(harmonic) } else { 0.0 };
-            for (index, value) in smoothed(&values).iter().enumerate() {
+            for (index, value) in harmonics.smoothed(&values).iter().enumerate() {
                 assert!((value - 50.0 - share * wave(index)).abs() < 1e-12, "{harmonic}, {index}");
             }
         }

@@ -57,14 +57,11 @@ impl Coverage {
         let inside = places.iter().filter(|(u, _)| (from_mm..=to_mm).contains(u)).count();
         let spacing_mm = (raster.area_mm2() / inside.max(1) as f64).sqrt();
         let reach_mm = (RADIUS_SPACINGS * spacing_mm).max(RADIUS_MIN_MM);
-        let mut empty = vec![true; raster.radii_mm.len() * CELLS_AROUND];
-        for &(along_mm, column) in places {
-            raster.each_within(along_mm, column, reach_mm, |cell| empty[cell] = false);
-        }
-        let mut in_hole = vec![false; empty.len()];
-        for cell in (0..empty.len()).filter(|cell| empty[*cell]) {
-            let (along_mm, column) = raster.middle(cell);
-            raster.each_within(along_mm, column, reach_mm, |near| in_hole[near] = true);
+        let mut near_a_point = vec![false; raster.radii_mm.len() * CELLS_AROUND];
+        places.iter().for_each(|place| raster.set_within(&mut near_a_point, *place, reach_mm));
+        let mut in_hole = vec![false; near_a_point.len()];
+        for cell in (0..near_a_point.len()).filter(|cell| !near_a_point[*cell]) {
+            raster.set_within(&mut in_hole, raster.middle(cell), reach_mm);
         }
         let holes = raster.holes(&in_hole);
         Coverage { from_mm, cell_mm: raster.cell_mm, in_hole, holes }
@@ -105,25 +102,27 @@ impl Raster {
         (along_mm, -PI + TAU * (column as f64 + 0.5) / CELLS_AROUND as f64)
     }
 
-    /// Every cell whose middle is within reach of a place.
-    fn each_within(&self, along_mm: f64, column: f64, reach_mm: f64, mut each: impl FnMut(usize)) {
+    /// Sets every cell whose middle is within reach of a place.
+    fn set_within(&self, cells: &mut [bool], (along_mm, column): (f64, f64), reach_mm: f64) {
         let row =
             |along_mm: f64| ((along_mm - self.from_mm) / self.cell_mm).floor().max(0.0) as usize;
         let last = (row(along_mm + reach_mm) + 1).min(self.radii_mm.len());
-        let home = column_cell(column);
+        // In cells from the middle of the first one on.
+        let home = (column + PI) / TAU * CELLS_AROUND as f64 - 0.5;
         for row in row(along_mm - reach_mm)..last {
-            let radius_mm = self.radii_mm[row];
-            let step_mm = TAU * radius_mm / CELLS_AROUND as f64;
-            let aside = ((reach_mm / step_mm) as usize + 1).min(CELLS_AROUND / 2);
-            for offset in 0..=2 * aside {
-                let cell = (home + CELLS_AROUND + offset - aside) % CELLS_AROUND;
-                let cell = row * CELLS_AROUND + cell;
-                let (middle_mm, middle) = self.middle(cell);
-                let turn = middle - column;
-                let turn = turn - TAU * (turn / TAU).round();
-                if (middle_mm - along_mm).powi(2) + (radius_mm * turn).powi(2) <= reach_mm.powi(2) {
-                    each(cell);
-                }
+            let up_mm = self.from_mm + self.cell_mm * (row as f64 + 0.5) - along_mm;
+            let aside_mm2 = reach_mm * reach_mm - up_mm * up_mm;
+            if aside_mm2 < 0.0 {
+                continue;
+            }
+            let aside = aside_mm2.sqrt() / self.radii_mm[row] / TAU * CELLS_AROUND as f64;
+            let cells = &mut cells[row * CELLS_AROUND..(row + 1) * CELLS_AROUND];
+            if 2.0 * aside >= CELLS_AROUND as f64 {
+                cells.fill(true);
+                continue;
+            }
+            for cell in (home - aside).ceil() as i64..=(home + aside).floor() as i64 {
+                cells[cell.rem_euclid(CELLS_AROUND as i64) as usize] = true;
             }
         }
     }

@@ -13,7 +13,7 @@ impl Hull {
     /// span an area.
     pub fn of(points: &[Point2<f64>]) -> Option<Hull> {
         let mut sorted = points.to_vec();
-        sorted.sort_by(|p, q| p.x.total_cmp(&q.x).then(p.y.total_cmp(&q.y)));
+        sorted.sort_by(|p, q| p.x.total_cmp(&q.x).then_with(|| p.y.total_cmp(&q.y)));
         sorted.dedup();
         let mut corners = half_hull(sorted.iter());
         let upper = half_hull(sorted.iter().rev());

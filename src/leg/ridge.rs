@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use super::feature::peaks;
+use super::feature::{angles, peaks};
 use super::section::{SPACING_MM, Section};
 
 /// From one section to the next a ridge moves by no more than this along the skin, mm: it runs
@@ -52,9 +52,10 @@ impl Ridge {
 
 /// The ridges of a leg's sections, which ascend.
 pub fn ridges(sections: &[&Section]) -> Vec<Ridge> {
+    let angles = angles();
     let mut ridges: Vec<Ridge> = Vec::new();
     for (row, section) in sections.iter().enumerate() {
-        let mut peaks = peaks(section);
+        let mut peaks = peaks(section, &angles);
         let radius_mm = section.girth.contour_mm / TAU;
         while let Some((ridge, peak)) = nearest(&ridges, &peaks, row, radius_mm) {
             let last = ridges[ridge].last().angle;

@@ -3,12 +3,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Point2, Point3};
+use nalgebra::{Point2, Point3, Vector2};
 
 use super::axis::LegAxis;
 use super::hull::Hull;
 use super::polynomial::Polynomial;
-use crate::spline::Basis;
+use crate::spline::{Basis, Row};
 
 /// Angles at which a curve's girth is measured; the chord error is 3·10⁻⁶ of the girth.
 const GIRTH_ANGLES: usize = 720;
@@ -141,8 +141,38 @@ pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
 
 /// Circumference of a closed curve; none where it encloses nothing.
 pub fn girth(curve: &Curve) -> Option<Girth> {
-    let points = curve.points(GIRTH_ANGLES);
-    let next = points.iter().cycle().skip(1);
-    let contour_mm = points.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
-    Some(Girth { tape_mm: Hull::of(&points)?.perimeter(), contour_mm })
+    Girth::of(&curve.points(GIRTH_ANGLES))
+}
+
+impl Girth {
+    /// Circumference of a closed polygon; none where it encloses nothing.
+    fn of(points: &[Point2<f64>]) -> Option<Girth> {
+        let next = points.iter().cycle().skip(1);
+        let contour_mm = points.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
+        Some(Girth { tape_mm: Hull::of(points)?.perimeter(), contour_mm })
+    }
+}
+
+/// The angles at which girths are measured, for any number of periodic curves in one basis.
+#[derive(Debug, Clone)]
+pub struct Spokes {
+    /// The basis' values at each angle, and the angle's direction.
+    spokes: Vec<(Row, Vector2<f64>)>,
+}
+
+impl Spokes {
+    /// The angles for curves in a basis.
+    pub fn of(basis: &Basis) -> Spokes {
+        let angles = (0..GIRTH_ANGLES).map(|index| -PI + TAU * index as f64 / GIRTH_ANGLES as f64);
+        let spoke = |angle: f64| (basis.row(angle), Vector2::new(angle.cos(), angle.sin()));
+        Spokes { spokes: angles.map(spoke).collect() }
+    }
+
+    /// As [`girth`], of the curve with these coefficients.
+    pub fn girth(&self, coefficients: &[f64]) -> Option<Girth> {
+        let point = |(row, direction): &(Row, Vector2<f64>)| {
+            Point2::from(direction * row.dot(coefficients))
+        };
+        Girth::of(&self.spokes.iter().map(point).collect::<Vec<_>>())
+    }
 }

@@ -13,7 +13,7 @@ use nalgebra::Point2;
 
 use super::axis::{LegAxis, outline_centroid};
 use super::gap::{GAP_MAX_DEG, largest_gap_deg};
-use super::section::{Curve, Outline, Section, girth, r2};
+use super::section::{Curve, Outline, Section, Spokes, r2};
 use super::segment::Leg;
 use super::wave::{Left, Waves};
 use crate::spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
@@ -58,6 +58,8 @@ pub struct Skin {
     fit: TensorFit,
     /// What is added to the fitted radius.
     waves: Waves,
+    /// Where the girths of its sections are measured.
+    spokes: Spokes,
     /// Points of the scan that the fit believes, by their distance along the axis.
     points: Vec<SkinPoint>,
     /// The others, likewise.
@@ -102,13 +104,13 @@ impl Skin {
         let (u, v) = (column(|p| p.along_mm), column(|p| p.angle));
         let radii = column(|p| p.radius_mm);
         let data = Scatter { u: &u, v: &v, value: &radii };
-        let fit = fit_scatter(&data, along.clone(), around, SCALE_MIN_MM).ok()?;
+        let fit = fit_scatter(&data, along.clone(), around.clone(), SCALE_MIN_MM).ok()?;
         let left: Vec<f64> = points
             .iter()
             .map(|point| point.radius_mm - fit.function.value(point.along_mm, point.angle))
             .collect();
         let left = Left { along: &u, angle: &v, value: &left, weight: &fit.weights };
-        let (waves, residuals) = Waves::of(&left, &along)?;
+        let (waves, residuals) = Waves::of(&left, &along, &around)?;
         for (point, residual) in points.iter_mut().zip(residuals) {
             point.residual_mm = residual;
         }
@@ -120,7 +122,8 @@ impl Skin {
         let area: f64 =
             points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
         let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
-        Some(Skin { middle, fit, waves, points, disbelieved, spacing_mm, points_per_mm })
+        let spokes = Spokes::of(&around);
+        Some(Skin { middle, fit, waves, spokes, points, disbelieved, spacing_mm, points_per_mm })
     }
 
     /// The section at a distance along the axis; none outside the skin or where too much of it was
@@ -131,39 +134,51 @@ impl Skin {
         if largest_gap_deg > GAP_MAX_DEG {
             return None;
         }
-        let Outline { centre, curve, .. } = self.outline(along_mm)?;
+        let coefficients = self.coefficients(along_mm)?;
+        let centre = self.centre(along_mm);
         let (r2, rms_mm) = Skin::goodness(near, self.near(&self.disbelieved, along_mm));
         let girth_sd = self.girth_sd(along_mm, near.len());
         Some(Section {
             along_mm,
             height_mm: axis.at(along_mm, &centre).z,
             centre,
-            girth: girth(&curve)?,
+            girth: self.spokes.girth(&coefficients)?,
             girth_sd: Some(girth_sd),
             wave_sd_mm: Some(self.waves.sd(along_mm).max(SQRT_2 * girth_sd[0] / TAU)),
             points: near.len(),
             r2,
             rms_mm,
             largest_gap_deg,
-            curve,
+            curve: self.curve(coefficients),
         })
     }
 
     /// The skin's outline at a distance along the axis, bridged where it was not seen; none outside
     /// the skin.
     pub fn outline(&self, along_mm: f64) -> Option<Outline> {
+        let curve = self.curve(self.coefficients(along_mm)?);
+        Some(Outline { along_mm, centre: self.centre(along_mm), curve })
+    }
+
+    /// The coefficients of the radius around at a distance along the axis; none outside the skin.
+    fn coefficients(&self, along_mm: f64) -> Option<Vec<f64>> {
         let (from_mm, to_mm) = self.fit.function.along().domain();
         if !(from_mm..=to_mm).contains(&along_mm) {
             return None;
         }
-        let basis = self.fit.function.around().clone();
-        let fitted = self.fit.function.around_at(along_mm);
-        let slow = self.waves.coefficients(along_mm, &basis);
-        let coefficients =
-            fitted.into_iter().zip(slow).map(|(fitted, slow)| fitted + slow).collect();
-        let curve = Curve::Periodic { coefficients, basis };
-        let centre = self.middle.each_ref().map(|middle| middle.value(along_mm));
-        Some(Outline { along_mm, centre: Point2::new(centre[0], centre[1]), curve })
+        let fitted = self.fit.function.around_at(along_mm).into_iter();
+        let slow = self.waves.coefficients(along_mm);
+        Some(fitted.zip(slow).map(|(fitted, slow)| fitted + slow).collect())
+    }
+
+    fn curve(&self, coefficients: Vec<f64>) -> Curve {
+        Curve::Periodic { coefficients, basis: self.fit.function.around().clone() }
+    }
+
+    /// The middle of the leg at a distance along the axis, (front, lateral) in mm from the axis.
+    fn centre(&self, along_mm: f64) -> Point2<f64> {
+        let [front, lateral] = self.middle.each_ref().map(|middle| middle.value(along_mm));
+        Point2::new(front, lateral)
     }
 
     /// Widest angle at a distance along the axis in which no point was seen, degrees.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Point3, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 use super::axis::LegAxis;
 use super::columns::Columns;
@@ -45,15 +45,17 @@ impl<'a> Unrolled<'a> {
     /// Places all around sections, each for the area that it stands for.
     pub fn sections(&self, sections: &'a [&'a Section]) -> impl Iterator<Item = Place> + 'a {
         let Unrolled { axis, columns, .. } = *self;
-        let place = move |section: &Section, index: usize| {
-            let angle = -PI + TAU * (index as f64 + 0.5) / CHECK_ANGLES as f64;
-            let [radius_mm, slope, _] = section.curve.derivatives(angle);
-            let at = (section.along_mm, columns.column(section.along_mm, angle));
-            Place { point: section.point(axis, angle), at, radius_mm, area: radius_mm.hypot(slope) }
-        };
-        sections
-            .iter()
-            .flat_map(move |section| (0..CHECK_ANGLES).map(move |index| place(section, index)))
+        sections.iter().flat_map(move |section| {
+            let column = columns.at(section.along_mm);
+            (0..CHECK_ANGLES).map(move |index| {
+                let angle = -PI + TAU * (index as f64 + 0.5) / CHECK_ANGLES as f64;
+                let [radius_mm, slope, _] = section.curve.derivatives(angle);
+                let arm = Vector2::new(angle.cos(), angle.sin()) * radius_mm;
+                let point = axis.at(section.along_mm, &(section.centre + arm));
+                let at = (section.along_mm, column(angle));
+                Place { point, at, radius_mm, area: radius_mm.hypot(slope) }
+            })
+        })
     }
 
     /// The mean radius at a distance along the axis, mm.

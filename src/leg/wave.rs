@@ -25,6 +25,8 @@ const BINS_PER_PIECE: usize = 4;
 /// The slow part of the skin that is added to its fit.
 #[derive(Debug, Clone)]
 pub struct Waves {
+    /// The basis of their heights.
+    along: Basis,
     waves: Vec<Wave>,
 }
 
@@ -33,8 +35,9 @@ pub struct Waves {
 struct Wave {
     /// Number around; 0 is the mean.
     count: usize,
-    is_sine: bool,
     height: Spline,
+    /// What it adds to the coefficients of a curve around where its height is 1.
+    shares: Vec<f64>,
 }
 
 /// What the skin leaves over; all slices are as long.
@@ -50,12 +53,17 @@ pub struct Left<'a> {
     pub weight: &'a [f64],
 }
 
-impl Wave {
-    /// The wave of height 1 at an angle.
-    fn shape(count: usize, is_sine: bool, angle: f64) -> f64 {
+/// What a wave of height 1 adds to the coefficients of a curve around in uniform pieces.
+fn shares(count: usize, is_sine: bool, around: &Basis) -> Vec<f64> {
+    // A cubic spline whose coefficients are a wave is that wave, lower by this factor at the knots
+    // (de Boor, A Practical Guide to Splines, 2001).
+    let turn = TAU * count as f64 / around.count() as f64;
+    let lowered = (2.0 + turn.cos()) / 3.0;
+    let shape = |angle: f64| {
         let phase = count as f64 * angle;
         if is_sine { phase.sin() } else { phase.cos() }
-    }
+    };
+    around.greville().into_iter().map(|centre| shape(centre) / lowered).collect()
 }
 
 /// Equal lengths along the leg over which points are averaged.
@@ -82,9 +90,9 @@ impl Bins {
 }
 
 impl Waves {
-    /// Fits the waves, and gives what they leave over in their turn; none where the data do not
-    /// determine them.
-    pub fn of(left: &Left, along: &Basis) -> Option<(Waves, Vec<f64>)> {
+    /// Fits the waves for curves around in uniform pieces, and gives what they leave over in their
+    /// turn; none where the data do not determine them.
+    pub fn of(left: &Left, along: &Basis, around: &Basis) -> Option<(Waves, Vec<f64>)> {
         let bins = Bins::over(along);
         let places: Vec<usize> = left.along.iter().map(|along| bins.place(*along)).collect();
         let mut rest = left.value.to_vec();
@@ -116,26 +124,20 @@ impl Waves {
             for ((rest, shape), place) in rest.iter_mut().zip(shapes).zip(&places) {
                 *rest -= shape * at_bins[*place];
             }
-            waves.push(Wave { count, is_sine, height });
+            waves.push(Wave { count, height, shares: shares(count, is_sine, around) });
         }
-        Some((Waves { waves }, rest))
+        Some((Waves { along: along.clone(), waves }, rest))
     }
 
-    /// What they add to the coefficients of a curve around in uniform pieces.
-    pub fn coefficients(&self, along: f64, around: &Basis) -> Vec<f64> {
-        let heights: Vec<f64> = self.waves.iter().map(|wave| wave.height.value(along)).collect();
-        let one = |centre: f64| -> f64 {
-            let parts = self.waves.iter().zip(&heights);
-            let shares = parts.map(|(wave, height)| {
-                // A cubic spline whose coefficients are a wave is that wave, lower by this factor
-                // at the knots (de Boor, A Practical Guide to Splines, 2001).
-                let turn = TAU * wave.count as f64 / around.count() as f64;
-                let lowered = (2.0 + turn.cos()) / 3.0;
-                height * Wave::shape(wave.count, wave.is_sine, centre) / lowered
-            });
-            shares.sum()
-        };
-        around.greville().into_iter().map(one).collect()
+    /// What they add to the coefficients of a curve around.
+    pub fn coefficients(&self, along: f64) -> Vec<f64> {
+        let row = self.along.row(along);
+        let mut added = vec![0.0; self.waves.first().map_or(0, |wave| wave.shares.len())];
+        for wave in &self.waves {
+            let height = row.dot(&wave.height.coefficients);
+            added.iter_mut().zip(&wave.shares).for_each(|(sum, share)| *sum += height * share);
+        }
+        added
     }
 
     /// Standard error of the least known wave's height.
@@ -170,12 +172,16 @@ mod tests {
         grid.map(at).filter(|(along, angle)| is_seen(*along, *angle)).unzip()
     }
 
+    fn around() -> Basis {
+        Basis::uniform_periodic(-PI, TAU, 48).unwrap()
+    }
+
     fn fitted(is_seen: impl Fn(f64, f64) -> bool) -> (Waves, Vec<f64>) {
         let (along, angle) = places(is_seen);
         let value: Vec<f64> = along.iter().zip(&angle).map(|(u, v)| skin(*u, *v)).collect();
         let weight = vec![1.0; value.len()];
         let left = Left { along: &along, angle: &angle, value: &value, weight: &weight };
-        Waves::of(&left, &Basis::uniform_clamped(0.0, 399.0, 33).unwrap()).unwrap()
+        Waves::of(&left, &Basis::uniform_clamped(0.0, 399.0, 33).unwrap(), &around()).unwrap()
     }
 
     #[test]
@@ -189,11 +195,10 @@ mod tests {
     #[test]
     fn what_they_add_to_a_curve_is_their_sum_at_every_angle() {
         let (waves, _) = fitted(|_, _| true);
-        let around = Basis::uniform_periodic(-PI, TAU, 48).unwrap();
         for along in [20.0, 133.0, 390.0] {
-            let coefficients = waves.coefficients(along, &around);
+            let coefficients = waves.coefficients(along);
             for angle in (0..90).map(|i| TAU * f64::from(i) / 90.0 - PI) {
-                let added = around.row(angle).dot(&coefficients);
+                let added = around().row(angle).dot(&coefficients);
                 assert!((added - skin(along, angle)).abs() < 0.03, "{along} {angle}: {added}");
             }
         }
@@ -205,8 +210,7 @@ mod tests {
             |along: f64, angle: f64| !(150.0..190.0).contains(&along) || angle.abs() > 0.6;
         let (waves, rest) = fitted(is_seen);
         assert!(rest.iter().all(|rest| rest.abs() < 0.25));
-        let around = Basis::uniform_periodic(-PI, TAU, 48).unwrap();
-        let added = around.row(0.0).dot(&waves.coefficients(170.0, &around));
+        let added = around().row(0.0).dot(&waves.coefficients(170.0));
         assert!((added - skin(170.0, 0.0)).abs() < 0.3, "{added}");
     }
 }

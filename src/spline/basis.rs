@@ -159,6 +159,7 @@ impl Basis {
     /// The functions' derivatives 0 to 3 at `x`, the third from the right at a breakpoint (from the
     /// left at a clamped end). A periodic `x` is wrapped; a clamped one outside the domain is taken
     /// to the nearer end.
+    #[inline]
     pub fn rows(&self, x: f64) -> [Row; 4] {
         let x = self.brought_home(x);
         let span = self.span(x);

@@ -39,13 +39,14 @@ impl Surface {
         let mut converged = false;
         for _ in 0..MOST_STEPS {
             let step = here.step(first, last);
-            let Some(next) = self.improved(point, &here, step) else { break };
             let Derivatives { du, dv, .. } = here.derivatives;
+            // At rest the distance no longer depends on the step: it need not be taken.
             converged = (du * step.x + dv * step.y).norm() < REST_MM;
-            here = next;
             if converged {
                 break;
             }
+            let Some(next) = self.improved(point, &here, step) else { break };
+            here = next;
         }
         let v = self.around().brought_home(here.v);
         let at_end = here.u <= first || here.u >= last;
@@ -177,13 +178,24 @@ impl Place {
 
 /// The Newton step with negative curvatures turned round, so that it always leads downhill.
 fn newton(hessian: &Matrix2<f64>, gradient: &Vector2<f64>) -> Vector2<f64> {
+    let (trace, determinant) = (hessian.trace(), hessian.determinant());
+    // Of two positive curvatures the smaller one is more than their product by their sum: where
+    // that is steep enough there is nothing to turn round.
+    if trace > 0.0 && determinant > FLAT * trace {
+        return Vector2::new(
+            hessian.m12 * gradient.y - hessian.m22 * gradient.x,
+            hessian.m12 * gradient.x - hessian.m11 * gradient.y,
+        ) / determinant;
+    }
     let eigen = hessian.symmetric_eigen();
     let along_axes = eigen.eigenvectors.transpose() * gradient;
     -(eigen.eigenvectors * along_axes.component_div(&eigen.eigenvalues.map(steepness)))
 }
 
-/// A curvature to divide by. The tangents' own share of a curvature is 1, so the floor only turns
+/// The least curvature to divide by. The tangents' own share of a curvature is 1, so it only turns
 /// away what is flat beyond use.
+const FLAT: f64 = 1e-9;
+
 fn steepness(curvature: f64) -> f64 {
-    curvature.abs().max(1e-9)
+    curvature.abs().max(FLAT)
 }

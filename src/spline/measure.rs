@@ -2,8 +2,9 @@
 
 use nalgebra::{Point3, Vector3};
 
+use super::basis::Row;
 use super::gauss::composite;
-use super::surface::Surface;
+use super::surface::{Surface, combined};
 
 impl Surface {
     /// The area of the tube without lids, mm². Gauss-Legendre quadrature of |dv × du|, five nodes a
@@ -48,11 +49,19 @@ impl Surface {
 
     /// The integral over the domain of a function of the point, ∂P/∂u and ∂P/∂v.
     fn integral(&self, of: impl Fn(Point3<f64>, &Vector3<f64>, &Vector3<f64>) -> f64) -> f64 {
-        let around = composite(self.around().breakpoints());
+        let nodes = composite(self.around().breakpoints()).into_iter();
+        let around: Vec<(Row, Row, f64)> = nodes
+            .map(|(v, weight)| {
+                let [row, slope, ..] = self.around().rows(v);
+                (row, slope, weight)
+            })
+            .collect();
         let line = |(u, weight_u): (f64, f64)| {
-            let value = |(v, weight_v): &(f64, f64)| {
-                let at = self.derivatives(u, *v);
-                weight_v * of(at.point, &at.du, &at.dv)
+            let [along, along_1, ..] = self.along().rows(u);
+            let (ring, ring_1) = (self.ring(&along), self.ring(&along_1));
+            let value = |(row, slope, weight_v): &(Row, Row, f64)| {
+                let (point, dv) = (combined(&ring, row), combined(&ring, slope));
+                weight_v * of(Point3::from(point), &combined(&ring_1, row), &dv)
             };
             weight_u * around.iter().map(value).sum::<f64>()
         };

@@ -1,6 +1,8 @@
 //! The normal equations of a scalar fit, their solution at a given lambda, and the lambda of least
 //! generalised cross-validation score.
 
+use std::collections::BTreeMap;
+
 use super::basis::{Basis, Row};
 use super::penalty::roughness;
 use super::solve::{Singular, Skyline};
@@ -117,23 +119,72 @@ impl<'a> NormalEquations<'a> {
         let data = self.weights.iter().filter(|weight| **weight > 0.0).count() as f64;
         let tried = |exponent: f64| {
             let solution = self.solution(10.0_f64.powf(exponent)).ok()?;
-            let freedom = data - solution.edf;
-            let meant = freedom >= LEAST_FREEDOM * data;
-            meant.then_some((solution.rss / (freedom * freedom), exponent, solution))
+            Some(Tried { exponent, score: score(&solution, data), solution })
         };
-        let better = |a: &(f64, f64, Solution), b: &(f64, f64, Solution)| a.0.total_cmp(&b.0);
-        let exponents = SEARCH_HALF_DECADES.map(|half| 0.5 * f64::from(half));
-        let Some(mut best) = exponents.filter_map(tried).min_by(better) else {
+        let Some(mut best) = best_of_halves(&tried, data) else {
             // Every lambda leaves too few degrees of freedom: the smoothest is all there is.
             return self.solution(10.0_f64.powf(0.5 * f64::from(*SEARCH_HALF_DECADES.end())));
         };
         for halving in 1..=SEARCH_HALVINGS {
             let step = 0.5 * 0.5_f64.powi(halving);
-            let nearby = [best.1 - step, best.1 + step].into_iter().filter_map(tried);
-            if let Some(found) = nearby.min_by(better).filter(|found| found.0 < best.0) {
+            let exponents = [best.exponent - step, best.exponent + step];
+            let nearby = exponents.into_iter().filter_map(tried);
+            let better = |a: &Tried, b: &Tried| a.score.total_cmp(&b.score);
+            if let Some(found) = nearby.min_by(better).filter(|found| found.score < best.score) {
                 best = found;
             }
         }
-        Ok(best.2)
+        Ok(best.solution)
     }
+}
+
+/// The fit at a lambda that was tried.
+struct Tried {
+    /// Of ten.
+    exponent: f64,
+    /// Infinite where it has no meaning.
+    score: f64,
+    solution: Solution,
+}
+
+/// The score of a fit of so many data; infinite where it leaves them too little freedom.
+fn score(solution: &Solution, data: f64) -> f64 {
+    let freedom = data - solution.edf;
+    if freedom < LEAST_FREEDOM * data {
+        return f64::INFINITY;
+    }
+    solution.rss / (freedom * freedom)
+}
+
+/// The fit of least score among the lambdas of [`SEARCH_HALF_DECADES`], the least of equal ones;
+/// none where no score has a meaning.
+///
+/// With lambda the residuals grow and so does the freedom that the fit leaves. So no score between
+/// two lambdas is less than the residuals at the one over the freedom at the other, and most
+/// lambdas need not be tried.
+fn best_of_halves(tried: &impl Fn(f64) -> Option<Tried>, data: f64) -> Option<Tried> {
+    let at = |half: i32| tried(0.5 * f64::from(half));
+    let (from, to) = SEARCH_HALF_DECADES.into_inner();
+    let mut known: BTreeMap<i32, Option<Tried>> = [(from, at(from)), (to, at(to))].into();
+    let mut open = vec![[from, to]];
+    while let Some([low, high]) = open.pop() {
+        let of = |half: i32| known.get(&half).and_then(Option::as_ref);
+        let best = known.values().flatten().map(|tried| tried.score).fold(f64::INFINITY, f64::min);
+        let least = match (of(low), of(high)) {
+            (Some(low), Some(high)) => {
+                let freedom = data - high.solution.edf;
+                low.solution.rss / (freedom * freedom)
+            }
+            // Nothing is known about what lies beside a system that cannot be solved.
+            _ => 0.0,
+        };
+        if high - low < 2 || least > best {
+            continue;
+        }
+        let middle = low.midpoint(high);
+        known.insert(middle, at(middle));
+        open.extend([[low, middle], [middle, high]]);
+    }
+    let scored = known.into_values().flatten().filter(|tried| tried.score.is_finite());
+    scored.min_by(|a, b| a.score.total_cmp(&b.score))
 }

@@ -172,6 +172,9 @@ impl Cholesky {
     /// Solves in place for `width` right-hand sides at once. `rows` is row-major, one row of
     /// `width` values for each row of the matrix.
     pub fn solve(&self, rows: &mut [f64], width: usize) {
+        if width == 1 {
+            return self.solve_one(rows);
+        }
         let ends = &self.lower.starts[1..];
         for (i, end) in ends.iter().enumerate() {
             let (above, row) = rows.split_at_mut(i * width);
@@ -194,6 +197,22 @@ impl Cholesky {
         }
     }
 
+    /// Solves in place for one right-hand side, which has no rows to run along.
+    fn solve_one(&self, values: &mut [f64]) {
+        let ends = &self.lower.starts[1..];
+        for (i, end) in ends.iter().enumerate() {
+            let (first, entries) = self.lower.left_of(i);
+            let known = dot(entries, &values[first..i]);
+            values[i] = (values[i] - known) / self.lower.entries[end - 1];
+        }
+        for (i, end) in ends.iter().enumerate().rev() {
+            let value = values[i] / self.lower.entries[end - 1];
+            values[i] = value;
+            let (first, entries) = self.lower.left_of(i);
+            subtract(&mut values[first..i], value, entries);
+        }
+    }
+
     /// The entries of the inverse for every pair of overlapping functions, at the cost of one more
     /// factorisation. Source: Takahashi, Fagan, Chin 1973; Hutchinson, de Hoog 1985.
     pub fn inverse(&self) -> Skyline {
@@ -201,16 +220,22 @@ impl Cholesky {
         let mut inverse = lower.clone();
         for i in (0..lower.size()).rev() {
             let pivot = lower.entry(i, i);
-            for j in lower.rows_below(i) {
-                let known = lower.rows_below(i).map(|k| lower.entry(k, i) * inverse.entry(k, j));
+            // The rows below with an entry in this column, a few band rows and full ones, with it.
+            let mut below = [(0, 0.0); 2 * DEGREE];
+            let rows = lower.rows_below(i);
+            let filled = below.iter_mut().zip(rows).map(|(own, k)| *own = (k, lower.entry(k, i)));
+            let count = filled.count();
+            let below = &below[..count];
+            let mut diagonal = 1.0 / pivot;
+            for &(j, own) in below {
+                let known = below.iter().map(|&(k, entry)| entry * inverse.entry(k, j));
                 let value = -known.sum::<f64>() / pivot;
                 let place = inverse.place(j, i);
                 inverse.entries[place] = value;
+                diagonal -= own * value;
             }
-            let known = lower.rows_below(i).map(|k| lower.entry(k, i) * inverse.entry(k, i));
-            let value = (1.0 / pivot - known.sum::<f64>()) / pivot;
             let place = inverse.place(i, i);
-            inverse.entries[place] = value;
+            inverse.entries[place] = diagonal / pivot;
         }
         inverse
     }

@@ -116,7 +116,7 @@ impl Surface {
     /// The point at `u`, taken into the domain, and `v`, wrapped.
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
         let (along, around) = (self.along.row(u), self.around.row(v));
-        let arc = self.arc(&along, &around.indices);
+        let [arc] = self.arcs(&along.indices, &around.indices, [along.values]);
         arc.iter()
             .zip(around.values)
             .map(|(point, value)| value * point)
@@ -141,8 +141,11 @@ impl Surface {
     pub fn derivatives(&self, u: f64, v: f64) -> Derivatives {
         let [along, along_1, along_2, _] = self.along.rows(u);
         let [around, around_1, around_2, _] = self.around.rows(v);
-        let [ring, ring_1, ring_2] =
-            [along, along_1, along_2].map(|along| self.arc(&along, &around.indices));
+        let [ring, ring_1, ring_2] = self.arcs(
+            &along.indices,
+            &around.indices,
+            [along.values, along_1.values, along_2.values],
+        );
         let mixed = |arc: &[Vector3<f64>; 4], row: &Row| {
             arc.iter().zip(row.values).map(|(point, value)| value * point).sum::<Vector3<f64>>()
         };
@@ -191,7 +194,7 @@ impl Surface {
     }
 
     /// The control points around of the closed curve at one u.
-    fn ring(&self, along: &Row) -> Vec<Point3<f64>> {
+    pub(super) fn ring(&self, along: &Row) -> Vec<Point3<f64>> {
         let columns = self.around.count();
         let at = |i: usize, j: usize| self.control_points[i * columns + j].coords;
         let terms = || along.indices.into_iter().zip(along.values);
@@ -199,18 +202,30 @@ impl Surface {
         (0..columns).map(|j| Point3::from(sum(j))).collect()
     }
 
-    /// Four of the control points of the closed curve at one u.
-    fn arc(&self, along: &Row, around: &[usize; 4]) -> [Vector3<f64>; 4] {
+    /// Four of the control points of the closed curve at one u for each of the given values of the
+    /// functions along: the curve itself or its derivatives.
+    #[inline]
+    fn arcs<const N: usize>(
+        &self,
+        along: &[usize; 4],
+        around: &[usize; 4],
+        values: [[f64; 4]; N],
+    ) -> [[Vector3<f64>; 4]; N] {
         let columns = self.around.count();
-        let mut arc = [Vector3::zeros(); 4];
-        for (i, value) in along.indices.into_iter().zip(along.values) {
+        let mut arcs = [[Vector3::zeros(); 4]; N];
+        for (k, i) in along.iter().enumerate() {
             let row = &self.control_points[i * columns..(i + 1) * columns];
-            arc.iter_mut().zip(around).for_each(|(sum, j)| *sum += value * row[*j].coords);
+            for (place, j) in around.iter().enumerate() {
+                let point = row[*j].coords;
+                let sums = arcs.iter_mut().zip(values);
+                sums.for_each(|(arc, values)| arc[place] += values[k] * point);
+            }
         }
-        arc
+        arcs
     }
 }
 
-fn combined(points: &[Point3<f64>], row: &Row) -> Vector3<f64> {
+/// The sum of points of a closed curve under a row of basis values.
+pub(super) fn combined(points: &[Point3<f64>], row: &Row) -> Vector3<f64> {
     row.indices.into_iter().zip(row.values).map(|(i, value)| value * points[i].coords).sum()
 }

@@ -61,24 +61,26 @@ impl<'a> Equations<'a> {
 
     /// The coefficients with this smoothing, from a first guess.
     pub fn solved(&self, lambdas: [f64; 2], guess: DMatrix<f64>) -> DMatrix<f64> {
-        let system = self.penalised(lambdas);
+        let (system, kept) = (self.penalised(lambdas), self.evenly_kept(lambdas));
         let mut solution = guess;
-        let mut residual = &self.moments - self.product(&system, &solution);
+        let mut residual = &self.moments - system.product(&solution);
         let enough = SOLVED * self.moments.norm();
-        let mut smoothed = self.evenly_solved(lambdas, &residual);
+        let mut smoothed = self.evenly_solved(&kept, &residual);
         let mut step = smoothed.clone();
         let mut size = residual.dot(&smoothed);
         for _ in 0..STEPS_MAX {
             if residual.norm() <= enough {
                 break;
             }
-            let image = self.product(&system, &step);
+            let image = system.product(&step);
             let length = size / step.dot(&image);
-            solution += &step * length;
-            residual -= image * length;
-            smoothed = self.evenly_solved(lambdas, &residual);
+            axpy(&mut solution, length, &step);
+            axpy(&mut residual, -length, &image);
+            smoothed = self.evenly_solved(&kept, &residual);
             let next = residual.dot(&smoothed);
-            step = &smoothed + step * (next / size);
+            let turned = next / size;
+            let both = step.as_mut_slice().iter_mut().zip(smoothed.as_slice());
+            both.for_each(|(step, smoothed)| *step = smoothed + turned * *step);
             size = next;
         }
         solution
@@ -94,23 +96,28 @@ impl<'a> Equations<'a> {
         self.density
     }
 
-    /// Gram matrix and penalty, λu Ru ⊗ BᵀB + λv AᵀA ⊗ Rv, in the neighbours' form.
-    fn penalised(&self, lambdas: [f64; 2]) -> Vec<[f64; REACH * REACH]> {
+    /// Gram matrix and penalty, λu Ru ⊗ BᵀB + λv AᵀA ⊗ Rv.
+    fn penalised(&self, lambdas: [f64; 2]) -> System {
         let [along, around] = self.directions;
         let [height, width] = [along.gram.nrows(), around.gram.nrows()];
-        let mut system = self.gram.clone();
+        let mut system = System::zero(height, width);
+        let of_neighbours = |matrix: &DMatrix<f64>| -> Vec<[f64; REACH]> {
+            let neighbour = |j: usize, b: usize| matrix[(j, (j + width + b - DEGREE) % width)];
+            (0..width).map(|j| std::array::from_fn(|b| neighbour(j, b))).collect()
+        };
+        let (gram, rough) = (of_neighbours(&around.gram), of_neighbours(&around.roughness));
         for i in 0..height {
-            for j in 0..width {
-                for a in neighbours_along(i, height) {
-                    let other_i = i + a - DEGREE;
-                    for b in 0..REACH {
-                        let other_j = (j + width + b - DEGREE) % width;
-                        let rough =
-                            lambdas[0] * along.roughness[(i, other_i)] * around.gram[(j, other_j)]
-                                + lambdas[1]
-                                    * along.gram[(i, other_i)]
-                                    * around.roughness[(j, other_j)];
-                        system[i * width + j][a * REACH + b] += self.density * rough;
+            for a in neighbours_along(i, height) {
+                let other_i = i + a - DEGREE;
+                let bend_along = self.density * lambdas[0] * along.roughness[(i, other_i)];
+                let bend_around = self.density * lambdas[1] * along.gram[(i, other_i)];
+                for j in 0..width {
+                    let own = &self.gram[i * width + j][a * REACH..(a + 1) * REACH];
+                    let (factors, lane) = system.factors_of(i, j);
+                    let factors = &mut factors[a * REACH..(a + 1) * REACH];
+                    let parts = factors.iter_mut().zip(own).zip(gram[j].iter().zip(&rough[j]));
+                    for ((lanes, own), (gram, rough)) in parts {
+                        lanes[lane] = own + bend_along * gram + bend_around * rough;
                     }
                 }
             }
@@ -118,42 +125,19 @@ impl<'a> Equations<'a> {
         system
     }
 
-    /// The system's product with coefficients.
-    fn product(&self, system: &[[f64; REACH * REACH]], of: &DMatrix<f64>) -> DMatrix<f64> {
-        let (height, width) = of.shape();
-        let mut product = DMatrix::zeros(height, width);
-        // Rows padded by the wrapped neighbours make the inner loop one run of seven.
-        let padded: Vec<f64> = (0..height)
-            .flat_map(|i| (0..width + 2 * DEGREE).map(move |j| (i, (j + width - DEGREE) % width)))
-            .map(|place| of[place])
-            .collect();
-        let line = width + 2 * DEGREE;
-        for i in 0..height {
-            for j in 0..width {
-                let own = &system[i * width + j];
-                let mut sum = 0.0;
-                for a in neighbours_along(i, height) {
-                    let from = (i + a - DEGREE) * line + j;
-                    let values = &padded[from..from + REACH];
-                    let factors = &own[a * REACH..(a + 1) * REACH];
-                    sum += factors.iter().zip(values).map(|(f, x)| f * x).sum::<f64>();
-                }
-                product[(i, j)] = sum;
-            }
-        }
-        product
+    /// What the solution keeps of each pair of eigenvectors if the data are spread evenly.
+    fn evenly_kept(&self, lambdas: [f64; 2]) -> DMatrix<f64> {
+        let [along, around] = self.directions.each_ref().map(|direction| &direction.eigenvalues);
+        DMatrix::from_fn(along.len(), around.len(), |a, b| {
+            1.0 / (self.density * (1.0 + lambdas[0] * along[a] + lambdas[1] * around[b]))
+        })
     }
 
     /// The solution if the data were spread evenly over the cells.
-    fn evenly_solved(&self, lambdas: [f64; 2], of: &DMatrix<f64>) -> DMatrix<f64> {
+    fn evenly_solved(&self, kept: &DMatrix<f64>, of: &DMatrix<f64>) -> DMatrix<f64> {
         let [along, around] = self.directions;
         let mut projected = &along.vectors_transposed * of * &around.vectors;
-        for (b, rough_b) in around.eigenvalues.iter().enumerate() {
-            for (a, rough_a) in along.eigenvalues.iter().enumerate() {
-                let size = 1.0 + lambdas[0] * rough_a + lambdas[1] * rough_b;
-                projected[(a, b)] /= self.density * size;
-            }
-        }
+        projected.component_mul_assign(kept);
         &along.vectors * projected * &around.vectors_transposed
     }
 }
@@ -161,4 +145,68 @@ impl<'a> Equations<'a> {
 /// Places in the neighbours' form that lie within the matrix.
 fn neighbours_along(i: usize, height: usize) -> std::ops::Range<usize> {
     DEGREE.saturating_sub(i)..REACH.min(height + DEGREE - i)
+}
+
+/// Coefficients that a product takes side by side: as many as fill the registers.
+const LANES: usize = 8;
+
+/// A matrix between coefficients and their 7 × 7 neighbours, laid out for its product.
+struct System {
+    height: usize,
+    width: usize,
+    /// For each run of [`LANES`] coefficients of a row, and each neighbour, their factors; 0 for
+    /// neighbours outside and for what fills the last run.
+    factors: Vec<[[f64; LANES]; REACH * REACH]>,
+}
+
+impl System {
+    fn zero(height: usize, width: usize) -> System {
+        let factors = vec![[[0.0; LANES]; REACH * REACH]; height * width.div_ceil(LANES)];
+        System { height, width, factors }
+    }
+
+    /// The factors of the run that holds a coefficient, and its lane in it.
+    fn factors_of(&mut self, i: usize, j: usize) -> (&mut [[f64; LANES]], usize) {
+        let run = i * self.width.div_ceil(LANES) + j / LANES;
+        (&mut self.factors[run], j % LANES)
+    }
+
+    /// The product with coefficients.
+    fn product(&self, of: &DMatrix<f64>) -> DMatrix<f64> {
+        let (height, width) = (self.height, self.width);
+        let runs = width.div_ceil(LANES);
+        // With rows of zeros above and below, and each row padded by its wrapped neighbours, every
+        // run of neighbours is there without a question.
+        let line = runs * LANES + 2 * DEGREE;
+        let mut padded = vec![0.0; (height + 2 * DEGREE) * line];
+        for place in 0..width + 2 * DEGREE {
+            let column = (place + width - DEGREE) % width * height;
+            let column = of.as_slice()[column..column + height].iter();
+            let places = padded[DEGREE * line + place..].iter_mut().step_by(line);
+            places.zip(column).for_each(|(padded, value)| *padded = *value);
+        }
+        let mut product = DMatrix::zeros(height, width);
+        for (index, factors) in self.factors.iter().enumerate() {
+            let (i, from) = (index / runs, index % runs * LANES);
+            let mut sums = [0.0; LANES];
+            for (a, line_of_factors) in factors.chunks_exact(REACH).enumerate() {
+                let start = (i + a) * line + from;
+                let values = &padded[start..start + REACH - 1 + LANES];
+                for (factors, values) in line_of_factors.iter().zip(values.windows(LANES)) {
+                    for ((sum, factor), value) in sums.iter_mut().zip(factors).zip(values) {
+                        *sum += factor * value;
+                    }
+                }
+            }
+            let places = product.as_mut_slice()[from * height + i..].iter_mut().step_by(height);
+            places.zip(sums).for_each(|(product, sum)| *product = sum);
+        }
+        product
+    }
+}
+
+/// Adds `factor · values` without a matrix between.
+fn axpy(to: &mut DMatrix<f64>, factor: f64, values: &DMatrix<f64>) {
+    let both = to.as_mut_slice().iter_mut().zip(values.as_slice());
+    both.for_each(|(to, value)| *to += factor * value);
 }

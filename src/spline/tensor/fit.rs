@@ -38,31 +38,41 @@ pub struct TensorFit {
     pub edf: f64,
     /// Smoothing along and around, relative to the roughness of the cells' grid.
     pub lambdas: [f64; 2],
-    directions: [Direction; 2],
-    /// Weight of the data per cell.
-    density: f64,
+    /// The direction along.
+    direction: Direction,
+    /// For each of its eigenvectors the variance of the mean over a turn, σ² 1.
+    mean_variances: Vec<f64>,
 }
 
 impl TensorFit {
     /// Standard error of the mean over one turn, or of its `derivative` along (0 to 3), at `u`, if
     /// the data were spread evenly: the Bayesian form, σ² bᵀ(AᵀA ⊗ BᵀB + penalty)⁻¹ b.
     pub fn mean_around_sd(&self, u: f64, derivative: usize) -> f64 {
-        let [along, around] = &self.directions;
-        let mut places = DVector::zeros(along.gram.nrows());
         let row = self.function.along().rows(u)[derivative.min(DEGREE)];
-        row.indices.into_iter().zip(row.values).for_each(|(i, value)| places[i] += value);
-        // The basis functions around are alike, so the mean over a turn weighs them alike.
-        let mean = DVector::from_element(around.gram.nrows(), 1.0 / around.gram.nrows() as f64);
-        let (places, mean) = (along.vectors.tr_mul(&places), around.vectors.tr_mul(&mean));
-        let mut variance = 0.0;
-        for (place, rough_a) in places.iter().zip(&along.eigenvalues) {
-            for (share, rough_b) in mean.iter().zip(&around.eigenvalues) {
-                let size = 1.0 + self.lambdas[0] * rough_a + self.lambdas[1] * rough_b;
-                variance += (place * share).powi(2) / size;
-            }
-        }
-        self.sigma * (variance / self.density).sqrt()
+        let vectors = &self.direction.vectors;
+        let variance = |(k, variance): (usize, &f64)| {
+            let terms = row.indices.into_iter().zip(row.values);
+            let size: f64 = terms.map(|(i, value)| value * vectors[(i, k)]).sum();
+            size * size * variance
+        };
+        let variance: f64 = self.mean_variances.iter().enumerate().map(variance).sum();
+        self.sigma * variance.sqrt()
     }
+}
+
+/// For each eigenvector along, the variance that the mean over one turn has by it if the data, of
+/// this weight per cell and of variance 1, were spread evenly.
+fn mean_variances([along, around]: &[Direction; 2], lambdas: [f64; 2], density: f64) -> Vec<f64> {
+    // The basis functions around are alike, so the mean over a turn weighs them alike.
+    let count = around.gram.nrows();
+    let mean = around.vectors.tr_mul(&DVector::from_element(count, 1.0 / count as f64));
+    let one = |rough_a: &f64| {
+        let share = |(share, rough_b): (&f64, &f64)| {
+            share * share / (1.0 + lambdas[0] * rough_a + lambdas[1] * rough_b)
+        };
+        mean.iter().zip(&around.eigenvalues).map(share).sum::<f64>() / density
+    };
+    along.eigenvalues.iter().map(one).collect()
 }
 
 /// Rounds of reweighting and choosing the smoothing; both have settled to 1 % after three.
@@ -116,8 +126,9 @@ pub fn fit_scatter(
     let sigma = (rss / freedom.max(1.0)).sqrt() / WEIGHTED_NORMAL_SD;
     let by_rows = coefficients.transpose().as_slice().to_vec();
     let function = Tensor::new(along, around, by_rows);
-    let density = equations.density();
-    Ok(TensorFit { function, weights, sigma, edf, lambdas, density, directions })
+    let mean_variances = mean_variances(&directions, lambdas, equations.density());
+    let [direction, _] = directions;
+    Ok(TensorFit { function, weights, sigma, edf, lambdas, direction, mean_variances })
 }
 
 fn residuals(rows: &[(Row, Row)], values: &[f64], coefficients: &DMatrix<f64>) -> Vec<f64> {

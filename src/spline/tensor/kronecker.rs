@@ -83,15 +83,20 @@ pub fn best_by_gcv(
     let projected =
         (&along.design * &along.vectors).tr_mul(cells) * &around.design * &around.vectors;
     let outside = cells.norm_squared() - projected.norm_squared();
+    let height = along.eigenvalues.len();
     let score = |lambdas: [f64; 2]| {
-        let (mut rss, mut edf) = (outside.max(0.0), 0.0);
-        for (b, rough_b) in around.eigenvalues.iter().enumerate() {
-            for (a, rough_a) in along.eigenvalues.iter().enumerate() {
-                let kept = 1.0 / (1.0 + lambdas[0] * rough_a + lambdas[1] * rough_b);
-                rss += (projected[(a, b)] * (1.0 - kept)).powi(2);
-                edf += kept;
+        // Sums along side by side: one alone would wait for itself at every term.
+        let (mut lost, mut kept) = (vec![0.0; height], vec![0.0; height]);
+        for (rough_b, sizes) in around.eigenvalues.iter().zip(projected.as_slice().chunks(height)) {
+            let base = 1.0 + lambdas[1] * rough_b;
+            let sums = lost.iter_mut().zip(&mut kept);
+            for (((lost, kept), rough_a), size) in sums.zip(&along.eigenvalues).zip(sizes) {
+                let share = 1.0 / (base + lambdas[0] * rough_a);
+                *lost += (size * (1.0 - share)).powi(2);
+                *kept += share;
             }
         }
+        let (rss, edf) = (outside.max(0.0) + lost.iter().sum::<f64>(), kept.iter().sum::<f64>());
         let freedom = (seen as f64 - edf).max(1e-3 * seen as f64);
         (rss / (freedom * freedom), edf)
     };
