@@ -96,6 +96,12 @@ path = "{at}/records"
         command
     }
 
+    /// Rewrites the configuration for stations to be started.
+    pub fn reconfigure(&self, change: impl FnOnce(String) -> String) {
+        let file = self.path("station.toml");
+        fs::write(&file, change(fs::read_to_string(&file).unwrap())).unwrap();
+    }
+
     pub fn start(&self) -> Daemon {
         Daemon { child: self.command().spawn().unwrap() }
     }
@@ -195,6 +201,24 @@ path = "{at}/records"
 }
 
 impl Daemon {
+    /// The process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// SIGTERM, and the exit it leads to, if it comes in time.
+    pub fn stop_within(&mut self, limit: Duration) -> Option<ExitStatus> {
+        kill_process(Pid::from_child(&self.child), Signal::TERM).unwrap();
+        let deadline = Instant::now() + limit;
+        loop {
+            let ended = self.child.try_wait().unwrap();
+            if ended.is_some() || Instant::now() >= deadline {
+                return ended;
+            }
+            sleep(Duration::from_millis(20));
+        }
+    }
+
     /// SIGTERM, and the exit it leads to.
     pub fn stop(mut self) -> ExitStatus {
         let pid = Pid::from_child(&self.child);
