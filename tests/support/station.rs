@@ -142,6 +142,20 @@ path = "{at}/records"
         self.wait_for(&format!("{number} from {query}"), || self.journal(query) == Some(number));
     }
 
+    /// As [`Booth::wait_for_journal`], as long as the number still changes within [`PATIENCE`].
+    #[track_caller]
+    pub fn wait_long_for_journal(&self, query: &str, number: i64) {
+        let (mut last, mut since) = (None, Instant::now());
+        while last != Some(number) {
+            let now = self.journal(query);
+            if now != last {
+                (last, since) = (now, Instant::now());
+            }
+            assert!(since.elapsed() < PATIENCE, "{query} stays {last:?}; log:\n{}", self.log());
+            sleep(Duration::from_millis(200));
+        }
+    }
+
     /// The number a query on the journal gives; none while there is no journal.
     pub fn journal(&self, query: &str) -> Option<i64> {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE;
