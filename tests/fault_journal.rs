@@ -75,7 +75,8 @@ impl Past {
         copy(&booth.path("state"), &booth.path(KILLED));
 
         let daemon = booth.start();
-        booth.wait_for_journal(DUE, 2);
+        let starts = || booth.log().matches("station-ready").count();
+        booth.wait_for("the third start", || starts() == 3);
         assert_eq!(daemon.stop().code(), Some(0));
         fs::rename(booth.path("state"), booth.path(STOPPED)).unwrap();
         let exports = i64::try_from(names(&booth.path("export")).len()).unwrap();
@@ -330,6 +331,7 @@ fn an_older_copy_in_which_a_delivered_scan_was_still_to_be_delivered_doubles_not
     let daemon = booth.start();
     let known = "SELECT count(*) FROM deliveries WHERE state = 'delivered'";
     booth.wait_for_journal(known, 6);
+    booth.wait_for("the start", || booth.log().matches("station-ready").count() == 2);
     assert_eq!(daemon.stop().code(), Some(0));
     assert_eq!(past.record_folders(), before);
     assert_eq!(names(&booth.path("state/quarantine")), [sha256(b"garbage\n")]);
@@ -361,6 +363,7 @@ fn a_journal_deleted_under_the_running_station_loses_and_doubles_nothing() {
     let booth = &past.booth;
     past.restore(STOPPED);
     let daemon = booth.start();
+    booth.wait_for("the start", || booth.log().contains("station-ready"));
     booth.wait_for_records(6);
     for file in ["journal.db", "journal.db-wal", "journal.db-shm"] {
         fs::remove_file(booth.path("state").join(file)).unwrap();

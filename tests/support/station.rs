@@ -103,7 +103,7 @@ path = "{at}/records"
     }
 
     pub fn start(&self) -> Daemon {
-        Daemon { child: self.command().spawn().unwrap() }
+        Daemon::of(self.command())
     }
 
     /// Writes an export in one go.
@@ -215,6 +215,11 @@ path = "{at}/records"
 }
 
 impl Daemon {
+    /// Starts a command of the station.
+    pub fn of(mut command: Command) -> Daemon {
+        Daemon { child: command.spawn().unwrap() }
+    }
+
     /// The process.
     pub fn id(&self) -> u32 {
         self.child.id()
