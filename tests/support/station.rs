@@ -176,6 +176,11 @@ files = {files}
         }
     }
 
+    /// Forgets what was put, for another run in the same folders.
+    pub fn forget(&self) {
+        self.puts.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
     /// The invariants that do not hold.
     pub fn violations(&self, moment: Moment) -> Vec<Violation> {
         let evidence = Evidence {
@@ -192,7 +197,7 @@ files = {files}
     }
 
     pub fn log(&self) -> String {
-        String::from_utf8_lossy(&fs::read(self.path("log")).unwrap()).into_owned()
+        String::from_utf8_lossy(&fs::read(self.path("log")).unwrap_or_default()).into_owned()
     }
 
     /// Waits until a condition holds; fails with the log where it never does.

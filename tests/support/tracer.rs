@@ -238,8 +238,13 @@ impl Tracer {
             libc::SYS_openat if writes(registers.rdx) => (Kind::Open, named(pid, first, second)),
             libc::SYS_open if writes(second) => (Kind::Open, named(pid, at, first)),
             libc::SYS_creat => (Kind::Open, named(pid, at, first)),
-            libc::SYS_write | libc::SYS_pwrite64 | libc::SYS_writev | libc::SYS_pwritev
-            | libc::SYS_ftruncate | libc::SYS_fallocate | libc::SYS_copy_file_range
+            libc::SYS_write
+            | libc::SYS_pwrite64
+            | libc::SYS_writev
+            | libc::SYS_pwritev
+            | libc::SYS_ftruncate
+            | libc::SYS_fallocate
+            | libc::SYS_copy_file_range
             | libc::SYS_sendfile => (Kind::Write, opened(pid, first)),
             libc::SYS_fsync | libc::SYS_fdatasync | libc::SYS_syncfs => {
                 (Kind::Sync, opened(pid, first))
@@ -257,7 +262,8 @@ impl Tracer {
             libc::SYS_fchmodat => (Kind::Mode, named(pid, first, second)),
             _ => return None,
         };
-        let path = path.filter(|path| self.folders.iter().any(|folder| path.starts_with(folder)))?;
+        let path =
+            path.filter(|path| self.folders.iter().any(|folder| path.starts_with(folder)))?;
         let folder = kind == Kind::Sync && path.is_dir();
         Some(Call { nth: self.calls.len() + 1, kind, path, folder })
     }
