@@ -6,12 +6,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-#[path = "../tests/support/coarse.rs"]
-mod coarse;
 #[allow(dead_code, reason = "the bench uses a part")]
 #[path = "../tests/support/process.rs"]
 mod process;
-#[allow(dead_code, reason = "the bench uses a part")]
 #[path = "../tests/support/station.rs"]
 mod support;
 
@@ -21,9 +18,9 @@ use std::process::{Command, Stdio};
 use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
 
-use coarse::coarse;
-use process::{cpu_ticks, usage};
-use support::{Booth, body, names};
+use process::cpu_ticks;
+use support::invariants::Vitals;
+use support::{Booth, Setting, body, coarse_body, names, program};
 
 /// How long the idle station is observed.
 const IDLE: Duration = Duration::from_secs(60);
@@ -40,10 +37,13 @@ const BACKLOG: usize = 500;
 /// The quiet time that is shipped.
 const QUIET: Duration = Duration::from_secs(2);
 
+/// The rescan that is shipped.
+const RESCAN: Duration = Duration::from_secs(10);
+
 /// A body by number: other bytes, the same shape.
 type Bodies = fn(usize) -> Vec<u8>;
 
-const BODIES: [(&str, Bodies); 2] = [("full", body), ("coarse", coarse)];
+const BODIES: [(&str, Bodies); 2] = [("full", body), ("coarse", coarse_body)];
 
 fn main() {
     let wanted: Vec<String> = env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
@@ -67,16 +67,9 @@ fn load() -> String {
     fs::read_to_string("/proc/loadavg").unwrap_or_default().trim().to_owned()
 }
 
-/// A booth with the shipped times.
+/// A booth with the shipped times and files.
 fn booth() -> Booth {
-    let booth = Booth::new();
-    booth.reconfigure(|text| {
-        let quiet = format!("quiet = \"{}ms\"", QUIET.as_millis());
-        let text = text.replace("quiet = \"300ms\"", &quiet).replace("rescan = \"1s\"", "");
-        assert!(text.contains(&quiet));
-        text
-    });
-    booth
+    Booth::set(&Setting { quiet: QUIET, rescan: RESCAN, ..Setting::default() })
 }
 
 /// Waits for so many records under their final names, looking every 2 ms.
@@ -108,14 +101,14 @@ fn idle(what: &str, scans: usize) {
     sleep(IDLE);
     let ticks = cpu_ticks(daemon.id()) - before;
     let share = 100.0 * f64::from(u32::try_from(ticks).unwrap()) / TICKS_PER_S;
-    let usage = usage(daemon.id());
+    let vitals = Vitals::of(daemon.id()).unwrap();
     println!(
         "idle, {what}: {:.2} % of a core over {:.0} s; {:.1} MB resident, {} threads, {} files",
         share / began.elapsed().as_secs_f64(),
         began.elapsed().as_secs_f64(),
-        f64::from(u32::try_from(usage.resident_kb).unwrap()) / 1000.0,
-        usage.threads,
-        usage.files
+        f64::from(u32::try_from(vitals.resident_kb).unwrap()) / 1000.0,
+        vitals.threads,
+        vitals.files
     );
     daemon.stop();
 }
@@ -124,7 +117,7 @@ fn idle(what: &str, scans: usize) {
 fn extraction(booth: &Booth, bytes: &[u8]) -> Duration {
     let scan = booth.path("bench.obj");
     fs::write(&scan, bytes).unwrap();
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gaiter"));
+    let mut command = Command::new(program());
     command.arg("extract").arg(scan).arg("--out").arg(booth.path("extracted"));
     let began = Instant::now();
     assert!(command.stdout(Stdio::null()).status().unwrap().success());
@@ -169,7 +162,7 @@ fn backlog(name: &str, bodies: Bodies) {
     let mut peak_kb = 0;
     for tenth in 1..=10 {
         wait_for_records(&booth, BACKLOG * tenth / 10);
-        peak_kb = peak_kb.max(usage(daemon.id()).resident_kb);
+        peak_kb = peak_kb.max(Vitals::of(daemon.id()).unwrap().resident_kb);
     }
     let took = began.elapsed().as_secs_f64();
     let cpu = f64::from(u32::try_from(cpu_ticks(daemon.id())).unwrap()) / TICKS_PER_S;

@@ -4,9 +4,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "support/coarse.rs"]
-mod coarse;
-#[allow(dead_code, reason = "each test program uses its own part")]
 #[path = "support/station.rs"]
 mod support;
 
@@ -16,9 +13,9 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::thread;
 
-use coarse::coarse;
 use rusqlite::Connection;
-use support::{Booth, names, sha256};
+use support::invariants::PutKind;
+use support::{Booth, Setting, coarse_body as coarse, names, sha256};
 
 /// What the log says where a journal was ruined and made anew.
 const ALARM: &str = "journal-rebuilt";
@@ -47,8 +44,7 @@ const DUE: &str = "SELECT count(*) FROM deliveries WHERE state = 'pending' AND a
 
 impl Past {
     fn new() -> Past {
-        let booth = Booth::new();
-        booth.reconfigure(|text| text + "[output]\nfiles = []\n");
+        let booth = Booth::set(&Setting { files: "[]", ..Setting::default() });
         fs::create_dir(booth.path("past")).unwrap();
         let daemon = booth.start();
         for n in 1..=3 {
@@ -60,6 +56,7 @@ impl Past {
         booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'held'", 1);
         booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
         fs::remove_file(booth.path("export/4711_3.obj")).unwrap();
+        booth.has_put("4711_3.obj", &coarse(3), PutKind::Whole);
         assert_eq!(daemon.stop().code(), Some(0));
         copy(&booth.path("state"), &booth.path(OLDER));
 

@@ -3,9 +3,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "support/coarse.rs"]
-mod coarse;
-#[allow(dead_code, reason = "each test program uses its own part")]
 #[path = "support/station.rs"]
 mod support;
 
@@ -14,8 +11,8 @@ use std::os::unix::fs::symlink;
 use std::path::PathBuf;
 use std::process::Command;
 
-use coarse::coarse;
-use support::{Booth, QUIET, names};
+use support::invariants::PutKind;
+use support::{Booth, QUIET, coarse_body as coarse, names};
 
 /// A station that has delivered one scan, `4711_1.obj`, that still lies in the export folder.
 fn booth_at_work() -> (Booth, support::Daemon) {
@@ -38,6 +35,7 @@ fn a_folder_removed_and_made_again_is_watched_again() {
     let (booth, daemon) = booth_at_work();
     for n in 2..=4 {
         fs::remove_dir_all(booth.path("export")).unwrap();
+        booth.has_emptied_the_export();
         if n == 3 {
             booth.wait_for("the outage", || booth.log().contains("out-of-reach"));
         }
@@ -52,7 +50,8 @@ fn a_folder_removed_and_made_again_is_watched_again() {
 fn what_happens_in_a_folder_that_was_renamed_away_is_no_business_of_the_station() {
     let (booth, daemon) = booth_at_work();
     fs::rename(booth.path("export"), booth.path("old")).unwrap();
-    fs::write(booth.path("old/4711_ghost.obj"), coarse("a ghost")).unwrap();
+    booth.has_emptied_the_export();
+    fs::write(booth.path("old/4711_ghost.obj"), coarse(99)).unwrap();
     fs::create_dir(booth.path("export")).unwrap();
     for n in 2..=3 {
         booth.export(&format!("4711_{n}.obj"), &coarse(n));
@@ -86,6 +85,8 @@ fn a_link_in_the_folder_s_place_is_followed_wherever_it_leads_next() {
             fs::rename(booth.path("export"), booth.path("old")).unwrap();
         }
         fs::rename(link, booth.path("export")).unwrap();
+        booth.has_emptied_the_export();
+        booth.has_put("4711_1.obj", &coarse(1), PutKind::Whole);
         booth.export(&format!("4711_{n}.obj"), &coarse(n));
         booth.wait_for_records(n);
     }
@@ -121,6 +122,7 @@ fn what_is_mounted_over_the_folder_is_looked_at_and_what_lies_below_is_not_taken
     booth.export("4711_2.obj", &coarse(2));
     booth.wait_for_records(2);
     drop(overlay);
+    booth.has_put("4711_2.obj", &coarse(2), PutKind::Whole);
     assert_eq!(names(&booth.path("export")), ["4711_1.obj"]);
     booth.export("4711_3.obj", &coarse(3));
     booth.wait_for_records(3);

@@ -3,14 +3,11 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "support/coarse.rs"]
-mod coarse;
 #[allow(dead_code, reason = "each test program uses its own part")]
 #[path = "support/process.rs"]
 mod process;
 #[path = "support/share.rs"]
 mod share;
-#[allow(dead_code, reason = "each test program uses its own part")]
 #[path = "support/station.rs"]
 mod support;
 
@@ -19,10 +16,10 @@ use std::io::Write;
 use std::thread::sleep;
 use std::time::Duration;
 
-use coarse::coarse;
 use process::waits_on_share;
 use share::Share;
-use support::{Booth, QUIET, names};
+use support::invariants::PutKind;
+use support::{Booth, QUIET, coarse_body as coarse, names};
 
 /// The station's own grace at a stop, and as much again for a busy machine.
 const STOP: Duration = Duration::from_secs(40);
@@ -51,6 +48,13 @@ fn booth_with_shared_records() -> Option<(Booth, Share)> {
 
 fn export_locally(booth: &Booth, name: &str, bytes: &[u8]) {
     fs::write(booth.path("local").join(name), bytes).unwrap();
+    booth.has_put(name, bytes, PutKind::Whole);
+}
+
+/// Another machine's export. Not while the share is away: the file is looked at once.
+fn export_remotely(booth: &Booth, share: &Share, name: &str, bytes: &[u8]) {
+    share.write_remotely(name, bytes);
+    booth.has_put(name, bytes, PutKind::Whole);
 }
 
 fn wait_for_spool(booth: &Booth, count: usize) {
@@ -64,9 +68,9 @@ fn what_another_machine_writes_is_found_without_an_event() {
     let Some((booth, share)) = booth_with_shared_exports() else { return };
     let daemon = booth.start();
     booth.wait_for("the start", || booth.log().contains("station-ready"));
-    share.write_remotely("4711_a.obj", &coarse(1));
+    export_remotely(&booth, &share, "4711_a.obj", &coarse(1));
     booth.wait_for_records(1);
-    share.write_remotely("4711_b.obj", &coarse(2));
+    export_remotely(&booth, &share, "4711_b.obj", &coarse(2));
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &coarse(1)), ("4711", &coarse(2))]);
@@ -87,6 +91,10 @@ fn a_scan_that_another_machine_writes_line_by_line_is_taken_whole() {
         sleep(QUIET / 3);
     }
     drop(file);
+    let whole = || fs::metadata(booth.path("export/4711_a.obj")).map(|file| file.len());
+    let length = u64::try_from(bytes.len()).unwrap();
+    booth.wait_for("the share to show it whole", || whole().is_ok_and(|now| now == length));
+    booth.has_put("4711_a.obj", &bytes, PutKind::Whole);
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &bytes)]);
@@ -98,7 +106,7 @@ fn a_scan_that_another_machine_writes_line_by_line_is_taken_whole() {
 fn a_stalled_share_holds_up_no_other_folder_and_goes_on_by_itself() {
     let Some((booth, share)) = booth_with_shared_exports() else { return };
     let daemon = booth.start();
-    share.write_remotely("4711_before.obj", &coarse(1));
+    export_remotely(&booth, &share, "4711_before.obj", &coarse(1));
     booth.wait_for_records(1);
     let stall = share.stall();
     share.write_remotely("4711_meanwhile.obj", &coarse(2));
@@ -106,6 +114,7 @@ fn a_stalled_share_holds_up_no_other_folder_and_goes_on_by_itself() {
     export_locally(&booth, "4711_local.obj", &coarse(3));
     booth.wait_for_records(2);
     drop(stall);
+    booth.has_put("4711_meanwhile.obj", &coarse(2), PutKind::Whole);
     booth.wait_for_records(3);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &coarse(1)), ("4711", &coarse(2)), ("4711", &coarse(3))]);
@@ -115,7 +124,7 @@ fn a_stalled_share_holds_up_no_other_folder_and_goes_on_by_itself() {
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn a_share_that_stalls_at_the_start_keeps_no_other_folder_from_starting() {
     let Some((booth, share)) = booth_with_shared_exports() else { return };
-    share.write_remotely("4711_before.obj", &coarse(1));
+    export_remotely(&booth, &share, "4711_before.obj", &coarse(1));
     let mut daemon = booth.start();
     let stall = share.stall();
     export_locally(&booth, "4711_local.obj", &coarse(2));
@@ -141,6 +150,7 @@ fn a_stop_while_a_share_stalls_ends_in_time_and_the_next_start_goes_on() {
     let ended = daemon.stop_within(STOP);
     assert_eq!(ended.and_then(|ended| ended.code()), Some(0), "log:\n{}", booth.log());
     drop(stall);
+    booth.has_put("4711_a.obj", &coarse(1), PutKind::Whole);
     let daemon = booth.start();
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
@@ -152,20 +162,22 @@ fn a_stop_while_a_share_stalls_ends_in_time_and_the_next_start_goes_on() {
 fn a_share_that_dies_is_taken_up_when_it_is_back_and_no_scan_is_taken_twice() {
     let Some((booth, mut share)) = booth_with_shared_exports() else { return };
     let daemon = booth.start();
-    share.write_remotely("4711_a.obj", &coarse(1));
+    export_remotely(&booth, &share, "4711_a.obj", &coarse(1));
     booth.wait_for_records(1);
     // In the middle of a copy.
     let bytes = coarse(2);
     let half = bytes[..bytes.len() / 2].iter().rposition(|byte| *byte == b'\n').unwrap();
     share.write_remotely("4711_b.obj", &bytes[..=half]);
+    booth.has_put("4711_b.obj", &bytes[..=half], PutKind::Short);
     share.die();
     booth.wait_for("the outage to be noticed", || booth.log().contains("out-of-reach"));
     export_locally(&booth, "4711_local.obj", &coarse(3));
     booth.wait_for_records(2);
     share.write_remotely("4711_b.obj", &bytes);
     share.revive();
+    booth.has_put("4711_b.obj", &bytes, PutKind::Whole);
     booth.wait_for_records(3);
-    share.write_remotely("4711_c.obj", &coarse(4));
+    export_remotely(&booth, &share, "4711_c.obj", &coarse(4));
     booth.wait_for_records(4);
     assert_eq!(daemon.stop().code(), Some(0));
     let scans = [coarse(1), bytes, coarse(3), coarse(4)];
@@ -178,7 +190,7 @@ fn a_share_that_dies_is_taken_up_when_it_is_back_and_no_scan_is_taken_twice() {
 fn an_unmounted_share_is_no_empty_folder_and_no_scan_is_taken_twice() {
     let Some((booth, mut share)) = booth_with_shared_exports() else { return };
     let daemon = booth.start();
-    share.write_remotely("4711_a.obj", &coarse(1));
+    export_remotely(&booth, &share, "4711_a.obj", &coarse(1));
     booth.wait_for_records(1);
     share.unmount_lazily();
     for n in [2, 3] {
@@ -187,8 +199,9 @@ fn an_unmounted_share_is_no_empty_folder_and_no_scan_is_taken_twice() {
     }
     share.write_remotely("4711_meanwhile.obj", &coarse(4));
     share.serve();
+    booth.has_put("4711_meanwhile.obj", &coarse(4), PutKind::Whole);
     booth.wait_for_records(4);
-    share.write_remotely("4711_later.obj", &coarse(5));
+    export_remotely(&booth, &share, "4711_later.obj", &coarse(5));
     booth.wait_for_records(5);
     assert_eq!(daemon.stop().code(), Some(0));
     let scans: Vec<Vec<u8>> = (1..=5).map(coarse).collect();

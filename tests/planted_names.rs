@@ -3,12 +3,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "support/coarse.rs"]
-mod coarse;
 #[allow(dead_code, reason = "each test program uses its own part")]
 #[path = "support/process.rs"]
 mod process;
-#[allow(dead_code, reason = "each test program uses its own part")]
 #[path = "support/station.rs"]
 mod support;
 
@@ -20,9 +17,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{scope, sleep};
 use std::time::Duration;
 
-use coarse::coarse;
 use process::{family, public_words};
-use support::{Booth, Daemon, sha256};
+use support::{Booth, Daemon, coarse_body, sha256};
 
 /// What may never appear. The numbers are ids, one of them none that is allowed; the names stand in
 /// file names, folders, contents and companions.
@@ -37,7 +33,7 @@ fn planted_body(n: usize) -> Vec<u8> {
         "# Patient: Quastenflosser, Hanna, 77009900{n}\nmtllib Quastenflosser.mtl\n\
          o Quastenflosser_77009900{n}\ng Hammerhai 77009900{n}\nusemtl Hammerhai\n"
     );
-    [head.into_bytes(), coarse(format!("Quastenflosser 77009900{n}"))].concat()
+    [head.into_bytes(), coarse_body(n), b"# Quastenflosser, Hanna\n".to_vec()].concat()
 }
 
 /// A booth whose folders are named after patients, too.

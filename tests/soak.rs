@@ -6,12 +6,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[path = "support/coarse.rs"]
-mod coarse;
-#[allow(dead_code, reason = "each test program uses its own part")]
-#[path = "support/process.rs"]
-mod process;
-#[allow(dead_code, reason = "each test program uses its own part")]
 #[path = "support/station.rs"]
 mod support;
 
@@ -19,9 +13,8 @@ use std::env;
 use std::fs;
 use std::time::Instant;
 
-use coarse::coarse;
-use process::{Usage, usage};
-use support::{Booth, Record, names, sha256};
+use support::invariants::{Delivered, Vitals};
+use support::{Booth, Setting, coarse_body as coarse, names, sha256};
 
 /// Scans where the environment says nothing else: enough for a tenth to fill the journal's pages.
 const SCANS: usize = 600;
@@ -34,7 +27,7 @@ const READINGS: usize = 10;
 
 /// How far memory may be above its highest of the first half, kB: one more thread's arena. Over
 /// 10 000 scans a leak of 1 kB a scan shows.
-const MEMORY_UNREST_KB: u64 = 5_000;
+const MEMORY_UNREST_KB: usize = 5_000;
 
 /// How far the journal's growth a scan may be above that of the first half: pages fill unevenly.
 const GROWTH_UNREST: f64 = 1.25;
@@ -47,7 +40,7 @@ const LOG_MOST_BYTES: u64 = 8_000_000;
 #[derive(Clone, Copy)]
 struct Reading {
     scans: usize,
-    usage: Usage,
+    vitals: Vitals,
     journal_bytes: u64,
     log_bytes: u64,
 }
@@ -58,7 +51,7 @@ fn reading(booth: &Booth, pid: u32, scans: usize) -> Reading {
     // What is still in the write-ahead log counts too.
     let journal_bytes = pragma("page_count") * pragma("page_size");
     let log_bytes = fs::metadata(log).map_or(0, |file| file.len());
-    Reading { scans, usage: usage(pid), journal_bytes, log_bytes }
+    Reading { scans, vitals: Vitals::of(pid).unwrap(), journal_bytes, log_bytes }
 }
 
 fn count_from_environment() -> usize {
@@ -69,7 +62,7 @@ fn count_from_environment() -> usize {
 
 /// One batch of the scanner: exports, waits for the records, and cleans up half of what it
 /// exported: some exports lie there for long.
-fn batch(booth: &Booth, first: usize) -> Vec<Record> {
+fn batch(booth: &Booth, first: usize) -> Vec<Delivered> {
     let mut expected = Vec::new();
     for n in first..first + BATCH {
         let (patient, bytes) = (format!("P{}", n % 97), coarse(n));
@@ -90,8 +83,7 @@ fn batch(booth: &Booth, first: usize) -> Vec<Record> {
 #[ignore = "takes minutes, run by .ci/run"]
 fn thousands_of_scans_leave_memory_files_and_threads_flat() {
     let count = count_from_environment();
-    let booth = Booth::new();
-    booth.reconfigure(|text| text + "[output]\nfiles = []\n");
+    let booth = Booth::set(&Setting { files: "[]", ..Setting::default() });
     let daemon = booth.start();
     let (mut expected, mut readings) = (Vec::new(), Vec::new());
     let began = Instant::now();
@@ -113,7 +105,7 @@ fn thousands_of_scans_leave_memory_files_and_threads_flat() {
 }
 
 fn report(now: &Reading, began: Instant) {
-    let Reading { scans, usage: Usage { resident_kb, files, threads }, .. } = *now;
+    let Reading { scans, vitals: Vitals { resident_kb, files, threads }, .. } = *now;
     let (count, journal) = (as_f64(scans), as_f64(now.journal_bytes));
     println!(
         "{scans:6} scans: {resident_kb} kB resident, {files} files, {threads} threads, journal \
@@ -133,14 +125,15 @@ fn as_f64(number: impl TryInto<u32>) -> f64 {
 #[track_caller]
 fn assert_flat(readings: &[Reading]) {
     let (early, late) = readings.split_at(READINGS / 2);
-    let most = |half: &[Reading], of: fn(&Reading) -> u64| half.iter().map(of).max().unwrap();
-    let resident_kb = |half| most(half, |now| now.usage.resident_kb);
+    let most = |half: &[Reading], of: fn(&Reading) -> usize| half.iter().map(of).max().unwrap();
+    let resident_kb = |half| most(half, |now| now.vitals.resident_kb);
     assert!(resident_kb(late) <= resident_kb(early) + MEMORY_UNREST_KB, "memory grows");
-    let files = |half| most(half, |now| u64::try_from(now.usage.files).unwrap());
+    let files = |half| most(half, |now| now.vitals.files);
     assert!(files(late) <= files(early) + 2, "open files grow");
-    let threads = |half| most(half, |now| now.usage.threads);
+    let threads = |half| most(half, |now| now.vitals.threads);
     assert!(threads(late) <= threads(early) + 2, "threads grow");
-    assert!(most(readings, |now| now.log_bytes) <= LOG_MOST_BYTES, "the write-ahead log grows");
+    let is_bounded = |now: &Reading| now.log_bytes <= LOG_MOST_BYTES;
+    assert!(readings.iter().all(is_bounded), "the write-ahead log grows");
     let grown = |from: &Reading, to: &Reading| {
         as_f64(to.journal_bytes - from.journal_bytes) / as_f64(to.scans - from.scans)
     };

@@ -4,31 +4,6 @@
 
 use std::fs;
 
-/// What a process holds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Usage {
-    /// Resident memory, kB.
-    pub resident_kb: u64,
-    /// Open files.
-    pub files: usize,
-    /// Threads.
-    pub threads: u64,
-}
-
-/// What a running process holds now.
-pub fn usage(pid: u32) -> Usage {
-    let status = fs::read_to_string(format!("/proc/{pid}/status")).expect("a running process");
-    let figure = |key: &str| {
-        let line = status.lines().find_map(|line| line.strip_prefix(key)).unwrap();
-        line.trim_start_matches(':').split_whitespace().next().unwrap().parse().unwrap()
-    };
-    Usage {
-        resident_kb: figure("VmRSS"),
-        files: fs::read_dir(format!("/proc/{pid}/fd")).unwrap().count(),
-        threads: figure("Threads"),
-    }
-}
-
 /// CPU time of a process and its ended children, in clock ticks of 10 ms.
 pub fn cpu_ticks(pid: u32) -> u64 {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).expect("a running process");
