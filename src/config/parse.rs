@@ -130,6 +130,11 @@ pub(super) fn station_id(text: &str) -> Result<String, What> {
     }
 }
 
+/// A folder that may be left out.
+pub(super) fn full_path_or_none(text: &str) -> Result<Option<PathBuf>, What> {
+    if text.is_empty() { Ok(None) } else { full_path(text).map(Some) }
+}
+
 /// A full path. A relative one is refused: a daemon has no folder a person would think of, and the
 /// folder of the configuration is not where state or records belong.
 pub(super) fn full_path(text: &str) -> Result<PathBuf, What> {

@@ -33,6 +33,13 @@ pub enum StationError {
         #[source]
         source: JournalError,
     },
+    /// A ruined journal could not be set aside.
+    #[error("setting a ruined journal aside failed")]
+    SetAside {
+        /// How it failed.
+        #[source]
+        source: io::Error,
+    },
     /// The state of the last run could not be taken up.
     #[error("taking up the state of the last run failed")]
     Recovery(#[source] CustodyFault),

@@ -4,6 +4,7 @@ use std::fs;
 
 use super::*;
 use crate::record::{Source, SourceKind};
+use crate::station::quarantine::Stage;
 use crate::store::sums;
 
 const BYTES: &[u8] = b"v 0 0 0\n";
@@ -11,7 +12,7 @@ const BYTES: &[u8] = b"v 0 0 0\n";
 fn open(dir: &Path) -> Custody {
     let journal = Journal::open(&dir.join("journal.db")).unwrap();
     let spool = Spool::open(dir).unwrap();
-    Custody::new(journal, spool, Quarantine::open(dir).unwrap(), "folder")
+    Custody::new(journal, spool, Quarantine::open(dir).unwrap(), vec!["folder"])
 }
 
 fn says(id: &str) -> NameSays {
@@ -39,7 +40,7 @@ fn bytes_are_kept_until_they_are_delivered() {
     assert_eq!(admit(&custody, says("4711")), Verdict::Already);
     let due = custody.journal.pending().unwrap();
     assert_eq!(due.len(), 1);
-    assert_eq!(custody.spool.bytes(&scan, "obj").unwrap(), BYTES);
+    assert_eq!(fs::read(custody.spool.scan_file(&scan, "obj")).unwrap(), BYTES);
     custody.delivered(&due[0], Path::new("/r/x")).unwrap();
     assert!(!custody.spool.holds(&scan));
     assert_eq!(admit(&custody, says("4711")), Verdict::Already);
@@ -138,7 +139,7 @@ fn a_crash_between_journal_and_spool_after_delivery_is_made_good() {
     let scan = sums::scan_id(BYTES);
     admit(&custody, NameSays::Nothing);
     let due = custody.journal.pending().unwrap();
-    custody.journal.delivered(&due[0], "folder", Path::new("/r/x")).unwrap();
+    custody.journal.delivered(&due[0], Path::new("/r/x")).unwrap();
     custody.recover().unwrap();
     assert!(!custody.spool.holds(&scan));
 }

@@ -27,7 +27,7 @@ fn patient(id: &str) -> Patient {
 
 fn enter(journal: &Journal, row: &ScanRow, id: Option<&str>, state: DeliveryState) {
     let patient = id.map(patient);
-    journal.enter(row, patient.as_ref(), "folder", state, None).unwrap();
+    journal.enter(row, patient.as_ref(), &["folder"], state, None).unwrap();
 }
 
 #[test]
@@ -40,11 +40,15 @@ fn what_was_entered_is_there_after_reopening() {
     assert_eq!(journal.scan(&row('a').scan).unwrap(), Some(row('a')));
     assert_eq!(journal.patients(&row('b').scan).unwrap(), [None]);
     let due = journal.pending().unwrap();
-    let expected = [
-        Due { scan: row('a').scan, patient: Some(patient("4711")) },
-        Due { scan: row('b').scan, patient: None },
-    ];
-    assert_eq!(due, expected);
+    let due_to = |scan, patient| Due {
+        scan,
+        patient,
+        store: "folder".to_owned(),
+        task: Task::Deliver,
+        first_seen: row('a').first_seen,
+        attempts: 0,
+    };
+    assert_eq!(due, [due_to(row('a').scan, Some(patient("4711"))), due_to(row('b').scan, None)]);
 }
 
 #[test]
@@ -65,12 +69,12 @@ fn spooled_bytes_have_served_with_the_last_delivery_unless_one_is_held() {
     enter(&journal, &row('b'), None, DeliveryState::Pending);
     enter(&journal, &row('b'), Some("4711"), DeliveryState::Held);
     let due = journal.pending().unwrap();
-    assert!(journal.delivered(&due[0], "folder", folder).unwrap());
-    assert!(!journal.delivered(&due[1], "folder", folder).unwrap());
+    assert!(journal.delivered(&due[0], folder).unwrap());
+    assert!(!journal.delivered(&due[1], folder).unwrap());
     assert!(journal.is_held(&row('b').scan).unwrap());
     assert_eq!(journal.scans_in(ScanState::Delivered).unwrap(), [row('a').scan, row('b').scan]);
     assert!(journal.pending().unwrap().is_empty());
-    let again = journal.delivered(&due[0], "folder", folder);
+    let again = journal.delivered(&due[0], folder);
     assert!(matches!(again, Err(JournalError::Step(_))), "{again:?}");
 }
 
@@ -86,15 +90,15 @@ fn a_refused_scan_is_not_pending_any_more() {
 }
 
 #[test]
-fn deliveries_that_failed_stand_behind_fresh_ones() {
+fn failed_attempts_are_counted() {
     let (_dir, journal) = journal();
     enter(&journal, &row('a'), None, DeliveryState::Pending);
     enter(&journal, &row('b'), None, DeliveryState::Pending);
     let due = journal.pending().unwrap();
     let at = "2026-11-21T09:15:01Z".parse().unwrap();
-    journal.put_off(&due[0], "folder", at).unwrap();
-    let order: Vec<ScanId> = journal.pending().unwrap().into_iter().map(|d| d.scan).collect();
-    assert_eq!(order, [row('b').scan, row('a').scan]);
+    journal.put_off(&due[0], "store-unavailable", at).unwrap();
+    let attempts: Vec<u32> = journal.pending().unwrap().iter().map(|due| due.attempts).collect();
+    assert_eq!(attempts, [1, 0]);
 }
 
 #[test]
@@ -121,7 +125,7 @@ fn durability_is_set_and_a_foreign_schema_is_refused() {
     journal.connection().pragma_update(None, "user_version", 99).unwrap();
     drop(journal);
     let refused = Journal::open(&dir.path().join("journal.db")).unwrap_err();
-    assert!(matches!(refused, JournalError::Schema { found: 99, known: 1 }));
+    assert!(matches!(refused, JournalError::Schema { found: 99, known: schema::KNOWN }));
 }
 
 #[test]
