@@ -39,6 +39,9 @@ fn killed(booth: &mut Booth, nth: usize) -> Struck {
         found.push("it did not end".to_owned());
     }
     found.extend(restarted(booth));
+    if let (Some(at), false) = (&at, found.is_empty()) {
+        println!("{nth} {at}\n{}", booth.log());
+    }
     at.map(|at| (at, found))
 }
 

@@ -88,9 +88,13 @@ pub fn faults(booth: &Booth, moment: Moment) -> Vec<String> {
 /// Starts the station without faults, gives it its time, and stops it; what does not hold then.
 pub fn restarted(booth: &Booth) -> Vec<String> {
     let mut found = Vec::new();
-    let daemon = booth.start();
+    let ready = || booth.log().matches("station-ready").count();
+    let before = ready();
+    let mut daemon = booth.start();
     let deadline = Instant::now() + PATIENCE;
-    while !booth.violations(Moment::Rest).is_empty() && Instant::now() < deadline {
+    // Before it is ready it neither heeds SIGTERM nor has the journal for itself.
+    let settled = || ready() > before && booth.violations(Moment::Rest).is_empty();
+    while !settled() && !daemon.has_ended() && Instant::now() < deadline {
         sleep(Duration::from_millis(10));
     }
     let code = daemon.stop().code();

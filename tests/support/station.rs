@@ -274,9 +274,15 @@ files = {files}
 impl Daemon {
     /// SIGTERM, and the exit it leads to.
     pub fn stop(mut self) -> ExitStatus {
-        let pid = Pid::from_child(&self.child);
-        kill_process(pid, Signal::TERM).unwrap();
+        if !self.has_ended() {
+            kill_process(Pid::from_child(&self.child), Signal::TERM).unwrap();
+        }
         self.child.wait().unwrap()
+    }
+
+    /// Whether it has ended by itself.
+    pub fn has_ended(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_some()
     }
 
     /// SIGKILL.
