@@ -10,7 +10,9 @@ mod matrix;
 use matrix::station::Booth;
 use matrix::station::invariants::Moment;
 use matrix::tracer::{Answer, Kind};
-use matrix::{Struck, booth, faults, renew, restarted, strike_everywhere, struck, what};
+use matrix::{
+    Struck, acknowledged, booth, faults, renew, restarted, strike_everywhere, struck, what,
+};
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 2;
@@ -34,7 +36,8 @@ fn killed(booth: &mut Booth, nth: usize) -> Struck {
         }
         Answer::Do
     });
-    let mut found = faults(booth, Moment::Any);
+    let mut found = acknowledged(booth);
+    found.extend(faults(booth, Moment::Any));
     if run.hung {
         found.push("it did not end".to_owned());
     }
@@ -45,7 +48,7 @@ fn killed(booth: &mut Booth, nth: usize) -> Struck {
 #[test]
 #[ignore = "needs ptrace and minutes, run by .ci/run"]
 fn a_station_killed_before_any_call_loses_nothing_and_delivers_nothing_twice() {
-    let tally = strike_everywhere("kill -9", HANDS, booth, killed);
+    let tally = strike_everywhere("kill -9", HANDS, 1, booth, killed);
     for (kind, times) in &tally.kinds {
         println!("  {times:4} {kind}");
     }

@@ -119,8 +119,8 @@ pub type Delivered = (String, String);
 
 /// Checks everything that can be checked at this moment.
 pub fn violations(evidence: &Evidence<'_>, moment: Moment) -> Vec<Violation> {
-    let mut found = Found::default();
-    let store = found.store(evidence.records);
+    let (store, violations) = records(evidence.records);
+    let mut found = Found { violations };
     let spool = found.scans_within(&evidence.state.join("spool"), "intake.json");
     let quarantine = found.scans_within(&evidence.state.join("quarantine"), "reason.json");
     found.twice(evidence, &store);
@@ -138,6 +138,24 @@ pub fn violations(evidence: &Evidence<'_>, moment: Moment) -> Vec<Violation> {
         }
     }
     found.violations
+}
+
+/// The whole records of a store, sorted, and what I3 says of the others.
+pub fn records(store: &Path) -> (Vec<Delivered>, Vec<Violation>) {
+    let (mut records, mut partial) = (Vec::new(), Vec::new());
+    for patient in folders(store) {
+        for record in final_names(&store.join(&patient)) {
+            match whole_record(&store.join(&patient).join(&record)) {
+                Ok(sum) => records.push((patient.clone(), sum)),
+                Err(why) => partial.push(Violation {
+                    invariant: 3,
+                    what: format!("the record {patient}/{record}: {why}"),
+                }),
+            }
+        }
+    }
+    records.sort();
+    (records, partial)
 }
 
 /// What the journal holds open.
@@ -162,7 +180,6 @@ fn journal(state: &Path) -> rusqlite::Result<JournalState> {
     })
 }
 
-#[derive(Default)]
 struct Found {
     violations: Vec<Violation>,
 }
@@ -170,20 +187,6 @@ struct Found {
 impl Found {
     fn say(&mut self, invariant: u8, what: String) {
         self.violations.push(Violation { invariant, what });
-    }
-
-    /// I3 in the store; the records that are there.
-    fn store(&mut self, records: &Path) -> Vec<Delivered> {
-        let mut store = Vec::new();
-        for patient in folders(records) {
-            for record in final_names(&records.join(&patient)) {
-                match whole_record(&records.join(&patient).join(&record)) {
-                    Ok(sum) => store.push((patient.clone(), sum)),
-                    Err(why) => self.say(3, format!("the record {patient}/{record}: {why}")),
-                }
-            }
-        }
-        store
     }
 
     /// I3 in the spool or the quarantine; the scans whose bytes are there.

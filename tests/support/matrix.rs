@@ -17,8 +17,8 @@ pub mod station;
 #[path = "tracer.rs"]
 pub mod tracer;
 
-use station::invariants::{Moment, PutKind};
-use station::{Booth, Setting, coarse_body};
+use station::invariants::{self, Moment, PutKind};
+use station::{Booth, Setting, coarse_body, names};
 use tracer::{Answer, BEHIND_A_GATE, Call, Run};
 
 /// How long a station without faults may take to put everything in order.
@@ -85,12 +85,39 @@ pub fn faults(booth: &Booth, moment: Moment) -> Vec<String> {
     booth.violations(moment).iter().map(ToString::to_string).collect()
 }
 
+/// What the station has acknowledged in its log and what is not there, with the bytes it spoke of.
+pub fn acknowledged(booth: &Booth) -> Vec<String> {
+    let (state, log) = (booth.path("state"), booth.log());
+    let [spool, quarantine] = ["spool", "quarantine"].map(|name| names(&state.join(name)));
+    let store: Vec<String> =
+        invariants::records(&booth.path("records")).0.into_iter().map(|(_, sum)| sum).collect();
+    let mut lost = Vec::new();
+    for line in log.lines() {
+        let word = |key: &str| line.split_once(key)?.1.split_once('"').map(|(word, _)| word);
+        let (Some(event), Some(scan)) = (word("event=\""), word("scan=\"")) else { continue };
+        let places: &[&Vec<String>] = match event {
+            "scan-delivered" => &[&store],
+            "scan-refused" => &[&quarantine],
+            "scan-spooled" | "scan-held" => &[&spool, &quarantine, &store],
+            _ => continue,
+        };
+        if !places.iter().any(|place| place.iter().any(|sum| sum.starts_with(scan))) {
+            lost.push(format!("{event} was said of {scan}, and it is not there"));
+        }
+    }
+    lost
+}
+
 /// Starts the station without faults, gives it its time, and stops it; what does not hold then.
 pub fn restarted(booth: &Booth) -> Vec<String> {
     let mut found = Vec::new();
-    let daemon = booth.start();
+    let ready = || booth.log().matches("station-ready").count();
+    let before = ready();
+    let mut daemon = booth.start();
     let deadline = Instant::now() + PATIENCE;
-    while !booth.violations(Moment::Rest).is_empty() && Instant::now() < deadline {
+    // Before it is ready it neither heeds SIGTERM nor has the journal for itself.
+    let settled = || ready() > before && booth.violations(Moment::Rest).is_empty();
+    while !settled() && !daemon.has_ended() && Instant::now() < deadline {
         sleep(Duration::from_millis(10));
     }
     let code = daemon.stop().code();
@@ -128,11 +155,12 @@ pub struct Tally {
     pub violations: Vec<String>,
 }
 
-/// Strikes at every place from 1 until runs end without being struck. Several `hands` work at a
+/// Strikes at every `step`th place from 1 until runs end without being struck. Several `hands` work at a
 /// time, each in a place of its own that `make` makes.
 pub fn strike_everywhere<Place>(
     name: &str,
     hands: usize,
+    step: usize,
     make: impl Fn() -> Place + Sync,
     strike: impl Fn(&mut Place, usize) -> Struck + Sync,
 ) -> Tally {
@@ -146,8 +174,8 @@ pub fn strike_everywhere<Place>(
                 loop {
                     let nth = {
                         let mut next = next.lock().unwrap();
-                        *next += 1;
-                        *next - 1
+                        *next += step;
+                        *next - step
                     };
                     if nth >= *end.lock().unwrap() {
                         return;

@@ -19,7 +19,6 @@ use tempfile::TempDir;
 #[path = "invariants.rs"]
 pub mod invariants;
 
-use invariants::whole::{self, folders};
 pub use invariants::whole::{names, sha256};
 use invariants::{Delivered, Evidence, Moment, Put, PutKind, Violation};
 
@@ -257,15 +256,8 @@ files = {files}
     /// The records in the store, each of them whole.
     #[track_caller]
     pub fn records(&self) -> Vec<Delivered> {
-        let mut records = Vec::new();
-        for patient in folders(&self.path("records")) {
-            let folder = self.path("records").join(&patient);
-            for name in whole::final_names(&folder) {
-                let sum = whole::whole_record(&folder.join(name)).unwrap();
-                records.push((patient.clone(), sum));
-            }
-        }
-        records.sort();
+        let (records, partial) = invariants::records(&self.path("records"));
+        assert_eq!(partial, []);
         records
     }
 
@@ -317,9 +309,15 @@ impl Daemon {
 
     /// SIGTERM, and the exit it leads to.
     pub fn stop(mut self) -> ExitStatus {
-        let pid = Pid::from_child(&self.child);
-        kill_process(pid, Signal::TERM).unwrap();
+        if !self.has_ended() {
+            kill_process(Pid::from_child(&self.child), Signal::TERM).unwrap();
+        }
         self.child.wait().unwrap()
+    }
+
+    /// Whether it has ended by itself.
+    pub fn has_ended(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_some()
     }
 
     /// SIGKILL.

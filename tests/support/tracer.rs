@@ -116,6 +116,7 @@ pub fn run(
         root,
         folders: folders.to_vec(),
         alive: BTreeSet::from([root]),
+        inside: BTreeSet::new(),
         results: BTreeMap::new(),
         calls: Vec::new(),
         code: None,
@@ -154,6 +155,8 @@ struct Tracer {
     root: Pid,
     folders: Vec<PathBuf>,
     alive: BTreeSet<Pid>,
+    /// Threads that have entered a call and not left it: each call stops them twice.
+    inside: BTreeSet<Pid>,
     /// What calls that are not made are to give.
     results: BTreeMap<Pid, u64>,
     calls: Vec<Call>,
@@ -176,36 +179,44 @@ impl Tracer {
                     resume(pid, None);
                 }
                 Ok(WaitStatus::Exited(pid, code)) => {
-                    self.alive.remove(&pid);
+                    self.gone(pid);
                     if pid == self.root {
                         self.code = Some(code);
                     }
                 }
                 Ok(WaitStatus::Signaled(pid, ..)) => {
-                    self.alive.remove(&pid);
+                    self.gone(pid);
                 }
                 Ok(_) => {}
             }
         }
     }
 
+    fn gone(&mut self, pid: Pid) {
+        self.alive.remove(&pid);
+        self.inside.remove(&pid);
+    }
+
     fn at_call(&mut self, pid: Pid, answer: &mut impl FnMut(&Call) -> Answer) {
         // A process that was killed meanwhile is gone.
-        let Ok(info) = ptrace::syscall_info(pid) else { return };
         let Ok(mut registers) = ptrace::getregs(pid) else { return };
-        if info.op == libc::PTRACE_SYSCALL_INFO_EXIT {
+        if self.inside.remove(&pid) {
             if let Some(result) = self.results.remove(&pid) {
                 registers.rax = result;
                 let _ = ptrace::setregs(pid, registers);
             }
             return resume(pid, None);
         }
+        self.inside.insert(pid);
         let Some(call) = self.call(pid, &registers) else { return resume(pid, None) };
         let given = answer(&call);
         self.calls.push(call);
         match given {
             Answer::Do => {}
-            Answer::Kill => return drop(kill(pid, Signal::SIGKILL)),
+            Answer::Kill => {
+                let _ = kill(pid, Signal::SIGKILL);
+                return;
+            }
             Answer::KillAll => {
                 for pid in &self.alive {
                     let _ = kill(*pid, Signal::SIGKILL);
