@@ -9,20 +9,26 @@ mod notation;
 mod parse;
 mod place;
 mod reader;
+mod seeing;
 #[cfg(test)]
 mod tests;
+mod watch;
 pub mod words;
 
 use std::io;
+use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use regex::Regex;
 
 use crate::cad::Output;
+use crate::flow::retention::Retention;
 use crate::leg::Method;
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
+pub use seeing::{control_path, state_dir};
+pub use watch::WatchConfig;
 
 /// The whole configuration of a station, checked.
 #[derive(Debug, Clone)]
@@ -41,6 +47,12 @@ pub struct Config {
     pub measure: MeasureConfig,
     /// `[store]`
     pub store: StoreConfig,
+    /// `[retention]`: how long what has served is kept.
+    pub retention: Retention,
+    /// `[status]`
+    pub status: StatusConfig,
+    /// `[log]`
+    pub log: LogConfig,
     /// The text it was read from, for the process that measures.
     pub text: String,
 }
@@ -63,6 +75,8 @@ pub struct StationConfig {
     pub id: String,
     /// Journal, spool and quarantine; a local disk, this station's alone.
     pub state_dir: PathBuf,
+    /// So much of the disk of `state_dir` stays free, bytes: intake stops before.
+    pub disk_floor_bytes: u64,
 }
 
 /// `[scanner]`: where and how the scanner exports.
@@ -78,6 +92,8 @@ pub struct ScannerConfig {
     pub short_wait: Duration,
     /// A larger file is refused before it is read, bytes.
     pub max_scan_bytes: u64,
+    /// What is watched and when it is believed.
+    pub watch: WatchConfig,
     /// Expression on the file name; its group `patient` is the patient's id.
     pub file_name: Option<Regex>,
 }
@@ -103,6 +119,31 @@ pub struct StoreConfig {
 pub struct FolderStoreConfig {
     /// The folder that holds a folder per patient.
     pub path: PathBuf,
+}
+
+/// `[status]`: what the station says of itself, and where.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct StatusConfig {
+    /// A scan without a record for longer than this makes the station not ready.
+    pub overdue: Duration,
+    /// Where metrics and health can be asked for, on this machine only; nowhere if none.
+    pub listen: Option<SocketAddr>,
+}
+
+/// `[log]`: what the log looks like.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct LogConfig {
+    /// How an event is written.
+    pub format: LogFormat,
+}
+
+/// How an event of the log is written, one a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogFormat {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
 }
 
 /// Why a file gave no configuration.

@@ -23,7 +23,11 @@ const PURE: [Rule; 6] = [
         layers: &["scan", "spline", "leg", "cad"],
         crates: &["jiff", "nalgebra", "serde", "serde_json", "sha2", "thiserror"],
     },
-    Rule { layer: "flow", layers: &["record"], crates: &["jiff", "regex", "serde", "thiserror"] },
+    Rule {
+        layer: "flow",
+        layers: &["scan", "record"],
+        crates: &["jiff", "regex", "serde", "thiserror"],
+    },
 ];
 
 /// Layers with effects, and which of the others they may use.
@@ -34,7 +38,7 @@ const EFFECTS: [Rule; 3] = [
         layers: &["scan", "leg", "record", "flow", "store", "config"],
         crates: &[],
     },
-    Rule { layer: "config", layers: &["leg", "cad"], crates: &[] },
+    Rule { layer: "config", layers: &["leg", "cad", "flow"], crates: &[] },
 ];
 
 /// What no pure layer may name.

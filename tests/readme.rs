@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
+use std::collections::BTreeSet;
 use std::fs;
+use std::path::Path;
 
 /// Files whose `code` functions give codes to records, `reason.json` or standard error.
 const SOURCES: [&str; 9] = [
@@ -34,4 +36,38 @@ fn every_code_stands_in_the_readme() {
     for code in all.iter().filter(|code| !not_codes.contains(&code.as_str())) {
         assert!(readme.contains(&format!("`{code}`")), "the README does not explain `{code}`");
     }
+}
+
+/// The codes of all log events in the source, where they are made.
+fn events(folder: &Path, found: &mut BTreeSet<String>) {
+    for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            events(&path, found);
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        // `info!(event = "code", …)`, and a `let (event, …) = ("code", …)` for a long line,
+        // or a `let event` that chooses between two.
+        let plain = text.split("event = \"").skip(1);
+        let bound = text.split("(event, ").skip(1).filter_map(|rest| rest.split_once(") = (\""));
+        let codes =
+            plain.chain(bound.map(|(_, rest)| rest)).filter_map(|rest| rest.split('"').next());
+        found.extend(codes.map(str::to_owned));
+    }
+}
+
+#[test]
+fn every_log_event_stands_in_the_readme_and_no_other() {
+    let mut made = BTreeSet::new();
+    events(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut made);
+    assert!(made.len() > 15, "only {} events were found: {made:?}", made.len());
+    let readme = include_str!("../README.md");
+    let section = readme.split("\n## Log events\n").nth(1).unwrap().split("\n## ").next().unwrap();
+    let rows = section.lines().filter(|line| line.starts_with("| `"));
+    let named = rows.flat_map(|row| row.split('|').nth(1).unwrap().split('`').skip(1).step_by(2));
+    let told: BTreeSet<String> = named.map(str::to_owned).collect();
+    let missing: Vec<_> = made.difference(&told).collect();
+    assert!(missing.is_empty(), "the README does not explain {missing:?}");
+    let gone: Vec<_> = told.difference(&made).collect();
+    assert!(gone.is_empty(), "the README explains {gone:?}, which nothing logs");
 }

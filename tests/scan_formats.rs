@@ -113,6 +113,45 @@ fn a_body_cut_in_half_is_awaited_and_says_how_much_is_there() {
     assert_eq!(completeness(&points[..=line_end], Format::Xyz), Err(ScanFault::CutShort { what }));
 }
 
+#[test]
+fn a_file_reserved_at_its_full_size_and_not_filled_to_its_end_is_awaited() {
+    let body = bodies::scan("f_average_clean");
+    let cloud = Scan { points: body.points.clone(), triangles: vec![] };
+    let clouds = [Writer::Obj, Writer::PlyText, Writer::PlyLittle, Writer::PlyBig, Writer::Xyz];
+    let writings = MESHES.map(|writer| (writer, &body)).into_iter();
+    for (writer, scan) in writings.chain(clouds.map(|writer| (writer, &cloud))) {
+        let bytes = writer.write(scan);
+        assert_eq!(completeness(&bytes, writer.format()), Ok(()), "{writer:?}");
+        for filled in [0, 1, 60, 4096, bytes.len() / 2, bytes.len() - 600] {
+            let mut reserved = vec![0; bytes.len()];
+            reserved[..filled].copy_from_slice(&bytes[..filled]);
+            let waits = completeness(&reserved, writer.format())
+                .is_err_and(|fault| fault.may_be_mended_by_waiting());
+            assert!(waits, "{writer:?} of {} triangles, {filled} bytes", scan.triangles.len());
+        }
+    }
+}
+
+#[test]
+fn a_text_with_a_block_that_is_not_written_yet_is_awaited_and_a_stray_zero_is_not() {
+    for writer in MESHES.into_iter().chain([Writer::Xyz]) {
+        let mut bytes = writer.write(&bodies::scan("f_average_clean"));
+        if matches!(writer, Writer::PlyLittle | Writer::PlyBig | Writer::StlBinary) {
+            continue;
+        }
+        let middle = bytes.len() / 2;
+        bytes[middle] = 0;
+        let waits = |bytes: &[u8]| {
+            completeness(bytes, writer.format())
+                .is_err_and(|fault| fault.may_be_mended_by_waiting())
+        };
+        // Text that is none could still be a binary STL, whose number of triangles is missing.
+        assert!(!waits(&bytes) || writer == Writer::StlText, "{writer:?}");
+        bytes[middle..middle + 4096].fill(0);
+        assert!(waits(&bytes), "{writer:?}");
+    }
+}
+
 /// Meshes of a few points on a coarse grid, so that many coincide and many triangles are none.
 fn meshes() -> impl Strategy<Value = Scan> {
     let points = prop::collection::vec(prop::array::uniform3(-2..3_i32), 3..12);

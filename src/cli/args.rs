@@ -1,5 +1,7 @@
 //! The command line as types, with the help texts a technician reads.
 
+mod asking;
+
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -10,6 +12,7 @@ use crate::cad::FileKind;
 use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 use crate::station::measure::VERB;
+pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, ScansArgs};
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -54,6 +57,41 @@ pub enum Verb {
     /// Names every fault in the configuration file at once, with its line and a hint. When the
     /// file has none, tries the folders: that exports can be read and that records can be written.
     Check(CheckArgs),
+    /// Tell how the running station is: ready, or what is wrong and what to do
+    ///
+    /// Ends with 0 when the station is ready and with 74 when it is not. Names no patient and no
+    /// file. Run it as root or as the station's user.
+    Status(AskArgs),
+    /// List the station's scans, the newest first
+    ///
+    /// Names no patient and no file; `gaiter show ID` does.
+    Scans(ScansArgs),
+    /// Show one scan with its deliveries, the patient's id included
+    ///
+    /// The patient's id and the record's folder are shown, for that is what a person needs to
+    /// decide what becomes of a scan: mind who looks over your shoulder.
+    Show(OneArgs),
+    /// Say in one sentence why a scan is where it is
+    Explain(ExplainArgs),
+    /// Try a refused scan again, or a waiting one at once
+    ///
+    /// For a scan that lies in quarantine, once its cause is mended: after a change of the
+    /// configuration, say, or a new version of gaiter.
+    Retry(OneArgs),
+    /// Deliver a held scan to the patient for whom it came in
+    ///
+    /// A scan is held when the same bytes came in for a second patient. Look at it first, with
+    /// `gaiter show ID`: one of the two patients has the wrong legs.
+    Release(OneArgs),
+    /// Say whose scan it is that came in for nobody
+    ///
+    /// Asks for the patient's id, or reads it from standard input; it is never an argument, for
+    /// every user of the machine can read those.
+    Assign(OneArgs),
+    /// Let no scan be taken or delivered until `gaiter resume`; outlasts a restart
+    Pause(AskArgs),
+    /// Go on after `gaiter pause`
+    Resume(AskArgs),
 }
 
 /// `gaiter demo`

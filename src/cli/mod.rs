@@ -1,6 +1,8 @@
 //! The command line: one file per verb.
 
+pub mod act;
 pub mod args;
+pub mod ask;
 pub mod check;
 pub mod demo;
 pub mod exit;
@@ -8,6 +10,8 @@ pub mod extract;
 pub mod measure;
 pub mod ord;
 pub mod run;
+pub mod scans;
+pub mod status;
 pub mod table;
 
 use std::fmt::Display;
@@ -36,6 +40,15 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Extract(args) => extract::extract(&args),
         Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
+        Verb::Status(args) => status::status(&args),
+        Verb::Scans(args) => scans::scans(&args),
+        Verb::Show(args) => scans::show(&args),
+        Verb::Explain(args) => scans::explain(&args),
+        Verb::Retry(args) => act::retry(&args),
+        Verb::Release(args) => act::release(&args),
+        Verb::Assign(args) => act::assign(&args),
+        Verb::Pause(args) => act::pause(&args),
+        Verb::Resume(args) => act::resume(&args),
     }
 }
 

@@ -12,7 +12,7 @@ use tracing_subscriber::EnvFilter;
 
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
-use crate::config::{self, ConfigError};
+use crate::config::{self, ConfigError, LogFormat};
 use crate::station::error::chain;
 use crate::station::{self, Orders, Reload, StationError};
 
@@ -25,7 +25,7 @@ pub fn run(args: &RunArgs) -> Exit {
         Ok(config) => config,
         Err(error) => return explain_config(&error),
     };
-    log_to_stderr();
+    log_to_stderr(config.log.format);
     let started = Runtime::new().and_then(|runtime| {
         let path = args.config.clone();
         let orders = runtime.block_on(async { Ok((asked_to_stop()?, asked_to_reload(path)?)) });
@@ -90,15 +90,18 @@ fn faults(error: &ConfigError) -> String {
 }
 
 /// Log lines go to standard error, where the service manager collects them; `RUST_LOG` chooses.
-fn log_to_stderr() {
+fn log_to_stderr(format: LogFormat) {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(LOG_LEVEL));
-    // Whoever set a subscriber before keeps it.
-    let _ = tracing_subscriber::fmt()
+    let lines = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(io::stderr)
         .with_ansi(false)
-        .with_target(false)
-        .try_init();
+        .with_target(false);
+    // Whoever set a subscriber before keeps it.
+    let _ = match format {
+        LogFormat::Text => lines.try_init(),
+        LogFormat::Json => lines.json().flatten_event(true).try_init(),
+    };
 }
 
 /// Tells why the station ended, every cause of it.

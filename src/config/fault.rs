@@ -120,6 +120,20 @@ pub enum What {
     /// A path with a control character, mostly a `\r` or `\t` that was meant as a folder's name.
     #[error("\"{0}\" holds a control character")]
     ControlInPath(String),
+    /// A folder in which the control socket would have a path that the system does not take.
+    #[error("has {length} bytes; the station's control socket in it allows {most}")]
+    LongPath {
+        /// Its length, bytes.
+        length: usize,
+        /// What is allowed, bytes.
+        most: usize,
+    },
+    /// Not an address with a port.
+    #[error("\"{0}\" is not an address and port")]
+    NotAnAddress(String),
+    /// An address that other machines may reach.
+    #[error("\"{0}\" can be reached from other machines")]
+    NotLoopback(String),
     /// A list that needs an entry.
     #[error("is an empty list")]
     EmptyList,
@@ -145,6 +159,12 @@ pub enum What {
     /// The expression would let ids through that are unsafe as names of folders.
     #[error("would accept {0:?} as a patient's id")]
     LoosePattern(&'static str),
+    /// Not a rule by which done files are called.
+    #[error("\"{0}\" does not say how a done file is called")]
+    NotADoneFile(String),
+    /// Not a file name.
+    #[error("\"{0}\" is not the name of a file")]
+    NotAMarker(String),
     /// The toes cannot point along the axis that points up.
     #[error("\"{facing}\" lies along the axis that points up, scanner.up = \"{up}\"")]
     FacesUpOrDown {
@@ -199,6 +219,13 @@ impl What {
             What::ControlInPath(_) => {
                 "in double quotes a \\ begins a special character; use single quotes".into()
             }
+            What::LongPath { .. } => "choose a shorter path: \"/var/lib/gaiter\"".into(),
+            What::NotAnAddress(_) => {
+                r#"write "off", or an address of this machine and a port: "127.0.0.1:9184""#.into()
+            }
+            What::NotLoopback(_) => {
+                r#"what stands there is for this machine only: "127.0.0.1:9184""#.into()
+            }
             What::EmptyList => "name at least one folder that the scanner exports to".into(),
             What::Twice(_) => "remove one of the two".into(),
             What::Overlap { .. } => {
@@ -211,6 +238,10 @@ impl What {
             What::LoosePattern(_) => {
                 "name the characters an id may hold and how many: '[A-Z]?[0-9]{1,12}'".into()
             }
+            What::NotADoneFile(_) => {
+                "use {name} or {stem}, no folder, and no ending of a scan: \"{name}.done\"".into()
+            }
+            What::NotAMarker(_) => "a bare name, without a folder: \".mounted\"".into(),
             What::FacesUpOrDown { .. } => {
                 "name a level axis, or \"auto\" to find it from the feet".into()
             }

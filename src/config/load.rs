@@ -9,15 +9,17 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
+use super::seeing;
 use super::words::{
     AXES, B1S, B1Word, FACINGS, FILES, FITS, KNOTS, SCOPES, SURFACES, UNITS, UPS, Words,
     faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, notation,
+    StoreConfig, notation, watch,
 };
 use crate::cad::Output;
+use crate::flow::retention::Retention;
 use crate::leg::Method;
 use crate::leg::method::{B1, LevelChoices, SurfaceMethod};
 
@@ -60,6 +62,9 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
     let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
 
+    let bounds = Bounds { least: "0B", most: "1000GB" };
+    let disk_floor = reader.text("station.disk_floor", Default("1GB"), parse::size_in(bounds));
+
     let exports =
         reader.list("scanner.export_dirs", Required("/srv/scanner/export"), parse::full_path);
     let bounds = Bounds { least: "50ms", most: "10m" };
@@ -70,6 +75,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let short_wait = reader.text("scanner.short_wait", Default("60s"), parse::duration_in(bounds));
     let bounds = Bounds { least: "1kB", most: "4GB" };
     let max_scan = reader.text("scanner.max_scan", Default("200MB"), parse::size_in(bounds));
+    let watch = watch::config(reader);
     let scope = reader.text("scanner.scope", Default("body"), parse::word(SCOPES));
     let unit = reader.text("scanner.unit", Default("auto"), parse::word(UNITS));
     let up = reader.text("scanner.up", Default("y"), parse::word(UPS));
@@ -89,7 +95,10 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
+    let retention = retention(reader);
+    let (status, log) = (seeing::status(reader), seeing::log(reader));
 
+    seeing::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
     if let (Some(up), Some(facing)) = (&up, &facing)
@@ -101,13 +110,18 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     }
 
     Some(Config {
-        station: StationConfig { id: id?.value, state_dir: state_dir?.value },
+        station: StationConfig {
+            id: id?.value,
+            state_dir: state_dir?.value,
+            disk_floor_bytes: disk_floor?.value,
+        },
         scanner: ScannerConfig {
             export_dirs: exports.into_iter().map(|folder| folder.value).collect(),
             quiet: quiet?.value,
             rescan: rescan?.value,
             short_wait: short_wait?.value,
             max_scan_bytes: max_scan?.value,
+            watch: watch?,
             file_name: file_name.map(|found| found.value),
         },
         patient: PatientConfig { pattern: pattern?.value },
@@ -128,6 +142,9 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             folder: FolderStoreConfig { path: store?.value },
             copy: copy.map(|found| FolderStoreConfig { path: found.value }),
         },
+        retention: retention?,
+        status: status?,
+        log: log?,
         text: String::new(),
     })
 }
@@ -184,6 +201,17 @@ fn measure(reader: &mut Reader) -> Option<MeasureConfig> {
     let cpu = reader.text("measure.cpu", Default("60s"), parse::duration_in(bounds));
     let wall = reader.text("measure.wall", Default("120s"), parse::duration_in(bounds));
     Some(MeasureConfig { memory_bytes: memory?.value, cpu: cpu?.value, wall: wall?.value })
+}
+
+/// The keys of `[retention]`.
+fn retention(reader: &mut Reader) -> Option<Retention> {
+    use Absent::Default;
+    let bounds = Bounds { least: "0s", most: "87600h" };
+    let spool = reader.text("retention.spool", Default("0s"), parse::duration_in(bounds));
+    let kept = parse::duration_or_off(Bounds { least: "24h", most: "876000h" });
+    let quarantine = reader.text("retention.quarantine", Default("off"), &kept);
+    let journal = reader.text("retention.journal", Default("off"), &kept);
+    Some(Retention { spool: spool?.value, quarantine: quarantine?.value, journal: journal?.value })
 }
 
 fn twice<T: PartialEq>(

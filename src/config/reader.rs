@@ -119,7 +119,7 @@ impl<'t> Reader<'t> {
     }
 
     /// A list of texts and their meanings, without those that are wrong. One that must be there
-    /// must have an entry; the default of any other is a list of one.
+    /// must have an entry; the default of any other is a list of one, or of none where it is "".
     pub fn list<T>(
         &mut self,
         path: &'static str,
@@ -130,6 +130,7 @@ impl<'t> Reader<'t> {
         self.keys.push(key);
         let value = match (self.find(path), absent) {
             (Seen::Value(value), _) => value,
+            (Seen::Absent(_), Absent::Default("")) => return Vec::new(),
             (Seen::Absent(at), Absent::Default(text)) => {
                 return self.judge(path, at, parse(text)).into_iter().collect();
             }
@@ -147,6 +148,24 @@ impl<'t> Reader<'t> {
             self.note(value.span(), path, What::EmptyList);
         }
         entries.iter().filter_map(|entry| self.entry(key, entry, &parse)).collect()
+    }
+
+    /// Yes or no; `None` where it is wrong.
+    pub fn flag(&mut self, path: &'static str, default: &'static str) -> Option<Found<bool>> {
+        let key = Key { path, absent: Absent::Default(default), list: false };
+        self.keys.push(key);
+        let (value, at) = match self.find(path) {
+            Seen::Value(value) => (value, value.span()),
+            Seen::Absent(at) => return Some(Found { value: default == "true", at }),
+            Seen::Blocked => return None,
+        };
+        if let DeValue::Boolean(value) = value.get_ref() {
+            return Some(Found { value: *value, at });
+        }
+        let (expected, found) = ("true or false", kind(value.get_ref()));
+        let example = format!("{} = {default}", key.split().1);
+        self.note(at, path, What::Kind { expected, found, example });
+        None
     }
 
     /// A list of numbers and their meanings, without those that are wrong; empty where it is absent.

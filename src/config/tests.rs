@@ -2,6 +2,7 @@
 
 use toml::de::DeTable;
 
+use super::Config;
 use super::load::{config, load};
 use super::reader::{Absent, Key, Reader};
 use super::words::{AXES, FITS};

@@ -2,6 +2,7 @@
 
 use std::ops::{Range, RangeInclusive};
 
+use super::LogFormat;
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
 use crate::leg::Side;
 use crate::leg::method::{
@@ -19,6 +20,9 @@ pub enum B1Word {
 
 /// The words of one choice and what each means, in the order they are shown.
 pub type Words<T> = &'static [(&'static str, T)];
+
+/// `log.format`
+pub const LOG_FORMATS: Words<LogFormat> = &[("text", LogFormat::Text), ("json", LogFormat::Json)];
 
 /// `scanner.scope`, `--scope`
 pub const SCOPES: Words<Scope> = &[

@@ -31,6 +31,9 @@ pub struct Facts {
 /// One export folder.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SourceFacts {
+    /// The folder; none before its worker has begun. Paths are never shown in a status.
+    #[serde(skip)]
+    pub folder: Option<PathBuf>,
     /// How it is.
     pub state: SourceState,
     /// Since when.
@@ -115,6 +118,7 @@ impl Facts {
     /// A station that has just begun.
     pub fn new(started: Timestamp, sources: usize) -> Facts {
         let source = SourceFacts {
+            folder: None,
             state: SourceState::NotLooked,
             since: started,
             file_system: None,

@@ -5,19 +5,30 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+pub mod account;
 pub mod acquired;
 pub mod backoff;
+pub mod companions;
+pub mod explain;
 pub mod facts;
+pub mod file_system;
+pub mod health;
 pub mod identity;
 pub mod lifecycle;
+pub mod mount;
 pub mod naming;
 pub mod outbox;
+pub mod retention;
 pub mod scan_id;
 pub mod settle;
+pub mod space;
 
+pub use companions::{Companion, DoneFile, Group};
 pub use facts::Facts;
+pub use file_system::FileSystem;
 pub use identity::{Identity, NameSays, Verdict};
 pub use lifecycle::{DeliveryState, DeliveryStep, IllegalStep, ScanState, ScanStep};
 pub use outbox::Outbox;
 pub use scan_id::ScanId;
 pub use settle::{Look, LookTime, Settled, Settling, Stamp};
+pub use space::Space;

@@ -1,4 +1,5 @@
-//! When a file has settled: nobody has changed it for the quiet time of our own monotonic clock.
+//! When a file has settled: nobody has changed it, or what belongs to it, for the quiet time of our
+//! own monotonic clock.
 //!
 //! The file's own times are compared for change only, never for age: copies may keep old times,
 //! and other machines' clocks differ. A file that goes on changing is waited for without limit.
@@ -6,11 +7,16 @@
 //! A settled file is offered at every look until the caller says what became of it:
 //! [`Settling::taken`], [`Settling::cut_short`], [`Settling::changed`] or [`Settling::failed`].
 
+mod turns;
+mod wait;
+
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::backoff;
+use super::companions::{Companion, Done, Group};
+pub use wait::{Wait, Waiting};
 
 /// What tells one state of a file from the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -30,9 +36,9 @@ pub struct Stamp {
 /// What one look at a folder found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Look {
-    /// The folder's files.
-    Seen(BTreeMap<PathBuf, Stamp>),
-    /// The folder could not be listed.
+    /// The folder's scans and what belongs to each.
+    Seen(BTreeMap<PathBuf, Group>),
+    /// The folder could not be listed, or is not the one that should be there.
     OutOfReach,
 }
 
@@ -53,6 +59,8 @@ pub struct Settled {
     pub path: PathBuf,
     /// The state in which it was unchanged for the quiet time.
     pub stamp: Stamp,
+    /// What goes with it, unchanged for as long.
+    pub companions: Vec<Companion>,
     /// Its rest has been awaited long enough: it is to be taken even if it is cut short.
     pub awaited: bool,
 }
@@ -62,19 +70,30 @@ pub struct Settled {
 pub struct Settling {
     quiet: Duration,
     short_wait: Duration,
+    overdue: Duration,
     files: BTreeMap<PathBuf, Watched>,
+    /// How many files have had their turn; see [`turns`].
+    turns: usize,
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 struct Watched {
-    stamp: Stamp,
+    group: Group,
+    /// Since when it waits to be taken, however often it changed.
+    waiting_since: Duration,
+    /// Since when the scan itself has not changed.
     unchanged_since: Duration,
+    /// Since when neither it nor what belongs to it has changed.
+    quiet_since: Duration,
     failures: u32,
     next: Next,
+    /// The folder was out of reach; the quiet time starts when the file is seen again.
+    is_lost: bool,
+    is_overdue: bool,
 }
 
 /// What a file waits for while it does not change.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Next {
     /// The end of its quiet time.
     Quiet,
@@ -86,26 +105,59 @@ enum Next {
     Taken,
 }
 
-impl Settling {
-    /// Nothing seen yet. `quiet` unchanged is settled; a file cut short is awaited `short_wait`
-    /// since its last change.
-    pub fn new(quiet: Duration, short_wait: Duration) -> Settling {
-        Settling { quiet, short_wait: short_wait.max(quiet), files: BTreeMap::new() }
+impl Watched {
+    fn new(group: Group, waiting_since: Duration, now: Duration) -> Watched {
+        Watched {
+            group,
+            waiting_since,
+            unchanged_since: now,
+            quiet_since: now,
+            failures: 0,
+            next: Next::Quiet,
+            is_lost: false,
+            is_overdue: false,
+        }
     }
 
-    /// Takes in a look; returns the files to be taken now, in name order.
+    /// The file as it is after a look that found it like this.
+    fn seen(mut self, group: Group, now: Duration) -> Watched {
+        let is_taken = self.next == Next::Taken;
+        if self.group.stamp != group.stamp || self.is_lost {
+            let since = if is_taken { now } else { self.waiting_since };
+            let is_overdue = self.is_overdue && !is_taken;
+            return Watched { is_overdue, ..Watched::new(group, since, now) };
+        }
+        // What comes to a scan that has been taken comes too late.
+        if self.group != group && !is_taken {
+            self.quiet_since = now;
+        }
+        self.group = group;
+        self
+    }
+}
+
+impl Settling {
+    /// Nothing seen yet. `quiet` unchanged is settled; a file cut short is awaited `short_wait`
+    /// since its last change; one that is kept from being taken for `overdue` is worth an alarm.
+    pub fn new(quiet: Duration, short_wait: Duration, overdue: Duration) -> Settling {
+        let short_wait = short_wait.max(quiet);
+        Settling { quiet, short_wait, overdue, files: BTreeMap::new(), turns: 0 }
+    }
+
+    /// Takes in a look; returns the files to be taken now, in the order of [`turns`].
     pub fn observe(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
         let Look::Seen(seen) = look else {
-            // Time out of reach is not quiet time: the writer was cut off too. What is not taken
-            // yet starts again.
-            self.files.retain(|_, file| matches!(file.next, Next::Taken));
+            // Time out of reach is not quiet time: the writer was cut off too.
+            for file in self.files.values_mut() {
+                file.is_lost = file.next != Next::Taken;
+            }
             return Vec::new();
         };
         let mut before = std::mem::take(&mut self.files);
-        for (path, stamp) in seen {
+        for (path, group) in seen {
             let file = match before.remove(&path) {
-                Some(known) if known.stamp == stamp => known,
-                _ => Watched { stamp, unchanged_since: when.ended, failures: 0, next: Next::Quiet },
+                Some(known) => known.seen(group, when.ended),
+                None => Watched::new(group, when.ended, when.ended),
             };
             self.files.insert(path, file);
         }
@@ -113,23 +165,34 @@ impl Settling {
     }
 
     fn due(&self, now: Duration) -> Vec<Settled> {
-        self.files
-            .iter()
-            .filter(|(_, file)| self.due_at(file).is_some_and(|at| at <= now))
-            .map(|(path, file)| Settled {
+        let due = self.files.iter().filter(|(_, file)| self.is_due(file, now));
+        let settled = due.map(|(path, file)| {
+            let settled = Settled {
                 path: path.clone(),
-                stamp: file.stamp,
+                stamp: file.group.stamp,
+                companions: file.group.companions.clone(),
                 awaited: now.saturating_sub(file.unchanged_since) >= self.short_wait,
-            })
-            .collect()
+            };
+            (file.unchanged_since, settled)
+        });
+        turns::in_turn(settled.collect(), self.turns)
     }
 
-    /// When a file may be taken if it does not change before; none once it is taken.
+    fn is_due(&self, file: &Watched, now: Duration) -> bool {
+        self.due_at(file).is_some_and(|at| at <= now)
+    }
+
+    /// When a file may be taken if it does not change before; none once it is taken, and none
+    /// while something else must happen first.
     fn due_at(&self, file: &Watched) -> Option<Duration> {
+        if file.group.done == Done::Missing || file.is_lost {
+            return None;
+        }
+        let quiet = file.quiet_since + self.quiet;
         match file.next {
-            Next::Quiet => Some(file.unchanged_since + self.quiet),
-            Next::Rest => Some(file.unchanged_since + self.short_wait),
-            Next::Attempt(at) => Some(at.max(file.unchanged_since + self.quiet)),
+            Next::Quiet => Some(quiet),
+            Next::Rest => Some(quiet.max(file.unchanged_since + self.short_wait)),
+            Next::Attempt(at) => Some(quiet.max(at)),
             Next::Taken => None,
         }
     }
@@ -141,38 +204,57 @@ impl Settling {
 
     /// The file has been taken in this state; it is not offered again until it changes.
     pub fn taken(&mut self, settled: &Settled) {
-        if let Some(file) = self.offered(&settled.path, settled.stamp) {
-            file.next = Next::Taken;
-        }
+        self.had_its_turn(settled, |file| file.next = Next::Taken);
     }
 
     /// The file's own format shows that more is to come; it is offered again once it has changed
     /// and settled, or has been awaited long enough.
     pub fn cut_short(&mut self, settled: &Settled) {
-        if let Some(file) = self.offered(&settled.path, settled.stamp) {
-            file.next = Next::Rest;
-        }
+        self.had_its_turn(settled, |file| file.next = Next::Rest);
     }
 
     /// The file changed while it was being taken: its quiet time starts again at `now`.
     pub fn changed(&mut self, settled: &Settled, now: Duration) {
-        if let Some(file) = self.offered(&settled.path, settled.stamp) {
+        self.had_its_turn(settled, |file| {
             file.unchanged_since = now;
+            file.quiet_since = now;
             file.next = Next::Quiet;
-        }
+        });
     }
 
     /// Taking the file failed for a reason that may pass; it is offered again after a growing
     /// pause, without limit. `chance` is uniform in [0, 1).
     pub fn failed(&mut self, settled: &Settled, now: Duration, chance: f64) {
-        if let Some(file) = self.offered(&settled.path, settled.stamp) {
+        self.had_its_turn(settled, |file| {
             file.failures = file.failures.saturating_add(1);
             file.next = Next::Attempt(now + backoff::pause(file.failures, chance));
+        });
+    }
+
+    fn had_its_turn(&mut self, settled: &Settled, note: impl FnOnce(&mut Watched)) {
+        self.turns = self.turns.wrapping_add(1);
+        let offered = self.files.get_mut(&settled.path);
+        if let Some(file) = offered.filter(|file| file.group.stamp == settled.stamp) {
+            note(file);
         }
     }
 
-    fn offered(&mut self, path: &Path, stamp: Stamp) -> Option<&mut Watched> {
-        self.files.get_mut(path).filter(|file| file.stamp == stamp)
+    /// The files that are not taken yet and what each waits for, in name order.
+    pub fn waiting(&self, now: Duration) -> impl Iterator<Item = (&Path, Waiting)> {
+        let untaken = self.files.iter().filter(|(_, file)| file.next != Next::Taken);
+        untaken.map(move |(path, file)| (path.as_path(), self.wait(file, now)))
+    }
+
+    /// How many files have become overdue since this was asked last.
+    pub fn newly_overdue(&mut self, now: Duration) -> usize {
+        let mut files = std::mem::take(&mut self.files);
+        let mut count = 0;
+        for file in files.values_mut().filter(|file| file.next != Next::Taken && !file.is_overdue) {
+            file.is_overdue = self.wait(file, now).overdue;
+            count += usize::from(file.is_overdue);
+        }
+        self.files = files;
+        count
     }
 }
 

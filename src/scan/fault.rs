@@ -151,6 +151,14 @@ pub enum CutSign {
         /// Number of zero bytes at the end.
         bytes: usize,
     },
+    /// As [`CutSign::Unwritten`], in the middle of a text.
+    #[error("{bytes} bytes from byte {at} on are zero, not written yet; export it again")]
+    Hole {
+        /// 0-based offset of the first zero byte.
+        at: usize,
+        /// Number of zero bytes.
+        bytes: usize,
+    },
 }
 
 impl ScanFault {

@@ -168,15 +168,17 @@ pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
 /// `.ord`, letter case aside, and the stems are alike where space, `+` and `_` are the same.
 /// Names as bytes, so that no encoding of them is in the way.
 pub fn belongs(name: &[u8], scan_name: &[u8]) -> bool {
-    let parted = |name: &[u8]| -> Option<(Vec<u8>, Vec<u8>)> {
-        let dot = name.iter().rposition(|&byte| byte == b'.')?;
-        let alike = |&byte: &u8| if matches!(byte, b' ' | b'+') { b'_' } else { byte };
-        Some((name[..dot].iter().map(alike).collect(), name[dot + 1..].to_ascii_lowercase()))
-    };
     let (Some((stem, ending)), Some((scan_stem, _))) = (parted(name), parted(scan_name)) else {
         return false;
     };
     ending == b"ord" && stem == scan_stem
+}
+
+/// The stem of a file name, as files of one scan share it, and its ending in lower case.
+pub fn parted(name: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
+    let dot = name.iter().rposition(|&byte| byte == b'.')?;
+    let alike = |&byte: &u8| if matches!(byte, b' ' | b'+') { b'_' } else { byte };
+    Some((name[..dot].iter().map(alike).collect(), name[dot + 1..].to_ascii_lowercase()))
 }
 
 /// A byte that no text of this kind holds: control characters but tab and line ends.

@@ -46,7 +46,7 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     let header = match Header::of(bytes) {
         Ok(header) => header,
         Err(cut @ ScanFault::CutShort { .. }) => return Err(cut),
-        Err(_) => return Ok(()),
+        Err(_) => return text::refuse_reserved(bytes),
     };
     if header.encoding != Encoding::Ascii {
         return match binary::extent(bytes, &header) {

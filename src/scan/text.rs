@@ -11,6 +11,9 @@ const EXCERPT_CHARS: usize = 40;
 /// Longest number with a decimal comma, characters. No exporter writes more than 25 digits.
 const COMMA_NUMBER_CHARS: usize = 64;
 
+/// The smallest piece in which disks and shares leave a hole, bytes.
+pub(super) const SECTOR_BYTES: usize = 512;
+
 /// The text without its UTF-8 mark.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes)
@@ -59,15 +62,41 @@ pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
 /// Refuses bytes that no text export holds.
 ///
 /// # Errors
-/// [`ScanFault::Binary`] with the first such byte.
+/// [`ScanFault::Binary`] with the first such byte; [`ScanFault::CutShort`] where it begins a space
+/// that was reserved and is not written yet.
 pub(super) fn refuse_binary(bytes: &[u8]) -> Result<(), ScanFault> {
     if !bytes.iter().fold(false, |any, &byte| any | is_binary(byte)) {
         return Ok(());
     }
     match bytes.iter().position(|&byte| is_binary(byte)) {
-        Some(at) => Err(ScanFault::Binary { at, value: bytes[at] }),
+        Some(at) => Err(unwritten(bytes, at).unwrap_or(ScanFault::Binary { at, value: bytes[at] })),
         None => Ok(()),
     }
+}
+
+/// The fault of zeros from `at` on that somebody reserved to fill them later: up to the end of the
+/// file, or at least a disk sector of them, for copies may write their blocks in any order.
+fn unwritten(bytes: &[u8], at: usize) -> Option<ScanFault> {
+    let zeros = bytes[at..].iter().take_while(|&&byte| byte == 0).count();
+    if zeros == 0 {
+        None
+    } else if at + zeros == bytes.len() {
+        Some(cut_short(CutSign::Unwritten { bytes: zeros }))
+    } else {
+        (zeros >= SECTOR_BYTES).then(|| cut_short(CutSign::Hole { at, bytes: zeros }))
+    }
+}
+
+/// Refuses a file that ends in space reserved and not filled, whatever stands before it.
+///
+/// # Errors
+/// [`ScanFault::CutShort`] where it ends in at least a disk sector of zeros.
+pub(super) fn refuse_reserved(bytes: &[u8]) -> Result<(), ScanFault> {
+    let zeros = bytes.iter().rev().take_while(|&&byte| byte == 0).count();
+    if zeros < SECTOR_BYTES {
+        return Ok(());
+    }
+    Err(cut_short(CutSign::Unwritten { bytes: zeros }))
 }
 
 /// Whether the last line of a text has its end.

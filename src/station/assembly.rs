@@ -15,6 +15,7 @@ use super::board::Board;
 use super::custody::{Custody, CustodyFault};
 use super::error::{StationError, chain};
 use super::event::Observer;
+use super::gate::Gate;
 use super::journal::{JournalError, StateLock};
 use super::quarantine::Quarantine;
 use super::rebuild;
@@ -38,6 +39,8 @@ pub struct Station {
     pub stores: Vec<RecordStore>,
     /// What the workers know, for those who ask.
     pub board: Board,
+    /// Whether scans are taken in.
+    pub gate: Gate,
     /// Who looks on.
     pub observer: Observer,
     /// Tells the delivery that the journal has something new; a hint only.
@@ -70,7 +73,8 @@ impl Station {
         let opened = rebuild::open(&state_dir.join("journal.db"), &names, first_start)?;
         let paused = opened.journal.is_paused().map_err(CustodyFault::from);
         let paused = paused.map_err(StationError::Recovery)?;
-        let custody = Custody::new(opened.journal, spool, quarantine, names);
+        let custody =
+            Custody::new(opened.journal, spool, quarantine, names, config.retention.spool);
         let adopted = custody.recover().map_err(StationError::Recovery)?;
         let mut facts = Facts::new(Timestamp::now(), config.scanner.export_dirs.len());
         if let Some(why) = opened.rebuilt {
@@ -86,12 +90,14 @@ impl Station {
             make_ready(store, first_start);
         }
         info!(event = "station-open", adopted, first_start);
+        let gate = Gate::new(config.station.disk_floor_bytes);
         Ok(Station {
             config,
             identity,
             custody,
             stores,
             board: Board::new(facts),
+            gate,
             observer,
             work: Notify::new(),
             ruin: Notify::new(),

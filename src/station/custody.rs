@@ -8,12 +8,13 @@ mod recover;
 use std::io;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use jiff::Timestamp;
 
 use super::journal::{Due, Journal, JournalError, ScanRow};
 use super::quarantine::{Quarantine, Reason};
-use super::spool::{Intake, Spool};
+use super::spool::{Companion, Intake, Spool};
 use crate::flow::identity::{self, ID_NOT_ALLOWED, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{DeliveryState, NameSays, ScanId, ScanState, Verdict};
 use crate::record::Patient;
@@ -27,6 +28,8 @@ pub struct Custody {
     quarantine: Quarantine,
     /// The stores' names in the journal.
     stores: Vec<&'static str>,
+    /// How long spooled bytes are kept that have served.
+    kept: Duration,
     /// Held over each change of more than one of the three.
     change: Mutex<()>,
 }
@@ -44,6 +47,8 @@ pub struct Arrival<'a> {
     pub file_time: Option<Timestamp>,
     /// What the file's name says about the patient.
     pub says: NameSays,
+    /// What the scanner wrote beside it.
+    pub companions: &'a [Companion],
 }
 
 /// Why custody could not change; it is as before, or recovers at the next start or attempt.
@@ -64,14 +69,16 @@ pub enum CustodyFault {
 }
 
 impl Custody {
-    /// Custody over an open journal, spool and quarantine, for the stores of these names.
+    /// Custody over an open journal, spool and quarantine, for the stores of these names. Spooled
+    /// bytes that have served are `kept` so long.
     pub fn new(
         journal: Journal,
         spool: Spool,
         quarantine: Quarantine,
         stores: Vec<&'static str>,
+        kept: Duration,
     ) -> Custody {
-        Custody { journal, spool, quarantine, stores, change: Mutex::new(()) }
+        Custody { journal, spool, quarantine, stores, kept, change: Mutex::new(()) }
     }
 
     /// The journal, to be asked.
@@ -113,7 +120,8 @@ impl Custody {
         // A held scan that was refused before has its bytes in quarantine already.
         let kept = self.spool.holds(scan) || (held && self.quarantine.holds(scan));
         if !kept {
-            io("keeping a scan", self.spool.keep(scan, intake, arrival.bytes))?;
+            let (bytes, beside) = (arrival.bytes, arrival.companions);
+            io("keeping a scan", self.spool.keep(scan, intake, bytes, beside))?;
         }
         self.enter(&row, patient, held)?;
         Ok(verdict)
@@ -133,10 +141,33 @@ impl Custody {
     /// See [`CustodyFault`].
     pub fn delivered(&self, due: &Due, folder: &Path) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.journal.delivered(due, folder)? {
+        if self.journal.delivered(due, folder)? && self.kept == Duration::ZERO {
             io("giving up spooled bytes", self.spool.remove(&due.scan))?;
         }
         Ok(())
+    }
+
+    /// Gives up the spooled bytes of a scan that has served; says whether there were any.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn give_up(&self, scan: &ScanId) -> Result<bool, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let gone = self.spool.holds(scan) && self.journal.has_served(scan)?;
+        if gone {
+            io("giving up spooled bytes", self.spool.remove(scan))?;
+        }
+        Ok(gone)
+    }
+
+    /// Gives up a refused scan that the configuration lets go; says whether there was one. The
+    /// journal goes on knowing it, so that its export is not taken again.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn forget_quarantined(&self, scan: &ScanId) -> Result<bool, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        io("giving up a refused scan", self.quarantine.remove(scan))
     }
 
     /// A store will never take a record. Where other deliveries of the scan are still to be made,

@@ -85,6 +85,12 @@ pub enum Worker {
     },
     /// Measures scans and makes deliveries.
     Delivery,
+    /// Lets go what has served.
+    Housekeeping,
+    /// Answers on the control socket.
+    Control,
+    /// Gives metrics and health.
+    Http,
 }
 
 impl fmt::Display for Worker {
@@ -92,6 +98,9 @@ impl fmt::Display for Worker {
         match self {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
             Worker::Delivery => f.write_str("the delivery"),
+            Worker::Housekeeping => f.write_str("the housekeeping"),
+            Worker::Http => f.write_str("the metrics and health"),
+            Worker::Control => f.write_str("the control socket"),
         }
     }
 }

@@ -1,23 +1,32 @@
 //! The intake of one export folder: look, settle, take, over and over.
+//!
+//! Whatever touches the folder runs in a thread that may hang (see [`super::patience`]); the worker
+//! itself never blocks, so it stays able to stop, to beat and to say that the share stalls.
+
+mod notes;
 
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use tokio::sync::{Notify, mpsc};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
-use tracing::{info, warn};
 
 use super::assembly::Station;
 use super::beat::Beat;
 use super::chance;
-use super::error::chain;
-use super::look::{self, Found};
+use super::event::StationEvent;
+use super::look;
+use super::patience::{DEADLINE, LOOK_UP, Pulse, patiently};
+use super::source::{self, Export};
 use super::stop::Stop;
-use super::take::{Taken, take};
+use super::take::{self, TakeFault, Taken};
 use super::watch::Watch;
-use crate::flow::{Look, LookTime, Settled, Settling};
+use crate::flow::facts::IntakeState;
+use crate::flow::mount::MountGuard;
+use crate::flow::{LookTime, Settled, Settling};
+use notes::Notes;
 
 /// The shortest time from one look to the next, however many hints there are.
 const BREATH: Duration = Duration::from_millis(100);
@@ -25,22 +34,33 @@ const BREATH: Duration = Duration::from_millis(100);
 /// A look at a large folder takes long; this many times as long is rested after it.
 const REST_PER_LOOK: u32 = 10;
 
+/// The same while a file is about to settle: the operator waits for it.
+const REST_PER_LOOK_SETTLING: u32 = 2;
+
+/// How long files are taken before the folder is looked at again: no fresh scan waits longer for a
+/// backlog.
+const TAKING: Duration = Duration::from_secs(1);
+
+/// How soon a gate that is shut is tried again.
+const SHUT: Duration = Duration::from_secs(2);
+
 /// One export folder and what is known of its files.
 struct Intake {
     station: Arc<Station>,
     folder: PathBuf,
-    /// The folder's place in the configuration: what the log calls it.
-    place: usize,
+    guard: MountGuard,
     settling: Settling,
-    said: Said,
+    notes: Notes,
+    beat: Beat,
 }
 
-/// What the log has been told, so that it is told changes only.
-#[derive(Default)]
-struct Said {
-    out_of_reach: bool,
-    unwatched: bool,
-    strange: usize,
+/// What a round came to.
+struct Round {
+    watch: Watch,
+    /// How long is rested before anything else.
+    rest: Duration,
+    /// How long is waited for a hint then.
+    pause: Duration,
 }
 
 /// Works one export folder until it is asked to stop. After the first look, in reach or not, it
@@ -57,113 +77,199 @@ pub async fn worker(
     looked: mpsc::Sender<()>,
 ) -> Result<(), JoinError> {
     let scanner = &station.config.scanner;
-    let (rescan, settling) = (scanner.rescan, Settling::new(scanner.quiet, scanner.short_wait));
+    let settling = Settling::new(scanner.quiet, scanner.short_wait, scanner.watch.overdue);
+    let guard = MountGuard::new(scanner.watch.expected.clone());
     let hint = Arc::new(Notify::new());
-    let mut watch = Watch::new(folder.clone(), Arc::clone(&hint));
+    let mut watch = Watch::new(folder.clone(), scanner.watch.subfolders, Arc::clone(&hint));
+    let notes = Notes::new(Arc::clone(&station), place, &folder);
     let mut looked = Some(looked);
-    let said = Said::default();
-    let station_clock = Arc::clone(&station);
-    let mut intake = Intake { station, folder, place, settling, said };
+    let mut intake = Intake { station, folder, guard, settling, notes, beat };
     while !stop.is_requested() {
-        beat.beat(station_clock.now());
-        let took;
-        (watch, took) = intake.look_and_take(watch, &mut stop).await?;
+        let Some(round) = intake.round(watch, &mut stop).await? else { break };
+        watch = round.watch;
         if let Some(looked) = looked.take() {
             // Nobody listens any more where readiness did not wait for a folder out of reach.
             let _ = looked.send(()).await;
         }
-        let breath = BREATH.max(took * REST_PER_LOOK).min(rescan);
-        let due = intake.settling.next_due().map(|at| at.saturating_sub(intake.station.now()));
-        let pause = due.map_or(rescan, |due| due.min(rescan)).saturating_sub(breath);
+        let rest = intake.beating(sleep(round.rest));
         tokio::select! {
             () = stop.requested() => break,
-            () = sleep(breath) => {}
+            () = rest => {}
         }
+        let pause = intake.beating(sleep(round.pause));
         tokio::select! {
             () = stop.requested() => break,
             () = hint.notified() => {}
-            () = sleep(pause) => {}
+            () = pause => {}
         }
     }
     Ok(())
 }
 
 impl Intake {
-    /// One look, and all that has settled by it; returns how long the look itself took.
-    async fn look_and_take(
+    fn beat(&self) {
+        self.beat.beat(self.station.now());
+    }
+
+    /// Waits, and beats meanwhile.
+    async fn beating(&self, wait: impl Future<Output = ()>) {
+        tokio::pin!(wait);
+        loop {
+            self.beat();
+            tokio::select! {
+                () = &mut wait => return,
+                () = sleep(LOOK_UP) => {}
+            }
+        }
+    }
+
+    /// One look, and what has settled by it; none where a stop came in between.
+    async fn round(&mut self, watch: Watch, stop: &mut Stop) -> Result<Option<Round>, JoinError> {
+        let Some((watch, due, took)) = self.look(watch, stop).await? else { return Ok(None) };
+        let (rescan, quiet) =
+            (self.station.config.scanner.rescan, self.station.config.scanner.quiet);
+        let soon = self.station.now() + quiet;
+        let is_settling = self.settling.next_due().is_some_and(|at| at <= soon);
+        let rests = if is_settling { REST_PER_LOOK_SETTLING } else { REST_PER_LOOK };
+        let rest = BREATH.max(took * rests).min(rescan);
+        let began = Instant::now();
+        let is_open = self.take_all(due, TAKING.max(rest), stop).await?;
+        let took = began.elapsed();
+        self.notes.waiting(&mut self.settling);
+        let due = self.settling.next_due().map(|at| at.saturating_sub(self.station.now()));
+        let pause = match due {
+            Some(_) if !is_open => SHUT.min(rescan),
+            Some(due) => due.min(rescan),
+            None => rescan,
+        };
+        let rest = rest.saturating_sub(took);
+        Ok(Some(Round { watch, rest, pause: pause.saturating_sub(rest) }))
+    }
+
+    /// Looks at the folder; gives the watch back, what is due, and how long the look took.
+    async fn look(
         &mut self,
         mut watch: Watch,
         stop: &mut Stop,
-    ) -> Result<(Watch, Duration), JoinError> {
+    ) -> Result<Option<(Watch, Vec<Settled>, Duration)>, JoinError> {
         let (station, folder) = (Arc::clone(&self.station), self.folder.clone());
-        let (watch, armed, found, when) = spawn_blocking(move || {
+        let look = move |pulse: &Pulse| {
             let armed = watch.keep_armed();
             let began = station.now();
-            let found = look::look(&folder);
+            let found = look::look(&folder, &station.config.scanner.watch, pulse);
             (watch, armed, found, LookTime { began, ended: station.now() })
-        })
-        .await?;
-        self.say_watched(armed);
-        let look = self.say_found(found);
-        for settled in self.settling.observe(look, when) {
-            if stop.is_requested() {
-                break;
-            }
-            self.take(settled).await?;
-        }
-        Ok((watch, when.ended.saturating_sub(when.began)))
+        };
+        let looked =
+            patiently(DEADLINE, stop, look, || self.beat(), || self.notes.stalled()).await?;
+        let Some((watch, armed, found, when)) = looked else { return Ok(None) };
+        self.notes.watched(armed);
+        let look = self.notes.found(found, &mut self.guard);
+        let due = self.settling.observe(look, when);
+        self.notes.waiting(&mut self.settling);
+        Ok(Some((watch, due, when.ended.saturating_sub(when.began))))
     }
 
-    async fn take(&mut self, settled: Settled) -> Result<(), JoinError> {
+    /// Takes files for as long as `budget` lasts, at least one; says whether the gate was open.
+    async fn take_all(
+        &mut self,
+        due: Vec<Settled>,
+        budget: Duration,
+        stop: &mut Stop,
+    ) -> Result<bool, JoinError> {
+        let began = Instant::now();
+        let station = Arc::clone(&self.station);
+        let (known, fresh) = spawn_blocking(move || {
+            let (known, fresh) = take::dealt_with(&station, due);
+            // Tells what is free although nothing may be due; what is refused unread needs no room.
+            let largest = station.config.scanner.max_scan_bytes;
+            let next = fresh.iter().map(|file| file.stamp.size).find(|size| *size <= largest);
+            station.intake_gate(next.unwrap_or(0));
+            (known, fresh)
+        })
+        .await?;
+        known.iter().for_each(|settled| self.settling.taken(settled));
+        for settled in fresh {
+            if stop.is_requested() || began.elapsed() > budget {
+                break;
+            }
+            self.beat();
+            if !self.take(settled, stop).await? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    /// Takes one file and notes what became of it; says whether the gate was open.
+    async fn take(&mut self, settled: Settled, stop: &mut Stop) -> Result<bool, JoinError> {
+        let station = Arc::clone(&self.station);
+        let (settled, admitted) = spawn_blocking(move || {
+            let admitted = admitted(&station, &settled);
+            (settled, admitted)
+        })
+        .await?;
+        let read = match admitted {
+            Ok(Admitted::Shut) => return Ok(false),
+            Ok(Admitted::Refused) => {
+                self.settling.taken(&settled);
+                return Ok(true);
+            }
+            Ok(Admitted::ToBeRead) => self.read(settled.clone(), stop).await?,
+            Err(fault) => Some(Err(fault)),
+        };
+        // A stop while the share hangs leaves the file to the next start.
+        let Some(read) = read else { return Ok(true) };
         let station = Arc::clone(&self.station);
         let (settled, taken) = spawn_blocking(move || {
-            let taken = take(&station, &settled);
+            let taken = read.and_then(|export| match export {
+                Some(export) => take::take(&station, &settled, &export),
+                None => Ok(Taken::Changed),
+            });
             (settled, taken)
         })
         .await?;
+        let now = self.station.now();
         match taken {
             Ok(Taken::Done) => self.settling.taken(&settled),
             Ok(Taken::CutShort) => self.settling.cut_short(&settled),
-            Ok(Taken::Changed) => self.settling.changed(&settled, self.station.now()),
+            Ok(Taken::Changed) => self.settling.changed(&settled, now),
             Err(fault) => {
-                warn!(event = "intake-failed", export_dir = self.place, error = chain(&fault));
-                self.settling.failed(&settled, self.station.now(), chance::unit());
+                self.notes.failed(&fault);
+                self.settling.failed(&settled, now, chance::unit());
             }
         }
-        Ok(())
+        Ok(true)
     }
 
-    fn say_found(&mut self, found: std::io::Result<Found>) -> Look {
-        let place = self.place;
-        let found = match found {
-            Ok(found) => found,
-            Err(error) => {
-                if !std::mem::replace(&mut self.said.out_of_reach, true) {
-                    warn!(event = "export-dir-out-of-reach", export_dir = place, %error);
-                }
-                return Look::OutOfReach;
-            }
-        };
-        if std::mem::replace(&mut self.said.out_of_reach, false) {
-            info!(event = "export-dir-in-reach", export_dir = place);
-        }
-        if found.strange > self.said.strange {
-            info!(event = "files-ignored", export_dir = place, count = found.strange);
-        }
-        self.said.strange = found.strange;
-        Look::Seen(found.files)
+    /// Reads a file at the share; none where a stop was asked for before it answered.
+    async fn read(
+        &mut self,
+        settled: Settled,
+        stop: &mut Stop,
+    ) -> Result<Option<Result<Option<Export>, TakeFault>>, JoinError> {
+        let read = move |pulse: &Pulse| source::read(&settled, pulse).map_err(TakeFault::Source);
+        patiently(DEADLINE, stop, read, || self.beat(), || self.notes.stalled()).await
     }
+}
 
-    fn say_watched(&mut self, armed: notify::Result<()>) {
-        match armed {
-            Ok(()) => self.said.unwatched = false,
-            // The kind only: notify's errors name the path.
-            Err(error) => {
-                if !std::mem::replace(&mut self.said.unwatched, true) {
-                    let (event, export_dir) = ("watch-unavailable", self.place);
-                    info!(event, export_dir, error = ?error.kind);
-                }
-            }
-        }
+/// Whether a settled file may be read.
+enum Admitted {
+    /// It may.
+    ToBeRead,
+    /// It is too large and has been refused.
+    Refused,
+    /// Nothing may be taken in now.
+    Shut,
+}
+
+fn admitted(station: &Station, settled: &Settled) -> Result<Admitted, TakeFault> {
+    let file = settled.path.file_name().unwrap_or_default().to_owned();
+    if take::refuse_too_large(station, settled)? {
+        return Ok(Admitted::Refused);
     }
+    if station.intake_gate(settled.stamp.size) != IntakeState::Open {
+        return Ok(Admitted::Shut);
+    }
+    station.observer.tell(StationEvent::Settled { file });
+    Ok(Admitted::ToBeRead)
 }

@@ -109,6 +109,23 @@ impl Quarantine {
         durable::sync_folder(&self.folder)
     }
 
+    /// Removes a scan; says whether it was here. Its name goes first, so that a crash leaves no
+    /// half entry under it.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn remove(&self, scan: &ScanId) -> io::Result<bool> {
+        let gone = self.folder.join(format!(".gone-{scan}"));
+        durable::remove_folder(&gone)?;
+        match durable::rename_new(&self.folder.join(scan.as_str()), &gone) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+            other => other?,
+        }
+        durable::sync_folder(&self.folder)?;
+        durable::remove_folder(&gone)?;
+        Ok(true)
+    }
+
     /// Why a scan lies here; none where it does not, or where nobody can read why.
     ///
     /// # Errors

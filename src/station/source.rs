@@ -9,8 +9,17 @@ use rustix::fs::{Mode, OFlags};
 use rustix::io::Errno;
 
 use super::look;
-use crate::flow::{ScanId, Stamp};
+use super::patience::Pulse;
+use super::spool::Companion;
+use crate::flow::{ScanId, Settled, Stamp};
+use crate::scan::ord;
 use crate::store::sums;
+
+/// A larger companion is none and is left out, bytes.
+const COMPANION_BYTES_MAX: u64 = ord::BYTES_MAX as u64;
+
+/// How much is read at a time, bytes: a step that a slow share makes well within the deadline.
+const PIECE_BYTES: u64 = 1 << 20;
 
 /// The bytes of one state of an export.
 #[derive(Debug)]
@@ -21,14 +30,37 @@ pub struct Export {
     pub scan: ScanId,
     /// The file's own time of last change.
     pub file_time: Option<Timestamp>,
+    /// What goes with it.
+    pub companions: Vec<Companion>,
+    /// How many companions are left out because they are too large or cannot be read.
+    pub left_out: usize,
 }
 
-/// Reads the file if it is in the state `stamp` before and after; else none, for it changed, was
-/// replaced or left, and settling starts again.
+/// Reads a settled file and what goes with it, if all is in the state that settled before and
+/// after; else none, for something changed, was replaced or left, and settling starts again.
 ///
 /// # Errors
-/// Any other I/O error.
-pub fn read(path: &Path, stamp: Stamp) -> io::Result<Option<Export>> {
+/// Any other I/O error at the scan itself.
+pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
+    let Some(bytes) = bytes(&settled.path, settled.stamp, pulse)? else { return Ok(None) };
+    let (mut companions, mut left_out) = (Vec::new(), 0);
+    for companion in &settled.companions {
+        let is_small = companion.stamp.size <= COMPANION_BYTES_MAX;
+        let read = is_small.then(|| self::bytes(&companion.path, companion.stamp, pulse));
+        let name_ending = companion.name_ending.clone();
+        match read {
+            Some(Ok(Some(bytes))) => companions.push(Companion { name_ending, bytes }),
+            Some(Ok(None)) => return Ok(None),
+            // A scan is not lost for what lies beside it.
+            Some(Err(_)) | None => left_out += 1,
+        }
+    }
+    let file_time = Timestamp::from_nanosecond(settled.stamp.mtime_ns).ok();
+    let scan = sums::scan_id(&bytes);
+    Ok(Some(Export { scan, bytes, file_time, companions, left_out }))
+}
+
+fn bytes(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Vec<u8>>> {
     // A link or a pipe may have taken the file's place: neither follow nor wait.
     let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
     let mut file = match rustix::fs::open(path, flags, Mode::empty()) {
@@ -41,12 +73,12 @@ pub fn read(path: &Path, stamp: Stamp) -> io::Result<Option<Export>> {
     }
     let mut bytes = Vec::with_capacity(usize::try_from(stamp.size).unwrap_or(0));
     // One byte more than expected shows a file that grew; a bound in any case.
-    (&mut file).take(stamp.size.saturating_add(1)).read_to_end(&mut bytes)?;
-    if u64::try_from(bytes.len()) != Ok(stamp.size) || !in_state(&file, stamp)? {
-        return Ok(None);
+    let mut rest = (&mut file).take(stamp.size.saturating_add(1));
+    while (&mut rest).take(PIECE_BYTES).read_to_end(&mut bytes)? > 0 {
+        pulse.beat();
     }
-    let file_time = Timestamp::from_nanosecond(stamp.mtime_ns).ok();
-    Ok(Some(Export { scan: sums::scan_id(&bytes), bytes, file_time }))
+    let is_whole = u64::try_from(bytes.len()) == Ok(stamp.size) && in_state(&file, stamp)?;
+    Ok(is_whole.then_some(bytes))
 }
 
 fn in_state(file: &File, stamp: Stamp) -> io::Result<bool> {
@@ -59,21 +91,40 @@ mod tests {
     use std::fs;
 
     use super::*;
+    use crate::flow;
+
+    fn settled(path: &Path) -> Settled {
+        let stamp = look::stamp(&path.symlink_metadata().unwrap());
+        Settled { path: path.to_owned(), stamp, companions: Vec::new(), awaited: false }
+    }
+
+    fn read(settled: &Settled) -> Option<Export> {
+        super::read(settled, &Pulse::default()).unwrap()
+    }
 
     #[test]
     fn a_file_is_read_only_in_the_state_that_settled() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.obj");
         fs::write(&path, "v 0 0 0\n").unwrap();
-        let stamp = look::stamp(&path.symlink_metadata().unwrap());
-        let export = read(&path, stamp).unwrap().unwrap();
+        let settled = settled(&path);
+        let export = read(&settled).unwrap();
         assert_eq!(export.bytes, b"v 0 0 0\n");
         assert_eq!(export.scan, sums::scan_id(b"v 0 0 0\n"));
 
         fs::write(&path, "v 0 0 0\nv").unwrap();
-        assert!(read(&path, stamp).unwrap().is_none(), "it grew");
+        assert!(read(&settled).is_none(), "it grew");
         fs::remove_file(&path).unwrap();
-        assert!(read(&path, stamp).unwrap().is_none(), "it left");
+        assert!(read(&settled).is_none(), "it left");
+    }
+
+    #[test]
+    fn a_file_of_many_pieces_is_read_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        let bytes: Vec<u8> = (0..5 * PIECE_BYTES / 2).map(|n| (n % 251) as u8).collect();
+        fs::write(&path, &bytes).unwrap();
+        assert!(read(&settled(&path)).unwrap().bytes == bytes);
     }
 
     #[test]
@@ -81,11 +132,33 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let (path, real) = (dir.path().join("a.obj"), dir.path().join("real.obj"));
         fs::write(&real, "v 0 0 0\n").unwrap();
-        let stamp = look::stamp(&real.symlink_metadata().unwrap());
+        let settled = Settled { path: path.clone(), ..settled(&real) };
         std::os::unix::fs::symlink(&real, &path).unwrap();
-        assert!(read(&path, stamp).unwrap().is_none());
+        assert!(read(&settled).is_none());
         fs::remove_file(&path).unwrap();
         rustix::fs::mkfifoat(rustix::fs::CWD, &path, Mode::RUSR | Mode::WUSR).unwrap();
-        assert!(read(&path, stamp).unwrap().is_none());
+        assert!(read(&settled).is_none());
+    }
+
+    #[test]
+    fn what_goes_with_a_scan_is_read_with_it_in_the_state_that_settled() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        fs::write(at("a.obj"), "v 0 0 0\n").unwrap();
+        fs::write(at("a.ord"), "MEASURE Calf=1\n").unwrap();
+        File::create(at("a.mtl")).unwrap().set_len(COMPANION_BYTES_MAX + 1).unwrap();
+        let mut settled = settled(&at("a.obj"));
+        settled.companions = ["mtl", "ord"].map(|ending| beside(&at("a"), ending)).to_vec();
+        let export = read(&settled).unwrap();
+        let ord = Companion { name_ending: "ord".into(), bytes: b"MEASURE Calf=1\n".to_vec() };
+        assert_eq!((export.companions, export.left_out), (vec![ord], 1));
+        fs::write(at("a.ord"), "MEASURE Calf=2\nMEASURE").unwrap();
+        assert!(read(&settled).is_none());
+    }
+
+    fn beside(stem: &Path, ending: &str) -> flow::Companion {
+        let path = stem.with_extension(ending);
+        let stamp = look::stamp(&path.symlink_metadata().unwrap());
+        flow::Companion { path, stamp, name_ending: ending.into() }
     }
 }

@@ -1,7 +1,7 @@
 //! The spool: the station's own copy of each scan until its deliveries are made.
 //!
-//! `spool/<sha256>/` holds `scan.<ending>` and `intake.json`, from which a lost journal can be
-//! rebuilt. A folder under its final name is whole and durable; names beginning with a dot are
+//! `spool/<sha256>/` holds `scan.<ending>`, what came with the scan as `scan.ord` and the like, and
+//! `intake.json`, from which a lost journal can be rebuilt. A folder under its final name is whole and durable; names beginning with a dot are
 //! what a crash left.
 
 use std::fs;
@@ -44,6 +44,15 @@ pub struct Intake {
     pub findings: Vec<String>,
 }
 
+/// A file that came with a scan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Companion {
+    /// What follows `scan.` in its name here: `ord`, `mtl`, `2.ord` where there are two.
+    pub name_ending: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
 /// The schemas of `intake.json`, told apart by their name.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "schema")]
@@ -81,13 +90,20 @@ impl Spool {
         self.entry(scan).is_dir()
     }
 
-    /// Keeps the bytes of a scan that is not here yet; durable when this returns.
+    /// Keeps the bytes of a scan that is not here yet and what came with it; durable when this
+    /// returns.
     ///
     /// # Errors
     /// Any I/O error; the spool is as before then.
-    pub fn keep(&self, scan: &ScanId, intake: Intake, bytes: &[u8]) -> io::Result<()> {
+    pub fn keep(
+        &self,
+        scan: &ScanId,
+        intake: Intake,
+        bytes: &[u8],
+        companions: &[Companion],
+    ) -> io::Result<()> {
         let staged = self.folder.join(format!(".tmp-{:016x}", chance::bits()));
-        let kept = self.stage(&staged, scan, intake, bytes);
+        let kept = self.stage(&staged, scan, intake, bytes, companions);
         if kept.is_err() {
             // A full disk is the likely cause: give back what was taken of it.
             durable::remove_folder(&staged)?;
@@ -95,9 +111,19 @@ impl Spool {
         kept
     }
 
-    fn stage(&self, staged: &Path, scan: &ScanId, intake: Intake, bytes: &[u8]) -> io::Result<()> {
+    fn stage(
+        &self,
+        staged: &Path,
+        scan: &ScanId,
+        intake: Intake,
+        bytes: &[u8],
+        companions: &[Companion],
+    ) -> io::Result<()> {
         durable::make_folder(staged)?;
         durable::write_new(&staged.join(file_name(&intake.format)), bytes)?;
+        for Companion { name_ending, bytes } in companions {
+            durable::write_new(&staged.join(file_name(name_ending)), bytes)?;
+        }
         let text = serde_json::to_vec_pretty(&Versioned::V1(intake))?;
         durable::write_new(&staged.join(INTAKE), &text)?;
         durable::sync_folder(staged)?;
@@ -187,7 +213,9 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let spool = Spool::open(dir.path()).unwrap();
         let scan = ScanId::of_digest([7; 32]);
-        spool.keep(&scan, intake(&scan), b"abc").unwrap();
+        let ord = Companion { name_ending: "ord".into(), bytes: b"de".to_vec() };
+        spool.keep(&scan, intake(&scan), b"abc", &[ord]).unwrap();
+        assert_eq!(fs::read(spool.entry(&scan).join("scan.ord")).unwrap(), b"de");
         assert_eq!(spool.entries().unwrap(), std::slice::from_ref(&scan));
         assert_eq!(spool.intake(&scan).unwrap(), intake(&scan));
         assert_eq!(fs::read(spool.scan_file(&scan, "obj")).unwrap(), b"abc");
@@ -203,9 +231,9 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let spool = Spool::open(dir.path()).unwrap();
         let scan = ScanId::of_digest([7; 32]);
-        spool.keep(&scan, intake(&scan), b"abc").unwrap();
+        spool.keep(&scan, intake(&scan), b"abc", &[]).unwrap();
         let later = Intake { size: 99, ..intake(&scan) };
-        assert!(spool.keep(&scan, later, b"abc").is_err());
+        assert!(spool.keep(&scan, later, b"abc", &[]).is_err());
         assert_eq!(spool.intake(&scan).unwrap().size, 3);
         assert_eq!(fs::read_dir(dir.path().join("spool")).unwrap().count(), 1);
     }

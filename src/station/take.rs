@@ -1,4 +1,5 @@
-//! Taking one settled file: read it whole, ask its format whether it is whole, give it to custody.
+//! Taking one settled file once it has been read: ask its format whether it is whole, give it to
+//! custody.
 
 use std::io;
 use std::os::unix::ffi::OsStrExt;
@@ -12,7 +13,7 @@ use super::custody::{Arrival, CustodyFault};
 use super::event::{StationEvent, short};
 use super::journal::JournalError;
 use super::quarantine::{Reason, Stage};
-use super::source::{self, Export};
+use super::source::Export;
 use crate::flow::identity::{ID_NOT_ALLOWED, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{NameSays, Settled, Verdict};
 use crate::scan::{self, Format};
@@ -43,30 +44,39 @@ pub enum TakeFault {
     Journal(#[from] JournalError),
 }
 
-/// Takes a settled file. Blocks.
+/// Parts settled files into those that have been dealt with in this state before and the others.
+/// A journal that cannot say counts as not knowing: taking the file will meet the same fault and
+/// tell of it. Blocks.
+pub fn dealt_with(station: &Station, settled: Vec<Settled>) -> (Vec<Settled>, Vec<Settled>) {
+    let journal = station.custody.journal();
+    settled
+        .into_iter()
+        .partition(|file| journal.was_sighted(&file.path, file.stamp).unwrap_or(false))
+}
+
+/// Refuses a settled file for its size alone; says whether it did. Blocks.
 ///
 /// # Errors
 /// [`TakeFault`], after which the file is to be offered again.
-pub fn take(station: &Station, settled: &Settled) -> Result<Taken, TakeFault> {
-    let journal = station.custody.journal();
-    if journal.was_sighted(&settled.path, settled.stamp)? {
-        return Ok(Taken::Done);
+pub fn refuse_too_large(station: &Station, settled: &Settled) -> Result<bool, TakeFault> {
+    if settled.stamp.size <= station.config.scanner.max_scan_bytes {
+        return Ok(false);
     }
+    refuse_unread(station, settled)?;
+    station.custody.journal().sighted(&settled.path, settled.stamp, None)?;
+    Ok(true)
+}
+
+/// Takes a settled file that has been read. Blocks.
+///
+/// # Errors
+/// [`TakeFault`], after which the file is to be offered again.
+pub fn take(station: &Station, settled: &Settled, export: &Export) -> Result<Taken, TakeFault> {
     let file = settled.path.file_name().unwrap_or_default();
-    station.observer.tell(StationEvent::Settled { file: file.to_owned() });
-    if settled.stamp.size > station.config.scanner.max_scan_bytes {
-        refuse_unread(station, settled)?;
-        journal.sighted(&settled.path, settled.stamp, None)?;
-        return Ok(Taken::Done);
-    }
-    let Some(export) = source::read(&settled.path, settled.stamp).map_err(TakeFault::Source)?
-    else {
-        return Ok(Taken::Changed);
-    };
     let name = file.to_string_lossy();
     // A look offers no other files.
     let Ok(format) = Format::of_file_name(&name) else { return Ok(Taken::Done) };
-    if !settled.awaited && awaits_rest(&export, format) {
+    if !settled.awaited && awaits_rest(export, format) {
         station.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
         return Ok(Taken::CutShort);
     }
@@ -78,12 +88,18 @@ pub fn take(station: &Station, settled: &Settled) -> Result<Taken, TakeFault> {
         format,
         file_time: export.file_time,
         says,
+        companions: &export.companions,
     })?;
+    let journal = station.custody.journal();
     journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
+    let scan = export.scan.short();
     if not_an_id {
-        warn!(event = "finding", scan = export.scan.short(), code = ID_NOT_ALLOWED);
+        warn!(event = "finding", scan, code = ID_NOT_ALLOWED);
     }
-    announce(station, settled, &export, verdict);
+    if export.left_out > 0 {
+        warn!(event = "companions-left-out", scan, count = export.left_out);
+    }
+    announce(station, settled, export, verdict);
     Ok(Taken::Done)
 }
 

@@ -1,23 +1,24 @@
 //! The watch on an export folder: a hint to look sooner, never the truth.
 //!
-//! A watch may say nothing for ever: on network shares, after the folder was replaced, when the
-//! kernel's limits are reached. So nothing depends on it, and before every look it is armed anew
-//! if it is not on the folder that now has the path.
+//! A watch may say nothing for ever: after the folder was replaced, when the kernel's limits are
+//! reached. So nothing depends on it, and before every look it is armed anew if it is not on the
+//! folder that now has the path. On network shares, where it is mostly mute, there is none.
 
-use std::fs;
-use std::os::unix::fs::MetadataExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use notify::event::{AccessKind, AccessMode};
-use notify::{Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
+use notify::{Config, Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use tokio::sync::Notify;
+
+use super::file_system;
 
 /// A watch on one folder, as well as it can be had.
 #[derive(Debug)]
 pub struct Watch {
     folder: PathBuf,
+    depth: RecursiveMode,
     hint: Arc<Notify>,
     /// The watcher has reported an error; what it would say next is not to be relied upon.
     broken: Arc<AtomicBool>,
@@ -27,52 +28,52 @@ pub struct Watch {
 #[derive(Debug)]
 struct Armed {
     _watcher: RecommendedWatcher,
-    on: FolderId,
-}
-
-/// Which folder a path leads to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct FolderId {
-    dev: u64,
-    ino: u64,
+    /// Device and inode of the folder.
+    on: (u64, u64),
 }
 
 impl Watch {
-    /// A watch that is not armed yet and will give `hint`.
-    pub fn new(folder: PathBuf, hint: Arc<Notify>) -> Watch {
-        Watch { folder, hint, broken: Arc::new(AtomicBool::new(false)), armed: None }
+    /// A watch that is not armed yet and will give `hint`, of the folders within too if asked.
+    pub fn new(folder: PathBuf, subfolders: bool, hint: Arc<Notify>) -> Watch {
+        let depth = if subfolders { RecursiveMode::Recursive } else { RecursiveMode::NonRecursive };
+        Watch { folder, depth, hint, broken: Arc::new(AtomicBool::new(false)), armed: None }
     }
 
     /// Arms the watch unless it is on the present folder; to be called before each look, so that
-    /// what comes after the look is not missed.
+    /// what comes after the look is not missed. Says whether there is a watch: none on a share.
     ///
     /// # Errors
     /// Where it cannot be armed: looks then come at their own pace only.
-    pub fn keep_armed(&mut self) -> notify::Result<()> {
-        let now = folder_id(&self.folder);
+    pub fn keep_armed(&mut self) -> notify::Result<bool> {
+        let now = file_system::folder_id(&self.folder).ok();
         let broken = self.broken.swap(false, Ordering::Relaxed);
         let on = self.armed.as_ref().map(|armed| armed.on);
         if on.is_some() && on == now && !broken {
-            return Ok(());
+            return Ok(true);
         }
         self.armed = None;
         let Some(on) = now else { return Err(notify::Error::path_not_found()) };
+        if file_system::of(&self.folder)?.is_network() {
+            return Ok(false);
+        }
         let (hint, broken) = (Arc::clone(&self.hint), Arc::clone(&self.broken));
-        let mut watcher = notify::recommended_watcher(move |event: notify::Result<Event>| {
+        let on_event = move |event: notify::Result<Event>| {
             match event {
                 Ok(event) if !tells(&event) => return,
                 Ok(_) => {}
                 Err(_) => broken.store(true, Ordering::Relaxed),
             }
             hint.notify_one();
-        })?;
-        watcher.watch(&self.folder, RecursiveMode::NonRecursive)?;
+        };
+        let config = Config::default().with_follow_symlinks(false);
+        let mut watcher = RecommendedWatcher::new(on_event, config)?;
+        watcher.watch(&self.folder, self.depth)?;
         self.armed = Some(Armed { _watcher: watcher, on });
-        Ok(())
+        Ok(true)
     }
 }
 
-/// Whether an event tells of a change. Our own looks and copies open and close files; hints from
+/// Whether an event tells of a change, or that events were lost. Our own looks and copies open and close files; hints from
 /// those would make the station look for ever.
 fn tells(event: &Event) -> bool {
     match event.kind {
@@ -82,14 +83,12 @@ fn tells(event: &Event) -> bool {
     }
 }
 
-fn folder_id(folder: &Path) -> Option<FolderId> {
-    let metadata = fs::metadata(folder).ok()?;
-    Some(FolderId { dev: metadata.dev(), ino: metadata.ino() })
-}
-
 #[cfg(test)]
 mod tests {
+    use std::fs;
     use std::time::Duration;
+
+    use notify::event::Flag;
 
     use super::*;
 
@@ -102,7 +101,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("export");
         let hint = Arc::new(Notify::new());
-        let mut watch = Watch::new(folder.clone(), Arc::clone(&hint));
+        let mut watch = Watch::new(folder.clone(), false, Arc::clone(&hint));
         assert!(watch.keep_armed().is_err());
 
         fs::create_dir(&folder).unwrap();
@@ -125,7 +124,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         fs::write(dir.path().join("a"), "a").unwrap();
         let hint = Arc::new(Notify::new());
-        let mut watch = Watch::new(dir.path().to_owned(), Arc::clone(&hint));
+        let mut watch = Watch::new(dir.path().to_owned(), false, Arc::clone(&hint));
         watch.keep_armed().unwrap();
         fs::read(dir.path().join("a")).unwrap();
         fs::read_dir(dir.path()).unwrap().count();
@@ -134,5 +133,26 @@ mod tests {
         assert!(quiet.is_err());
         fs::write(dir.path().join("a"), "b").unwrap();
         assert!(hinted(&hint).await);
+    }
+
+    #[tokio::test]
+    async fn a_change_in_a_folder_within_gives_a_hint_by_choice() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir(dir.path().join("within")).unwrap();
+        let hint = Arc::new(Notify::new());
+        let mut watch = Watch::new(dir.path().to_owned(), true, Arc::clone(&hint));
+        assert!(watch.keep_armed().unwrap());
+        fs::write(dir.path().join("within/a"), "a").unwrap();
+        assert!(hinted(&hint).await);
+    }
+
+    #[test]
+    fn lost_events_tell_that_something_may_have_changed() {
+        // What the kernel's queue says when it runs over: no kind, no path, only the flag.
+        let overflow = Event::new(EventKind::Other).set_flag(Flag::Rescan);
+        assert!(overflow.paths.is_empty() && tells(&overflow));
+        let read = EventKind::Access(AccessKind::Close(AccessMode::Read));
+        assert!(!tells(&Event::new(read)));
+        assert!(tells(&Event::new(read).set_flag(Flag::Rescan)));
     }
 }

@@ -12,7 +12,7 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::error::{StationError, Worker};
 use super::stop::Stop;
-use super::{delivery, intake};
+use super::{control, delivery, housekeeping, http, intake};
 
 /// The workers, their names and their beats.
 pub struct Workers {
@@ -35,6 +35,12 @@ impl Workers {
         }
         let beat = workers.beat(Worker::Delivery, station);
         workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), beat, stop.clone()));
+        let beat = workers.beat(Worker::Housekeeping, station);
+        let task = housekeeping::worker(Arc::clone(station), beat, stop.clone());
+        workers.spawn(Worker::Housekeeping, task);
+        // These wait for people and monitors, and have no beat: nothing hangs on them.
+        workers.spawn(Worker::Http, http::worker(Arc::clone(station), stop.clone()));
+        workers.spawn(Worker::Control, control::worker(Arc::clone(station), stop.clone()));
         (workers, first_looks)
     }
 

@@ -4,10 +4,12 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use rustix::fs::{statfs, statvfs};
 use serde::Serialize;
 
-use crate::config::{Config, nested};
+use crate::config::{Config, WatchConfig, nested};
+use crate::flow::FileSystem;
+use crate::flow::mount::{Expected, MountGuard};
+use crate::station::file_system;
 
 /// How a check went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -69,6 +71,7 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     let exports = &config.scanner.export_dirs;
     let mut rows: Vec<Row> =
         exports.iter().map(|folder| Row::of("export folder", folder, readable(folder))).collect();
+    rows.extend(exports.iter().filter_map(|folder| mounted(folder, &config.scanner.watch)));
     for (check, folder) in [("state folder", state), ("record store", store)] {
         rows.push(Row::of(check, folder, writable(folder)));
         rows.push(room(folder, config.scanner.max_scan_bytes));
@@ -96,6 +99,20 @@ fn readable(folder: &Path) -> io::Result<String> {
     Ok(match network(folder) {
         Some(kind) => format!("can be read, {count} {files}; on {kind}: found by the rescan"),
         None => format!("can be read, {count} {files}"),
+    })
+}
+
+/// Whether the station would believe what it sees in an export folder. One that cannot be asked is
+/// told of by the check before.
+fn mounted(folder: &Path, config: &WatchConfig) -> Option<Row> {
+    if config.expected == Expected::default() && config.mount_point.is_none() {
+        return None;
+    }
+    let seen = file_system::mount(folder, config).ok()?;
+    let check = "export mounted";
+    Some(match MountGuard::new(config.expected.clone()).judge(seen) {
+        Ok(()) => Row::ok(check, folder, format!("as configured, on {}", seen.file_system)),
+        Err(why) => Row::new(check, folder, Verdict::Fail, format!("the export folder {why}")),
     })
 }
 
@@ -148,8 +165,7 @@ fn write_sync_rename(trial: &Path) -> io::Result<()> {
 /// Room for one more scan is what the station needs, for ten is what lets a person sleep.
 fn room(folder: &Path, max_scan: u64) -> Row {
     let check = "free space";
-    let free = footing(folder).and_then(|place| Ok(statvfs(place)?));
-    match free.map(|disk| disk.f_bavail.saturating_mul(disk.f_frsize)) {
+    match footing(folder).and_then(file_system::free_bytes) {
         Err(error) => Row::new(check, folder, Verdict::Fail, error.to_string()),
         Ok(free) => {
             let detail = format!("{} free; a scan may have up to {}", spelt(free), spelt(max_scan));
@@ -178,7 +194,7 @@ fn spelt(bytes: u64) -> String {
 /// The journal relies on locks and syncs that network file systems only promise.
 fn local(state: &Path) -> Row {
     match network(state) {
-        _ if magic(state).is_some_and(|found| MEMORY.contains(&found)) => {
+        _ if file_system(state).is_some_and(FileSystem::is_memory) => {
             let detail = "held in memory; all that is not delivered is lost with the power";
             Row::new("local disk", state, Verdict::Warn, detail)
         }
@@ -190,32 +206,14 @@ fn local(state: &Path) -> Row {
     }
 }
 
-/// `f_type` of statfs(2) for file systems that are, or with FUSE mostly are, somewhere else.
-const NETWORKS: [(u32, &str); 9] = [
-    (0x0000_6969, "NFS"),
-    (0x0000_517B, "SMB"),
-    (0xFF53_4D42, "SMB (CIFS)"),
-    (0xFE53_4D42, "SMB"),
-    (0x6573_5546, "FUSE (sshfs, rclone or the like)"),
-    (0x0102_1997, "9P"),
-    (0x00C3_6400, "Ceph"),
-    (0x5346_414F, "AFS"),
-    (0x7375_7245, "Coda"),
-];
-
-/// `f_type` of tmpfs and ramfs.
-const MEMORY: [u32; 2] = [0x0102_1994, 0x8584_58F6];
-
 /// The kind of network file system a folder is or would be on; `None` for a local one, and where
 /// nothing can be learnt, which another check tells.
-fn network(folder: &Path) -> Option<&'static str> {
-    let found = magic(folder)?;
-    NETWORKS.iter().find(|(magic, _)| *magic == found).map(|(_, name)| *name)
+fn network(folder: &Path) -> Option<FileSystem> {
+    file_system(folder).filter(|kind| kind.is_network())
 }
 
-fn magic(folder: &Path) -> Option<u32> {
-    // The magic numbers have 32 bits; the field is wider, and signed, on most machines.
-    Some(statfs(footing(folder).ok()?).ok()?.f_type as u32)
+fn file_system(folder: &Path) -> Option<FileSystem> {
+    file_system::of(footing(folder).ok()?).ok()
 }
 
 /// Links may lead one folder into another although their names are apart.

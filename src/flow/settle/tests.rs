@@ -6,6 +6,7 @@ use super::*;
 
 const QUIET: Duration = Duration::from_secs(2);
 const SHORT_WAIT: Duration = Duration::from_secs(30);
+const OVERDUE: Duration = Duration::from_secs(600);
 
 fn stamp(version: u64) -> Stamp {
     // Size and times do not change with every write: any one field must do.
@@ -13,7 +14,7 @@ fn stamp(version: u64) -> Stamp {
 }
 
 fn look(files: &[(&str, u64)]) -> Look {
-    Look::Seen(files.iter().map(|(name, v)| (PathBuf::from(name), stamp(*v))).collect())
+    Look::Seen(files.iter().map(|(name, v)| (PathBuf::from(name), stamp(*v).into())).collect())
 }
 
 fn at(seconds: u64) -> LookTime {
@@ -21,7 +22,7 @@ fn at(seconds: u64) -> LookTime {
 }
 
 fn settling() -> Settling {
-    Settling::new(QUIET, SHORT_WAIT)
+    Settling::new(QUIET, SHORT_WAIT, OVERDUE)
 }
 
 fn names(settled: &[Settled]) -> Vec<&str> {
@@ -129,10 +130,101 @@ fn a_failed_attempt_is_repeated_without_limit() {
     }
 }
 
+fn group(scan: u64, companion: Option<u64>, done: Option<u64>) -> Group {
+    let companion = companion.map(|version| Companion {
+        path: "a.ord".into(),
+        stamp: stamp(version),
+        name_ending: "ord".into(),
+    });
+    Group {
+        stamp: stamp(scan),
+        companions: companion.into_iter().collect(),
+        done: done.map_or(Done::Missing, |version| Done::There(stamp(version))),
+    }
+}
+
+fn look_at(group: Group) -> Look {
+    Look::Seen(BTreeMap::from([("a".into(), group)]))
+}
+
+#[test]
+fn a_scan_waits_for_what_is_written_beside_it() {
+    let mut settling = settling();
+    settling.observe(look_at(group(1, None, Some(1))), at(0));
+    for second in 1..50 {
+        let growing = group(1, Some(second), Some(1));
+        assert!(settling.observe(look_at(growing), at(second)).is_empty(), "{second}");
+    }
+    let offered = settling.observe(look_at(group(1, Some(49), Some(1))), at(51));
+    assert_eq!(offered[0].companions, group(1, Some(49), None).companions);
+    settling.taken(&offered[0]);
+    for (second, companion) in [(52, Some(50)), (53, None), (60, Some(51)), (90, Some(51))] {
+        let late = group(1, companion, Some(1));
+        assert!(settling.observe(look_at(late), at(second)).is_empty(), "it came too late");
+    }
+}
+
+#[test]
+fn a_scan_is_taken_only_while_its_done_file_is_there_and_quiet() {
+    let mut settling = settling();
+    settling.observe(look_at(group(1, None, None)), at(0));
+    assert!(settling.observe(look_at(group(1, None, None)), at(100)).is_empty());
+    assert_eq!(settling.next_due(), None);
+    assert!(settling.observe(look_at(group(1, None, Some(1))), at(101)).is_empty());
+    assert!(settling.observe(look_at(group(1, None, None)), at(103)).is_empty());
+    assert!(settling.observe(look_at(group(1, None, Some(2))), at(104)).is_empty());
+    let offered = settling.observe(look_at(group(1, None, Some(2))), at(106));
+    assert_eq!(names(&offered), ["a"]);
+}
+
+fn waits(settling: &Settling, seconds: u64) -> Vec<(String, bool)> {
+    let waiting = settling.waiting(Duration::from_secs(seconds));
+    waiting.map(|(_, waiting)| (waiting.wait.to_string(), waiting.overdue)).collect()
+}
+
+#[test]
+fn what_a_file_waits_for_is_said_in_words() {
+    let mut settling = settling();
+    let mut says = |group: Group, second: u64, words: &str, overdue: bool| {
+        let offered = settling.observe(look_at(group), at(second));
+        assert_eq!(waits(&settling, second), [(words.to_owned(), overdue)]);
+        offered.iter().for_each(|offered| settling.cut_short(offered));
+        settling.newly_overdue(Duration::from_secs(second))
+    };
+    says(group(1, None, None), 0, "has been unchanged for 0.0 s of 2.0 s", false);
+    says(group(2, None, None), 1, "is still being written", false);
+    says(group(2, Some(1), None), 2, "waits for what is written beside it", false);
+    says(group(2, Some(1), None), 9, "waits for its done file", false);
+    assert_eq!(says(group(2, Some(1), None), 600, "waits for its done file", true), 1);
+    assert_eq!(says(group(2, Some(1), None), 601, "waits for its done file", true), 0, "once");
+    assert_eq!(says(group(3, None, Some(1)), 602, "is still being written", true), 0);
+    says(group(3, None, Some(1)), 604, "has settled and waits for its turn", false);
+    let rest = "ends in the middle; its rest is awaited for 26 s more";
+    says(group(3, None, Some(1)), 606, rest, true);
+    says(group(3, None, Some(1)), 632, "has settled and waits for its turn", false);
+}
+
+#[test]
+fn a_file_that_fails_says_so_and_one_that_is_taken_waits_for_nothing() {
+    let mut settling = settling();
+    settling.observe(look(&[("a", 1)]), at(0));
+    let offered = settling.observe(look(&[("a", 1)]), at(2));
+    settling.failed(&offered[0], Duration::from_secs(2), 0.99);
+    let (said, _) = waits(&settling, 2).remove(0);
+    assert!(said.starts_with("could not be taken once; it is tried again in"), "{said}");
+    settling.observe(Look::OutOfReach, at(3));
+    assert_eq!(waits(&settling, 1000)[0].0, "was seen before its folder went out of reach");
+    settling.taken(&offered[0]);
+    assert_eq!(waits(&settling, 1000), []);
+}
+
 /// One event at the folder; the number is which file.
 #[derive(Debug, Clone)]
 enum Event {
     Write(usize),
+    WriteBeside(usize),
+    RemoveBeside(usize),
+    Done(usize),
     Remove(usize),
     Look,
     OutOfReach,
@@ -142,6 +234,9 @@ enum Event {
 fn event() -> impl Strategy<Value = Event> {
     prop_oneof![
         3 => (0..3usize).prop_map(Event::Write),
+        1 => (0..3usize).prop_map(Event::WriteBeside),
+        1 => (0..3usize).prop_map(Event::RemoveBeside),
+        2 => (0..3usize).prop_map(Event::Done),
         1 => (0..3usize).prop_map(Event::Remove),
         4 => Just(Event::Look),
         1 => Just(Event::OutOfReach),
@@ -149,29 +244,78 @@ fn event() -> impl Strategy<Value = Event> {
     ]
 }
 
-/// A folder of three files as its writer knows it: version and time of the last change, or gone.
+/// A file as its writer knows it: a version that is never used twice, and when it was written.
+type Version = (u64, Duration);
+
+/// A scan and what belongs to it.
+#[derive(Clone, Copy)]
+struct Written {
+    scan: Version,
+    beside: Option<Version>,
+    done: Option<Version>,
+}
+
+impl Written {
+    fn group(self) -> Group {
+        let version = |(version, _): Version| version;
+        group(version(self.scan), self.beside.map(version), self.done.map(version))
+    }
+
+    fn changed(self) -> Duration {
+        let others = [self.beside, self.done].into_iter().flatten();
+        others.map(|(_, at)| at).fold(self.scan.1, Duration::max)
+    }
+}
+
+/// A folder of three scans.
 #[derive(Default)]
 struct Folder {
-    files: [Option<(u64, Duration)>; 3],
+    files: [Option<Written>; 3],
     version: u64,
-    offers: BTreeMap<u64, u32>,
+    taken: BTreeMap<u64, u32>,
 }
 
 impl Folder {
-    fn look(&self) -> Look {
-        let present = self.files.iter().enumerate();
-        let present = present.filter_map(|(name, file)| Some((name, (*file)?.0)));
-        Look::Seen(present.map(|(n, v)| (PathBuf::from(n.to_string()), stamp(v))).collect())
+    fn write(&mut self, event: &Event, now: Duration) {
+        self.version += 1;
+        let version = (self.version, now);
+        match *event {
+            Event::Write(file) => {
+                let written = Written { scan: version, beside: None, done: None };
+                self.files[file].get_or_insert(written).scan = version;
+            }
+            Event::WriteBeside(file) => self.change(file, |file| file.beside = Some(version)),
+            Event::RemoveBeside(file) => self.change(file, |file| file.beside = None),
+            Event::Done(file) => self.change(file, |file| file.done = Some(version)),
+            Event::Remove(file) => self.files[file] = None,
+            Event::Look | Event::OutOfReach | Event::Wait(_) => {}
+        }
     }
 
-    /// Looks, and takes all that is offered; fails where a file is younger than the quiet time.
+    fn change(&mut self, file: usize, change: impl FnOnce(&mut Written)) {
+        if let Some(file) = &mut self.files[file] {
+            change(file);
+        }
+    }
+
+    fn look(&self) -> Look {
+        let present = self.files.iter().enumerate();
+        let present = present.filter_map(|(name, file)| Some((name, (*file)?)));
+        Look::Seen(present.map(|(n, file)| (PathBuf::from(n.to_string()), file.group())).collect())
+    }
+
+    /// Looks, and takes all that is offered; fails where anything of it is younger than the quiet
+    /// time or not done.
     fn look_and_take(&mut self, settling: &mut Settling, now: Duration) {
         for settled in settling.observe(self.look(), LookTime { began: now, ended: now }) {
             let version = settled.stamp.ctime_ns as u64;
-            let file = self.files.iter().flatten().find(|(v, _)| *v == version);
-            let (_, changed) = file.expect("only files that are there are offered");
-            assert!(now - *changed >= QUIET, "offered {:?} after its change", now - *changed);
-            *self.offers.entry(version).or_default() += 1;
+            let file = self.files.iter().flatten().find(|file| file.scan.0 == version);
+            let file = *file.expect("only files that are there are offered");
+            let age = now - file.changed();
+            assert!(age >= QUIET, "offered {age:?} after its change");
+            assert!(file.done.is_some(), "offered undone");
+            assert_eq!(settled.companions, file.group().companions);
+            *self.taken.entry(version).or_default() += 1;
             settling.taken(&settled);
         }
     }
@@ -179,7 +323,7 @@ impl Folder {
 
 proptest! {
     #[test]
-    fn no_file_is_taken_young_and_each_that_stops_changing_is_taken_once(
+    fn no_group_is_taken_young_or_undone_and_each_that_stops_changing_is_taken_once(
         events in prop::collection::vec(event(), 0..200),
     ) {
         let mut folder = Folder::default();
@@ -187,25 +331,26 @@ proptest! {
         let mut now = Duration::ZERO;
         for event in events {
             match event {
-                Event::Write(file) => {
-                    folder.version += 1;
-                    folder.files[file] = Some((folder.version, now));
-                }
-                Event::Remove(file) => folder.files[file] = None,
                 Event::Look => folder.look_and_take(&mut settling, now),
                 Event::OutOfReach => {
                     let when = LookTime { began: now, ended: now };
                     prop_assert!(settling.observe(Look::OutOfReach, when).is_empty());
                 }
                 Event::Wait(ms) => now += Duration::from_millis(ms),
+                event => folder.write(&event, now),
             }
         }
         folder.look_and_take(&mut settling, now);
         now += QUIET;
         folder.look_and_take(&mut settling, now);
-        for (version, _) in folder.files.iter().flatten() {
-            prop_assert_eq!(folder.offers.get(version), Some(&1), "version {}", version);
+        let untaken: Vec<&Path> = settling.waiting(now).map(|(path, _)| path).collect();
+        for (name, file) in folder.files.iter().enumerate() {
+            let Some(file) = file else { continue };
+            let name = name.to_string();
+            let awaits_done = file.done.is_none() && untaken.contains(&Path::new(&name));
+            let taken = folder.taken.get(&file.scan.0).copied();
+            prop_assert!(taken == Some(1) || taken.is_none() && awaits_done, "{name}: {taken:?}");
         }
-        prop_assert!(folder.offers.values().all(|n| *n == 1));
+        prop_assert!(folder.taken.values().all(|times| *times == 1));
     }
 }

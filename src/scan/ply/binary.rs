@@ -1,8 +1,8 @@
 //! The elements of a binary PLY file, of either byte order.
 
 use super::super::fault::{CutSign, Place, ScanFault, cut_short};
-use super::super::text::spelled;
-use super::header::{Element, Encoding, Header, Meaning, Property, Scalar, Shape};
+use super::super::text::{SECTOR_BYTES, spelled};
+use super::header::{Element, Encoding, Header, Kind, Meaning, Property, Scalar, Shape};
 use super::values::{Record, Values, length};
 
 /// Where the elements end. Only the lengths of lists are read.
@@ -19,6 +19,7 @@ pub(super) fn extent(bytes: &[u8], header: &Header) -> Result<usize, ScanFault> 
                 return Err(missing(element, room));
             }
             values.at += stride * element.count;
+            values.refuse_unwritten_points(element)?;
             continue;
         }
         for number in 1..=element.count {
@@ -87,6 +88,16 @@ impl<'a> Bytes<'a> {
             // Every whole number of a PLY file has at most 32 bits.
             _ => self.whole(kind, record)? as f64,
         })
+    }
+
+    /// A cloud of points that ends in this many zeros was reserved and not yet filled; one point
+    /// at zero may be meant.
+    fn refuse_unwritten_points(&self, element: &Element) -> Result<(), ScanFault> {
+        let zeros = self.bytes.len() - self.written;
+        if element.kind == Kind::Vertex && self.at == self.bytes.len() && zeros >= SECTOR_BYTES {
+            return Err(cut_short(CutSign::Unwritten { bytes: zeros }));
+        }
+        Ok(())
     }
 
     fn pass(&mut self, property: &Property, record: Record) -> Result<(), ScanFault> {

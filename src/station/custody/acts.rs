@@ -72,7 +72,7 @@ impl Custody {
             _ if kept => {}
             Some(bytes) => {
                 let intake = intake_of(row, Some(patient));
-                io("keeping a scan", self.spool.keep(scan, intake, bytes))?;
+                io("keeping a scan", self.spool.keep(scan, intake, bytes, &[]))?;
             }
             None => return Ok(Acted::NoBytes),
         }

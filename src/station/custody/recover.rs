@@ -2,6 +2,7 @@
 
 use std::io::ErrorKind;
 use std::sync::PoisonError;
+use std::time::Duration;
 
 use jiff::Timestamp;
 
@@ -30,6 +31,7 @@ impl Custody {
                 Some(ScanState::Spooled) => {}
                 Some(ScanState::Delivered) if !self.journal.has_served(&scan)? => {}
                 Some(ScanState::Refused) if !self.quarantine.holds(&scan) => {}
+                Some(ScanState::Delivered) if self.kept > Duration::ZERO => {}
                 Some(ScanState::Delivered | ScanState::Refused) => {
                     io("giving up spooled bytes", self.spool.remove(&scan))?;
                 }
@@ -121,7 +123,8 @@ impl Custody {
         let sources = vec![Source { kind: SourceKind::Record }];
         let patient = record.patient.clone().map(|id| Patient { id, sources });
         self.journal.found(&row, patient.as_ref(), store, &record.folder.to_string_lossy())?;
-        if self.spool.holds(&record.scan) && self.journal.has_served(&record.scan)? {
+        let kept = self.kept > Duration::ZERO;
+        if !kept && self.spool.holds(&record.scan) && self.journal.has_served(&record.scan)? {
             io("giving up spooled bytes", self.spool.remove(&record.scan))?;
         }
         Ok(())

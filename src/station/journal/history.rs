@@ -120,6 +120,19 @@ pub(super) fn newest(connection: &Connection) -> Result<Option<Head>, JournalErr
         .optional()?)
 }
 
+/// Removes all rows before one; the chain goes on from it.
+pub(super) fn cut(transaction: &Transaction<'_>, before: i64) -> Result<(), JournalError> {
+    transaction.execute_batch("DROP TRIGGER history_is_not_cut")?;
+    transaction.execute("DELETE FROM history WHERE seq < ?1", [before])?;
+    Ok(transaction.execute_batch(NOT_CUT)?)
+}
+
+/// Keeps rows of the history from being removed but by [`cut`].
+pub(super) const NOT_CUT: &str = "
+CREATE TRIGGER history_is_not_cut BEFORE DELETE ON history
+BEGIN SELECT RAISE(ABORT, 'the history is append-only'); END;
+";
+
 /// Checks the chain from its first row, which may be any: older ones may have been pruned.
 pub(super) fn check(connection: &Connection) -> Result<(), JournalError> {
     let mut query = connection
@@ -165,7 +178,7 @@ impl HeadFile {
         let mut text = [0; 128];
         let length = self.0.read_at(&mut text, 0)?;
         let text = String::from_utf8_lossy(&text[..length]).into_owned();
-        let head = text.lines().next().and_then(|line| line.split_once(' '));
+        let head = text.lines().next().and_then(|line| line.rsplit_once(' '));
         Ok(head.and_then(|(seq, hash)| {
             Some(Head { seq: seq.trim().parse().ok()?, hash: hash.to_owned() })
         }))

@@ -8,8 +8,10 @@
 mod acts;
 mod deliveries;
 mod history;
+mod listing;
 mod lock;
 mod meta;
+mod prune;
 mod scans;
 mod schema;
 mod seal;
@@ -27,6 +29,7 @@ use crate::store::durable;
 pub use deliveries::{Due, Task};
 use history::HeadFile;
 pub use history::{Event, HistoryRow};
+pub use listing::Tally;
 pub use lock::{LockError, StateLock};
 pub use scans::ScanRow;
 

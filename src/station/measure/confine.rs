@@ -133,3 +133,30 @@ fn no_other_calls() -> Result<(), ConfineFault> {
         other => Ok(other?),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::net::TcpListener;
+    use std::thread;
+
+    use super::*;
+
+    #[test]
+    fn what_is_given_up_is_gone_and_computing_goes_on() {
+        // Both guards hold for one thread and those it begins, so the other tests keep theirs.
+        let confined = thread::spawn(|| {
+            no_files_no_network().unwrap();
+            let landlocked = File::open("/etc/passwd").is_err();
+            no_other_calls().unwrap();
+            let listener = TcpListener::bind("127.0.0.1:0");
+            let computed =
+                thread::spawn(|| (0..100).map(|n| vec![n; 100]).flatten().sum::<usize>());
+            (landlocked, listener.is_err(), computed.join().unwrap())
+        });
+        let (landlocked, no_network, computed) = confined.join().unwrap();
+        assert!(landlocked && no_network);
+        assert_eq!(computed, 495_000);
+        assert!(File::open("/etc/passwd").is_ok());
+    }
+}

@@ -180,3 +180,29 @@ fn trouble(status: ExitStatus, in_time: bool, limits: &Limits, complaint: String
 fn said(complaint: &str) -> String {
     if complaint.is_empty() { String::new() } else { format!(": {complaint}") }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_end_without_an_answer_has_its_name() {
+        let limits = Limits {
+            memory_bytes: 256_000_000,
+            cpu: Duration::from_secs(5),
+            wall: Duration::from_secs(9),
+        };
+        let end = |status: i32, in_time, complaint: &str| {
+            trouble(ExitStatus::from_raw(status), in_time, &limits, complaint.to_owned())
+        };
+        assert_eq!(end(libc::SIGKILL, false, ""), Trouble::Wall(limits.wall));
+        assert_eq!(end(libc::SIGXCPU, true, ""), Trouble::Cpu(limits.cpu));
+        let oom = "memory allocation of 4096 bytes failed";
+        assert_eq!(end(libc::SIGABRT, true, oom), Trouble::Memory(256_000_000));
+        let crashed = [(libc::SIGSEGV, "signal 11"), (70 << 8, "exit code 70")];
+        for (status, how) in crashed {
+            let trouble = end(status, true, "x");
+            assert!(trouble.may_pass() && trouble.to_string().contains(how), "{trouble}");
+        }
+    }
+}

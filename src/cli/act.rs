@@ -1,0 +1,60 @@
+//! `gaiter retry`, `release`, `assign`, `pause` and `resume`: what a person decides.
+
+use std::io::{self, BufRead, IsTerminal, Read, Write};
+
+use super::args::{AskArgs, OneArgs};
+use super::{Exit, ask, complain};
+use crate::station::control::protocol::Request;
+
+/// No patient's id is longer, bytes.
+const ID_MOST: u64 = 1024;
+
+/// A refused scan is to be tried again.
+pub fn retry(args: &OneArgs) -> Exit {
+    ask::sentence(&args.ask, &Request::Retry { scan: args.scan.clone() })
+}
+
+/// A held scan is to be delivered.
+pub fn release(args: &OneArgs) -> Exit {
+    ask::sentence(&args.ask, &Request::Release { scan: args.scan.clone() })
+}
+
+/// A scan is this patient's.
+pub fn assign(args: &OneArgs) -> Exit {
+    match patient() {
+        Ok(patient) if patient.is_empty() => {
+            complain("gaiter: no patient's id was given; nothing was changed");
+            Exit::Usage
+        }
+        Ok(patient) => {
+            ask::sentence(&args.ask, &Request::Assign { scan: args.scan.clone(), patient })
+        }
+        Err(error) => {
+            complain(format_args!("gaiter: the patient's id cannot be read: {error}"));
+            Exit::Io
+        }
+    }
+}
+
+/// The patient's id: a line of standard input, asked for where a person sits at it.
+fn patient() -> io::Result<String> {
+    let stdin = io::stdin();
+    if stdin.is_terminal() {
+        let mut screen = io::stderr().lock();
+        screen.write_all(b"patient's id: ")?;
+        screen.flush()?;
+    }
+    let mut line = String::new();
+    stdin.lock().take(ID_MOST).read_line(&mut line)?;
+    Ok(line.trim().to_owned())
+}
+
+/// No scan is to be taken until somebody resumes.
+pub fn pause(args: &AskArgs) -> Exit {
+    ask::sentence(args, &Request::Pause)
+}
+
+/// Go on.
+pub fn resume(args: &AskArgs) -> Exit {
+    ask::sentence(args, &Request::Resume)
+}

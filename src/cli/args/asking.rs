@@ -1,0 +1,119 @@
+//! The verbs that ask a running station.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use super::DEFAULT_CONFIG;
+use crate::flow::account::{FILTERS, Filter};
+use crate::station::control::protocol::{DIGITS_LEAST, LIST_MOST};
+
+/// What every verb that asks a running station takes.
+#[derive(Debug, Clone, clap::Args)]
+pub struct AskArgs {
+    /// The configuration of the station that is asked
+    #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG)]
+    pub config: PathBuf,
+    /// Print the answer as JSON, for programs
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `gaiter scans`
+#[derive(Debug, clap::Args)]
+pub struct ScansArgs {
+    /// Only scans in this state: spooled waits for a record, held for a person's decision
+    #[arg(long, value_parser = filter())]
+    pub state: Option<Filter>,
+    /// At most so many
+    #[arg(long, value_name = "N", default_value_t = 20,
+          value_parser = clap::value_parser!(u32).range(1..=i64::from(LIST_MOST)))]
+    pub limit: u32,
+    /// What is asked, and how.
+    #[command(flatten)]
+    pub ask: AskArgs,
+}
+
+/// `gaiter show`, `retry`, `release` and `assign`
+#[derive(Debug, clap::Args)]
+pub struct OneArgs {
+    /// The scan: the first digits of its id, at least four, as `gaiter scans` and the log show them
+    #[arg(value_name = "ID", value_parser = digits)]
+    pub scan: String,
+    /// What is asked, and how.
+    #[command(flatten)]
+    pub ask: AskArgs,
+}
+
+/// `gaiter explain`
+#[derive(Debug, clap::Args)]
+pub struct ExplainArgs {
+    /// The scan: the first digits of its id, at least four
+    #[arg(value_name = "ID")]
+    pub what: OsString,
+    /// What is asked, and how.
+    #[command(flatten)]
+    pub ask: AskArgs,
+}
+
+/// What `gaiter explain` was given.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Named {
+    /// The beginning of a scan's id.
+    Scan(String),
+    /// A file.
+    File(PathBuf),
+}
+
+impl Named {
+    /// Digits that could begin an id are one, unless a file has that name; all else is a file.
+    pub fn of(what: &OsString) -> Named {
+        let file = PathBuf::from(what);
+        match what.to_str().map(digits) {
+            Some(Ok(scan)) if !file.exists() => Named::Scan(scan),
+            _ => Named::File(file),
+        }
+    }
+}
+
+fn filter() -> impl TypedValueParser<Value = Filter> {
+    PossibleValuesParser::new(FILTERS.map(|(word, _)| word)).try_map(|text| {
+        let found = FILTERS.iter().find(|(word, _)| *word == text);
+        found.map(|(_, filter)| *filter).ok_or("no such state")
+    })
+}
+
+/// The beginning of a scan's id, in lower case.
+fn digits(text: &str) -> Result<String, String> {
+    let text = text.to_ascii_lowercase();
+    let hexadecimal = text.bytes().all(|byte| byte.is_ascii_hexdigit());
+    if hexadecimal && (DIGITS_LEAST..=64).contains(&text.len()) {
+        return Ok(text);
+    }
+    Err(format!("a scan's id begins with {DIGITS_LEAST} or more of the digits 0-9 and a-f"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn digits_of_an_id_are_hexadecimal_and_enough() {
+        assert_eq!(digits("ABCD1234"), Ok("abcd1234".to_owned()));
+        assert_eq!(digits(&"a".repeat(64)).map(|id| id.len()), Ok(64));
+        for text in ["", "abc", "abcg", "abcd.obj", "ab cd", &"a".repeat(65)] {
+            assert!(digits(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_could_be_an_id_is_one_unless_a_file_has_its_name() {
+        assert_eq!(Named::of(&"abcd1234".into()), Named::Scan("abcd1234".into()));
+        assert_eq!(Named::of(&"4711_a.obj".into()), Named::File("4711_a.obj".into()));
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("abcd");
+        std::fs::write(&path, "").unwrap();
+        assert_eq!(Named::of(&path.clone().into()), Named::File(path));
+    }
+}

@@ -1,0 +1,231 @@
+//! Asking a running station over its control socket, and how a verb that asks ends.
+
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::os::unix::net::UnixStream;
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use serde_json::json;
+
+use super::args::AskArgs;
+use super::{Exit, complain, exit_of, explain_config, print, shown};
+use crate::config::{self, ConfigError, control_path};
+use crate::station::control::protocol::{Answer, Fault, FaultKind, Request};
+
+/// The station answers within its own limits, which are shorter.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// A reload takes less; the journal is not rebuilt in it.
+const BETWEEN_SOCKETS: Duration = Duration::from_secs(5);
+
+/// The pause before the socket is tried again.
+const AGAIN: Duration = Duration::from_millis(100);
+
+/// The longest answer that is read, bytes: a list of the most scans has far less.
+const ANSWER_MOST: u64 = 16 * 1024 * 1024;
+
+/// Why there is no answer.
+#[derive(Debug, thiserror::Error)]
+pub enum AskFault {
+    /// There is no configuration that names the state folder.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// Nobody answers.
+    #[error("no station runs on {}", state_dir.display())]
+    NoStation {
+        /// Its state folder.
+        state_dir: PathBuf,
+        /// The configuration that names it.
+        config: PathBuf,
+    },
+    /// We may not ask.
+    #[error("only the station's own user and root may ask it")]
+    Denied,
+    /// The conversation was cut off.
+    #[error("asking the station failed: {0}")]
+    Io(#[from] io::Error),
+    /// The answer is none that we know.
+    #[error("the station's answer cannot be read: {0}")]
+    Answer(#[from] serde_json::Error),
+    /// The station did not do it.
+    #[error("{}", .0.message)]
+    Refused(Fault),
+}
+
+impl AskFault {
+    fn code(&self) -> &str {
+        match self {
+            AskFault::Config(_) => "no-configuration",
+            AskFault::NoStation { .. } => "no-station",
+            AskFault::Denied => "denied",
+            AskFault::Io(_) => "control-io",
+            AskFault::Answer(_) => "answer-malformed",
+            AskFault::Refused(fault) => &fault.code,
+        }
+    }
+
+    fn exit(&self) -> Exit {
+        match self {
+            AskFault::Config(error) => exit_of(error),
+            AskFault::NoStation { .. } | AskFault::Denied | AskFault::Io(_) => Exit::Io,
+            AskFault::Answer(_) => Exit::Internal,
+            AskFault::Refused(fault) => match fault.kind {
+                FaultKind::Request => Exit::Usage,
+                FaultKind::Unknown => Exit::NoFile,
+                FaultKind::Failed => Exit::Io,
+            },
+        }
+    }
+
+    fn hint(&self) -> Option<String> {
+        match self {
+            AskFault::NoStation { config, .. } => Some(format!(
+                "start it: systemctl start gaiter, or: gaiter run --config {}",
+                shown(config.display())
+            )),
+            AskFault::Denied => Some("try again with sudo".to_owned()),
+            AskFault::Answer(_) => {
+                Some("another version of gaiter runs: restart the station".to_owned())
+            }
+            AskFault::Config(_) | AskFault::Io(_) | AskFault::Refused(_) => None,
+        }
+    }
+}
+
+/// Asks the station of this configuration.
+///
+/// # Errors
+/// See [`AskFault`].
+pub fn ask(config: &Path, request: &Request) -> Result<Answer, AskFault> {
+    let state_dir = state_dir(config)?;
+    let stream = connect(&state_dir, config)?;
+    stream.set_read_timeout(Some(PATIENCE))?;
+    stream.set_write_timeout(Some(PATIENCE))?;
+    let mut line = serde_json::to_vec(request)?;
+    line.push(b'\n');
+    (&stream).write_all(&line)?;
+    let mut answer = Vec::new();
+    BufReader::new(stream.take(ANSWER_MOST)).read_until(b'\n', &mut answer)?;
+    if answer.last() != Some(&b'\n') {
+        return Err(io::Error::from(io::ErrorKind::UnexpectedEof).into());
+    }
+    match serde_json::from_slice(&answer)? {
+        Answer::Fault(fault) => Err(AskFault::Refused(fault)),
+        answer => Ok(answer),
+    }
+}
+
+/// The station's control socket. A station that reloads is without one for a moment: where its
+/// process lives it is asked again.
+fn connect(state_dir: &Path, config: &Path) -> Result<UnixStream, AskFault> {
+    let deadline = Instant::now() + BETWEEN_SOCKETS;
+    loop {
+        let error = match UnixStream::connect(control_path(state_dir)) {
+            Ok(stream) => return Ok(stream),
+            Err(error) => error,
+        };
+        match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused => {}
+            io::ErrorKind::PermissionDenied => return Err(AskFault::Denied),
+            _ => return Err(AskFault::Io(error)),
+        }
+        if !process_lives(state_dir) || Instant::now() > deadline {
+            let (state_dir, config) = (state_dir.to_owned(), config.to_owned());
+            return Err(AskFault::NoStation { state_dir, config });
+        }
+        sleep(AGAIN);
+    }
+}
+
+/// Whether the process that wrote the state folder's lock lives, as far as one can see.
+fn process_lives(state_dir: &Path) -> bool {
+    let pid = std::fs::read_to_string(state_dir.join("lock")).unwrap_or_default();
+    let pid = pid.trim();
+    pid.parse::<u32>().is_ok() && Path::new("/proc").join(pid).exists()
+}
+
+/// The state folder; a file with faults elsewhere may still name it.
+fn state_dir(config: &Path) -> Result<PathBuf, ConfigError> {
+    match config::read(config) {
+        Ok(config) => Ok(config.station.state_dir),
+        Err(error) => {
+            let text = std::fs::read_to_string(config).unwrap_or_default();
+            config::state_dir(&text).ok_or(error)
+        }
+    }
+}
+
+/// Asks, prints the answer, and ends. `table` makes the text for people, `json` the value for
+/// programs, each with the end that the answer means.
+pub fn told<T: Serialize>(
+    args: &AskArgs,
+    request: &Request,
+    taken: impl FnOnce(Answer) -> Option<T>,
+    table: impl FnOnce(&T) -> String,
+    exit: impl FnOnce(&T) -> Exit,
+) -> Exit {
+    let unexpected = || {
+        let message = "it is the answer to another question";
+        AskFault::Answer(serde::de::Error::custom(message))
+    };
+    let answered = ask(&args.config, request);
+    let answer = match answered.and_then(|answer| taken(answer).ok_or_else(unexpected)) {
+        Ok(answer) => answer,
+        Err(fault) => return refused(args, &fault),
+    };
+    let text = if args.json {
+        match serde_json::to_string_pretty(&answer) {
+            Ok(text) => text + "\n",
+            Err(error) => return refused(args, &AskFault::Answer(error)),
+        }
+    } else {
+        table(&answer)
+    };
+    match print(text) {
+        Ok(()) => exit(&answer),
+        Err(error) => {
+            complain(format_args!("gaiter: cannot print the answer: {error}"));
+            Exit::Io
+        }
+    }
+}
+
+/// Asks, and prints the sentence that answers.
+pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
+    let taken = |answer| match answer {
+        Answer::Sentence(sentence) => Some(json!({ "sentence": sentence })),
+        _ => None,
+    };
+    let table = |answer: &serde_json::Value| {
+        format!("{}\n", shown(answer["sentence"].as_str().unwrap_or_default()))
+    };
+    told(args, request, taken, table, |_| Exit::Done)
+}
+
+/// Tells why there is no answer; with `--json` as an object, too.
+pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
+    let exit = fault.exit();
+    if args.json {
+        let fault = json!({
+            "fault": {
+                "code": fault.code(),
+                "message": fault.to_string(),
+                "hint": fault.hint(),
+                "exit": exit.code(),
+            }
+        });
+        // Where it cannot be printed there is the exit code.
+        let _ = print(format_args!("{fault:#}\n"));
+        return exit;
+    }
+    if let AskFault::Config(error) = fault {
+        return explain_config(error);
+    }
+    complain(format_args!("gaiter: {}", shown(fault)));
+    if let Some(hint) = fault.hint() {
+        complain(format_args!("  hint: {hint}"));
+    }
+    exit
+}

@@ -1,0 +1,106 @@
+//! `gaiter scans`, `gaiter show` and `gaiter explain`: what the station knows of its scans.
+
+use std::fmt::Write;
+
+use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
+use super::status::utc;
+use super::{Exit, ask, complain, shown};
+use crate::flow::account::{Happened, Listed, Whole};
+use crate::flow::health::bytes;
+use crate::station::control::protocol::{Answer, Request};
+
+/// Lists scans.
+pub fn scans(args: &ScansArgs) -> Exit {
+    let request = Request::Scans { filter: args.state, limit: args.limit };
+    let taken = |answer| match answer {
+        Answer::Scans(scans) => Some(scans),
+        _ => None,
+    };
+    ask::told(&args.ask, &request, taken, |scans| list(scans), |_| Exit::Done)
+}
+
+/// A row a scan, the newest first.
+fn list(scans: &[Listed]) -> String {
+    if scans.is_empty() {
+        return "no scan\n".to_owned();
+    }
+    let mut text = format!(
+        "{:8}  {:23}  {:9}  {:6}  {:>8}  {}\n",
+        "scan", "first seen", "state", "format", "size", "why"
+    );
+    for scan in scans {
+        let state = if scan.held { "held" } else { &scan.state };
+        let mut why = scan.code.clone().unwrap_or_default();
+        if scan.attempts > 0 && scan.state == "spooled" {
+            why = format!("{} attempts {why}", scan.attempts);
+        }
+        let line = format!(
+            "{:8}  {:23}  {state:9}  {:6}  {:>8}  {}",
+            scan.scan,
+            utc(scan.first_seen),
+            scan.format,
+            bytes(scan.size),
+            shown(why.trim())
+        );
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    text
+}
+
+/// Shows one scan, the patient's id included.
+pub fn show(args: &OneArgs) -> Exit {
+    let request = Request::Show { scan: args.scan.clone() };
+    let taken = |answer| match answer {
+        Answer::Scan(whole) => Some(*whole),
+        _ => None,
+    };
+    ask::told(&args.ask, &request, taken, detail, |_| Exit::Done)
+}
+
+fn detail(whole: &Whole) -> String {
+    let summary = &whole.summary;
+    let mut rows = vec![
+        ("scan", whole.scan.clone()),
+        ("state", summary.state.clone()),
+        ("first seen", utc(summary.first_seen)),
+        ("file's time", summary.file_time.map_or("unknown".to_owned(), utc)),
+        ("format", format!("{}, {}", summary.format, bytes(summary.size))),
+    ];
+    if let Some(code) = &summary.code {
+        let message = summary.message.as_deref().unwrap_or_default();
+        rows.push(("refused", format!("[{code}] {message}")));
+    }
+    for delivery in &whole.deliveries {
+        rows.push(("", String::new()));
+        rows.push(("patient", delivery.patient.clone().unwrap_or_else(|| "nobody named".into())));
+        let code = delivery.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
+        rows.push(("store", format!("{}: {}{code}", delivery.store, delivery.state)));
+        if delivery.attempts > 0 {
+            let next = delivery.next_at.map(|at| format!(", next {}", utc(at)));
+            rows.push(("attempts", format!("{}{}", delivery.attempts, next.unwrap_or_default())));
+        }
+        rows.extend(delivery.folder.clone().map(|folder| ("record", folder)));
+    }
+    rows.push(("", String::new()));
+    rows.extend(whole.history.iter().map(|row| {
+        let Happened { at, event, detail } = row;
+        ("history", format!("{at}  {event}  {detail}"))
+    }));
+    let lines = rows.into_iter().map(|(label, value)| {
+        let line = format!("{label:<11}  {}", shown(value));
+        format!("{}\n", line.trim_end())
+    });
+    lines.collect()
+}
+
+/// Says in a sentence why something is where it is.
+pub fn explain(args: &ExplainArgs) -> Exit {
+    let request = match Named::of(&args.what) {
+        Named::Scan(scan) => Request::ExplainScan { scan },
+        Named::File(_) => {
+            complain("gaiter: a scan is named by four or more digits of its id");
+            return Exit::Usage;
+        }
+    };
+    ask::sentence(&args.ask, &request)
+}

@@ -1,0 +1,100 @@
+//! The keys of `[status]` and `[log]`: how the station is seen.
+
+use std::net::SocketAddr;
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+
+use toml::de::DeTable;
+
+use super::fault::What;
+use super::parse::{self, Bounds};
+use super::reader::{Absent, Found, Reader};
+use super::words::LOG_FORMATS;
+use super::{LogConfig, StatusConfig};
+
+/// The name of the control socket in the state folder.
+pub const CONTROL_SOCKET: &str = "control.sock";
+
+/// The longest path a socket can have, bytes: the 108 of `sockaddr_un.sun_path` and its final 0.
+const SOCKET_PATH_MOST: usize = 107;
+
+/// The keys of `[status]`.
+pub(super) fn status(reader: &mut Reader) -> Option<StatusConfig> {
+    use Absent::Default;
+    let bounds = Bounds { least: "1s", most: "24h" };
+    let overdue = reader.text("status.overdue", Default("10m"), parse::duration_in(bounds));
+    let listen = reader.text("status.listen", Default("off"), loopback);
+    Some(StatusConfig { overdue: overdue?.value, listen: listen?.value })
+}
+
+/// The keys of `[log]`.
+pub(super) fn log(reader: &mut Reader) -> Option<LogConfig> {
+    let format = reader.text("log.format", Absent::Default("text"), parse::word(LOG_FORMATS));
+    Some(LogConfig { format: format?.value })
+}
+
+/// Notes a state folder whose path is too long for the socket in it.
+pub(super) fn control_socket(reader: &mut Reader, state_dir: Option<&Found<PathBuf>>) {
+    let Some(state_dir) = state_dir else { return };
+    let most = SOCKET_PATH_MOST - CONTROL_SOCKET.len() - 1;
+    let length = state_dir.value.as_os_str().as_bytes().len();
+    if length > most {
+        let what = What::LongPath { length, most };
+        reader.note(state_dir.at.clone(), "station.state_dir", what);
+    }
+}
+
+/// The control socket of the station with this state folder.
+pub fn control_path(state_dir: &Path) -> PathBuf {
+    state_dir.join(CONTROL_SOCKET)
+}
+
+/// The state folder that a text names, whatever else is wrong with it: a station that refused a
+/// changed configuration goes on under the old one, and must still be found.
+pub fn state_dir(text: &str) -> Option<PathBuf> {
+    let (root, _) = DeTable::parse_recoverable(text);
+    let mut reader = Reader::new(root.get_ref(), text.len());
+    let required = Absent::Required("/var/lib/gaiter");
+    reader.text("station.state_dir", required, parse::full_path).map(|found| found.value)
+}
+
+/// `"off"`, or an address that other machines cannot reach.
+fn loopback(text: &str) -> Result<Option<SocketAddr>, What> {
+    if text == "off" {
+        return Ok(None);
+    }
+    let address: SocketAddr = text.parse().map_err(|_| What::NotAnAddress(text.into()))?;
+    if !address.ip().is_loopback() {
+        return Err(What::NotLoopback(text.into()));
+    }
+    Ok(Some(address))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_state_folder_is_found_in_a_file_with_faults() {
+        let text = "[station]\nstate_dir = \"/s\"\ncolour = 1\n[scanner]\nquiet = \"2 sec\"\n[x";
+        assert!(crate::config::load(text).is_err());
+        assert_eq!(state_dir(text), Some(PathBuf::from("/s")));
+        for none in ["", "[station]\n", "[station]\nstate_dir = 7\n", "state_dir = \"s\"\n"] {
+            assert_eq!(state_dir(none), None, "{none}");
+        }
+    }
+
+    #[test]
+    fn only_addresses_of_this_machine_are_listened_on() {
+        assert_eq!(loopback("off"), Ok(None));
+        for text in ["127.0.0.1:9184", "127.8.8.8:1", "[::1]:9184", "127.0.0.1:0"] {
+            assert_eq!(loopback(text), Ok(Some(text.parse().unwrap())), "{text}");
+        }
+        for text in ["0.0.0.0:9184", "[::]:9184", "192.168.1.4:9184", "[::ffff:10.0.0.1]:80"] {
+            assert_eq!(loopback(text), Err(What::NotLoopback(text.into())), "{text}");
+        }
+        for text in ["", "on", "9184", ":9184", "127.0.0.1", "localhost:9184", "127.0.0.1:99999"] {
+            assert_eq!(loopback(text), Err(What::NotAnAddress(text.into())), "{text}");
+        }
+    }
+}

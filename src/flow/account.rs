@@ -1,0 +1,180 @@
+//! What the journal knows of scans, as it is told to people and programs, and one scan in a sentence.
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use super::health::{age, words};
+use super::identity::SAME_SCAN_OTHER_PATIENT;
+use super::{DeliveryState, ScanState};
+
+/// A scan, when it was first seen, and where it is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Seen {
+    /// First digits of its id.
+    pub scan: String,
+    /// When the station first saw it.
+    pub first_seen: Timestamp,
+    /// The word of its state.
+    pub state: String,
+}
+
+/// A scan in a list: nothing that tells whose it is.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Listed {
+    /// First digits of its id.
+    pub scan: String,
+    /// When the station first saw it.
+    pub first_seen: Timestamp,
+    /// The word of its state.
+    pub state: String,
+    /// A delivery of it waits for a person.
+    pub held: bool,
+    /// Its format's file-name ending.
+    pub format: String,
+    /// Size, bytes.
+    pub size: u64,
+    /// Why it was refused or is held.
+    pub code: Option<String>,
+    /// Failed attempts at its deliveries.
+    pub attempts: u64,
+    /// When the next attempt is due.
+    pub next_at: Option<Timestamp>,
+}
+
+/// Which scans a list is of.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Filter {
+    /// Waiting for a record.
+    Spooled,
+    /// Nothing is left to be delivered without a person.
+    Delivered,
+    /// Refused, in quarantine.
+    Refused,
+    /// A delivery waits for a person.
+    Held,
+}
+
+/// The words of the filters, in the order in which a scan meets them.
+pub const FILTERS: [(&str, Filter); 4] = [
+    ("spooled", Filter::Spooled),
+    ("delivered", Filter::Delivered),
+    ("refused", Filter::Refused),
+    ("held", Filter::Held),
+];
+
+/// Everything the journal knows of a scan and its deliveries, the patients' ids included.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Whole {
+    /// Its id, all digits.
+    pub scan: String,
+    /// The scan itself.
+    #[serde(flatten)]
+    pub summary: Summary,
+    /// Its deliveries, in the order of patients and stores.
+    pub deliveries: Vec<Delivered>,
+    /// What happened to it, oldest first.
+    pub history: Vec<Happened>,
+}
+
+/// One row of a scan's history.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Happened {
+    /// When, UTC.
+    pub at: String,
+    /// What happened.
+    pub event: String,
+    /// Its details, JSON; they may hold patients' ids.
+    pub detail: String,
+}
+
+/// The scan itself.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Summary {
+    /// The word of its state.
+    pub state: String,
+    /// When the station first saw it.
+    pub first_seen: Timestamp,
+    /// Its file's own time.
+    pub file_time: Option<Timestamp>,
+    /// Its format's file-name ending.
+    pub format: String,
+    /// Size, bytes.
+    pub size: u64,
+    /// Why it was refused.
+    pub code: Option<String>,
+    /// Likewise, for people.
+    pub message: Option<String>,
+}
+
+/// One delivery.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Delivered {
+    /// The patient's id; none while nobody named the patient.
+    pub patient: Option<String>,
+    /// The store.
+    pub store: String,
+    /// The word of its state.
+    pub state: String,
+    /// Why it is held or was refused.
+    pub code: Option<String>,
+    /// Failed attempts.
+    pub attempts: u64,
+    /// When the next attempt is due.
+    pub next_at: Option<Timestamp>,
+    /// The record.
+    pub folder: Option<String>,
+}
+
+/// Why a scan is where it is, in one sentence; names no patient.
+pub fn explain(whole: &Whole, now: Timestamp) -> String {
+    let (scan, summary) = (whole.scan.get(..8).unwrap_or(&whole.scan), &whole.summary);
+    let code = |code: &Option<String>| code.clone().unwrap_or_else(|| "no code".to_owned());
+    let in_state = |state: DeliveryState| {
+        whole.deliveries.iter().find(|delivery| delivery.state == state.word())
+    };
+    if summary.state == ScanState::Refused.word() {
+        let why = summary.message.as_deref().unwrap_or("the reason lies beside it");
+        return format!("Scan {scan} lies in quarantine [{}]: {why}.", code(&summary.code));
+    }
+    if let Some(pending) = in_state(DeliveryState::Pending) {
+        let waited = words(age(summary.first_seen, now));
+        return match (pending.attempts, pending.next_at) {
+            (0, _) => format!(
+                "Scan {scan} is safe in the spool since {waited} and waits for its turn to be \
+                 measured."
+            ),
+            (attempts, next_at) => {
+                let next = next_at.map(|at| words(at.duration_since(now).unsigned_abs()));
+                let next = next.map_or(String::new(), |next| format!(", the next time in {next}"));
+                let store = &pending.store;
+                let code = pending.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
+                format!(
+                    "Scan {scan} is safe in the spool since {waited}; the store \"{store}\" did \
+                     not take its record at {attempts} attempts{code}, and it is tried for as long \
+                     as it takes{next}."
+                )
+            }
+        };
+    }
+    if let Some(held) = in_state(DeliveryState::Held) {
+        let why = match held.code.as_deref() {
+            Some(SAME_SCAN_OTHER_PATIENT) | None => "its bytes came in for a second patient",
+            Some(code) => code,
+        };
+        return format!(
+            "Scan {scan} is held: {why}; a person must look (gaiter show {scan}) and decide."
+        );
+    }
+    let done = in_state(DeliveryState::Delivered);
+    let unassigned = done.is_some_and(|delivery| delivery.patient.is_none());
+    let whose = if unassigned {
+        "nobody named its patient, so it lies under _unassigned"
+    } else {
+        "nothing is left to do"
+    };
+    format!("Scan {scan} is delivered; {whose}.")
+}
+
+#[cfg(test)]
+mod tests;

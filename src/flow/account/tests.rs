@@ -1,0 +1,75 @@
+//! What is said of a scan in each of its states.
+
+use super::*;
+
+fn at(second: i64) -> Timestamp {
+    Timestamp::from_second(1_800_000_000 + second).unwrap()
+}
+
+/// A scan first seen at 0 with one delivery.
+fn whole(state: ScanState, delivery: DeliveryState, attempts: u64) -> Whole {
+    let refused = state == ScanState::Refused;
+    Whole {
+        scan: "abcd".repeat(16),
+        summary: Summary {
+            state: state.word().to_owned(),
+            first_seen: at(0),
+            file_time: None,
+            format: "obj".to_owned(),
+            size: 12,
+            code: refused.then(|| "scan-empty".to_owned()),
+            message: refused.then(|| "the file is empty".to_owned()),
+        },
+        deliveries: vec![Delivered {
+            patient: Some("4711".to_owned()),
+            store: "folder".to_owned(),
+            state: delivery.word().to_owned(),
+            code: None,
+            attempts,
+            next_at: (attempts > 0).then(|| at(900)),
+            folder: Some("/srv/records/4711/x".to_owned()),
+        }],
+        history: Vec::new(),
+    }
+}
+
+#[test]
+fn each_state_is_said_in_a_sentence_of_its_own() {
+    let cases = [
+        (
+            whole(ScanState::Spooled, DeliveryState::Pending, 0),
+            "waits for its turn to be measured.",
+        ),
+        (whole(ScanState::Spooled, DeliveryState::Pending, 3), "3 attempts"),
+        (whole(ScanState::Refused, DeliveryState::Refused, 0), "[scan-empty]: the file is empty."),
+        (whole(ScanState::Delivered, DeliveryState::Held, 0), "for a second patient"),
+        (whole(ScanState::Delivered, DeliveryState::Delivered, 0), "nothing is left to do."),
+    ];
+    for (whole, expected) in cases {
+        let said = explain(&whole, at(600));
+        assert!(said.starts_with("Scan abcdabcd ") && said.ends_with('.'), "{said}");
+        assert!(said.contains(expected), "{said}");
+        assert!(!said.contains("4711"), "{said} names the patient");
+    }
+}
+
+#[test]
+fn an_attempt_to_come_is_told_with_its_time() {
+    let said = explain(&whole(ScanState::Spooled, DeliveryState::Pending, 3), at(600));
+    assert!(said.contains("since 10 minutes") && said.contains("in 5 minutes"), "{said}");
+}
+
+#[test]
+fn what_waits_goes_before_what_is_held() {
+    let mut both = whole(ScanState::Spooled, DeliveryState::Pending, 0);
+    let held = Delivered { state: "held".to_owned(), ..both.deliveries[0].clone() };
+    both.deliveries.insert(0, held);
+    assert!(explain(&both, at(1)).contains("waits for its turn"));
+}
+
+#[test]
+fn a_record_without_a_patient_says_so() {
+    let mut nobody = whole(ScanState::Delivered, DeliveryState::Delivered, 0);
+    nobody.deliveries[0].patient = None;
+    assert!(explain(&nobody, at(1)).contains("_unassigned"));
+}

@@ -1,0 +1,199 @@
+//! One sentence that says why a file is where it is.
+
+use std::path::Path;
+
+use jiff::Timestamp;
+
+use super::companions;
+use super::facts::{Facts, IntakeState, SourceFacts, SourceState, WaitingFile};
+
+/// Endings under which scanners and copying programs write what is not finished.
+pub const UNFINISHED: [&str; 2] = [".part", ".tmp"];
+
+/// What the journal says of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Known {
+    /// What became of its scan, in words that follow "it": "was delivered", "is held: a person
+    /// decides", "was refused (scan-cut-short)".
+    pub state: String,
+    /// When that was; none where the journal does not say.
+    pub at: Option<Timestamp>,
+    /// The scan's first digits; none for a file that was refused unread.
+    pub scan: Option<String>,
+}
+
+/// Why a file of this name is passed over whatever it holds, in words that follow "it".
+pub fn passed_over_by_name(name: &str) -> Option<&'static str> {
+    if name.starts_with('.') {
+        return Some("is hidden; hidden files are not looked at");
+    }
+    let lower = name.to_ascii_lowercase();
+    let is_unfinished = UNFINISHED.iter().any(|end| lower.ends_with(end));
+    is_unfinished.then_some("is called like an unfinished file; it is taken once it is renamed")
+}
+
+/// Says in one sentence where a file is and why.
+pub fn of_file(facts: &Facts, path: &Path, known: Option<Known>) -> String {
+    let source = facts.sources.iter().find(|source| {
+        source.folder.as_ref().is_some_and(|folder| path != folder && path.starts_with(folder))
+    });
+    if let Some(file) = source.and_then(|source| source.waiting.get(path)) {
+        let again = if known.is_some() { "It has changed since it was taken: it" } else { "It" };
+        return format!("{again} {}.", waits(file, facts.intake));
+    }
+    if let Some(known) = known {
+        return said(&known);
+    }
+    match source {
+        Some(source) => not_seen(source, path),
+        None => "It does not lie in an export folder of this station.".to_owned(),
+    }
+}
+
+fn waits(file: &WaitingFile, intake: IntakeState) -> String {
+    let WaitingFile { why, since, overdue } = file;
+    let late = if *overdue { ", longer than a file should wait" } else { "" };
+    let shut = match intake {
+        IntakeState::Open => String::new(),
+        IntakeState::Paused => "; a person has paused the station".to_owned(),
+        IntakeState::DiskLow { free, floor } => {
+            format!("; the disk is nearly full: {free} bytes are free, {floor} must stay so")
+        }
+    };
+    format!("{why} (seen since {since}{late}){shut}")
+}
+
+fn said(known: &Known) -> String {
+    let scan = known.scan.as_ref().map_or("It".to_owned(), |scan| format!("Its scan {scan}"));
+    let at = known.at.map_or(String::new(), |at| format!(" at {at}"));
+    format!("{scan} {}{at}.", known.state)
+}
+
+fn not_seen(source: &SourceFacts, path: &Path) -> String {
+    let ignored = path.ancestors().find_map(|place| Some((place, *source.ignored.get(place)?)));
+    if let Some((place, why)) = ignored {
+        let which = if place == path { "It" } else { "It lies in a folder that" };
+        return format!("{which} {why}.");
+    }
+    let since = source.since;
+    match &source.state {
+        SourceState::NotLooked => "Its folder has not been looked at yet.".to_owned(),
+        SourceState::OutOfReach(error) => {
+            format!("Its folder has been out of reach since {since}: {error}.")
+        }
+        SourceState::NotMounted(why) => {
+            format!("Its folder does not count since {since}: the export folder {why}.")
+        }
+        SourceState::Stalled => format!("Its folder has not answered since {since}."),
+        SourceState::Watched => unseen(source, path),
+    }
+}
+
+/// A file that the last look did not find among the scans.
+fn unseen(source: &SourceFacts, path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default();
+    if let Some(why) = passed_over_by_name(&name.to_string_lossy()) {
+        return format!("It {why}.");
+    }
+    if companions::is_companion(name) {
+        return "It is no scan; it goes with the scan of the same name.".to_owned();
+    }
+    match source.last_look {
+        Some(at) => format!("No scan of that name was there at the last look, {at}."),
+        None => "Its folder has not been looked through yet.".to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(second: i64) -> Timestamp {
+        Timestamp::from_second(second).unwrap()
+    }
+
+    fn facts(change: impl FnOnce(&mut SourceFacts)) -> Facts {
+        let mut facts = Facts::new(at(0), 1);
+        let source = &mut facts.sources[0];
+        source.folder = Some("/e".into());
+        source.state = SourceState::Watched;
+        source.last_look = Some(at(60));
+        change(source);
+        facts
+    }
+
+    fn said(facts: &Facts, path: &str) -> String {
+        of_file(facts, Path::new(path), None)
+    }
+
+    fn waiting(why: &str, overdue: bool) -> WaitingFile {
+        WaitingFile { why: why.into(), since: at(1), overdue }
+    }
+
+    #[test]
+    fn a_waiting_file_says_for_what_and_what_else_is_in_the_way() {
+        let mut facts = facts(|source| {
+            source.waiting.insert("/e/a.obj".into(), waiting("is still being written", true));
+        });
+        assert_eq!(
+            said(&facts, "/e/a.obj"),
+            "It is still being written (seen since 1970-01-01T00:00:01Z, longer than a file \
+             should wait)."
+        );
+        facts.intake = IntakeState::Paused;
+        assert!(said(&facts, "/e/a.obj").ends_with("; a person has paused the station."));
+        facts.intake = IntakeState::DiskLow { free: 1, floor: 2 };
+        assert!(said(&facts, "/e/a.obj").contains("1 bytes are free, 2 must stay so"));
+    }
+
+    #[test]
+    fn a_known_file_says_what_became_of_it_unless_it_has_changed() {
+        let known =
+            Known { state: "was delivered".into(), at: Some(at(5)), scan: Some("0123abcd".into()) };
+        let path = Path::new("/e/a.obj");
+        assert_eq!(
+            of_file(&facts(|_| ()), path, Some(known.clone())),
+            "Its scan 0123abcd was delivered at 1970-01-01T00:00:05Z."
+        );
+        let facts = facts(|source| {
+            source.waiting.insert(path.into(), waiting("is still being written", false));
+        });
+        let said = of_file(&facts, path, Some(known));
+        assert!(said.starts_with("It has changed since it was taken: it is still"), "{said}");
+    }
+
+    #[test]
+    fn every_state_of_a_folder_has_its_sentence() {
+        let states = [
+            (SourceState::NotLooked, "has not been looked at yet"),
+            (SourceState::OutOfReach("Permission denied".into()), "Permission denied"),
+            (SourceState::NotMounted("lacks the marker".into()), "export folder lacks the marker"),
+            (SourceState::Stalled, "has not answered since"),
+            (SourceState::Watched, "was there at the last look, 1970-01-01T00:01:00Z"),
+        ];
+        for (state, expected) in states {
+            let facts = facts(|source| source.state = state);
+            let said = said(&facts, "/e/a.obj");
+            assert!(said.contains(expected), "{said}");
+        }
+    }
+
+    #[test]
+    fn a_file_that_is_passed_over_says_why() {
+        let facts = facts(|source| {
+            source.ignored.insert("/e/pipe.obj".into(), "is a pipe");
+            source.ignored.insert("/e/sub".into(), "is a folder");
+        });
+        for (path, expected) in [
+            ("/e/pipe.obj", "It is a pipe."),
+            ("/e/sub/deep/a.obj", "It lies in a folder that is a folder."),
+            ("/e/.a.obj", "It is hidden; hidden files are not looked at."),
+            ("/e/a.ord", "It is no scan; it goes with the scan of the same name."),
+            ("/f/a.obj", "It does not lie in an export folder of this station."),
+            ("/e", "It does not lie in an export folder of this station."),
+        ] {
+            assert_eq!(said(&facts, path), expected, "{path}");
+        }
+        assert!(said(&facts, "/e/a.obj.PART").contains("called like an unfinished file"));
+    }
+}

@@ -1,0 +1,180 @@
+//! Whether the station is ready, end to end: not whether it runs, but whether scans become records.
+//!
+//! A fault that comes and goes must not make the station's word flicker: a source or a store is
+//! complained of once it has been so for [`BLIP`]. Times are of the wall clock, for they outlast a
+//! restart; where it was set back and a time lies in the future, the state is taken to be old.
+
+use std::time::Duration;
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use super::Facts;
+use super::facts::{IntakeState, SourceFacts, SourceState};
+
+/// How long a source or a store may be out of order without a complaint: longer than a look that
+/// fell into a short break of the network, shorter than a person's patience.
+pub const BLIP: Duration = Duration::from_secs(5);
+
+/// Something that keeps the station from being ready.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Complaint {
+    /// Stable code.
+    pub code: String,
+    /// What is wrong, a sentence without its full stop.
+    pub message: String,
+    /// What a person can do, likewise.
+    pub remedy: String,
+}
+
+/// What the journal says of scans without a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Backlog {
+    /// Deliveries to be made.
+    pub pending: u64,
+    /// When the oldest of their scans was first seen.
+    pub oldest: Option<Timestamp>,
+}
+
+impl Complaint {
+    fn new(code: &str, message: String, remedy: &str) -> Complaint {
+        Complaint { code: code.to_owned(), message, remedy: remedy.to_owned() }
+    }
+
+    /// The journal cannot be asked.
+    pub fn journal() -> Complaint {
+        let message = "the station's journal cannot be read".to_owned();
+        Complaint::new("journal-failed", message, "look at the disk of the state folder")
+    }
+}
+
+/// Everything that keeps the station from being ready, the worst first; nothing when it is.
+/// `overdue` is how long a scan may be without a record.
+pub fn complaints(
+    facts: &Facts,
+    backlog: &Backlog,
+    overdue: Duration,
+    now: Timestamp,
+) -> Vec<Complaint> {
+    let mut complaints: Vec<Complaint> = intake(facts).into_iter().collect();
+    complaints.extend(stores(facts, now));
+    complaints.extend(
+        facts.sources.iter().enumerate().flat_map(|(place, source)| of_source(place, source, now)),
+    );
+    complaints.extend(late(backlog, overdue, now));
+    complaints.extend(facts.alarms.iter().map(|(code, alarm)| {
+        Complaint::new(code, alarm.message.clone(), "see the README at this code, then restart")
+    }));
+    complaints.extend(facts.refused_reload.iter().map(|fault| {
+        let message = format!("a changed configuration was refused, the old one holds: {fault}");
+        Complaint::new("reload-refused", message, "run gaiter check, mend the file, reload again")
+    }));
+    complaints
+}
+
+fn intake(facts: &Facts) -> Option<Complaint> {
+    match facts.intake {
+        IntakeState::Open => None,
+        IntakeState::Paused => {
+            let message = "a person has paused the station; exports stay where they are".to_owned();
+            Some(Complaint::new("paused", message, "gaiter resume"))
+        }
+        IntakeState::DiskLow { free, floor } => {
+            let message = format!(
+                "the disk of the state folder has {} free and must keep {}; exports stay where \
+                 they are",
+                bytes(free),
+                bytes(floor)
+            );
+            Some(Complaint::new("disk-low", message, "make room; the station goes on by itself"))
+        }
+    }
+}
+
+fn stores(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
+    facts.stores.iter().filter_map(move |(store, facts)| {
+        let fault = facts.fault.as_ref().filter(|_| age(facts.since, now) >= BLIP)?;
+        let message = format!("the record store \"{store}\" takes nothing: {fault}");
+        let remedy = "see that it is mounted, writable and has room; nothing is lost meanwhile";
+        Some(Complaint::new("store-fault", message, remedy))
+    })
+}
+
+fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complaint> {
+    let since = age(source.since, now);
+    let state = match &source.state {
+        SourceState::NotLooked | SourceState::Watched => None,
+        SourceState::OutOfReach(why) => Some((
+            "source-out-of-reach",
+            format!("export folder {place} cannot be listed: {why}"),
+            "see that the scanner's computer is on and its share is mounted",
+        )),
+        SourceState::NotMounted(why) => Some((
+            "source-not-mounted",
+            format!("export folder {place} is there, but not what should be mounted on it: {why}"),
+            "mount it; what lies in the bare folder is not taken",
+        )),
+        SourceState::Stalled => Some((
+            "source-stalled",
+            format!("export folder {place} has not answered for {}", words(since)),
+            "see that the scanner's computer is on and the network works",
+        )),
+    };
+    let state = state.filter(|_| since >= BLIP);
+    let state = state.map(|(code, message, remedy)| Complaint::new(code, message, remedy));
+    let overdue = source.waiting.values().filter(|file| file.overdue).count();
+    let files = (overdue > 0).then(|| {
+        let message = format!("export folder {place} holds {} not taken", counted(overdue, "file"));
+        let remedy = "gaiter explain FILE says what each waits for";
+        Complaint::new("export-not-taken", message, remedy)
+    });
+    state.into_iter().chain(files).collect()
+}
+
+fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complaint> {
+    let waiting = age(backlog.oldest?, now);
+    if waiting <= overdue {
+        return None;
+    }
+    let message = match waiting {
+        Duration::MAX => {
+            "a scan has no record and came in before the clock was set back".to_owned()
+        }
+        waiting => format!("a scan has waited {} for its record", words(waiting)),
+    };
+    let remedy = "gaiter scans --state spooled lists what waits, gaiter explain ID says for what";
+    Some(Complaint::new("delivery-overdue", message, remedy))
+}
+
+/// How long ago a time was; without end where it lies in the future.
+pub fn age(since: Timestamp, now: Timestamp) -> Duration {
+    Duration::try_from(now.duration_since(since)).unwrap_or(Duration::MAX)
+}
+
+/// A duration as people say it, the largest unit that fits and no fraction.
+pub fn words(duration: Duration) -> String {
+    const UNITS: [(u64, &str); 4] =
+        [(86_400, "day"), (3600, "hour"), (60, "minute"), (1, "second")];
+    let seconds = duration.as_secs();
+    let unit = UNITS.into_iter().find(|(length, _)| seconds >= 2 * length);
+    let (length, unit) = unit.unwrap_or((1, "second"));
+    let count = seconds / length;
+    if count == 1 { format!("1 {unit}") } else { format!("{count} {unit}s") }
+}
+
+/// A number of things.
+fn counted(count: usize, of: &str) -> String {
+    if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
+}
+
+/// A size as people say it, in decimal units as disks are sold.
+pub fn bytes(size: u64) -> String {
+    const UNITS: [(u64, &str); 3] = [(1_000_000_000, "GB"), (1_000_000, "MB"), (1000, "kB")];
+    match UNITS.into_iter().find(|(length, _)| size >= *length) {
+        Some((length, unit)) => format!("{:.1} {unit}", size as f64 / length as f64),
+        None => format!("{size} B"),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,143 @@
+//! What the station answers to each request. Blocks on the journal, so it runs on a blocking thread.
+
+use jiff::Timestamp;
+
+use super::protocol::{
+    Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request, SourceStatus, Status,
+};
+use crate::flow::facts::IntakeState;
+use crate::flow::health::age;
+use crate::flow::{ScanId, account};
+use crate::station::act::{Act, ActFault, act};
+use crate::station::assembly::Station;
+use crate::station::error::chain;
+use crate::station::journal::{HistoryRow, JournalError};
+use crate::station::overview::Overview;
+
+/// Answers a request.
+pub fn answer(station: &Station, request: &Request) -> Answer {
+    let answered = match request {
+        Request::Status => Ok(Answer::Status(Box::new(status(station)))),
+        Request::Scans { filter, limit } => {
+            let scans = station.custody.journal().list(*filter, (*limit).min(LIST_MOST));
+            scans.map(Answer::Scans).map_err(Fault::from)
+        }
+        Request::Show { scan } => whole(station, scan).map(Box::new).map(Answer::Scan),
+        Request::ExplainScan { scan } => {
+            let whole = whole(station, scan);
+            whole.map(|whole| Answer::Sentence(account::explain(&whole, Timestamp::now())))
+        }
+        Request::Retry { scan } => acted(station, Some(scan), &Act::Retry),
+        Request::Release { scan } => acted(station, Some(scan), &Act::Release),
+        Request::Assign { scan, patient } => {
+            acted(station, Some(scan), &Act::Assign(patient.clone()))
+        }
+        Request::Pause => acted(station, None, &Act::Pause),
+        Request::Resume => acted(station, None, &Act::Resume),
+    };
+    answered.unwrap_or_else(Answer::Fault)
+}
+
+/// The one scan whose id begins with these digits.
+fn named(station: &Station, digits: &str) -> Result<ScanId, Fault> {
+    let hexadecimal = digits.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
+    if !hexadecimal || digits.len() < DIGITS_LEAST {
+        let message =
+            format!("a scan is named by the first {DIGITS_LEAST} or more digits of its id");
+        return Err(Fault::new(FaultKind::Request, "scan-id-malformed", message));
+    }
+    let mut found = station.custody.journal().beginning_with(digits, 2)?;
+    match (found.pop(), found.pop()) {
+        (Some(scan), None) => Ok(scan),
+        (Some(_), Some(_)) => {
+            let message = format!("more than one scan's id begins with {digits}: give more digits");
+            Err(Fault::new(FaultKind::Request, "scan-id-ambiguous", message))
+        }
+        (None, _) => {
+            let message = format!("the station knows no scan whose id begins with {digits}");
+            Err(Fault::new(FaultKind::Unknown, "scan-unknown", message))
+        }
+    }
+}
+
+fn whole(station: &Station, digits: &str) -> Result<account::Whole, Fault> {
+    let scan = named(station, digits)?;
+    let journal = station.custody.journal();
+    let mut whole = journal.whole(&scan)?.ok_or_else(|| {
+        Fault::new(FaultKind::Unknown, "scan-unknown", "the scan has just been forgotten")
+    })?;
+    let rows = journal.history(&scan)?.into_iter();
+    let happened = |HistoryRow { at, event, detail }| account::Happened { at, event, detail };
+    whole.history = rows.map(happened).collect();
+    Ok(whole)
+}
+
+/// Carries out what a person decided.
+fn acted(station: &Station, digits: Option<&str>, decided: &Act) -> Result<Answer, Fault> {
+    let scan = digits.map(|digits| named(station, digits)).transpose()?;
+    Ok(Answer::Sentence(act(station, scan.as_ref(), decided)?))
+}
+
+fn status(station: &Station) -> Status {
+    let Overview { facts, tally, disk, complaints, now } = Overview::take(station);
+    let intake = match facts.intake {
+        IntakeState::Open => "open",
+        IntakeState::Paused => "paused",
+        IntakeState::DiskLow { .. } => "disk_low",
+    };
+    let mut scans = std::collections::BTreeMap::new();
+    if let Some(tally) = &tally {
+        scans.extend(tally.scans.iter().map(|(word, count)| ((*word).to_owned(), *count)));
+        scans.insert("held".to_owned(), tally.held);
+    }
+    let (oldest, last) = tally.map_or((None, None), |tally| (tally.oldest, tally.last));
+    let places = facts.sources.iter().enumerate();
+    let stores = facts.stores.iter();
+    let alarms = facts.alarms.iter();
+    Status {
+        schema: "gaiter.status/1".to_owned(),
+        ready: complaints.is_empty(),
+        complaints,
+        station: station.config.station.id.clone(),
+        gaiter: env!("CARGO_PKG_VERSION").to_owned(),
+        pid: std::process::id(),
+        started: facts.started,
+        now,
+        intake: intake.to_owned(),
+        oldest_age_s: oldest.as_ref().map(|seen| age(seen.first_seen, now).as_secs()),
+        oldest,
+        last,
+        scans,
+        sources: places.map(|(place, source)| SourceStatus::of(place, source)).collect(),
+        stores: stores.map(|(name, store)| ((*name).to_owned(), store.into())).collect(),
+        disk_free_bytes: disk.map(|disk| disk.free),
+        disk_bytes: disk.map(|disk| disk.size),
+        measured: facts.measured,
+        last_measurement_s: facts.last_measurement_s,
+        alarms: alarms.map(|(code, alarm)| ((*code).to_owned(), alarm.into())).collect(),
+        refused_reload: facts.refused_reload,
+    }
+}
+
+impl From<JournalError> for Fault {
+    fn from(error: JournalError) -> Fault {
+        Fault::new(FaultKind::Failed, "journal-failed", chain(&error))
+    }
+}
+
+impl From<ActFault> for Fault {
+    fn from(fault: ActFault) -> Fault {
+        let kind = match fault {
+            ActFault::Unknown => FaultKind::Unknown,
+            ActFault::NoScan
+            | ActFault::NoOccasion(_)
+            | ActFault::NotAnId
+            | ActFault::Somebodys => FaultKind::Request,
+            ActFault::NoBytes
+            | ActFault::Custody(_)
+            | ActFault::Journal(_)
+            | ActFault::Store(_) => FaultKind::Failed,
+        };
+        Fault::new(kind, fault.code(), chain(&fault))
+    }
+}

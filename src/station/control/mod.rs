@@ -1,0 +1,10 @@
+//! The control socket: how `gaiter status` and its like ask a running station.
+//!
+//! A Unix socket in the state folder, for the station's user and root. One request a connection,
+//! a line of JSON, and one answer, a line of JSON.
+
+mod answer;
+pub mod protocol;
+mod server;
+
+pub use server::worker;

@@ -1,0 +1,150 @@
+//! What an intake tells: the board what is so, the log what has changed. The log never names files
+//! or folders; a folder is called by its place in the configuration.
+
+use std::error::Error;
+use std::io;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+
+use jiff::{SignedDuration, Timestamp};
+use tracing::{info, warn};
+
+use crate::flow::facts::{SourceFacts, SourceState, WaitingFile};
+use crate::flow::mount::MountGuard;
+use crate::flow::settle::Waiting;
+use crate::flow::{Look, Settling};
+use crate::station::assembly::Station;
+use crate::station::error::chain;
+use crate::station::look::Found;
+
+/// What the log has been told of one export folder, and where its facts stand on the board.
+pub(super) struct Notes {
+    station: Arc<Station>,
+    place: usize,
+    /// When the station's monotonic clock began.
+    started: Timestamp,
+    unwatched: bool,
+    ignored: usize,
+}
+
+impl Notes {
+    pub(super) fn new(station: Arc<Station>, place: usize, folder: &Path) -> Notes {
+        let mut started = Timestamp::now();
+        station.board.note(|facts| started = facts.started);
+        let notes = Notes { station, place, started, unwatched: false, ignored: 0 };
+        notes.note(|source| source.folder = Some(folder.to_owned()));
+        notes
+    }
+
+    fn note(&self, change: impl FnOnce(&mut SourceFacts)) {
+        self.station.board.note(|facts| {
+            if let Some(source) = facts.sources.get_mut(self.place) {
+                change(source);
+            }
+        });
+    }
+
+    /// The share does not answer; whoever asked goes on waiting.
+    pub(super) fn stalled(&self) {
+        self.state(SourceState::Stalled);
+    }
+
+    /// What could not be done with a file.
+    pub(super) fn failed(&self, fault: &(dyn Error + 'static)) {
+        self.station.mind(fault);
+        warn!(event = "intake-failed", export_dir = self.place, error = chain(fault));
+    }
+
+    /// Takes in what a look found, and judges whether to believe it.
+    pub(super) fn found(&mut self, found: io::Result<Found>, guard: &mut MountGuard) -> Look {
+        let found = match found {
+            Ok(found) => found,
+            Err(error) => {
+                self.state(SourceState::OutOfReach(error.to_string()));
+                return Look::OutOfReach;
+            }
+        };
+        self.note(|source| source.file_system = Some(found.mount.file_system.to_string()));
+        if let Err(why) = guard.judge(found.mount) {
+            self.state(SourceState::NotMounted(why.to_string()));
+            return Look::OutOfReach;
+        }
+        self.state(SourceState::Watched);
+        if found.ignored_count > self.ignored {
+            info!(event = "files-ignored", export_dir = self.place, count = found.ignored_count);
+        }
+        self.ignored = found.ignored_count;
+        self.note(|source| {
+            source.last_look = Some(Timestamp::now());
+            source.ignored = found.ignored;
+        });
+        Look::Seen(found.scans)
+    }
+
+    /// Notes how the folder is, and says so where that has changed.
+    fn state(&self, state: SourceState) {
+        let mut before = state.clone();
+        self.note(|source| {
+            before = std::mem::replace(&mut source.state, state.clone());
+            if before != state {
+                source.since = Timestamp::now();
+            }
+        });
+        let export_dir = self.place;
+        if std::mem::discriminant(&before) == std::mem::discriminant(&state) {
+            return;
+        }
+        match &state {
+            SourceState::OutOfReach(error) => {
+                warn!(event = "export-dir-out-of-reach", export_dir, error);
+            }
+            SourceState::NotMounted(why) => {
+                warn!(event = "export-dir-not-mounted", export_dir, why);
+            }
+            SourceState::Stalled => warn!(event = "export-dir-stalled", export_dir),
+            SourceState::Watched if before != SourceState::NotLooked => {
+                info!(event = "export-dir-in-reach", export_dir);
+            }
+            SourceState::Watched | SourceState::NotLooked => {}
+        }
+    }
+
+    /// Notes whether there is a watch.
+    pub(super) fn watched(&mut self, armed: notify::Result<bool>) {
+        self.note(|source| source.polled = !matches!(armed, Ok(true)));
+        match armed {
+            Ok(_) => self.unwatched = false,
+            // The kind only: notify's errors name the path.
+            Err(error) => {
+                if !std::mem::replace(&mut self.unwatched, true) {
+                    let (event, export_dir) = ("watch-unavailable", self.place);
+                    info!(event, export_dir, error = ?error.kind);
+                }
+            }
+        }
+    }
+
+    /// Notes the files that wait, and says so once of each that waits too long.
+    pub(super) fn waiting(&self, settling: &mut Settling) {
+        let now = self.station.now();
+        let overdue = settling.newly_overdue(now);
+        if overdue > 0 {
+            warn!(event = "file-overdue", export_dir = self.place, count = overdue);
+        }
+        let file = |waiting: Waiting| WaitingFile {
+            why: waiting.wait.to_string(),
+            since: self.wall(waiting.since),
+            overdue: waiting.overdue,
+        };
+        let files = settling.waiting(now);
+        let waiting = files.map(|(path, waiting)| (path.to_owned(), file(waiting))).collect();
+        self.note(|source| source.waiting = waiting);
+    }
+
+    /// A time of the station's monotonic clock on the wall, whatever clocks on the wall did since.
+    fn wall(&self, at: Duration) -> Timestamp {
+        let at = SignedDuration::try_from(at).ok();
+        at.and_then(|at| self.started.checked_add(at).ok()).unwrap_or(self.started)
+    }
+}

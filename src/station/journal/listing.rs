@@ -1,0 +1,188 @@
+//! What people and monitors ask of the journal: counts, the oldest, lists, one scan whole.
+
+use std::collections::BTreeMap;
+
+use jiff::Timestamp;
+use rusqlite::{Connection, OptionalExtension, Row, params};
+
+use super::{Journal, JournalError, cell};
+use crate::flow::account::{Delivered, FILTERS, Filter, Listed, Seen, Summary, Whole};
+use crate::flow::{DeliveryState, ScanId, ScanState};
+
+/// How many scans and deliveries there are, and the two that people ask for first.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Tally {
+    /// Scans by the word of their state; every state is there.
+    pub scans: BTreeMap<&'static str, u64>,
+    /// Scans of which a delivery waits for a person, whatever their own state.
+    pub held: u64,
+    /// Deliveries by store and the word of their state; only those there are.
+    pub deliveries: BTreeMap<(String, String), u64>,
+    /// The scan seen first of those that wait for a record.
+    pub oldest: Option<Seen>,
+    /// The scan seen last.
+    pub last: Option<Seen>,
+}
+
+impl Journal {
+    /// Counts of everything, the oldest that waits, and the last one seen.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn tally(&self) -> Result<Tally, JournalError> {
+        let connection = self.connection();
+        let mut scans: BTreeMap<&'static str, u64> =
+            ScanState::ALL.into_iter().map(|state| (state.word(), 0)).collect();
+        let mut query =
+            connection.prepare_cached("SELECT state, count(*) FROM scans GROUP BY state")?;
+        for row in query.query_map([], |row| Ok((row.get(0)?, count(row, 1)?)))? {
+            let (word, count): (String, u64) = row?;
+            scans.insert(cell("state", word, ScanState::of_word)?.word(), count);
+        }
+        let mut query = connection.prepare_cached(
+            "SELECT store, state, count(*) FROM deliveries GROUP BY store, state",
+        )?;
+        let rows = query.query_map([], |row| Ok(((row.get(0)?, row.get(1)?), count(row, 2)?)))?;
+        let deliveries = rows.collect::<Result<_, _>>()?;
+        let held = connection.query_row(
+            "SELECT count(DISTINCT sha256) FROM deliveries WHERE state = ?1",
+            [DeliveryState::Held.word()],
+            |row| count(row, 0),
+        )?;
+        let oldest = "SELECT sha256, first_seen, scans.state FROM deliveries JOIN scans
+                      USING (sha256) WHERE deliveries.state = ?1 ORDER BY first_seen, sha256";
+        let last = "SELECT sha256, first_seen, state FROM scans WHERE ?1 <> ''
+                    ORDER BY first_seen DESC, rowid DESC";
+        Ok(Tally {
+            scans,
+            held,
+            deliveries,
+            oldest: one_seen(&connection, oldest)?,
+            last: one_seen(&connection, last)?,
+        })
+    }
+
+    /// The scans seen last, newest first, at most `limit`.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn list(&self, filter: Option<Filter>, limit: u32) -> Result<Vec<Listed>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT sha256, first_seen, scans.state,
+                    coalesce(sum(deliveries.state = 'held'), 0) AS held, format, size,
+                    coalesce(scans.code, max(deliveries.code)), coalesce(sum(attempts), 0),
+                    min(CASE deliveries.state WHEN 'pending' THEN next_at END)
+             FROM scans LEFT JOIN deliveries USING (sha256) GROUP BY sha256
+             HAVING ?1 = '' OR (?1 = 'held' AND held > 0) OR scans.state = ?1
+             ORDER BY first_seen DESC, scans.rowid DESC LIMIT ?2",
+        )?;
+        let word = FILTERS.iter().find(|(_, known)| Some(*known) == filter);
+        let word = word.map_or("", |(word, _)| word);
+        let rows = query.query_map(params![word, limit], |row| {
+            Ok(Listed {
+                scan: short(row, 0)?,
+                first_seen: time(row, 1)?,
+                state: row.get(2)?,
+                held: count(row, 3)? > 0,
+                format: row.get(4)?,
+                size: count(row, 5)?,
+                code: row.get(6)?,
+                attempts: count(row, 7)?,
+                next_at: time_or_none(row, 8)?,
+            })
+        })?;
+        Ok(rows.collect::<Result<_, _>>()?)
+    }
+
+    /// The scans whose id begins with these digits, at most `limit`.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn beginning_with(&self, digits: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
+        let connection = self.connection();
+        // 'g' follows the last digit there is.
+        let mut query = connection.prepare_cached(
+            "SELECT sha256 FROM scans WHERE sha256 >= ?1 AND sha256 < ?1 || 'g' LIMIT ?2",
+        )?;
+        let rows = query.query_map(params![digits, limit], |row| row.get(0))?;
+        rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
+    }
+
+    /// Everything that is known of a scan but its history; none for one never seen.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn whole(&self, scan: &ScanId) -> Result<Option<Whole>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT state, first_seen, file_time, format, size, code, message
+             FROM scans WHERE sha256 = ?1",
+        )?;
+        let summary = query.query_row([scan.as_str()], |row| {
+            Ok(Summary {
+                state: row.get(0)?,
+                first_seen: time(row, 1)?,
+                file_time: time_or_none(row, 2)?,
+                format: row.get(3)?,
+                size: count(row, 4)?,
+                code: row.get(5)?,
+                message: row.get(6)?,
+            })
+        });
+        let Some(summary) = summary.optional()? else { return Ok(None) };
+        let mut query = connection.prepare_cached(
+            "SELECT patient, store, state, code, attempts, next_at, folder
+             FROM deliveries WHERE sha256 = ?1 ORDER BY patient, store",
+        )?;
+        let rows = query.query_map([scan.as_str()], |row| {
+            Ok(Delivered {
+                patient: Some(row.get(0)?).filter(|id: &String| !id.is_empty()),
+                store: row.get(1)?,
+                state: row.get(2)?,
+                code: row.get(3)?,
+                attempts: count(row, 4)?,
+                next_at: time_or_none(row, 5)?,
+                folder: row.get(6)?,
+            })
+        })?;
+        let deliveries = rows.collect::<Result<_, _>>()?;
+        Ok(Some(Whole { scan: scan.to_string(), summary, deliveries, history: Vec::new() }))
+    }
+}
+
+/// The first scan of a query on pending deliveries, or on all scans.
+fn one_seen(connection: &Connection, query: &str) -> rusqlite::Result<Option<Seen>> {
+    let mut query = connection.prepare_cached(&format!("{query} LIMIT 1"))?;
+    let seen = |row: &Row<'_>| {
+        Ok(Seen { scan: short(row, 0)?, first_seen: time(row, 1)?, state: row.get(2)? })
+    };
+    query.query_row([DeliveryState::Pending.word()], seen).optional()
+}
+
+fn count(row: &Row<'_>, column: usize) -> rusqlite::Result<u64> {
+    row.get::<_, i64>(column).map(i64::cast_unsigned)
+}
+
+fn short(row: &Row<'_>, column: usize) -> rusqlite::Result<String> {
+    let digits: String = row.get(column)?;
+    let scan = ScanId::parse(&digits).map_err(|fault| wrong(column, fault))?;
+    Ok(scan.short().to_owned())
+}
+
+fn time(row: &Row<'_>, column: usize) -> rusqlite::Result<Timestamp> {
+    row.get::<_, String>(column)?.parse().map_err(|fault| wrong(column, fault))
+}
+
+fn time_or_none(row: &Row<'_>, column: usize) -> rusqlite::Result<Option<Timestamp>> {
+    let text: Option<String> = row.get(column)?;
+    text.map(|text| text.parse().map_err(|fault| wrong(column, fault))).transpose()
+}
+
+/// A cell that holds what we never write.
+fn wrong(column: usize, fault: impl std::error::Error + Send + Sync + 'static) -> rusqlite::Error {
+    rusqlite::Error::FromSqlConversionFailure(column, rusqlite::types::Type::Text, Box::new(fault))
+}
+
+#[cfg(test)]
+mod tests;

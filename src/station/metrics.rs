@@ -1,0 +1,167 @@
+//! An overview as metrics for Prometheus, in the OpenMetrics text. No label holds an id, a name or a
+//! path: export folders are numbered as in the log, stores have the names of their kind.
+
+use std::fmt;
+use std::sync::atomic::AtomicU64;
+
+use prometheus_client::encoding::text::encode;
+use prometheus_client::metrics::counter::Counter;
+use prometheus_client::metrics::family::Family;
+use prometheus_client::metrics::gauge::Gauge;
+use prometheus_client::registry::Registry;
+
+use super::control::protocol::state_words;
+use super::overview::Overview;
+use crate::flow::facts::{IntakeState, SourceState};
+use crate::flow::health::age;
+
+/// The type of the text, for HTTP.
+pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
+
+type Labels<const N: usize> = [(&'static str, String); N];
+
+/// The metrics of this moment.
+///
+/// # Errors
+/// None that is known: writing to memory does not fail.
+pub fn text(overview: &Overview) -> Result<String, fmt::Error> {
+    let mut registry = Registry::with_prefix("gaiter");
+    of_station(&mut registry, overview);
+    of_scans(&mut registry, overview);
+    of_sources(&mut registry, overview);
+    let mut text = String::new();
+    encode(&mut text, &registry)?;
+    Ok(text)
+}
+
+fn of_station(registry: &mut Registry, overview: &Overview) {
+    let Overview { facts, complaints, disk, now, .. } = overview;
+    gauge(registry, "up", "1 while the station runs", 1.0);
+    let ready = if complaints.is_empty() { 1.0 } else { 0.0 };
+    gauge(registry, "ready", "1 while scans become records", ready);
+    let running = age(facts.started, *now).as_secs_f64();
+    gauge(registry, "running_seconds", "Time since the station began", running);
+    let codes = complaints.iter().map(|complaint| ([("code", complaint.code.clone())], 1.0));
+    family(registry, "complaint", "What keeps the station from being ready", codes);
+    let alarms = facts.alarms.keys().map(|code| ([("code", (*code).to_owned())], 1.0));
+    family(registry, "alarm", "What a person must know", alarms);
+    let intake = [
+        ("open", facts.intake == IntakeState::Open),
+        ("paused", facts.intake == IntakeState::Paused),
+        ("disk_low", matches!(facts.intake, IntakeState::DiskLow { .. })),
+    ];
+    let intake = intake.map(|(state, is)| ([("state", state.to_owned())], f64::from(u8::from(is))));
+    family(registry, "intake", "1 for the state of the intake", intake);
+    if let Some(disk) = disk {
+        let help = "Free on the disk of the state folder";
+        gauge(registry, "disk_free_bytes", help, disk.free as f64);
+        gauge(registry, "disk_size_bytes", "Size of that disk", disk.size as f64);
+    }
+    let measured = Counter::<u64>::default();
+    measured.inc_by(facts.measured);
+    registry.register("measured", "Scans measured in this run", measured);
+    if let Some(seconds) = facts.last_measurement_s {
+        let help = "How long the last measurement took";
+        gauge(registry, "last_measurement_seconds", help, seconds);
+    }
+}
+
+fn of_scans(registry: &mut Registry, overview: &Overview) {
+    let Some(tally) = &overview.tally else { return };
+    let states = tally.scans.iter();
+    let states = states.map(|(state, count)| ([("state", (*state).to_owned())], *count as f64));
+    family(registry, "scans", "Scans in the journal by state", states);
+    let help = "Scans that wait for a person's decision";
+    gauge(registry, "scans_held", help, tally.held as f64);
+    let deliveries = tally.deliveries.iter().map(|((store, state), count)| {
+        ([("store", store.clone()), ("state", state.clone())], *count as f64)
+    });
+    family(registry, "deliveries", "Deliveries in the journal by store and state", deliveries);
+    let oldest = tally.oldest.as_ref();
+    let oldest = oldest.map_or(0.0, |seen| age(seen.first_seen, overview.now).as_secs_f64());
+    let help = "How long the oldest scan without a record has waited, 0 if none waits";
+    gauge(registry, "oldest_undelivered_seconds", help, oldest);
+}
+
+fn of_sources(registry: &mut Registry, overview: &Overview) {
+    let none = String::new;
+    let states = [
+        SourceState::NotLooked,
+        SourceState::Watched,
+        SourceState::OutOfReach(none()),
+        SourceState::NotMounted(none()),
+        SourceState::Stalled,
+    ];
+    let sources = || overview.facts.sources.iter().enumerate();
+    let of_all = sources().flat_map(|(place, source)| {
+        let is = state_words(&source.state).0;
+        states.iter().map(move |state| {
+            let word = state_words(state).0;
+            let labels = [("export_dir", place.to_string()), ("state", word.to_owned())];
+            (labels, f64::from(u8::from(word == is)))
+        })
+    });
+    family(registry, "source", "1 for the state of each export folder", of_all);
+    let waiting = sources()
+        .map(|(place, source)| ([("export_dir", place.to_string())], source.waiting.len() as f64));
+    family(registry, "source_waiting_files", "Files not taken yet", waiting);
+    let stores = overview.facts.stores.iter().map(|(store, facts)| {
+        ([("store", (*store).to_owned())], f64::from(u8::from(facts.fault.is_none())))
+    });
+    family(registry, "store_takes_records", "1 while the last delivery went well", stores);
+}
+
+fn gauge(registry: &mut Registry, name: &str, help: &str, value: f64) {
+    let gauge = Gauge::<f64, AtomicU64>::default();
+    gauge.set(value);
+    registry.register(name, help, gauge);
+}
+
+fn family<const N: usize>(
+    registry: &mut Registry,
+    name: &str,
+    help: &str,
+    rows: impl IntoIterator<Item = (Labels<N>, f64)>,
+) {
+    let family = Family::<Labels<N>, Gauge<f64, AtomicU64>>::default();
+    for (labels, value) in rows {
+        family.get_or_create(&labels).set(value);
+    }
+    registry.register(name, help, family);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::PathBuf;
+
+    use jiff::Timestamp;
+
+    use super::*;
+    use crate::flow::Facts;
+    use crate::flow::facts::WaitingFile;
+
+    #[test]
+    fn metrics_say_how_the_station_is_and_name_no_file() {
+        let now = Timestamp::from_second(1_800_000_000).unwrap();
+        let mut facts = Facts::new(now, 1);
+        facts.sources[0].state = SourceState::OutOfReach("Mustermann".into());
+        let file = WaitingFile { why: "Mustermann".into(), since: now, overdue: false };
+        facts.sources[0].waiting.insert(PathBuf::from("/export/4711_Mustermann.obj"), file);
+        facts.measured = 7;
+        let overview = Overview { facts, tally: None, disk: None, complaints: Vec::new(), now };
+        let text = text(&overview).unwrap();
+        for line in [
+            "gaiter_up 1.0",
+            "gaiter_ready 1.0",
+            "gaiter_measured_total 7",
+            "gaiter_source{export_dir=\"0\",state=\"out_of_reach\"} 1.0",
+            "gaiter_source{export_dir=\"0\",state=\"watched\"} 0.0",
+            "gaiter_source_waiting_files{export_dir=\"0\"} 1.0",
+            "# EOF",
+        ] {
+            assert!(text.lines().any(|found| found == line), "no {line} in\n{text}");
+        }
+        assert!(!text.contains("Mustermann") && !text.contains("4711"), "{text}");
+        assert!(!text.contains("gaiter_scans"), "nothing is said of a journal that was not read");
+    }
+}

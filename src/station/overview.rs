@@ -1,0 +1,58 @@
+//! The station at one moment, put together from board, journal and disk for whoever asks.
+
+use jiff::Timestamp;
+
+use super::assembly::Station;
+use super::journal::Tally;
+use crate::flow::Facts;
+use crate::flow::health::{Backlog, Complaint, complaints};
+
+/// What is known at one moment.
+#[derive(Debug, Clone)]
+pub struct Overview {
+    /// What the workers know.
+    pub facts: Facts,
+    /// What the journal holds; none where it cannot be read.
+    pub tally: Option<Tally>,
+    /// Room on the disk of the state folder; none where it cannot be told.
+    pub disk: Option<Disk>,
+    /// What keeps the station from being ready.
+    pub complaints: Vec<Complaint>,
+    /// The moment.
+    pub now: Timestamp,
+}
+
+/// A disk's room.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Disk {
+    /// Free for the station, bytes.
+    pub free: u64,
+    /// Its size, bytes.
+    pub size: u64,
+}
+
+impl Overview {
+    /// Looks now. Blocks, on the local disk only.
+    pub fn take(station: &Station) -> Overview {
+        let (facts, now) = (station.board.facts(), Timestamp::now());
+        let tally = station.custody.journal().tally();
+        let tally = tally.inspect_err(|error| station.mind(error)).ok();
+        let pending = |tally: &Tally| {
+            let of_all = tally.deliveries.iter().filter(|((_, state), _)| state == "pending");
+            of_all.map(|(_, count)| count).sum()
+        };
+        let found = match &tally {
+            None => vec![Complaint::journal()],
+            Some(tally) => {
+                let oldest = tally.oldest.as_ref().map(|seen| seen.first_seen);
+                let backlog = Backlog { pending: pending(tally), oldest };
+                complaints(&facts, &backlog, station.config.status.overdue, now)
+            }
+        };
+        let disk = rustix::fs::statvfs(&station.config.station.state_dir).ok().map(|found| Disk {
+            free: found.f_bavail.saturating_mul(found.f_frsize),
+            size: found.f_blocks.saturating_mul(found.f_frsize),
+        });
+        Overview { facts, tally, disk, complaints: found, now }
+    }
+}
