@@ -40,7 +40,7 @@ const KILLED: &str = "past/killed";
 const STOPPED: &str = "past/stopped";
 const RECORDS: &str = "past/records";
 
-const DUE: &str = "SELECT count(*) FROM deliveries WHERE state = 'pending' AND attempts > 0";
+const DUE: &str = "SELECT count(*) FROM deliveries WHERE state = 'pending'";
 
 impl Past {
     fn new() -> Past {

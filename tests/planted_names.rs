@@ -81,7 +81,7 @@ fn misfortunes(booth: &Booth) {
     deliveries(1, "held");
     fs::rename(booth.path("store-Hammerhai"), booth.path("away")).unwrap();
     export(booth, "770099011_Quastenflosser.obj", &planted_body(11));
-    booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE attempts > 1", 1);
+    booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE attempts > 0", 1);
     fs::rename(booth.path("away"), booth.path("store-Hammerhai")).unwrap();
     deliveries(3, "delivered");
     fs::rename(booth.path("export-Hammerhai"), booth.path("away")).unwrap();
