@@ -12,7 +12,8 @@ use std::os::unix::net::UnixDatagram;
 use std::thread::{self, sleep};
 use std::time::Duration;
 
-use support::{Booth, QUIET, body, names, sha256};
+use support::invariants::PutKind;
+use support::{Booth, QUIET, Setting, body, names, sha256};
 
 /// Appends to an export in pieces with a pause after each, as a slow scanner does.
 fn write_slowly(path: &std::path::Path, bytes: &[u8], pieces: usize, pause: Duration) {
@@ -29,6 +30,7 @@ fn a_slow_writer_s_scan_is_taken_once_and_whole() {
     let daemon = booth.start();
     let bytes = body(1);
     write_slowly(&booth.path("export/4711_a.obj"), &bytes, 12, QUIET / 3);
+    booth.has_put("4711_a.obj", &bytes, PutKind::Whole);
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &bytes)]);
@@ -45,6 +47,8 @@ fn a_writer_that_stalls_longer_than_the_quiet_time_in_the_middle_of_a_line_is_aw
     // Until the station has settled it and found it short.
     sleep(QUIET * 4);
     file.write_all(rest).unwrap();
+    booth.has_put("4711_a.obj", first, PutKind::Short);
+    booth.has_put("4711_a.obj", &bytes, PutKind::Whole);
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &bytes)]);
@@ -59,7 +63,9 @@ fn a_scan_written_under_another_name_and_renamed_is_taken_once() {
     {
         let path = booth.path("export").join(unfinished);
         write_slowly(&path, &body(n), 3, QUIET);
-        fs::rename(path, booth.path(&format!("export/4711_{n}.obj"))).unwrap();
+        let name = format!("4711_{n}.obj");
+        fs::rename(path, booth.path("export").join(&name)).unwrap();
+        booth.has_put(&name, &body(n), PutKind::Whole);
     }
     booth.wait_for_records(3);
     assert_eq!(daemon.stop().code(), Some(0));
@@ -77,6 +83,7 @@ fn a_file_replaced_by_new_bytes_is_a_new_scan() {
     let other = booth.path("export/.other");
     fs::write(&other, body(3)).unwrap();
     fs::rename(other, booth.path("export/4711_scan.obj")).unwrap();
+    booth.has_put("4711_scan.obj", &body(3), PutKind::Whole);
     booth.wait_for_records(3);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &body(1)), ("4711", &body(2)), ("4711", &body(3))]);
@@ -93,6 +100,9 @@ fn twelve_scans_at_once_are_twelve_records() {
             scope.spawn(move || write_slowly(&path, bytes, 5, QUIET / 5));
         }
     });
+    for (n, (patient, bytes)) in scans.iter().enumerate() {
+        booth.has_put(&format!("{patient}_{n}.obj"), bytes, PutKind::Whole);
+    }
     booth.wait_for_records(12);
     assert_eq!(daemon.stop().code(), Some(0));
     let expected: Vec<(&str, &[u8])> =
@@ -147,7 +157,8 @@ fn an_aborted_export_is_awaited_then_quarantined_and_delivered_once_it_is_made_w
     let daemon = booth.start();
     let bytes = body(1);
     let aborted = &bytes[..bytes.len() - 7];
-    booth.export("4711_a.obj", aborted);
+    fs::write(booth.path("export/4711_a.obj"), aborted).unwrap();
+    booth.has_put("4711_a.obj", aborted, PutKind::Short);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
     assert_eq!(booth.records(), []);
     booth.export("4711_a.obj", &bytes);
@@ -162,6 +173,7 @@ fn a_file_too_large_is_refused_unread() {
     let booth = Booth::new();
     let daemon = booth.start();
     File::create(booth.path("export/4711_huge.obj")).unwrap().set_len(1 << 40).unwrap();
+    booth.has_put("4711_huge.obj", &[], PutKind::Huge);
     booth.export("4711_good.obj", &body(1));
     booth.wait_for_records(1);
     booth.wait_for("a refusal", || names(&booth.path("state/quarantine")).len() == 1);
@@ -211,6 +223,7 @@ fn an_export_folder_that_is_missing_or_replaced_is_taken_up_when_it_is_there() {
     booth.export("4711_a.obj", &body(1));
     booth.wait_for_records(1);
     fs::rename(booth.path("export"), booth.path("old")).unwrap();
+    booth.has_emptied_the_export();
     fs::create_dir(booth.path("export")).unwrap();
     booth.export("4711_b.obj", &body(2));
     booth.wait_for_records(2);
@@ -250,6 +263,7 @@ fn a_station_killed_at_any_moment_loses_nothing_and_delivers_nothing_twice() {
             for (n, bytes) in scans.iter().enumerate() {
                 let path = booth.path(&format!("export/4711_{n}.obj"));
                 write_slowly(&path, bytes, 4, QUIET / 2);
+                booth.has_put(&format!("4711_{n}.obj"), bytes, PutKind::Whole);
             }
         });
         for moment in moments {
@@ -350,14 +364,13 @@ fn the_log_names_no_patient_no_file_and_no_folder() {
 
 #[test]
 fn the_record_holds_the_files_that_the_configuration_asks_for() {
-    let booth = Booth::new();
+    let files = r#"["iges-solid", "stl"]"#;
+    let booth = Booth::set(&Setting { files, ..Setting::default() });
     let mut config = File::options().append(true).open(booth.path("station.toml")).unwrap();
-    config
-        .write_all(b"\n[output]\nfiles = [\"iges-solid\", \"stl\"]\nmesh_tolerance = \"1mm\"\n")
-        .unwrap();
+    config.write_all(b"mesh_tolerance = \"1mm\"\n").unwrap();
     let daemon = booth.start();
     let bytes = body(1);
-    fs::write(booth.path("export/4711_a.obj"), &bytes).unwrap();
+    booth.export("4711_a.obj", &bytes);
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &bytes)]);

@@ -1,21 +1,26 @@
 //! A station on temporary folders, started as the real program, and the oracle over what it left.
 
-// Each test crate uses its own part.
-#![allow(dead_code)]
+#![allow(dead_code)] // Each test uses some of it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::collections::BTreeSet;
+use std::env;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::{Mutex, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
 use rusqlite::{Connection, OpenFlags};
 use rustix::process::{Pid, Signal, kill_process};
-use sha2::{Digest, Sha256};
 use tempfile::TempDir;
+
+#[path = "invariants.rs"]
+pub mod invariants;
+
+pub use invariants::whole::{names, sha256};
+use invariants::{Delivered, Evidence, Moment, Put, PutKind, Violation};
 
 /// How long a condition is waited for before the test fails.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -25,26 +30,51 @@ pub const QUIET: Duration = Duration::from_millis(300);
 
 /// A scan that can be measured; each `n` gives other bytes of the same body.
 pub fn body(n: usize) -> Vec<u8> {
-    let mut bytes = fixture();
+    numbered(n, "fixtures/scans/f_average_clean.obj.gz")
+}
+
+/// As [`body`], measured in a third of the time.
+pub fn coarse_body(n: usize) -> Vec<u8> {
+    numbered(n, "fixtures/coarse/f_average.obj.gz")
+}
+
+fn numbered(n: usize, fixture: &str) -> Vec<u8> {
+    let file = File::open(Path::new(env!("CARGO_MANIFEST_DIR")).join(fixture)).unwrap();
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
     bytes.extend(format!("# {n}\n").bytes());
     bytes
 }
 
-fn fixture() -> Vec<u8> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/scans/f_average_clean.obj.gz");
-    let mut bytes = Vec::new();
-    flate2::read::GzDecoder::new(File::open(file).unwrap()).read_to_end(&mut bytes).unwrap();
-    bytes
-}
-
-/// SHA-256, lower-case hexadecimal.
-pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+/// The station's program: the one under test, or the one that `GAITER_BIN` names.
+pub fn program() -> PathBuf {
+    env::var_os("GAITER_BIN").map_or_else(|| env!("CARGO_BIN_EXE_gaiter").into(), PathBuf::from)
 }
 
 /// The folders of one station, and what was put before it.
 pub struct Booth {
     dir: TempDir,
+    puts: Mutex<Vec<Put>>,
+}
+
+/// How the station of a booth is set.
+pub struct Setting {
+    pub quiet: Duration,
+    pub rescan: Duration,
+    pub short_wait: Duration,
+    /// The CAD files of each record.
+    pub files: &'static str,
+}
+
+impl Default for Setting {
+    fn default() -> Setting {
+        Setting {
+            quiet: QUIET,
+            rescan: Duration::from_secs(1),
+            short_wait: Duration::from_secs(3),
+            files: r#"["step"]"#,
+        }
+    }
 }
 
 /// A running station.
@@ -52,12 +82,14 @@ pub struct Daemon {
     child: Child,
 }
 
-/// A record in the store: its patient folder's name and the SHA-256 of its scan.
-pub type Record = (String, String);
-
 impl Booth {
     /// Empty folders and a configuration that settles quickly.
     pub fn new() -> Booth {
+        Booth::set(&Setting::default())
+    }
+
+    /// Empty folders and a configuration.
+    pub fn set(setting: &Setting) -> Booth {
         let dir = TempDir::new().unwrap();
         let at = dir.path().display();
         let config = format!(
@@ -67,22 +99,27 @@ state_dir = "{at}/state"
 [scanner]
 export_dirs = ["{at}/export"]
 quiet = "{quiet}ms"
-rescan = "1s"
-short_wait = "3s"
+rescan = "{rescan}ms"
+short_wait = "{short_wait}ms"
 max_scan = "20MB"
 file_name = '^(?<patient>P?[0-9]+)_'
 [patient]
 pattern = '^P?[0-9]{{1,12}}$'
 [store.folder]
 path = "{at}/records"
+[output]
+files = {files}
 "#,
-            quiet = QUIET.as_millis()
+            quiet = setting.quiet.as_millis(),
+            rescan = setting.rescan.as_millis(),
+            short_wait = setting.short_wait.as_millis(),
+            files = setting.files,
         );
         fs::write(dir.path().join("station.toml"), config).unwrap();
         for folder in ["export", "records"] {
             fs::create_dir(dir.path().join(folder)).unwrap();
         }
-        Booth { dir }
+        Booth { dir, puts: Mutex::default() }
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -90,25 +127,82 @@ path = "{at}/records"
     }
 
     pub fn command(&self) -> Command {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_gaiter"));
+        self.command_behind(&[])
+    }
+
+    /// The station as the argument of another program.
+    pub fn command_behind(&self, front: &[&str]) -> Command {
+        let station = program();
+        let mut words = front.iter().map(AsRef::as_ref).chain([station.as_os_str()]);
+        let mut command = Command::new(words.next().unwrap());
         let log = File::options().create(true).append(true).open(self.path("log")).unwrap();
         let config = self.path("station.toml");
-        command.arg("run").arg("--config").arg(config).stdin(Stdio::null());
+        command.args(words).arg("run").arg("--config").arg(config).stdin(Stdio::null());
         command.stdout(log.try_clone().unwrap()).stderr(log);
         command
     }
 
+    /// Rewrites the configuration for stations to be started.
+    pub fn reconfigure(&self, change: impl FnOnce(String) -> String) {
+        let file = self.path("station.toml");
+        fs::write(&file, change(fs::read_to_string(&file).unwrap())).unwrap();
+    }
+
     pub fn start(&self) -> Daemon {
-        Daemon { child: self.command().spawn().unwrap() }
+        Daemon::of(self.command())
     }
 
     /// Writes an export in one go.
     pub fn export(&self, name: &str, bytes: &[u8]) {
         fs::write(self.path("export").join(name), bytes).unwrap();
+        self.has_put(name, bytes, PutKind::Whole);
+    }
+
+    /// Notes what was put into the export folder, for the invariants. What was there under this
+    /// name is gone.
+    pub fn has_put(&self, name: &str, bytes: &[u8], kind: PutKind) {
+        let mut puts = self.puts.lock().unwrap_or_else(PoisonError::into_inner);
+        for earlier in puts.iter_mut().filter(|earlier| earlier.name == name) {
+            earlier.left = None;
+        }
+        puts.push(Put {
+            name: name.to_owned(),
+            patient: invariants::patient_of(name),
+            sha256: sha256(bytes),
+            kind,
+            left: invariants::left_at(&self.path("export").join(name)),
+        });
+    }
+
+    /// Notes that the scanner has emptied its export folder.
+    pub fn has_emptied_the_export(&self) {
+        for put in self.puts.lock().unwrap_or_else(PoisonError::into_inner).iter_mut() {
+            put.left = None;
+        }
+    }
+
+    /// Forgets what was put, for another run in the same folders.
+    pub fn forget(&self) {
+        self.puts.lock().unwrap_or_else(PoisonError::into_inner).clear();
+    }
+
+    /// The invariants that do not hold.
+    pub fn violations(&self, moment: Moment) -> Vec<Violation> {
+        let evidence = Evidence {
+            puts: &self.puts.lock().unwrap_or_else(PoisonError::into_inner),
+            released: &[],
+            export: &self.path("export"),
+            state: &self.path("state"),
+            records: &self.path("records"),
+            log: &self.log(),
+            planted: &[],
+            told: None,
+        };
+        invariants::violations(&evidence, moment)
     }
 
     pub fn log(&self) -> String {
-        String::from_utf8_lossy(&fs::read(self.path("log")).unwrap()).into_owned()
+        String::from_utf8_lossy(&fs::read(self.path("log")).unwrap_or_default()).into_owned()
     }
 
     /// Waits until a condition holds; fails with the log where it never does.
@@ -138,6 +232,20 @@ path = "{at}/records"
         self.wait_for(&format!("{number} from {query}"), || self.journal(query) == Some(number));
     }
 
+    /// As [`Booth::wait_for_journal`], as long as the number still changes within [`PATIENCE`].
+    #[track_caller]
+    pub fn wait_long_for_journal(&self, query: &str, number: i64) {
+        let (mut last, mut since) = (None, Instant::now());
+        while last != Some(number) {
+            let now = self.journal(query);
+            if now != last {
+                (last, since) = (now, Instant::now());
+            }
+            assert!(since.elapsed() < PATIENCE, "{query} stays {last:?}; log:\n{}", self.log());
+            sleep(Duration::from_millis(200));
+        }
+    }
+
     /// The number a query on the journal gives; none while there is no journal.
     pub fn journal(&self, query: &str) -> Option<i64> {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE;
@@ -145,46 +253,25 @@ path = "{at}/records"
         journal.query_row(query, [], |row| row.get(0)).ok()
     }
 
-    /// The oracle: what lies under a final name is whole, and nothing else lies there.
+    /// The records in the store, each of them whole.
     #[track_caller]
-    pub fn records(&self) -> Vec<Record> {
-        let mut records = Vec::new();
-        for patient in names(&self.path("records")) {
-            let folder = self.path("records").join(&patient);
-            for name in names(&folder).into_iter().filter(|name| !name.starts_with('.')) {
-                let (time, scan) = name.split_once('_').expect("a time and a scan");
-                assert_eq!((time.len(), scan.len()), (16, 8), "{name}");
-                let sum = whole(&folder.join(&name));
-                assert!(sum.starts_with(scan), "{name} holds {sum}");
-                records.push((patient.clone(), sum));
-            }
-        }
-        records.sort();
+    pub fn records(&self) -> Vec<Delivered> {
+        let (records, partial) = invariants::records(&self.path("records"));
+        assert_eq!(partial, []);
         records
     }
 
-    /// The oracle after a stop: exactly one whole record per scan and patient, no rest of staging
-    /// or spooling, and the journal agrees.
+    /// After a stop: every invariant holds, the store has exactly these records, and the journal
+    /// agrees.
     #[track_caller]
     pub fn assert_settled(&self, expected: &[(&str, &[u8])]) {
-        let mut expected: Vec<Record> =
+        let mut expected: Vec<Delivered> =
             expected.iter().map(|(id, bytes)| ((*id).to_owned(), sha256(bytes))).collect();
         expected.sort();
         assert_eq!(self.records(), expected, "log:\n{}", self.log());
-        for patient in names(&self.path("records")) {
-            let folder = self.path("records").join(&patient);
-            let staged: Vec<String> =
-                names(&folder).into_iter().filter(|name| name.starts_with('.')).collect();
-            assert!(staged.is_empty(), "{staged:?}");
-        }
         let delivered = self.journal("SELECT count(*) FROM deliveries WHERE state = 'delivered'");
         assert_eq!(delivered, i64::try_from(expected.len()).ok());
-        let pending = self.journal("SELECT count(*) FROM deliveries WHERE state = 'pending'");
-        assert_eq!(pending, Some(0));
-        let held =
-            self.journal("SELECT count(DISTINCT sha256) FROM deliveries WHERE state = 'held'");
-        let spooled = i64::try_from(names(&self.path("state/spool")).len()).ok();
-        assert_eq!(spooled, held, "{:?}", names(&self.path("state/spool")));
+        assert_eq!(self.violations(Moment::Rest), [], "log:\n{}", self.log());
     }
 
     /// The reason for which a scan lies in quarantine.
@@ -197,11 +284,40 @@ path = "{at}/records"
 }
 
 impl Daemon {
+    /// Starts a command of the station.
+    pub fn of(mut command: Command) -> Daemon {
+        Daemon { child: command.spawn().unwrap() }
+    }
+
+    /// The process.
+    pub fn id(&self) -> u32 {
+        self.child.id()
+    }
+
+    /// SIGTERM, and the exit it leads to, if it comes in time.
+    pub fn stop_within(&mut self, limit: Duration) -> Option<ExitStatus> {
+        kill_process(Pid::from_child(&self.child), Signal::TERM).unwrap();
+        let deadline = Instant::now() + limit;
+        loop {
+            let ended = self.child.try_wait().unwrap();
+            if ended.is_some() || Instant::now() >= deadline {
+                return ended;
+            }
+            sleep(Duration::from_millis(20));
+        }
+    }
+
     /// SIGTERM, and the exit it leads to.
     pub fn stop(mut self) -> ExitStatus {
-        let pid = Pid::from_child(&self.child);
-        kill_process(pid, Signal::TERM).unwrap();
+        if !self.has_ended() {
+            kill_process(Pid::from_child(&self.child), Signal::TERM).unwrap();
+        }
         self.child.wait().unwrap()
+    }
+
+    /// Whether it has ended by itself.
+    pub fn has_ended(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_some()
     }
 
     /// SIGKILL.
@@ -217,31 +333,4 @@ impl Drop for Daemon {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
-}
-
-/// `sha256sum -c SHA256SUMS`, and that it lists every file; gives the sum of the scan.
-#[track_caller]
-fn whole(record: &Path) -> String {
-    let sums = fs::read_to_string(record.join("SHA256SUMS")).expect("SHA256SUMS in every record");
-    let mut listed = BTreeSet::from(["SHA256SUMS".to_owned()]);
-    let mut scan = None;
-    for line in sums.lines() {
-        let (sum, name) = line.split_once("  ").expect("a sum and a name");
-        assert_eq!(sha256(&fs::read(record.join(name)).unwrap()), sum, "{name}");
-        assert!(listed.insert(name.to_owned()), "{name} is listed twice");
-        if name == "scan.obj" {
-            scan = Some(sum.to_owned());
-        }
-    }
-    assert_eq!(names(record).into_iter().collect::<BTreeSet<_>>(), listed);
-    scan.expect("the scan's own bytes in every record")
-}
-
-/// The names in a folder, sorted; none where there is no folder.
-pub fn names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).into_iter().flatten();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    names
 }

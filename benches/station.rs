@@ -1,0 +1,178 @@
+//! What the station costs and how fast it is: `cargo bench --bench station`.
+//!
+//! Idle: share of a core and memory over a minute. The way of a scan from its last byte to its
+//! record, against quiet time and extraction. A backlog of 500 scans. All on the real program with
+//! folders below `TMPDIR`; with a word behind `--` (idle, way, backlog) only that part.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+#[allow(dead_code, reason = "the bench uses a part")]
+#[path = "../tests/support/process.rs"]
+mod process;
+#[path = "../tests/support/station.rs"]
+mod support;
+
+use std::env;
+use std::fs;
+use std::process::{Command, Stdio};
+use std::thread::{available_parallelism, sleep};
+use std::time::{Duration, Instant};
+
+use process::cpu_ticks;
+use support::invariants::Vitals;
+use support::{Booth, Setting, body, coarse_body, names, program};
+
+/// How long the idle station is observed.
+const IDLE: Duration = Duration::from_secs(60);
+
+/// Clock ticks of /proc a second, on every Linux there is.
+const TICKS_PER_S: f64 = 100.0;
+
+/// Scans whose way is timed; the median counts.
+const WAYS: usize = 20;
+
+/// Scans of the backlog.
+const BACKLOG: usize = 500;
+
+/// The quiet time that is shipped.
+const QUIET: Duration = Duration::from_secs(2);
+
+/// The rescan that is shipped.
+const RESCAN: Duration = Duration::from_secs(10);
+
+/// A body by number: other bytes, the same shape.
+type Bodies = fn(usize) -> Vec<u8>;
+
+const BODIES: [(&str, Bodies); 2] = [("full", body), ("coarse", coarse_body)];
+
+fn main() {
+    let wanted: Vec<String> = env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let is_wanted = |part: &str| wanted.is_empty() || wanted.iter().any(|word| word == part);
+    let cores = available_parallelism().map_or(1, usize::from);
+    println!("{cores} cores, load before: {}", load());
+    if is_wanted("idle") {
+        idle("empty export folder", 0);
+        idle("1000 delivered scans in it", 1000);
+    }
+    if is_wanted("way") {
+        BODIES.into_iter().for_each(|(name, bodies)| way(name, bodies));
+    }
+    if is_wanted("backlog") {
+        BODIES.into_iter().for_each(|(name, bodies)| backlog(name, bodies));
+    }
+    println!("load after: {}", load());
+}
+
+fn load() -> String {
+    fs::read_to_string("/proc/loadavg").unwrap_or_default().trim().to_owned()
+}
+
+/// A booth with the shipped times and files.
+fn booth() -> Booth {
+    Booth::set(&Setting { quiet: QUIET, rescan: RESCAN, ..Setting::default() })
+}
+
+/// Waits for so many records under their final names, looking every 2 ms.
+fn wait_for_records(booth: &Booth, count: usize) {
+    let records = booth.path("records");
+    let is_final = |name: &String| !name.starts_with('.');
+    let patients = || names(&records).into_iter().map(|patient| records.join(patient));
+    while patients().map(|at| names(&at).iter().filter(|n| is_final(n)).count()).sum::<usize>()
+        < count
+    {
+        sleep(Duration::from_millis(2));
+    }
+}
+
+fn idle(what: &str, scans: usize) {
+    let booth = booth();
+    for n in 0..scans {
+        // Refused at once, which costs less than measuring, and known from then on all the same.
+        booth.export(&format!("4711_{n}.obj"), format!("garbage {n}\n").as_bytes());
+    }
+    let daemon = booth.start();
+    let known = i64::try_from(scans).unwrap();
+    booth.wait_long_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", known);
+    // One scan measured: what extraction leaves behind in memory counts too.
+    booth.export("4711_scan.obj", &body(0));
+    wait_for_records(&booth, 1);
+    sleep(QUIET * 2);
+    let (before, began) = (cpu_ticks(daemon.id()), Instant::now());
+    sleep(IDLE);
+    let ticks = cpu_ticks(daemon.id()) - before;
+    let share = 100.0 * f64::from(u32::try_from(ticks).unwrap()) / TICKS_PER_S;
+    let vitals = Vitals::of(daemon.id()).unwrap();
+    println!(
+        "idle, {what}: {:.2} % of a core over {:.0} s; {:.1} MB resident, {} threads, {} files",
+        share / began.elapsed().as_secs_f64(),
+        began.elapsed().as_secs_f64(),
+        f64::from(u32::try_from(vitals.resident_kb).unwrap()) / 1000.0,
+        vitals.threads,
+        vitals.files
+    );
+    daemon.stop();
+}
+
+/// How long `gaiter extract` takes for a file, from start to end of the process.
+fn extraction(booth: &Booth, bytes: &[u8]) -> Duration {
+    let scan = booth.path("bench.obj");
+    fs::write(&scan, bytes).unwrap();
+    let mut command = Command::new(program());
+    command.arg("extract").arg(scan).arg("--out").arg(booth.path("extracted"));
+    let began = Instant::now();
+    assert!(command.stdout(Stdio::null()).status().unwrap().success());
+    began.elapsed()
+}
+
+fn median(mut times: Vec<Duration>) -> Duration {
+    times.sort_unstable();
+    times[times.len() / 2]
+}
+
+fn way(name: &str, bodies: Bodies) {
+    let booth = booth();
+    let daemon = booth.start();
+    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let (mut ways, mut extractions) = (Vec::new(), Vec::new());
+    for n in 0..WAYS {
+        let bytes = bodies(n);
+        extractions.push(extraction(&booth, &bytes));
+        booth.export(&format!("4711_{n}.obj"), &bytes);
+        let last_byte = Instant::now();
+        wait_for_records(&booth, n + 1);
+        ways.push(last_byte.elapsed());
+    }
+    daemon.stop();
+    let (way, extraction) = (median(ways).as_secs_f64(), median(extractions).as_secs_f64());
+    let quiet = QUIET.as_secs_f64();
+    println!(
+        "way, {name} body, median of {WAYS}: {way:.3} s = quiet {quiet:.1} s + extract \
+         {extraction:.3} s + {:.0} ms",
+        1000.0 * (way - quiet - extraction)
+    );
+}
+
+fn backlog(name: &str, bodies: Bodies) {
+    let booth = booth();
+    for n in 0..BACKLOG {
+        booth.export(&format!("4711_{n}.obj"), &bodies(n));
+    }
+    let began = Instant::now();
+    let daemon = booth.start();
+    let mut peak_kb = 0;
+    for tenth in 1..=10 {
+        wait_for_records(&booth, BACKLOG * tenth / 10);
+        peak_kb = peak_kb.max(Vitals::of(daemon.id()).unwrap().resident_kb);
+    }
+    let took = began.elapsed().as_secs_f64();
+    let cpu = f64::from(u32::try_from(cpu_ticks(daemon.id())).unwrap()) / TICKS_PER_S;
+    let scans = f64::from(u32::try_from(BACKLOG).unwrap());
+    println!(
+        "backlog, {BACKLOG} {name} bodies: {took:.1} s with the start and the quiet time, {:.1} \
+         scans/s; {:.0} ms CPU a scan; {} MB resident at most",
+        scans / took,
+        1000.0 * cpu / scans,
+        peak_kb / 1000
+    );
+    daemon.stop();
+}

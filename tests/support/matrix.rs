@@ -1,0 +1,238 @@
+//! One run of a station from export to record, to be struck by a fault at each of its calls, and
+//! what must hold after each.
+
+#![allow(dead_code)] // Each test uses some of it.
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Mutex;
+use std::thread::{self, sleep};
+use std::time::{Duration, Instant};
+
+#[path = "station.rs"]
+pub mod station;
+#[path = "tracer.rs"]
+pub mod tracer;
+
+use station::invariants::{self, Moment, PutKind};
+use station::{Booth, Setting, coarse_body, names};
+use tracer::{Answer, BEHIND_A_GATE, Call, Run};
+
+/// How long a station without faults may take to put everything in order.
+const PATIENCE: Duration = Duration::from_secs(40);
+
+/// The folders whose calls count.
+pub const FOLDERS: [&str; 3] = ["export", "state", "records"];
+
+/// A scan to be delivered and, for another patient, held; one to be refused; one to be awaited.
+pub const SCANS: [(&str, PutKind); 4] = [
+    ("4711_Mustermann.obj", PutKind::Whole),
+    ("0815_Musterfrau.obj", PutKind::Whole),
+    ("4712_Mustermann.obj", PutKind::Whole),
+    ("4713_Mustermann.obj", PutKind::Short),
+];
+
+/// Terminal events of the log in a run without faults.
+const DONE: [&str; 3] = ["scan-delivered", "scan-held", "scan-refused"];
+
+/// A booth that settles as quickly as the configuration allows.
+pub fn booth() -> Booth {
+    Booth::set(&Setting {
+        quiet: Duration::from_millis(50),
+        rescan: Duration::from_millis(250),
+        short_wait: Duration::from_secs(3600),
+        files: "[]",
+    })
+}
+
+/// Puts the scans of one run into the export folder.
+pub fn put_scans(booth: &Booth) {
+    let body = coarse_body(1);
+    let short = body[..body.len() / 2].to_vec();
+    let bytes = [body.clone(), body, b"v 1 2 3\nMustermann\n".to_vec(), short];
+    for ((name, kind), bytes) in SCANS.into_iter().zip(bytes) {
+        fs::write(booth.path("export").join(name), &bytes).unwrap();
+        booth.has_put(name, &bytes, kind);
+    }
+}
+
+/// Runs the station under the tracer until its log says that all is done.
+pub fn struck(booth: &Booth, answer: impl FnMut(&Call) -> Answer) -> Run {
+    struck_until(booth, || all_done(booth), answer)
+}
+
+/// Runs the station under the tracer.
+pub fn struck_until(
+    booth: &Booth,
+    finished: impl Fn() -> bool + Sync,
+    answer: impl FnMut(&Call) -> Answer,
+) -> Run {
+    let folders: Vec<PathBuf> = FOLDERS.map(|name| booth.path(name)).to_vec();
+    tracer::run(booth.command_behind(&BEHIND_A_GATE), &folders, finished, answer)
+}
+
+/// Whether the log says that every scan of the run has come to its end.
+pub fn all_done(booth: &Booth) -> bool {
+    let log = booth.log();
+    DONE.iter().all(|event| log.contains(event))
+}
+
+/// What does not hold at this moment, as text.
+pub fn faults(booth: &Booth, moment: Moment) -> Vec<String> {
+    booth.violations(moment).iter().map(ToString::to_string).collect()
+}
+
+/// What the station has acknowledged in its log and what is not there, with the bytes it spoke of.
+pub fn acknowledged(booth: &Booth) -> Vec<String> {
+    let (state, log) = (booth.path("state"), booth.log());
+    let [spool, quarantine] = ["spool", "quarantine"].map(|name| names(&state.join(name)));
+    let store: Vec<String> =
+        invariants::records(&booth.path("records")).0.into_iter().map(|(_, sum)| sum).collect();
+    let mut lost = Vec::new();
+    for line in log.lines() {
+        let word = |key: &str| line.split_once(key)?.1.split_once('"').map(|(word, _)| word);
+        let (Some(event), Some(scan)) = (word("event=\""), word("scan=\"")) else { continue };
+        let places: &[&Vec<String>] = match event {
+            "scan-delivered" => &[&store],
+            "scan-refused" => &[&quarantine],
+            "scan-spooled" | "scan-held" => &[&spool, &quarantine, &store],
+            _ => continue,
+        };
+        if !places.iter().any(|place| place.iter().any(|sum| sum.starts_with(scan))) {
+            lost.push(format!("{event} was said of {scan}, and it is not there"));
+        }
+    }
+    lost
+}
+
+/// Starts the station without faults, gives it its time, and stops it; what does not hold then.
+pub fn restarted(booth: &Booth) -> Vec<String> {
+    let mut found = Vec::new();
+    let ready = || booth.log().matches("station-ready").count();
+    let before = ready();
+    let mut daemon = booth.start();
+    let deadline = Instant::now() + PATIENCE;
+    // Before it is ready it neither heeds SIGTERM nor has the journal for itself.
+    let settled = || ready() > before && booth.violations(Moment::Rest).is_empty();
+    while !settled() && !daemon.has_ended() && Instant::now() < deadline {
+        sleep(Duration::from_millis(10));
+    }
+    let code = daemon.stop().code();
+    if code != Some(0) {
+        found.push(format!("the station without faults ended with {code:?}"));
+    }
+    found.extend(faults(booth, Moment::Rest));
+    found
+}
+
+/// A call by what it does to what, without what chance has named: for counting kinds of points.
+pub fn what(booth: &Booth, call: &Call) -> String {
+    let root = booth.path("");
+    let path = call.path.strip_prefix(&root).unwrap_or(&call.path).to_string_lossy();
+    let plain = |part: &str| {
+        let digits = part.bytes().filter(|byte| byte.is_ascii_digit()).count();
+        let named_by_chance = part.len() > 12 && digits > 3;
+        if named_by_chance { "…".to_owned() } else { part.to_owned() }
+    };
+    let path: Vec<String> = path.split('/').map(plain).collect();
+    format!("{:?} {}{}", call.kind, path.join("/"), if call.folder { "/" } else { "" })
+}
+
+/// One strike: its name, and what did not hold after it. None where the run ended before it.
+pub type Struck = Option<(String, Vec<String>)>;
+
+/// The outcome of a matrix.
+#[derive(Debug, Default)]
+pub struct Tally {
+    /// Strikes that fell.
+    pub points: usize,
+    /// How often each kind of call was struck.
+    pub kinds: BTreeMap<String, usize>,
+    /// What did not hold, and after which strike.
+    pub violations: Vec<String>,
+}
+
+/// Strikes at every `step`th place from 1 until runs end without being struck. Several `hands` work at a
+/// time, each in a place of its own that `make` makes.
+pub fn strike_everywhere<Place>(
+    name: &str,
+    hands: usize,
+    step: usize,
+    make: impl Fn() -> Place + Sync,
+    strike: impl Fn(&mut Place, usize) -> Struck + Sync,
+) -> Tally {
+    let began = Instant::now();
+    let (next, end) = (Mutex::new(1), Mutex::new(usize::MAX));
+    let tally = Mutex::new(Tally::default());
+    thread::scope(|scope| {
+        for _ in 0..hands {
+            scope.spawn(|| {
+                let mut place = make();
+                loop {
+                    let nth = {
+                        let mut next = next.lock().unwrap();
+                        *next += step;
+                        *next - step
+                    };
+                    if nth >= *end.lock().unwrap() {
+                        return;
+                    }
+                    match strike(&mut place, nth) {
+                        None => {
+                            let mut end = end.lock().unwrap();
+                            *end = nth.min(*end);
+                        }
+                        Some((kind, found)) => {
+                            let mut tally = tally.lock().unwrap();
+                            tally.points += 1;
+                            let said = found.iter().map(|what| format!("{nth} {kind}: {what}"));
+                            tally.violations.extend(said);
+                            *tally.kinds.entry(kind).or_default() += 1;
+                        }
+                    }
+                }
+            });
+        }
+    });
+    let tally = tally.into_inner().unwrap();
+    println!(
+        "{name}: {} points of {} kinds, {} violations, {:.0} s",
+        tally.points,
+        tally.kinds.len(),
+        tally.violations.len(),
+        began.elapsed().as_secs_f64()
+    );
+    tally
+}
+
+/// Empties the folders of a booth for the next strike and puts the scans there anew.
+pub fn renew(booth: &Booth) {
+    for folder in FOLDERS {
+        empty(&booth.path(folder));
+    }
+    let _ = fs::remove_file(booth.path("log"));
+    booth.forget();
+    put_scans(booth);
+}
+
+fn empty(folder: &Path) {
+    for entry in fs::read_dir(folder).into_iter().flatten() {
+        let path = entry.unwrap().path();
+        match path.is_dir() {
+            true => fs::remove_dir_all(path).unwrap(),
+            false => fs::remove_file(path).unwrap(),
+        }
+    }
+}
+
+/// Whether a program is there and works; else says that the test is skipped.
+pub fn there_is(program: &str, arguments: &[&str]) -> bool {
+    let there = Command::new(program).args(arguments).output().is_ok_and(|o| o.status.success());
+    if !there {
+        println!("SKIPPED: {program} is not there or does not work");
+    }
+    there
+}
