@@ -1,5 +1,6 @@
 //! `gaiter run`: the daemon.
 
+use std::env;
 use std::future::Future;
 use std::io;
 use std::path::PathBuf;
@@ -15,6 +16,9 @@ use super::{Exit, complain, explain_config};
 use crate::config::{self, ConfigError, LogFormat};
 use crate::station::error::chain;
 use crate::station::{self, Orders, Reload, StationError};
+
+/// Logs that name files, whatever anybody asks for: those names may name patients.
+const SILENT: &str = "notify=off";
 
 /// What is logged where the environment says nothing else.
 const LOG_LEVEL: &str = "info";
@@ -91,7 +95,8 @@ fn faults(error: &ConfigError) -> String {
 
 /// Log lines go to standard error, where the service manager collects them; `RUST_LOG` chooses.
 fn log_to_stderr(format: LogFormat) {
-    let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(LOG_LEVEL));
+    let chosen = env::var(EnvFilter::DEFAULT_ENV).unwrap_or_else(|_| LOG_LEVEL.to_owned());
+    let filter = EnvFilter::builder().parse_lossy(format!("{chosen},{SILENT}"));
     let lines = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(io::stderr)

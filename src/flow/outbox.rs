@@ -117,6 +117,11 @@ impl Outbox {
         busy.map(|key| (&key.scan, &key.patient)).collect::<BTreeSet<_>>().len()
     }
 
+    /// A store is being asked although nothing is due there, as at a start.
+    pub fn asking(&mut self, store: &str) {
+        self.stores.entry(store.to_owned()).or_insert(Store::NEW).reach = Reach::Asked;
+    }
+
     /// A store was asked. `chance` is uniform in [0, 1).
     pub fn asked(&mut self, store: &str, in_reach: bool, now: Duration, chance: f64) {
         let store = self.stores.entry(store.to_owned()).or_insert(Store::NEW);

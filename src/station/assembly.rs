@@ -1,5 +1,6 @@
 //! What the workers of one station share, put together at the start.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::Path;
@@ -49,6 +50,9 @@ pub struct Station {
     pub ruin: Notify,
     paused: AtomicBool,
     hurried: Mutex<Vec<ScanId>>,
+    ready_stores: Mutex<BTreeSet<String>>,
+    first_start: bool,
+    rebuilt: bool,
     started: Instant,
 }
 
@@ -86,9 +90,7 @@ impl Station {
         if paused {
             facts.intake = IntakeState::Paused;
         }
-        for store in &stores {
-            make_ready(store, first_start);
-        }
+        let rebuilt = facts.alarms.contains_key("journal-rebuilt");
         info!(event = "station-open", adopted, first_start);
         let gate = Gate::new(config.station.disk_floor_bytes);
         Ok(Station {
@@ -103,6 +105,9 @@ impl Station {
             ruin: Notify::new(),
             paused: AtomicBool::new(paused),
             hurried: Mutex::new(Vec::new()),
+            ready_stores: Mutex::new(BTreeSet::new()),
+            first_start,
+            rebuilt,
             started: Instant::now(),
         })
     }
@@ -156,7 +161,10 @@ impl Station {
             self.note_store(name, Some("the configuration does not name it any more".to_owned()));
             return false;
         };
-        let asked = store.reach().map_err(|fault| of_store(&fault)).and_then(|()| {
+        let reached = self.begin_store(store).and_then(|()| {
+            store.reach().and_then(|()| self.make_ready(store)).map_err(|fault| of_store(&fault))
+        });
+        let asked = reached.and_then(|()| {
             if !self.custody.journal().is_to_be_searched(name).map_err(|error| chain(&error))? {
                 return Ok(());
             }
@@ -165,6 +173,28 @@ impl Station {
         let in_reach = asked.is_ok();
         self.note_store(name, asked.err());
         in_reach
+    }
+
+    /// Begins a store that the journal does not know at its place. A journal that was rebuilt knows
+    /// none: then the store must be marked already, lest the empty place of a share be taken for it.
+    fn begin_store(&self, store: &RecordStore) -> Result<(), String> {
+        let (journal, place) = (self.custody.journal(), store.place());
+        let of_journal = |error: JournalError| chain(&error);
+        if self.rebuilt || journal.is_begun(store.name(), &place).map_err(of_journal)? {
+            return Ok(());
+        }
+        store.begin(self.first_start).map_err(|fault| of_store(&fault))?;
+        journal.begun(store.name(), &place).map_err(of_journal)
+    }
+
+    /// Clears what a crash left half made in a store, once.
+    fn make_ready(&self, store: &RecordStore) -> Result<(), StoreFault> {
+        let ready = || self.ready_stores.lock().unwrap_or_else(PoisonError::into_inner);
+        if !ready().contains(store.name()) {
+            store.open()?;
+            ready().insert(store.name().to_owned());
+        }
+        Ok(())
     }
 
     /// Notes how a store is; no fault is well. A change is told.
@@ -206,16 +236,6 @@ fn stores(config: &Config) -> Vec<RecordStore> {
     let copy = config.store.copy.as_ref();
     let copy = copy.map(|copy| FolderStore::new("copy", copy.path.clone(), station));
     [Some(first), copy].into_iter().flatten().map(RecordStore::Folder).collect()
-}
-
-/// Makes a store's folder at a station's first start, and clears what a crash left half made.
-fn make_ready(store: &RecordStore, first_start: bool) {
-    let RecordStore::Folder(folder) = store;
-    let made = if first_start { folder.make_root() } else { Ok(()) };
-    if let Err(fault) = made.and_then(|()| store.open()) {
-        // Deliveries will meet the same fault and be put off.
-        warn!(event = "store-unavailable", store = store.name(), fault = of_store(&fault));
-    }
 }
 
 /// A store's fault without its path.

@@ -58,6 +58,10 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
     let cores = available_parallelism().map_or(1, usize::from);
     let hands = cores.clamp(1, MOST_HANDS);
     let mut bench = Bench::default();
+    for store in &station.stores {
+        bench.outbox.asking(store.name());
+        bench.ask(&station, store.name().to_owned());
+    }
     while !stop.is_requested() {
         beat.beat(station.now());
         if !station.is_paused() {

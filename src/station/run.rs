@@ -92,7 +92,14 @@ pub async fn run(
         match generation(&station, &mut stop, &mut orders.reload).await {
             Ok(Turn::Stop) => break Ok(()),
             Ok(Turn::Reload(next)) => config = *next,
-            Ok(Turn::Ruin) => sleep(BETWEEN).await,
+            Ok(Turn::Ruin) => {
+                let ruined = Arc::clone(&station);
+                let let_go = spawn_blocking(move || ruined.custody.journal().let_go());
+                if let Err(error) = let_go.await.map_err(StationError::Start)? {
+                    warn!(event = "journal-failed", error = chain(&error));
+                }
+                sleep(BETWEEN).await;
+            }
             Err(error) => break Err(error),
         }
     };

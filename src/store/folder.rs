@@ -16,6 +16,13 @@ use super::{Delivery, Misfit, Receipt, StoreFault, durable};
 use crate::flow::{ScanId, naming};
 use crate::record::RecordFile;
 
+/// The file that marks a store's folder.
+const MARK: &str = ".gaiter-store";
+
+/// What stands in it, for whoever finds it.
+const MARK_TEXT: &str = "This folder holds the records of gaiter stations. A station that does not \
+find this file takes the folder for the empty place of a share that is not mounted.\n";
+
 /// Records as folders on a disk or share.
 #[derive(Debug, Clone)]
 pub struct FolderStore {
@@ -43,12 +50,29 @@ impl FolderStore {
         tried("making the store's folder", &self.root, fs::create_dir_all(&self.root))
     }
 
-    /// Whether the store's folder can be opened.
+    /// Marks the store's folder as a store of gaiter, so that it can be told from the empty folder
+    /// that is left when its share is not mounted.
     ///
     /// # Errors
-    /// A transient fault where it cannot.
+    /// A transient fault where the folder is out of reach.
+    pub fn mark(&self) -> Result<(), StoreFault> {
+        let mark = self.root.join(MARK);
+        match durable::write_new(&mark, MARK_TEXT.as_bytes()) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            other => tried("marking", &mark, other)?,
+        }
+        tried("syncing", &self.root, durable::sync_folder(&self.root))
+    }
+
+    /// Whether the store's folder can be opened, and is the one that was marked.
+    ///
+    /// # Errors
+    /// A transient fault where it is not.
     pub fn reach(&self) -> Result<(), StoreFault> {
-        tried("opening", &self.root, fs::read_dir(&self.root)).map(drop)
+        tried("opening", &self.root, fs::read_dir(&self.root))?;
+        let mark = self.root.join(MARK);
+        let what = "looking for .gaiter-store, which is missing where a share is not mounted,";
+        tried(what, &mark, fs::symlink_metadata(&mark)).map(drop)
     }
 
     /// Removes what crashed deliveries of this station left staged.
@@ -65,6 +89,11 @@ impl FolderStore {
             }
         }
         Ok(())
+    }
+
+    /// Its folder, as the configuration says.
+    pub fn place(&self) -> String {
+        self.root.to_string_lossy().into_owned()
     }
 
     /// The store's name in the journal.

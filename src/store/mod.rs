@@ -123,10 +123,32 @@ impl RecordStore {
         }
     }
 
-    /// Makes the store ready at the station's start: clears what a crash left half made.
+    /// Begins a new store: makes it, at a station's first start, and marks it.
     ///
     /// # Errors
-    /// A transient fault where the store is out of reach; deliveries will show the same.
+    /// A transient fault where that is not possible now.
+    pub fn begin(&self, first_start: bool) -> Result<(), StoreFault> {
+        match self {
+            RecordStore::Folder(store) => {
+                if first_start {
+                    store.make_root()?;
+                }
+                store.mark()
+            }
+        }
+    }
+
+    /// Where the store is, as the configuration says.
+    pub fn place(&self) -> String {
+        match self {
+            RecordStore::Folder(store) => store.place(),
+        }
+    }
+
+    /// Makes the store ready after a start: clears what a crash left half made.
+    ///
+    /// # Errors
+    /// A transient fault where the store is out of reach.
     pub fn open(&self) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => store.clear_staging(),

@@ -11,6 +11,9 @@ const PAUSED: &str = "paused";
 /// Which stores are still to be searched for records that a rebuilt journal does not know.
 const TO_SEARCH: &str = "to-search:";
 
+/// Where each store was begun: there it must be found marked from then on.
+const BEGUN: &str = "begun:";
+
 impl Journal {
     /// Whether a person has paused the station.
     ///
@@ -72,6 +75,27 @@ impl Journal {
     pub fn searched(&self, store: &str) -> Result<(), JournalError> {
         let name = format!("{TO_SEARCH}{store}");
         self.connection().execute("DELETE FROM meta WHERE name = ?1", [name])?;
+        Ok(())
+    }
+
+    /// Whether a store was begun at this place.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn is_begun(&self, store: &str, place: &str) -> Result<bool, JournalError> {
+        Ok(self.fact(&format!("{BEGUN}{store}"))?.is_some_and(|begun| begun == place))
+    }
+
+    /// A store was begun at this place.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn begun(&self, store: &str, place: &str) -> Result<(), JournalError> {
+        self.connection().execute(
+            "INSERT INTO meta (name, value) VALUES (?1, ?2)
+             ON CONFLICT (name) DO UPDATE SET value = excluded.value",
+            [&format!("{BEGUN}{store}"), place],
+        )?;
         Ok(())
     }
 

@@ -143,6 +143,7 @@ impl JournalError {
                     rusqlite::Error::InvalidColumnType(..)
                         | rusqlite::Error::FromSqlConversionFailure(..)
                         | rusqlite::Error::IntegralValueOutOfRange(..)
+                        | rusqlite::Error::Utf8Error(..)
                         | rusqlite::Error::SqlInputError { .. }
                 );
                 let code = error.sqlite_error_code();
@@ -203,6 +204,17 @@ impl Journal {
     pub fn is_in_place(&self) -> Result<(), JournalError> {
         let found = durable::FileId::of(&self.path).ok();
         if found == Some(self.file) { Ok(()) } else { Err(JournalError::Gone) }
+    }
+
+    /// Closes the journal's files, which are about to be set aside. SQLite removes a write-ahead log
+    /// by its name when it closes the last connection to it: a step that still hangs somewhere must
+    /// not do that to the next journal. Whatever is asked of this one from now on fails.
+    ///
+    /// # Errors
+    /// Where even an empty journal in memory cannot be opened.
+    pub fn let_go(&self) -> Result<(), JournalError> {
+        *self.connection() = Connection::open_in_memory()?;
+        Ok(())
     }
 
     /// The connection. A panic while it was held rolled its transaction back, so a poisoned lock
