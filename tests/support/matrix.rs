@@ -80,6 +80,11 @@ pub fn all_done(booth: &Booth) -> bool {
     DONE.iter().all(|event| log.contains(event))
 }
 
+/// Whether the log says that the station has started.
+pub fn is_ready(booth: &Booth) -> bool {
+    booth.log().contains("station-ready")
+}
+
 /// What does not hold at this moment, as text.
 pub fn faults(booth: &Booth, moment: Moment) -> Vec<String> {
     booth.violations(moment).iter().map(ToString::to_string).collect()
