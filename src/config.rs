@@ -20,6 +20,7 @@ use std::time::Duration;
 use regex::Regex;
 
 use crate::cad::Output;
+use crate::flow::retention::Retention;
 use crate::leg::Method;
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
@@ -37,8 +38,25 @@ pub struct Config {
     pub method: Method,
     /// `[output]`: which CAD files and meshes are made of each leg.
     pub output: Output,
+    /// `[measure]`: what the measurement of one scan may take.
+    pub measure: MeasureConfig,
     /// `[store]`
     pub store: StoreConfig,
+    /// `[retention]`: how long what has served is kept.
+    pub retention: Retention,
+    /// The text it was read from, for the process that measures.
+    pub text: String,
+}
+
+/// `[measure]`: what the measurement of one scan may take.
+#[derive(Debug, Clone, Copy)]
+pub struct MeasureConfig {
+    /// Address space, bytes.
+    pub memory_bytes: u64,
+    /// Time on processors.
+    pub cpu: Duration,
+    /// Time in all.
+    pub wall: Duration,
 }
 
 /// `[station]`: who this station is and where it keeps its state.
@@ -79,6 +97,8 @@ pub struct PatientConfig {
 pub struct StoreConfig {
     /// `[store.folder]`
     pub folder: FolderStoreConfig,
+    /// `[store.copy]`: a second folder that receives every record too, if anybody wants one.
+    pub copy: Option<FolderStoreConfig>,
 }
 
 /// `[store.folder]`: records as folders.

@@ -34,7 +34,7 @@ const EFFECTS: [Rule; 3] = [
         layers: &["scan", "leg", "record", "flow", "store", "config"],
         crates: &[],
     },
-    Rule { layer: "config", layers: &["leg", "cad"], crates: &[] },
+    Rule { layer: "config", layers: &["leg", "cad", "flow"], crates: &[] },
 ];
 
 /// What no pure layer may name.

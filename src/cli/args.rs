@@ -9,6 +9,7 @@ use clap::{Parser, Subcommand};
 use crate::cad::FileKind;
 use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
+use crate::station::measure::VERB;
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -45,6 +46,9 @@ pub enum Verb {
     ///
     /// Prints a table of both legs for every scan. Girths and heights are in millimetres.
     Extract(ExtractArgs),
+    /// Measure one scan on standard input; the station runs this itself
+    #[command(name = VERB, hide = true)]
+    Measure(MeasureArgs),
     /// Check the configuration and the folders it names
     ///
     /// Names every fault in the configuration file at once, with its line and a hint. When the
@@ -104,6 +108,13 @@ pub struct ExtractArgs {
     /// otherwise
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
+}
+
+/// `gaiter measure`
+#[derive(Debug, clap::Args)]
+pub struct MeasureArgs {
+    /// The scan's hash
+    pub hash: String,
 }
 
 /// `gaiter check`

@@ -19,7 +19,7 @@ use super::args::DemoArgs;
 use super::{Exit, complain, explain_config, print, table};
 use crate::config::{self, Config};
 use crate::record::Record;
-use crate::station::{self, StationEvent, simulated_scanner};
+use crate::station::{self, Orders, StationEvent, simulated_scanner};
 use exports::{Expected, exports};
 
 /// Everything the demo makes lies in here, below the working folder.
@@ -113,7 +113,7 @@ async fn show(config: Config) -> Result<(), DemoFault> {
         // A dropped sender asks for the end as well.
         let _ = stopped.await;
     };
-    let station = tokio::spawn(station::run(config, asked, Some(tell)));
+    let station = tokio::spawn(station::run(config, Orders::stop_only(asked), Some(tell)));
     let clock = Instant::now();
     let expected: Vec<Expected> =
         exports(&export_dir)?.into_iter().map(|e| scan(e, clock)).collect();

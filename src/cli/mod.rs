@@ -5,6 +5,7 @@ pub mod check;
 pub mod demo;
 pub mod exit;
 pub mod extract;
+pub mod measure;
 pub mod ord;
 pub mod run;
 pub mod table;
@@ -33,6 +34,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Demo(args) => demo::demo(&args),
         Verb::Run(args) => run::run(&args),
         Verb::Extract(args) => extract::extract(&args),
+        Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
     }
 }

@@ -2,16 +2,19 @@
 
 use std::future::Future;
 use std::io;
+use std::path::PathBuf;
 
 use tokio::runtime::Runtime;
 use tokio::signal::unix::{SignalKind, signal};
+use tokio::sync::mpsc;
+use tokio::task::spawn_blocking;
 use tracing_subscriber::EnvFilter;
 
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
-use crate::config;
+use crate::config::{self, ConfigError};
 use crate::station::error::chain;
-use crate::station::{self, StationError};
+use crate::station::{self, Orders, Reload, StationError};
 
 /// What is logged where the environment says nothing else.
 const LOG_LEVEL: &str = "info";
@@ -24,17 +27,19 @@ pub fn run(args: &RunArgs) -> Exit {
     };
     log_to_stderr();
     let started = Runtime::new().and_then(|runtime| {
-        let stop = runtime.block_on(async { asked_to_stop() })?;
-        Ok((runtime, stop))
+        let path = args.config.clone();
+        let orders = runtime.block_on(async { Ok((asked_to_stop()?, asked_to_reload(path)?)) });
+        orders.map(|orders: (_, _)| (runtime, orders))
     });
-    let (runtime, stop) = match started {
+    let (runtime, (stop, reload)) = match started {
         Ok(started) => started,
         Err(error) => {
             complain(format_args!("gaiter: cannot start: {error}"));
             return Exit::Internal;
         }
     };
-    let ended = runtime.block_on(station::run(config, stop, None));
+    let orders = Orders { stop, reload };
+    let ended = runtime.block_on(station::run(config, orders, None));
     // A read from a share that does not answer cannot be cut off, and must not hold up the end.
     runtime.shutdown_background();
     ended.map_or_else(|error| explain(&error), |()| Exit::Done)
@@ -50,6 +55,38 @@ fn asked_to_stop() -> io::Result<impl Future<Output = ()>> {
             _ = interrupt.recv() => {}
         }
     })
+}
+
+/// The configuration, read again each time the process is asked to: SIGHUP, as of
+/// `systemctl reload`.
+fn asked_to_reload(path: PathBuf) -> io::Result<mpsc::Receiver<Reload>> {
+    let mut hangup = signal(SignalKind::hangup())?;
+    let (sender, receiver) = mpsc::channel(1);
+    tokio::spawn(async move {
+        while hangup.recv().await.is_some() {
+            let path = path.clone();
+            let read = spawn_blocking(move || config::read(&path)).await;
+            let reload = match read {
+                Ok(Ok(config)) => Ok(Box::new(config)),
+                Ok(Err(error)) => Err(faults(&error)),
+                Err(error) => Err(error.to_string()),
+            };
+            if sender.send(reload).await.is_err() {
+                break;
+            }
+        }
+    });
+    Ok(receiver)
+}
+
+/// Every fault of a configuration, a line each.
+fn faults(error: &ConfigError) -> String {
+    match error {
+        ConfigError::Unreadable { source, .. } => format!("{error}: {source}"),
+        ConfigError::Faults { faults, .. } => {
+            faults.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
+        }
+    }
 }
 
 /// Log lines go to standard error, where the service manager collects them; `RUST_LOG` chooses.

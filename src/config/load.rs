@@ -14,9 +14,11 @@ use super::words::{
     faces_up_or_down,
 };
 use super::{
-    Config, FolderStoreConfig, PatientConfig, ScannerConfig, StationConfig, StoreConfig, notation,
+    Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
+    StoreConfig, notation,
 };
 use crate::cad::Output;
+use crate::flow::retention::Retention;
 use crate::leg::Method;
 use crate::leg::method::{B1, LevelChoices, SurfaceMethod};
 
@@ -37,7 +39,7 @@ pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
         findings.sort_by_key(|finding| finding.at.start);
     }
     match config {
-        Some(config) if findings.is_empty() => Ok(config),
+        Some(config) if findings.is_empty() => Ok(Config { text: text.to_owned(), ..config }),
         _ => Err(findings.into_iter().map(|finding| fault(text, finding)).collect()),
     }
 }
@@ -84,10 +86,15 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let levels = level_choices(reader);
     let surface = surface_method(reader);
     let output = output(reader);
+    let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
+    let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
+    let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
+
+    let retention = retention(reader);
 
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
-    overlaps(reader, state_dir.as_ref(), &exports, store.as_ref());
+    overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
     if let (Some(up), Some(facing)) = (&up, &facing)
         && faces_up_or_down(up.value, facing.value)
     {
@@ -119,7 +126,13 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             surface: surface?,
         },
         output: output?,
-        store: StoreConfig { folder: FolderStoreConfig { path: store?.value } },
+        measure: measure?,
+        store: StoreConfig {
+            folder: FolderStoreConfig { path: store?.value },
+            copy: copy.map(|found| FolderStoreConfig { path: found.value }),
+        },
+        retention: retention?,
+        text: String::new(),
     })
 }
 
@@ -166,6 +179,28 @@ fn output(reader: &mut Reader) -> Option<Output> {
     Some(Output { files, mesh_tolerance_mm: tolerance?.value })
 }
 
+/// The keys of `[measure]`.
+fn measure(reader: &mut Reader) -> Option<MeasureConfig> {
+    use Absent::Default;
+    let bounds = Bounds { least: "256MB", most: "64GB" };
+    let memory = reader.text("measure.memory", Default("2GB"), parse::size_in(bounds));
+    let bounds = Bounds { least: "1s", most: "1h" };
+    let cpu = reader.text("measure.cpu", Default("60s"), parse::duration_in(bounds));
+    let wall = reader.text("measure.wall", Default("120s"), parse::duration_in(bounds));
+    Some(MeasureConfig { memory_bytes: memory?.value, cpu: cpu?.value, wall: wall?.value })
+}
+
+/// The keys of `[retention]`.
+fn retention(reader: &mut Reader) -> Option<Retention> {
+    use Absent::Default;
+    let bounds = Bounds { least: "0s", most: "87600h" };
+    let spool = reader.text("retention.spool", Default("0s"), parse::duration_in(bounds));
+    let kept = parse::duration_or_off(Bounds { least: "24h", most: "876000h" });
+    let quarantine = reader.text("retention.quarantine", Default("off"), &kept);
+    let journal = reader.text("retention.journal", Default("off"), &kept);
+    Some(Retention { spool: spool?.value, quarantine: quarantine?.value, journal: journal?.value })
+}
+
 fn twice<T: PartialEq>(
     reader: &mut Reader,
     key: &str,
@@ -187,16 +222,20 @@ fn overlaps(
     state_dir: Option<&Found<PathBuf>>,
     exports: &[Found<PathBuf>],
     store: Option<&Found<PathBuf>>,
+    copy: Option<&Found<PathBuf>>,
 ) {
     let state = state_dir.map(|folder| ("station.state_dir", folder));
     let store = store.map(|folder| ("store.folder.path", folder));
-    for own in [state, store].into_iter().flatten() {
+    let copy = copy.map(|folder| ("store.copy.path", folder));
+    for own in [state, store, copy].into_iter().flatten() {
         for export in exports {
             apart(reader, own, ("scanner.export_dirs", export));
         }
     }
-    if let (Some(store), Some(state)) = (store, state) {
-        apart(reader, store, state);
+    for (a, b) in [(store, state), (copy, state), (copy, store)] {
+        if let (Some(a), Some(b)) = (a, b) {
+            apart(reader, a, b);
+        }
     }
 }
 

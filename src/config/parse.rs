@@ -53,6 +53,12 @@ pub(super) fn duration_in(bounds: Bounds) -> impl Fn(&str) -> Result<Duration, W
     move |text| bounds.hold(text, duration(text)?, duration)
 }
 
+/// A duration within bounds, or "off".
+pub(super) fn duration_or_off(bounds: Bounds) -> impl Fn(&str) -> Result<Option<Duration>, What> {
+    let within = duration_in(bounds);
+    move |text| if text == "off" { Ok(None) } else { within(text).map(Some) }
+}
+
 /// `"200MB"` in bytes; decimal units, as disks and file managers count.
 pub(super) fn size(text: &str) -> Result<u64, What> {
     let units = [("B", 1), ("kB", 1000), ("KB", 1000), ("MB", 1_000_000), ("GB", 1_000_000_000)];
@@ -128,6 +134,11 @@ pub(super) fn station_id(text: &str) -> Result<String, What> {
     } else {
         Err(What::NotAStationId(text.into()))
     }
+}
+
+/// A folder that may be left out.
+pub(super) fn full_path_or_none(text: &str) -> Result<Option<PathBuf>, What> {
+    if text.is_empty() { Ok(None) } else { full_path(text).map(Some) }
 }
 
 /// A full path. A relative one is refused: a daemon has no folder a person would think of, and the

@@ -71,6 +71,12 @@ impl Identity {
         NameSays::Patient(Patient { id: id.as_str().to_owned(), sources })
     }
 
+    /// The patient of an id that a person gave; none where it is not allowed as an id.
+    pub fn of_operator(&self, id: &str) -> Option<Patient> {
+        let sources = vec![Source { kind: SourceKind::Operator }];
+        self.allows(id).then(|| Patient { id: id.to_owned(), sources })
+    }
+
     fn allows(&self, id: &str) -> bool {
         !id.is_empty()
             && id.len() <= LONGEST_ID

@@ -1,10 +1,15 @@
 //! The states of a scan and of a delivery, and the steps between them.
 //!
 //! ```text
-//! scan       spooled ──Finish──▶ delivered          delivery   pending ──Deliver──▶ delivered
-//!               └──────Refuse──▶ refused                          └─────Refuse────▶ refused
-//!                                                              held      (waits for a person)
+//! scan      spooled ──Finish──▶ delivered         delivery  pending ──Deliver──▶ delivered
+//!           │  ▲ ▲                │                         │    ▲ ▲               │
+//!           │  │ └────Reopen──────┘                       Refuse │ └─Release─ held Withdraw
+//!         Refuse Reopen                                     ▼    │                 ▼
+//!           ▼  │                                          refused┘          withdrawing ─Gone─▶ withdrawn
+//!          refused                                           Retry
 //! ```
+//!
+//! Finish, Deliver, Refuse and Gone are the station's own steps; the others need a person.
 
 /// Where a scan is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +29,8 @@ pub enum ScanStep {
     Finish,
     /// It was refused for good.
     Refuse,
+    /// A person wants a delivery made that was not to be made.
+    Reopen,
 }
 
 /// Where a delivery is.
@@ -37,6 +44,10 @@ pub enum DeliveryState {
     Held,
     /// It will not be made: the scan was refused.
     Refused,
+    /// It was made for nobody; now that the patient has the record, this one is to be taken back.
+    Withdrawing,
+    /// It was taken back.
+    Withdrawn,
 }
 
 /// What may happen to a delivery.
@@ -46,6 +57,14 @@ pub enum DeliveryStep {
     Deliver,
     /// The scan was refused.
     Refuse,
+    /// A person wants it tried again.
+    Retry,
+    /// A person says that the scan is this patient's.
+    Release,
+    /// The record of the same scan has reached the patient it belongs to.
+    Withdraw,
+    /// The store has taken it back.
+    Gone,
 }
 
 /// A step that the state does not allow; always a fault of ours.
@@ -84,23 +103,22 @@ impl ScanState {
         match (self, step) {
             (ScanState::Spooled, ScanStep::Finish) => Ok(ScanState::Delivered),
             (ScanState::Spooled, ScanStep::Refuse) => Ok(ScanState::Refused),
-            (ScanState::Delivered | ScanState::Refused, ScanStep::Finish) => {
-                Err(IllegalStep { state: self.word(), step: "finish" })
-            }
-            (ScanState::Delivered | ScanState::Refused, ScanStep::Refuse) => {
-                Err(IllegalStep { state: self.word(), step: "refuse" })
-            }
+            (_, ScanStep::Reopen) => Ok(ScanState::Spooled),
+            (_, ScanStep::Finish) => Err(IllegalStep { state: self.word(), step: "finish" }),
+            (_, ScanStep::Refuse) => Err(IllegalStep { state: self.word(), step: "refuse" }),
         }
     }
 }
 
 impl DeliveryState {
     /// All states.
-    pub const ALL: [DeliveryState; 4] = [
+    pub const ALL: [DeliveryState; 6] = [
         DeliveryState::Pending,
         DeliveryState::Delivered,
         DeliveryState::Held,
         DeliveryState::Refused,
+        DeliveryState::Withdrawing,
+        DeliveryState::Withdrawn,
     ];
 
     /// The word in the journal.
@@ -110,6 +128,8 @@ impl DeliveryState {
             DeliveryState::Delivered => "delivered",
             DeliveryState::Held => "held",
             DeliveryState::Refused => "refused",
+            DeliveryState::Withdrawing => "withdrawing",
+            DeliveryState::Withdrawn => "withdrawn",
         }
     }
 
@@ -123,11 +143,21 @@ impl DeliveryState {
     /// # Errors
     /// [`IllegalStep`] where the state does not allow it.
     pub fn after(self, step: DeliveryStep) -> Result<DeliveryState, IllegalStep> {
+        use DeliveryState::{Delivered, Held, Pending, Refused, Withdrawing, Withdrawn};
+        use DeliveryStep::{Deliver, Gone, Refuse, Release, Retry, Withdraw};
+        let illegal = |step| Err(IllegalStep { state: self.word(), step });
         match (self, step) {
-            (DeliveryState::Pending, DeliveryStep::Deliver) => Ok(DeliveryState::Delivered),
-            (DeliveryState::Pending, DeliveryStep::Refuse) => Ok(DeliveryState::Refused),
-            (_, DeliveryStep::Deliver) => Err(IllegalStep { state: self.word(), step: "deliver" }),
-            (_, DeliveryStep::Refuse) => Err(IllegalStep { state: self.word(), step: "refuse" }),
+            (Pending, Deliver) => Ok(Delivered),
+            (Pending, Refuse) => Ok(Refused),
+            (Refused, Retry) | (Held, Release) => Ok(Pending),
+            (Delivered, Withdraw) => Ok(Withdrawing),
+            (Withdrawing, Gone) => Ok(Withdrawn),
+            (_, Deliver) => illegal("deliver"),
+            (_, Refuse) => illegal("refuse"),
+            (_, Retry) => illegal("retry"),
+            (_, Release) => illegal("release"),
+            (_, Withdraw) => illegal("withdraw"),
+            (_, Gone) => illegal("gone"),
         }
     }
 }
@@ -137,14 +167,23 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_leaves_an_end_state() {
+    fn nothing_leaves_an_end_state_without_a_person() {
         for step in [ScanStep::Finish, ScanStep::Refuse] {
             assert!(ScanState::Delivered.after(step).is_err());
             assert!(ScanState::Refused.after(step).is_err());
         }
-        for step in [DeliveryStep::Deliver, DeliveryStep::Refuse] {
+        for step in [DeliveryStep::Deliver, DeliveryStep::Refuse, DeliveryStep::Gone] {
             assert!(DeliveryState::Delivered.after(step).is_err());
             assert!(DeliveryState::Refused.after(step).is_err());
+            assert!(DeliveryState::Withdrawn.after(step).is_err());
+        }
+    }
+
+    #[test]
+    fn a_record_that_was_taken_back_stays_away() {
+        use DeliveryStep::{Deliver, Gone, Refuse, Release, Retry, Withdraw};
+        for step in [Deliver, Refuse, Retry, Release, Withdraw, Gone] {
+            assert!(DeliveryState::Withdrawn.after(step).is_err());
         }
     }
 

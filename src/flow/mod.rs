@@ -11,11 +11,14 @@ pub mod facts;
 pub mod identity;
 pub mod lifecycle;
 pub mod naming;
+pub mod outbox;
+pub mod retention;
 pub mod scan_id;
 pub mod settle;
 
 pub use facts::Facts;
 pub use identity::{Identity, NameSays, Verdict};
 pub use lifecycle::{DeliveryState, DeliveryStep, IllegalStep, ScanState, ScanStep};
+pub use outbox::Outbox;
 pub use scan_id::ScanId;
 pub use settle::{Look, LookTime, Settled, Settling, Stamp};

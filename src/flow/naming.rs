@@ -24,6 +24,40 @@ pub fn patient_folder(id: Option<&str>) -> String {
     name
 }
 
+/// Whose folder a folder of this name is: the inner value is none for [`UNASSIGNED`]; none at all
+/// for a name that [`patient_folder`] never gives.
+pub fn patient_of_folder(name: &str) -> Option<Option<String>> {
+    if name == UNASSIGNED {
+        return Some(None);
+    }
+    let (mut id, mut rest) = (Vec::with_capacity(name.len()), name.as_bytes());
+    while let [first, more @ ..] = rest {
+        rest = match (first, more) {
+            (b'%', [high, low, more @ ..]) => {
+                let digits = [*high, *low];
+                let digits = std::str::from_utf8(&digits).ok()?;
+                id.push(u8::from_str_radix(digits, 16).ok()?);
+                more
+            }
+            (byte, more) => {
+                id.push(*byte);
+                more
+            }
+        };
+    }
+    let id = String::from_utf8(id).ok()?;
+    (!id.is_empty() && patient_folder(Some(&id)) == name).then_some(Some(id))
+}
+
+/// When the scan of a record folder of this name was first seen, and the beginning of its id; none
+/// for a name that [`record_folder`] never gives.
+pub fn read_record_folder(name: &str) -> Option<(Timestamp, &str)> {
+    let (time, scan) = name.split_once('_')?;
+    let time = jiff::civil::DateTime::strptime("%Y%m%dT%H%M%SZ", time).ok()?;
+    let first_seen = time.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp();
+    Some((first_seen, scan))
+}
+
 /// The folder of one record: when the scan was first seen, UTC, and the beginning of its id.
 pub fn record_folder(first_seen: Timestamp, scan: &ScanId) -> String {
     format!("{}_{}", first_seen.strftime("%Y%m%dT%H%M%SZ"), scan.short())
@@ -42,6 +76,11 @@ mod tests {
         let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
         let scan = ScanId::parse(&"0123456789abcdef".repeat(4)).unwrap();
         assert_eq!(record_folder(first_seen, &scan), "20261121T091500Z_01234567");
+        let read = read_record_folder("20261121T091500Z_01234567");
+        assert_eq!(read, Some((first_seen, "01234567")));
+        for name in ["20261121T091500Z", "notes_2026", ".staging.booth-1.20261121T091500Z_0"] {
+            assert_eq!(read_record_folder(name), None, "{name}");
+        }
     }
 
     #[test]
@@ -66,6 +105,19 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn a_folder_says_whose_it_is(id in ".{1,8}") {
+            let folder = patient_folder(Some(&id));
+            prop_assert_eq!(patient_of_folder(&folder), Some(Some(id)));
+        }
+
+        #[test]
+        fn a_name_that_is_nobody_s_folder_says_nothing(name in "[.%_a ]{1,5}") {
+            if let Some(id) = patient_of_folder(&name) {
+                prop_assert_eq!(patient_folder(id.as_deref()), name);
+            }
+        }
+
         #[test]
         fn different_ids_have_different_folders(a in ".{1,6}", b in ".{1,6}") {
             prop_assert_eq!(a == b, patient_folder(Some(&a)) == patient_folder(Some(&b)));

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 /// What the station knows about a scan before it is measured.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
     /// The station's id; none for a bare `extract`.
     pub station: Option<String>,
@@ -38,6 +38,10 @@ pub struct Source {
 pub enum SourceKind {
     /// The scan's file name, by the configured expression.
     FileName,
+    /// A person at the station.
+    Operator,
+    /// The record itself, found in its store by a station that had lost its journal.
+    Record,
 }
 
 /// A time of acquisition and where it is from.

@@ -1,22 +1,29 @@
 //! What the workers of one station share, put together at the start.
 
+use std::fs;
+use std::io;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
 use tokio::sync::Notify;
-use tracing::{info, warn};
+use tracing::{error, info, warn};
 
 use super::board::Board;
-use super::custody::Custody;
+use super::custody::{Custody, CustodyFault};
 use super::error::{StationError, chain};
 use super::event::Observer;
-use super::journal::{Journal, StateLock};
+use super::journal::{JournalError, StateLock};
 use super::quarantine::Quarantine;
+use super::rebuild;
 use super::spool::Spool;
+use super::work::store_facts;
 use crate::config::Config;
-use crate::flow::{Facts, Identity};
-use crate::store::{FolderStore, RecordStore, durable};
+use crate::flow::facts::{Alarm, IntakeState};
+use crate::flow::{Facts, Identity, ScanId};
+use crate::store::{FolderStore, RecordStore, StoreFault, durable};
 
 /// The parts of a station that its workers share.
 #[derive(Debug)]
@@ -28,60 +35,70 @@ pub struct Station {
     /// Spool, journal and quarantine.
     pub custody: Custody,
     /// Where records go.
-    pub store: RecordStore,
+    pub stores: Vec<RecordStore>,
     /// What the workers know, for those who ask.
     pub board: Board,
     /// Who looks on.
     pub observer: Observer,
     /// Tells the delivery that the journal has something new; a hint only.
     pub work: Notify,
+    /// Tells the run that the journal is to be rebuilt.
+    pub ruin: Notify,
+    paused: AtomicBool,
+    hurried: Mutex<Vec<ScanId>>,
     started: Instant,
-    _lock: StateLock,
 }
 
 impl Station {
-    /// Takes the state folder for this process and takes up what the last run left.
+    /// Takes the state folder for this process and takes up what the last run left. A journal that
+    /// cannot be relied upon is set aside and rebuilt, with an alarm.
     ///
     /// # Errors
     /// See [`StationError`].
-    pub fn open(config: Config, observer: Observer) -> Result<Station, StationError> {
+    pub fn open(
+        config: Config,
+        observer: Observer,
+        first_start: bool,
+    ) -> Result<Station, StationError> {
         let identity = Identity::new(config.scanner.file_name.clone(), &config.patient.pattern)?;
         let state_dir = &config.station.state_dir;
         let state = |source| StationError::State { path: state_dir.clone(), source };
-        make_state_dir(state_dir).map_err(state)?;
-        let lock = StateLock::take(state_dir)?;
-
-        let path = state_dir.join("journal.db");
-        let first_start = !path.exists();
-        let journal = Journal::open(&path)
-            .map_err(|source| StationError::Journal { path: path.clone(), source })?;
+        let stores = stores(&config);
+        let names: Vec<&'static str> = stores.iter().map(RecordStore::name).collect();
         let spool = Spool::open(state_dir).map_err(state)?;
         let quarantine = Quarantine::open(state_dir).map_err(state)?;
-
-        let folder = config.store.folder.path.clone();
-        let store = FolderStore::new(folder, &config.station.id);
-        if first_start && let Err(fault) = store.make_root() {
-            warn!(event = "store-unavailable", error = chain(&fault));
-        }
-        let store = RecordStore::Folder(store);
-        let custody = Custody::new(journal, spool, quarantine, store.name());
+        let opened = rebuild::open(&state_dir.join("journal.db"), &names, first_start)?;
+        let paused = opened.journal.is_paused().map_err(CustodyFault::from);
+        let paused = paused.map_err(StationError::Recovery)?;
+        let custody =
+            Custody::new(opened.journal, spool, quarantine, names, config.retention.spool);
         let adopted = custody.recover().map_err(StationError::Recovery)?;
-        if let Err(fault) = store.open() {
-            // Deliveries will meet the same fault and be put off.
-            warn!(event = "store-unavailable", code = fault.code());
+        let mut facts = Facts::new(Timestamp::now(), config.scanner.export_dirs.len());
+        if let Some(why) = opened.rebuilt {
+            let quarantined = custody.adopt_quarantined().map_err(StationError::Recovery)?;
+            error!(event = "journal-rebuilt", why, adopted, quarantined);
+            let message = format!("the journal was rebuilt, for {why}");
+            facts.alarms.insert("journal-rebuilt", Alarm { message, since: Timestamp::now() });
+        }
+        if paused {
+            facts.intake = IntakeState::Paused;
+        }
+        for store in &stores {
+            make_ready(store, first_start);
         }
         info!(event = "station-open", adopted, first_start);
-        let board = Board::new(Facts::new(Timestamp::now(), config.scanner.export_dirs.len()));
         Ok(Station {
             config,
             identity,
             custody,
-            store,
-            board,
+            stores,
+            board: Board::new(facts),
             observer,
             work: Notify::new(),
+            ruin: Notify::new(),
+            paused: AtomicBool::new(paused),
+            hurried: Mutex::new(Vec::new()),
             started: Instant::now(),
-            _lock: lock,
         })
     }
 
@@ -89,11 +106,142 @@ impl Station {
     pub fn now(&self) -> Duration {
         self.started.elapsed()
     }
+
+    /// The store of this name in the journal, if the configuration has it.
+    pub fn store(&self, name: &str) -> Option<&RecordStore> {
+        self.stores.iter().find(|store| store.name() == name)
+    }
+
+    /// Whether a person has paused the station.
+    pub fn is_paused(&self) -> bool {
+        self.paused.load(Ordering::Relaxed)
+    }
+
+    /// Notes that a person has paused or resumed the station.
+    pub fn set_paused(&self, paused: bool) {
+        self.paused.store(paused, Ordering::Relaxed);
+    }
+
+    /// A person wants the deliveries of a scan tried now.
+    pub fn hurry(&self, scan: &ScanId) {
+        self.hurried.lock().unwrap_or_else(PoisonError::into_inner).push(scan.clone());
+    }
+
+    /// The scans that are to be tried now, told once.
+    pub fn hurried(&self) -> Vec<ScanId> {
+        std::mem::take(&mut *self.hurried.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Looks whether an error shows that the journal is ruined; if so the run begins anew.
+    pub fn mind(&self, error: &(dyn std::error::Error + 'static)) {
+        let mut cause = Some(error);
+        while let Some(error) = cause {
+            if error.downcast_ref::<JournalError>().is_some_and(JournalError::is_ruin) {
+                self.ruin.notify_one();
+                return;
+            }
+            cause = error.source();
+        }
+    }
+
+    /// Whether a store is in reach. One that a rebuilt journal has not searched yet is searched
+    /// first, for what it holds must not be delivered again. Blocks.
+    pub fn ask_store(&self, name: &str) -> bool {
+        let Some(store) = self.store(name) else {
+            self.note_store(name, Some("the configuration does not name it any more".to_owned()));
+            return false;
+        };
+        let asked = store.reach().map_err(|fault| of_store(&fault)).and_then(|()| {
+            if !self.custody.journal().is_to_be_searched(name).map_err(|error| chain(&error))? {
+                return Ok(());
+            }
+            rebuild::search(&self.custody, store).map_err(|fault| chain(&fault))
+        });
+        let in_reach = asked.is_ok();
+        self.note_store(name, asked.err());
+        in_reach
+    }
+
+    /// Notes how a store is; no fault is well. A change is told.
+    pub fn note_store(&self, name: &str, fault: Option<String>) {
+        let Some(store) = self.store(name).map(RecordStore::name) else { return };
+        let mut before = None;
+        self.board.note(|facts| {
+            let known = facts.stores.get(store);
+            before = known.and_then(|known| known.fault.clone());
+            if known.is_none_or(|known| known.fault.is_some() != fault.is_some()) {
+                facts.stores.insert(store, store_facts(fault.clone()));
+            } else if let Some(known) = facts.stores.get_mut(store) {
+                known.fault.clone_from(&fault);
+            }
+        });
+        match (before, fault) {
+            (None, Some(fault)) => warn!(event = "store-unavailable", store, fault),
+            (Some(_), None) => info!(event = "store-in-reach", store),
+            _ => {}
+        }
+    }
+
+    /// Notes that a step at a store does not come back; says whether that is new.
+    pub fn note_stalled(&self, name: &str) -> bool {
+        const STALLED: &str = "it does not answer";
+        let known = self.board.facts().stores.get(name).and_then(|facts| facts.fault.clone());
+        if known.as_deref() == Some(STALLED) {
+            return false;
+        }
+        self.note_store(name, Some(STALLED.to_owned()));
+        true
+    }
 }
 
-fn make_state_dir(path: &Path) -> std::io::Result<()> {
-    if let Some(parent) = path.parent() {
-        std::fs::create_dir_all(parent)?;
+/// The stores of a configuration, each with its name in the journal.
+fn stores(config: &Config) -> Vec<RecordStore> {
+    let station = &config.station.id;
+    let first = FolderStore::new("folder", config.store.folder.path.clone(), station);
+    let copy = config.store.copy.as_ref();
+    let copy = copy.map(|copy| FolderStore::new("copy", copy.path.clone(), station));
+    [Some(first), copy].into_iter().flatten().map(RecordStore::Folder).collect()
+}
+
+/// Makes a store's folder at a station's first start, and clears what a crash left half made.
+fn make_ready(store: &RecordStore, first_start: bool) {
+    let RecordStore::Folder(folder) = store;
+    let made = if first_start { folder.make_root() } else { Ok(()) };
+    if let Err(fault) = made.and_then(|()| store.open()) {
+        // Deliveries will meet the same fault and be put off.
+        warn!(event = "store-unavailable", store = store.name(), fault = of_store(&fault));
     }
-    durable::make_folder_once(path)
+}
+
+/// A store's fault without its path.
+fn of_store(fault: &StoreFault) -> String {
+    match fault {
+        StoreFault::Transient { what, source, .. } => format!("{what} failed: {source}"),
+        StoreFault::Permanent(misfit) => misfit.to_string(),
+    }
+}
+
+/// A state folder that belongs to this process.
+#[derive(Debug)]
+pub struct OwnStateDir {
+    /// No station ever ran on it.
+    pub first_start: bool,
+    _lock: StateLock,
+}
+
+/// Takes a state folder for this process, made if there is none.
+///
+/// # Errors
+/// Where it cannot be made, or where another process has it.
+pub fn take_state_dir(path: &Path) -> Result<OwnStateDir, StationError> {
+    let state = |source| StationError::State { path: path.to_owned(), source };
+    let make = || -> io::Result<()> {
+        path.parent().map_or(Ok(()), fs::create_dir_all)?;
+        durable::make_folder_once(path)
+    };
+    make().map_err(state)?;
+    let lock = StateLock::take(path)?;
+    let ours = ["journal.db", "history.head", "spool"].map(|name| fs::exists(path.join(name)));
+    let ours: Vec<bool> = ours.into_iter().collect::<io::Result<_>>().map_err(state)?;
+    Ok(OwnStateDir { first_start: !ours.contains(&true), _lock: lock })
 }

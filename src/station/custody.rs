@@ -2,14 +2,18 @@
 //! here and nowhere else, bytes first when they come, journal first when they go, so that a crash
 //! between the two leaves bytes too many, never too few.
 
+mod acts;
+mod recover;
+
 use std::io;
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
 
 use jiff::Timestamp;
 
 use super::journal::{Due, Journal, JournalError, ScanRow};
-use super::quarantine::{Quarantine, Reason, Stage};
+use super::quarantine::{Quarantine, Reason};
 use super::spool::{Intake, Spool};
 use crate::flow::identity::{self, ID_NOT_ALLOWED, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{DeliveryState, NameSays, ScanId, ScanState, Verdict};
@@ -22,8 +26,10 @@ pub struct Custody {
     journal: Journal,
     spool: Spool,
     quarantine: Quarantine,
-    /// The store's name in the journal.
-    store: &'static str,
+    /// The stores' names in the journal.
+    stores: Vec<&'static str>,
+    /// How long spooled bytes are kept that have served.
+    kept: Duration,
     /// Held over each change of more than one of the three.
     change: Mutex<()>,
 }
@@ -61,14 +67,16 @@ pub enum CustodyFault {
 }
 
 impl Custody {
-    /// Custody over an open journal, spool and quarantine, for the store of this name.
+    /// Custody over an open journal, spool and quarantine, for the stores of these names. Spooled
+    /// bytes that have served are `kept` so long.
     pub fn new(
         journal: Journal,
         spool: Spool,
         quarantine: Quarantine,
-        store: &'static str,
+        stores: Vec<&'static str>,
+        kept: Duration,
     ) -> Custody {
-        Custody { journal, spool, quarantine, store, change: Mutex::new(()) }
+        Custody { journal, spool, quarantine, stores, kept, change: Mutex::new(()) }
     }
 
     /// The journal, to be asked.
@@ -79,11 +87,6 @@ impl Custody {
     /// The spool, to be read.
     pub fn spool(&self) -> &Spool {
         &self.spool
-    }
-
-    /// The store's name in the journal.
-    pub fn store(&self) -> &'static str {
-        self.store
     }
 
     /// Takes bytes in, if they say anything new. Durable when this returns.
@@ -135,10 +138,45 @@ impl Custody {
     /// See [`CustodyFault`].
     pub fn delivered(&self, due: &Due, folder: &Path) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.journal.delivered(due, self.store, folder)? {
+        if self.journal.delivered(due, folder)? && self.kept == Duration::ZERO {
             io("giving up spooled bytes", self.spool.remove(&due.scan))?;
         }
         Ok(())
+    }
+
+    /// Gives up the spooled bytes of a scan that has served; says whether there were any.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn give_up(&self, scan: &ScanId) -> Result<bool, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let gone = self.spool.holds(scan) && self.journal.has_served(scan)?;
+        if gone {
+            io("giving up spooled bytes", self.spool.remove(scan))?;
+        }
+        Ok(gone)
+    }
+
+    /// Gives up a refused scan that the configuration lets go; says whether there was one. The
+    /// journal goes on knowing it, so that its export is not taken again.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn forget_quarantined(&self, scan: &ScanId) -> Result<bool, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        io("giving up a refused scan", self.quarantine.remove(scan))
+    }
+
+    /// A store will never take a record. Where other deliveries of the scan are still to be made,
+    /// its bytes stay for them; else the scan is refused.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn refuse_at_store(&self, due: &Due, reason: &Reason) -> Result<(), CustodyFault> {
+        if self.journal.refused_at_store(due, &reason.code)? {
+            return Ok(());
+        }
+        self.refuse(&due.scan, reason)
     }
 
     /// A scan is refused for good; its bytes go to quarantine.
@@ -162,73 +200,6 @@ impl Custody {
         self.spool.sync()
     }
 
-    /// Makes spool, quarantine and journal agree after whatever ended the last run; returns how
-    /// many scans of the spool the journal did not know.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
-    pub fn recover(&self) -> Result<usize, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut adopted = 0;
-        for scan in io("listing the spool", self.spool.entries())? {
-            match self.journal.scan(&scan)?.map(|row| row.state) {
-                None => {
-                    self.adopt_or_refuse(&scan)?;
-                    adopted += 1;
-                }
-                Some(ScanState::Spooled) => {}
-                Some(ScanState::Delivered) if self.journal.is_held(&scan)? => {}
-                Some(ScanState::Refused) if !self.quarantine.holds(&scan) => {}
-                Some(ScanState::Delivered | ScanState::Refused) => {
-                    io("giving up spooled bytes", self.spool.remove(&scan))?;
-                }
-            }
-        }
-        for scan in self.journal.scans_in(ScanState::Spooled)? {
-            if !self.spool.holds(&scan) {
-                self.settle_missing(&scan)?;
-            }
-        }
-        Ok(adopted)
-    }
-
-    /// A scan to be delivered whose bytes are not in the spool: they are in quarantine already, or
-    /// somebody removed them.
-    fn settle_missing(&self, scan: &ScanId) -> Result<(), CustodyFault> {
-        let known = io("reading a reason", self.quarantine.reason(scan))?;
-        let reason = match (known, self.journal.scan(scan)?) {
-            (Some(reason), _) => reason,
-            (None, Some(row)) => {
-                let message = "its bytes were removed from the spool from outside".to_owned();
-                let reason = Reason::new("spool-lost", message, Stage::Intake, row.first_seen);
-                io("noting a refusal", self.quarantine.note(scan.as_str(), &reason))?;
-                reason
-            }
-            (None, None) => return Ok(()),
-        };
-        Ok(self.journal.refused(scan, &reason.code, &reason.message)?)
-    }
-
-    /// Enters a scan of the spool that the journal does not know.
-    fn adopt(&self, scan: &ScanId) -> Result<(), CustodyFault> {
-        let intake = io("reading an intake", self.spool.intake(scan))?;
-        self.enter(&row(&intake, scan), intake.patient.as_ref(), intake.held)
-    }
-
-    /// As [`Custody::adopt`]; an entry whose intake cannot be read must not stop every start.
-    fn adopt_or_refuse(&self, scan: &ScanId) -> Result<(), CustodyFault> {
-        let unreadable = match self.spool.intake(scan) {
-            Ok(_) => return self.adopt(scan),
-            Err(error) => error,
-        };
-        if !matches!(unreadable.kind(), io::ErrorKind::InvalidData | io::ErrorKind::NotFound) {
-            return io("reading an intake", Err(unreadable));
-        }
-        let message = format!("its intake.json cannot be read: {unreadable}");
-        let reason = Reason::new("spool-damaged", message, Stage::Intake, Timestamp::now());
-        io("quarantining a scan", self.quarantined(scan, &reason))
-    }
-
     fn enter(
         &self,
         row: &ScanRow,
@@ -239,7 +210,7 @@ impl Custody {
             true => (DeliveryState::Held, Some(SAME_SCAN_OTHER_PATIENT)),
             false => (DeliveryState::Pending, None),
         };
-        Ok(self.journal.enter(row, patient, self.store, state, code)?)
+        Ok(self.journal.enter(row, patient, &self.stores, state, code)?)
     }
 }
 
@@ -269,6 +240,20 @@ fn intake(
     }
 }
 
+/// What was known of a scan whose bytes come back into the spool.
+fn intake_of(row: &ScanRow, patient: Option<&Patient>) -> Intake {
+    Intake {
+        sha256: row.scan.to_string(),
+        format: row.format.clone(),
+        size: row.size,
+        first_seen: row.first_seen,
+        file_time: row.file_time,
+        patient: patient.cloned(),
+        held: false,
+        findings: Vec::new(),
+    }
+}
+
 /// The journal's row of an intake. Held bytes have nothing to be delivered by itself.
 fn row(intake: &Intake, scan: &ScanId) -> ScanRow {
     ScanRow {
@@ -284,6 +269,8 @@ fn row(intake: &Intake, scan: &ScanId) -> ScanRow {
 fn io<T>(what: &'static str, result: io::Result<T>) -> Result<T, CustodyFault> {
     result.map_err(|source| CustodyFault::Io { what, source })
 }
+
+pub use acts::Acted;
 
 #[cfg(test)]
 mod tests;

@@ -33,6 +33,13 @@ pub enum StationError {
         #[source]
         source: JournalError,
     },
+    /// A ruined journal could not be set aside.
+    #[error("setting a ruined journal aside failed")]
+    SetAside {
+        /// How it failed.
+        #[source]
+        source: io::Error,
+    },
     /// The state of the last run could not be taken up.
     #[error("taking up the state of the last run failed")]
     Recovery(#[source] CustodyFault),
@@ -78,6 +85,8 @@ pub enum Worker {
     },
     /// Measures scans and makes deliveries.
     Delivery,
+    /// Lets go what has served.
+    Housekeeping,
 }
 
 impl fmt::Display for Worker {
@@ -85,6 +94,7 @@ impl fmt::Display for Worker {
         match self {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
             Worker::Delivery => f.write_str("the delivery"),
+            Worker::Housekeeping => f.write_str("the housekeeping"),
         }
     }
 }

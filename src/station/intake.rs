@@ -10,6 +10,7 @@ use tokio::time::sleep;
 use tracing::{info, warn};
 
 use super::assembly::Station;
+use super::beat::Beat;
 use super::chance;
 use super::error::chain;
 use super::look::{self, Found};
@@ -51,6 +52,7 @@ pub async fn worker(
     station: Arc<Station>,
     place: usize,
     folder: PathBuf,
+    beat: Beat,
     mut stop: Stop,
     looked: mpsc::Sender<()>,
 ) -> Result<(), JoinError> {
@@ -60,8 +62,10 @@ pub async fn worker(
     let mut watch = Watch::new(folder.clone(), Arc::clone(&hint));
     let mut looked = Some(looked);
     let said = Said::default();
+    let station_clock = Arc::clone(&station);
     let mut intake = Intake { station, folder, place, settling, said };
     while !stop.is_requested() {
+        beat.beat(station_clock.now());
         let took;
         (watch, took) = intake.look_and_take(watch, &mut stop).await?;
         if let Some(looked) = looked.take() {

@@ -14,28 +14,34 @@
 //!
 //! Logs speak of scans by the first digits of their id, never of patients, file names or folders.
 
+pub mod act;
 pub mod assembly;
 pub mod board;
 pub mod custody;
 pub mod error;
 pub mod event;
 pub mod journal;
+pub mod measure;
 pub mod quarantine;
 pub mod run;
 pub mod simulated_scanner;
 pub mod spool;
 
+mod beat;
 mod caught;
 mod chance;
 mod delivery;
+mod housekeeping;
 mod intake;
 mod look;
+mod rebuild;
 mod source;
 mod stop;
 mod take;
 mod watch;
 mod work;
+mod workers;
 
 pub use error::{StationError, Worker};
 pub use event::StationEvent;
-pub use run::run;
+pub use run::{Orders, Reload, run};

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use super::spool::{self, Intake};
 use crate::flow::ScanId;
 use crate::store::durable;
 
@@ -76,6 +77,53 @@ impl Quarantine {
     /// Whether a scan lies here.
     pub fn holds(&self, scan: &ScanId) -> bool {
         self.folder.join(scan.as_str()).is_dir()
+    }
+
+    /// Whether a scan lies here with its bytes.
+    pub fn holds_bytes(&self, scan: &ScanId) -> bool {
+        self.intake(scan).is_ok()
+    }
+
+    /// The scans that lie here.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn entries(&self) -> io::Result<Vec<ScanId>> {
+        spool::entries(&self.folder)
+    }
+
+    /// What was known when a scan came in that lies here with its bytes.
+    ///
+    /// # Errors
+    /// Any I/O error; `InvalidData` where the file is none of ours.
+    pub fn intake(&self, scan: &ScanId) -> io::Result<Intake> {
+        spool::read_intake(&self.folder.join(scan.as_str()))
+    }
+
+    /// Moves a scan's folder back to the spool. The caller syncs the spool afterwards.
+    ///
+    /// # Errors
+    /// Any I/O error; the scan is still here then.
+    pub fn give_back(&self, scan: &ScanId, entry: &Path) -> io::Result<()> {
+        durable::rename_new(&self.folder.join(scan.as_str()), entry)?;
+        durable::sync_folder(&self.folder)
+    }
+
+    /// Removes a scan; says whether it was here. Its name goes first, so that a crash leaves no
+    /// half entry under it.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn remove(&self, scan: &ScanId) -> io::Result<bool> {
+        let gone = self.folder.join(format!(".gone-{scan}"));
+        durable::remove_folder(&gone)?;
+        match durable::rename_new(&self.folder.join(scan.as_str()), &gone) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
+            other => other?,
+        }
+        durable::sync_folder(&self.folder)?;
+        durable::remove_folder(&gone)?;
+        Ok(true)
     }
 
     /// Why a scan lies here; none where it does not, or where nobody can read why.

@@ -1,21 +1,21 @@
-//! Running the station: its workers, and the loop that names every end of a worker.
+//! Running the station: generations of workers over one state folder, and the loop that names every
+//! reason for which a generation ends.
 
-use std::collections::BTreeMap;
 use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 
 use sd_notify::NotifyState;
 use tokio::sync::mpsc::{self, UnboundedSender};
-use tokio::task::{Id, JoinError, JoinSet, spawn_blocking};
-use tokio::time::timeout;
-use tracing::{info, warn};
+use tokio::task::spawn_blocking;
+use tokio::time::{interval, sleep, timeout};
+use tracing::{error, info, warn};
 
-use super::assembly::Station;
-use super::error::{StationError, Worker};
+use super::assembly::{Station, take_state_dir};
+use super::error::{StationError, chain};
 use super::event::{Observer, StationEvent};
-use super::stop::{Stop, Stopper};
-use super::{delivery, intake};
+use super::stop::Stopper;
+use super::workers::Workers;
 use crate::config::Config;
 
 /// How long the first looks are waited for before the station calls itself ready: a share that
@@ -26,7 +26,46 @@ const FIRST_LOOKS: Duration = Duration::from_secs(10);
 /// next start. `TimeoutStopSec` of the unit is longer.
 const GRACE: Duration = Duration::from_secs(20);
 
-/// Runs the station until `stop` ends, or until it cannot go on. `observer` is told what happens.
+/// How often the workers' beats are looked at where no watchdog asks for more.
+const PULSE: Duration = Duration::from_secs(5);
+
+/// A worker whose last beat is older has hung: each beats every few seconds, whatever it waits for.
+const HUNG: Duration = Duration::from_secs(30);
+
+/// Between two generations, so that a fault that comes at once does not make a hot loop.
+const BETWEEN: Duration = Duration::from_secs(1);
+
+/// What came of reading the configuration again: a new one, or what is wrong with it.
+pub type Reload = Result<Box<Config>, String>;
+
+/// What those who started the station ask of it.
+#[derive(Debug)]
+pub struct Orders<S> {
+    /// Ends when the station is to stop.
+    pub stop: S,
+    /// A configuration, read again; dropped where nobody ever reloads.
+    pub reload: mpsc::Receiver<Reload>,
+}
+
+impl<S> Orders<S> {
+    /// Orders that only ever ask to stop.
+    pub fn stop_only(stop: S) -> Orders<S> {
+        Orders { stop, reload: mpsc::channel(1).1 }
+    }
+}
+
+/// Why a generation of workers ended.
+enum Turn {
+    /// The station is to stop.
+    Stop,
+    /// It is to go on with this configuration.
+    Reload(Box<Config>),
+    /// The journal is to be rebuilt.
+    Ruin,
+}
+
+/// Runs the station until it is asked to stop, or until it cannot go on. `observer` is told what
+/// happens.
 ///
 /// A blocking step on a share that does not answer cannot be cut off: whoever owns the runtime
 /// shuts it down without waiting (`Runtime::shutdown_background`).
@@ -35,22 +74,79 @@ const GRACE: Duration = Duration::from_secs(20);
 /// See [`StationError`]; the journal makes it harmless to start again.
 pub async fn run(
     config: Config,
-    stop: impl Future<Output = ()>,
+    mut orders: Orders<impl Future<Output = ()>>,
     observer: Option<UnboundedSender<StationEvent>>,
 ) -> Result<(), StationError> {
-    let open = spawn_blocking(move || Station::open(config, Observer::new(observer)));
-    let station = Arc::new(open.await.map_err(StationError::Start)??);
+    let observer = Observer::new(observer);
+    let state_dir = config.station.state_dir.clone();
+    let lock = spawn_blocking(move || take_state_dir(&state_dir)).await;
+    let lock = lock.map_err(StationError::Start)??;
+    let mut config = config;
+    let stop = orders.stop;
+    tokio::pin!(stop);
+    let ended = loop {
+        let (next, told) = (config.clone(), observer.clone());
+        let first_start = lock.first_start;
+        let open = spawn_blocking(move || Station::open(next, told, first_start));
+        let station = Arc::new(open.await.map_err(StationError::Start)??);
+        match generation(&station, &mut stop, &mut orders.reload).await {
+            Ok(Turn::Stop) => break Ok(()),
+            Ok(Turn::Reload(next)) => config = *next,
+            Ok(Turn::Ruin) => sleep(BETWEEN).await,
+            Err(error) => break Err(error),
+        }
+    };
+    info!(event = "station-ended", failed = ended.is_err());
+    ended
+}
+
+/// One generation of workers, from their start to their end.
+async fn generation(
+    station: &Arc<Station>,
+    stop: &mut (impl Future<Output = ()> + Unpin),
+    reload: &mut mpsc::Receiver<Reload>,
+) -> Result<Turn, StationError> {
     let (stopper, asked) = Stopper::new();
-    let (workers, looked) = Workers::start(&station, &asked);
+    let (mut workers, looked) = Workers::start(station, &asked);
     let ready = async {
         if timeout(FIRST_LOOKS, first_looks(looked)).await.is_err() {
             warn!(event = "first-look-outstanding");
         }
-        tell_ready(&station);
+        tell_ready(station);
     };
-    let ended = workers.supervise(&stopper, stop, ready).await;
-    info!(event = "station-ended", failed = ended.is_err());
-    ended
+    let turn = {
+        tokio::pin!(ready);
+        let mut is_ready = false;
+        let mut pulse = interval(pulse());
+        loop {
+            tokio::select! {
+                () = &mut *stop => break Ok(Turn::Stop),
+                () = &mut ready, if !is_ready => is_ready = true,
+                Some(next) = reload.recv() => if let Some(config) = reloaded(station, next) {
+                    break Ok(Turn::Reload(config));
+                },
+                () = station.ruin.notified() => {
+                    error!(event = "journal-ruined");
+                    break Ok(Turn::Ruin);
+                }
+                ended = workers.one_ended() => break Err(ended),
+                _ = pulse.tick() => feel_pulse(station, &workers),
+            }
+        }
+    };
+    if matches!(turn, Ok(Turn::Stop) | Err(_)) {
+        tell_systemd(&[NotifyState::Stopping]);
+    }
+    info!(event = "station-stopping");
+    stopper.request();
+    let rest = timeout(GRACE, workers.rest()).await;
+    if rest.is_err() {
+        warn!(event = "stop-grace-over");
+    }
+    match (turn, rest) {
+        (Ok(_), Ok(Err(error))) => Err(error),
+        (turn, _) => turn,
+    }
 }
 
 /// Ends when every intake has looked once: each drops its sender after its first look.
@@ -58,101 +154,56 @@ async fn first_looks(mut looked: mpsc::Receiver<()>) {
     while looked.recv().await.is_some() {}
 }
 
+/// All or nothing: the configuration to go on with; none where the present one stays.
+fn reloaded(station: &Station, reload: Reload) -> Option<Box<Config>> {
+    tell_reloading();
+    let refused = match reload {
+        Ok(next) => {
+            let (now, then) = (&station.config.station, &next.station);
+            if now.state_dir == then.state_dir && now.id == then.id {
+                info!(event = "configuration-reloaded");
+                return Some(next);
+            }
+            "station.id and station.state_dir change only by a restart".to_owned()
+        }
+        Err(faults) => faults,
+    };
+    // The text of a fault may quote what stands in the file; people ask for it.
+    warn!(event = "configuration-refused");
+    station.board.note(|facts| facts.refused_reload = Some(refused));
+    tell_systemd(&[NotifyState::Ready]);
+    None
+}
+
+/// How often the service manager's watchdog is fed: at half its time.
+fn pulse() -> Duration {
+    sd_notify::watchdog_enabled().map_or(PULSE, |time| (time / 2).min(PULSE))
+}
+
+/// The watchdog is fed while every worker turns, and by nothing else.
+fn feel_pulse(station: &Station, workers: &Workers) {
+    match workers.hung(station.now(), HUNG) {
+        Some(worker) => error!(event = "worker-hangs", %worker),
+        None => tell_systemd(&[NotifyState::Watchdog]),
+    }
+}
+
 fn tell_ready(station: &Station) {
     info!(event = "station-ready");
-    tell_systemd(NotifyState::Ready);
+    tell_systemd(&[NotifyState::Ready]);
     station.observer.tell(StationEvent::Ready);
 }
 
+fn tell_reloading() {
+    match NotifyState::monotonic_usec_now() {
+        Ok(now) => tell_systemd(&[NotifyState::Reloading, now]),
+        Err(error) => warn!(event = "notify-failed", error = chain(&error)),
+    }
+}
+
 /// Tells the service manager, if there is one; without one this is nothing.
-fn tell_systemd(state: NotifyState<'_>) {
-    if let Err(error) = sd_notify::notify(&[state]) {
+fn tell_systemd(states: &[NotifyState<'_>]) {
+    if let Err(error) = sd_notify::notify(states) {
         warn!(event = "notify-failed", %error);
-    }
-}
-
-/// The workers and who is who.
-struct Workers {
-    tasks: JoinSet<Result<(), JoinError>>,
-    names: BTreeMap<Id, Worker>,
-}
-
-impl Workers {
-    fn start(station: &Arc<Station>, stop: &Stop) -> (Workers, mpsc::Receiver<()>) {
-        let mut workers = Workers { tasks: JoinSet::new(), names: BTreeMap::new() };
-        let (looked, first_looks) = mpsc::channel(1);
-        for (folder, path) in station.config.scanner.export_dirs.iter().enumerate() {
-            let (station, stop) = (Arc::clone(station), stop.clone());
-            let task = intake::worker(station, folder, path.clone(), stop, looked.clone());
-            workers.spawn(Worker::Intake { folder }, task);
-        }
-        workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), stop.clone()));
-        (workers, first_looks)
-    }
-
-    fn spawn(
-        &mut self,
-        worker: Worker,
-        task: impl Future<Output = Result<(), JoinError>> + Send + 'static,
-    ) {
-        let id = self.tasks.spawn(task).id();
-        self.names.insert(id, worker);
-    }
-
-    /// Waits for the stop or the first failure, then for all workers to end.
-    async fn supervise(
-        mut self,
-        stopper: &Stopper,
-        stop: impl Future<Output = ()>,
-        ready: impl Future<Output = ()>,
-    ) -> Result<(), StationError> {
-        let mut failure = Ok(());
-        let mut is_ready = false;
-        tokio::pin!(stop, ready);
-        while !stopper.is_requested() {
-            tokio::select! {
-                () = &mut stop => stopper.request(),
-                () = &mut ready, if !is_ready => is_ready = true,
-                Some(ended) = self.tasks.join_next_with_id() => {
-                    failure = self.judge(ended, stopper);
-                    stopper.request();
-                }
-            }
-        }
-        tell_systemd(NotifyState::Stopping);
-        info!(event = "station-stopping");
-        let rest = async {
-            while let Some(ended) = self.tasks.join_next_with_id().await {
-                let ended = self.judge(ended, stopper);
-                if failure.is_ok() {
-                    failure = ended;
-                }
-            }
-        };
-        if timeout(GRACE, rest).await.is_err() {
-            warn!(event = "stop-grace-over");
-        }
-        failure
-    }
-
-    /// Every end of a worker has a name.
-    fn judge(
-        &self,
-        ended: Result<(Id, Result<(), JoinError>), JoinError>,
-        stopper: &Stopper,
-    ) -> Result<(), StationError> {
-        let id = match &ended {
-            Ok((id, _)) => *id,
-            Err(panic) => panic.id(),
-        };
-        let worker = self.names.get(&id).copied().unwrap_or(Worker::Delivery);
-        match ended {
-            Err(source) => Err(StationError::WorkerPanicked { worker, source }),
-            Ok((_, Err(source))) => Err(StationError::WorkerFailed { worker, source }),
-            Ok((_, Ok(()))) if !stopper.is_requested() => {
-                Err(StationError::WorkerStopped { worker })
-            }
-            Ok((_, Ok(()))) => Ok(()),
-        }
     }
 }

@@ -68,13 +68,7 @@ impl Spool {
     /// # Errors
     /// Any I/O error.
     pub fn entries(&self) -> io::Result<Vec<ScanId>> {
-        let mut scans = Vec::new();
-        for entry in fs::read_dir(&self.folder)? {
-            // What is named otherwise is not ours to touch.
-            scans.extend(ScanId::parse(&entry?.file_name().to_string_lossy()).ok());
-        }
-        scans.sort();
-        Ok(scans)
+        entries(&self.folder)
     }
 
     /// The folder of a scan.
@@ -116,18 +110,12 @@ impl Spool {
     /// # Errors
     /// Any I/O error; `InvalidData` where the file is none of ours.
     pub fn intake(&self, scan: &ScanId) -> io::Result<Intake> {
-        let text = fs::read(self.entry(scan).join(INTAKE))?;
-        let Versioned::V1(intake) = serde_json::from_slice(&text)
-            .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
-        Ok(intake)
+        read_intake(&self.entry(scan))
     }
 
-    /// The bytes of a scan.
-    ///
-    /// # Errors
-    /// Any I/O error.
-    pub fn bytes(&self, scan: &ScanId, format: &str) -> io::Result<Vec<u8>> {
-        fs::read(self.entry(scan).join(file_name(format)))
+    /// The file that holds the bytes of a scan.
+    pub fn scan_file(&self, scan: &ScanId, format: &str) -> PathBuf {
+        self.entry(scan).join(file_name(format))
     }
 
     /// Removes a scan whose bytes have served. Its name goes first, so that a crash leaves no half
@@ -152,6 +140,25 @@ impl Spool {
     pub fn sync(&self) -> io::Result<()> {
         durable::sync_folder(&self.folder)
     }
+}
+
+/// The scans whose folders lie in a folder.
+pub(super) fn entries(folder: &Path) -> io::Result<Vec<ScanId>> {
+    let mut scans = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        // What is named otherwise is not ours to touch.
+        scans.extend(ScanId::parse(&entry?.file_name().to_string_lossy()).ok());
+    }
+    scans.sort();
+    Ok(scans)
+}
+
+/// The intake in a scan's folder.
+pub(super) fn read_intake(entry: &Path) -> io::Result<Intake> {
+    let text = fs::read(entry.join(INTAKE))?;
+    let Versioned::V1(intake) = serde_json::from_slice(&text)
+        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+    Ok(intake)
 }
 
 fn file_name(format: &str) -> String {
@@ -183,7 +190,7 @@ mod tests {
         spool.keep(&scan, intake(&scan), b"abc").unwrap();
         assert_eq!(spool.entries().unwrap(), std::slice::from_ref(&scan));
         assert_eq!(spool.intake(&scan).unwrap(), intake(&scan));
-        assert_eq!(spool.bytes(&scan, "obj").unwrap(), b"abc");
+        assert_eq!(fs::read(spool.scan_file(&scan, "obj")).unwrap(), b"abc");
         let text = fs::read_to_string(spool.entry(&scan).join(INTAKE)).unwrap();
         assert!(text.contains("\"schema\": \"gaiter.intake/1\""), "{text}");
         spool.remove(&scan).unwrap();

@@ -21,11 +21,6 @@ impl Stopper {
     pub fn request(&self) {
         self.0.send_replace(true);
     }
-
-    /// Whether all have been asked.
-    pub fn is_requested(&self) -> bool {
-        *self.0.borrow()
-    }
 }
 
 impl Stop {

@@ -1,49 +1,188 @@
-//! Making one delivery: the spooled bytes measured, the record stored, the journal told.
+//! The work on one scan: measured in a process of its own, its record put into a store or taken
+//! back from it, the journal told. All of it blocks.
 
-use std::io;
+use std::path::Path;
+use std::time::{Duration, Instant};
 
+use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::assembly::Station;
-use super::caught::caught;
 use super::custody::CustodyFault;
 use super::error::chain;
 use super::event::{StationEvent, short};
 use super::journal::{Due, JournalError, ScanRow};
+use super::measure::{self, Answer, Job, Limits, Measured};
 use super::quarantine::{Reason, Stage};
 use crate::flow::acquired::acquired;
-use crate::leg;
-use crate::record::{self, Provenance, RecordFile};
-use crate::scan::Format;
-use crate::store::{Delivery, Receipt, StoreFault, sums};
+use crate::flow::facts::StoreFacts;
+use crate::flow::outbox::Ended;
+use crate::record::{Provenance, RecordFile};
+use crate::store::{Delivery, StoreFault};
 
-/// How an attempt at a delivery ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Ended {
-    /// For good: delivered or refused.
-    ForGood,
-    /// It is to be tried again.
-    PutOff,
+/// A measurement that ends without an answer is tried so often before the scan is refused: its
+/// process may have been killed by somebody else, but a file that kills it will do so again.
+const CRASHES_MAX: u32 = 3;
+
+/// A scan that has been measured for a patient.
+#[derive(Debug)]
+pub struct Ready {
+    row: ScanRow,
+    files: Vec<RecordFile>,
 }
 
-/// Why a delivery was not made.
+/// Why work did not come to its end.
+#[derive(Debug)]
 enum Setback {
-    /// It never will be.
+    /// It never will.
     Refused(Reason),
-    /// It may be later.
+    /// It may later.
     PutOff { code: &'static str, error: String },
+    /// It may when the store is in reach.
+    StoreFailed { code: &'static str, error: String },
 }
 
-/// Tries to make a delivery. Blocks.
-pub fn deliver(station: &Station, due: &Due) -> Ended {
-    let scan = short(&due.scan);
-    let setback = match attempt(station, due) {
-        Ok(receipt) => {
-            info!(event = "scan-delivered", scan, already_there = receipt.already_there);
-            station.observer.tell(StationEvent::Delivered { scan, folder: receipt.folder });
-            return Ended::ForGood;
+/// Measures the scan of a delivery on so many threads. Where there is nothing to be put into a
+/// store, says how that ended.
+pub fn prepare(station: &Station, due: &Due, threads: usize) -> Result<Ready, Ended> {
+    measured(station, due, threads).map_err(|setback| set_back(station, due, setback))
+}
+
+fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setback> {
+    let row = row(station, due)?;
+    let spool = station.custody.spool();
+    let scan_file = spool.scan_file(&row.scan, &row.format);
+    let ord_file = spool.scan_file(&row.scan, "ord");
+    let ord_file = ord_file.exists().then_some(ord_file.as_path());
+    let length = |path: &Path| std::fs::metadata(path).map(|metadata| metadata.len());
+    let lost = |error: std::io::Error| spool_fault(error, &row);
+    let config = &station.config;
+    let job = Job {
+        config: config.text.clone(),
+        provenance: Provenance {
+            station: Some(config.station.id.clone()),
+            patient: due.patient.clone(),
+            acquired: Some(acquired(row.file_time, row.first_seen)),
+            sha256: row.scan.to_string(),
+        },
+        ending: row.format.clone(),
+        scan_bytes: length(&scan_file).map_err(lost)?,
+        ord_bytes: ord_file.map(length).transpose().map_err(lost)?.unwrap_or(0),
+        threads,
+        limits: Limits {
+            memory_bytes: config.measure.memory_bytes,
+            cpu: config.measure.cpu,
+            wall: config.measure.wall,
+        },
+    };
+    let began = Instant::now();
+    let measured = measure::measure(&row.scan, &job, &scan_file, ord_file);
+    note_measured(station, began.elapsed());
+    let refused = |code: &str, message: String| {
+        Err(Setback::Refused(Reason::new(code, message, Stage::Measure, row.first_seen)))
+    };
+    match measured.map_err(lost)? {
+        Measured::Answered(Answer::Files(files)) => Ok(Ready { row, files }),
+        Measured::Answered(Answer::Refused { code, message }) => refused(&code, message),
+        Measured::Trouble(trouble) if !trouble.may_pass() => {
+            refused(trouble.code(), trouble.to_string())
         }
-        Err(Setback::Refused(reason)) => match station.custody.refuse(&due.scan, &reason) {
+        Measured::Trouble(trouble) => {
+            if station.custody.journal().crashed(&row.scan)? >= CRASHES_MAX {
+                return refused(trouble.code(), trouble.to_string());
+            }
+            Err(Setback::PutOff { code: trouble.code(), error: trouble.to_string() })
+        }
+    }
+}
+
+fn row(station: &Station, due: &Due) -> Result<ScanRow, Setback> {
+    let row = station.custody.journal().scan(&due.scan)?;
+    Ok(row.ok_or(JournalError::Unknown { what: "scan" })?)
+}
+
+/// Bytes that are not in the spool any more were removed from outside.
+fn spool_fault(error: std::io::Error, row: &ScanRow) -> Setback {
+    if error.kind() == std::io::ErrorKind::NotFound {
+        let message = "its bytes were removed from the spool from outside".to_owned();
+        let reason = Reason::new("spool-lost", message, Stage::Intake, row.first_seen);
+        return Setback::Refused(reason);
+    }
+    Setback::PutOff { code: "measuring-not-started", error: error.to_string() }
+}
+
+fn note_measured(station: &Station, took: Duration) {
+    station.board.note(|facts| {
+        facts.measured += 1;
+        facts.last_measurement_s = Some(took.as_secs_f64());
+    });
+}
+
+/// Puts the record of a measured scan into the delivery's store.
+pub fn put(station: &Station, due: &Due, ready: &Ready) -> Ended {
+    let put = || -> Result<(), Setback> {
+        let Ready { row, files } = ready;
+        let store = station.store(&due.store).ok_or_else(|| no_store(due))?;
+        let receipt = store
+            .put(&Delivery {
+                scan: &due.scan,
+                patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
+                first_seen: row.first_seen,
+                files,
+                scan_file: &station.custody.spool().scan_file(&row.scan, &row.format),
+                ending: &row.format,
+            })
+            .map_err(|fault| of_store(fault, row))?;
+        note_store(station, due, None);
+        station.custody.delivered(due, &receipt.folder)?;
+        let (scan, store) = (short(&due.scan), &due.store);
+        info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
+        station.observer.tell(StationEvent::Delivered { scan, folder: receipt.folder });
+        Ok(())
+    };
+    match put() {
+        Ok(()) => Ended::ForGood,
+        Err(setback) => set_back(station, due, setback),
+    }
+}
+
+/// Takes back the record for nobody of a scan whose record the patient has.
+pub fn withdraw(station: &Station, due: &Due) -> Ended {
+    let withdraw = || -> Result<(), Setback> {
+        let row = row(station, due)?;
+        let journal = station.custody.journal();
+        let store = station.store(&due.store).ok_or_else(|| no_store(due))?;
+        let Some(patient) = journal.patient_with_record(&due.scan, &due.store)? else {
+            let error = "no patient has the record yet".to_owned();
+            return Err(Setback::PutOff { code: "withdrawal-early", error });
+        };
+        match store.withdraw(&due.scan, &patient) {
+            Err(StoreFault::Permanent(_)) => {
+                // Somebody worked on it by hand: it stays where it is.
+                warn!(event = "unassigned-record-kept", scan = short(&due.scan));
+            }
+            other => other.map_err(|fault| of_store(fault, &row))?,
+        }
+        journal.withdrawn(due)?;
+        info!(event = "unassigned-record-withdrawn", scan = short(&due.scan), store = due.store);
+        Ok(())
+    };
+    match withdraw() {
+        Ok(()) => Ended::ForGood,
+        Err(setback) => set_back(station, due, setback),
+    }
+}
+
+fn no_store(due: &Due) -> Setback {
+    let error = format!("the configuration has no store \"{}\" any more", due.store);
+    Setback::PutOff { code: "no-such-store", error }
+}
+
+/// Tells of a setback and notes it.
+fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
+    let scan = short(&due.scan);
+    let setback = match setback {
+        Setback::Refused(reason) => match refuse(station, due, &reason) {
             Ok(()) => {
                 let Reason { code, message, .. } = reason;
                 warn!(event = "scan-refused", scan, code);
@@ -51,91 +190,36 @@ pub fn deliver(station: &Station, due: &Due) -> Ended {
                 station.observer.tell(StationEvent::Refused { scan, code, message });
                 return Ended::ForGood;
             }
-            Err(fault) => Setback::from(fault),
+            Err(fault) => {
+                station.mind(&fault);
+                Setback::from(fault)
+            }
         },
-        Err(put_off) => put_off,
+        other => other,
     };
-    if let Setback::PutOff { code, error } = setback {
-        warn!(event = "delivery-put-off", scan, code, error);
-        station.observer.tell(StationEvent::PutOff { scan, code: code.to_owned() });
-    }
-    Ended::PutOff
-}
-
-fn attempt(station: &Station, due: &Due) -> Result<Receipt, Setback> {
-    let row = station.custody.journal().scan(&due.scan)?;
-    let row = row.ok_or(JournalError::Unknown { what: "scan" })?;
-    station.store.reach().map_err(|fault| of_store(fault, &row))?;
-    let (bytes, format) = spooled(station, &row)?;
-    let files = measured(station, due, &row, &bytes, format)?;
-    let receipt = station
-        .store
-        .put(&Delivery {
-            scan: &due.scan,
-            patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
-            first_seen: row.first_seen,
-            files: &files,
-        })
-        .map_err(|fault| of_store(fault, &row))?;
-    station.custody.delivered(due, &receipt.folder)?;
-    Ok(receipt)
-}
-
-/// The bytes from the spool, if they still are what they were.
-fn spooled(station: &Station, row: &ScanRow) -> Result<(Vec<u8>, Format), Setback> {
-    let damaged = |code, message: String| {
-        Setback::Refused(Reason::new(code, message, Stage::Intake, row.first_seen))
-    };
-    let bytes = match station.custody.spool().bytes(&row.scan, &row.format) {
-        Ok(bytes) => bytes,
-        Err(error) if error.kind() == io::ErrorKind::NotFound => {
-            let message = "its bytes were removed from the spool from outside".to_owned();
-            return Err(damaged("spool-lost", message));
+    let (code, error, ended) = match setback {
+        Setback::StoreFailed { code, error } => {
+            note_store(station, due, Some(format!("{code}: {error}")));
+            (code, error, Ended::StoreFailed)
         }
-        Err(error) => {
-            let error = error.to_string();
-            return Err(Setback::PutOff { code: "spool-unreadable", error });
-        }
+        Setback::PutOff { code, error } => (code, error, Ended::PutOff),
+        Setback::Refused(reason) => ("custody-failed", reason.code, Ended::PutOff),
     };
-    if sums::scan_id(&bytes) != row.scan {
-        let message = "its bytes in the spool are not those that came in".to_owned();
-        return Err(damaged("spool-damaged", message));
-    }
-    match Format::of_file_name(&format!("scan.{}", row.format)) {
-        Ok(format) => Ok((bytes, format)),
-        Err(fault) => Err(damaged(fault.code(), fault.to_string())),
+    warn!(event = "delivery-put-off", scan, store = due.store, code, error);
+    station.observer.tell(StationEvent::PutOff { scan, code: code.to_owned() });
+    ended
+}
+
+fn refuse(station: &Station, due: &Due, reason: &Reason) -> Result<(), CustodyFault> {
+    match reason.stage {
+        Stage::Store => station.custody.refuse_at_store(due, reason),
+        Stage::Intake | Stage::Measure => station.custody.refuse(&due.scan, reason),
     }
 }
 
-/// The record's files. A panic is this scan's fault alone.
-fn measured(
-    station: &Station,
-    due: &Due,
-    row: &ScanRow,
-    bytes: &[u8],
-    format: Format,
-) -> Result<Vec<RecordFile>, Setback> {
-    let provenance = Provenance {
-        station: Some(station.config.station.id.clone()),
-        patient: due.patient.clone(),
-        acquired: Some(acquired(row.file_time, row.first_seen)),
-        sha256: row.scan.to_string(),
-    };
-    let (method, output) = (&station.config.method, &station.config.output);
-    let refused = |code: &str, message: String| {
-        Setback::Refused(Reason::new(code, message, Stage::Measure, row.first_seen))
-    };
-    let measured = caught(|| {
-        let extraction = leg::extract(bytes, format, method)?;
-        let made = record::record_files(&extraction, &provenance, method, output, bytes, format);
-        Ok::<_, leg::Refusal>(made)
-    });
-    match measured {
-        Ok(Ok(Ok((_, files)))) => Ok(files),
-        Ok(Ok(Err(error))) => Err(refused("record-not-written", error.to_string())),
-        Ok(Err(refusal)) => Err(refused(refusal.code(), refusal.to_string())),
-        Err(panic) => Err(refused("panic", panic)),
-    }
+/// Notes how a store is; none for well.
+fn note_store(station: &Station, due: &Due, fault: Option<String>) {
+    station.note_store(&due.store, fault);
 }
 
 /// A store's fault; its path, which holds the patient's id, stays out of logs and journal.
@@ -143,7 +227,7 @@ fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
     let code = fault.code();
     match fault {
         StoreFault::Transient { what, source, .. } => {
-            Setback::PutOff { code, error: format!("{what} failed: {source}") }
+            Setback::StoreFailed { code, error: format!("{what} failed: {source}") }
         }
         StoreFault::Permanent(misfit) => {
             let message = misfit.to_string();
@@ -162,4 +246,9 @@ impl From<JournalError> for Setback {
     fn from(error: JournalError) -> Setback {
         Setback::PutOff { code: "journal-failed", error: chain(&error) }
     }
+}
+
+/// A store's facts as of now.
+pub fn store_facts(fault: Option<String>) -> StoreFacts {
+    StoreFacts { fault, since: Timestamp::now() }
 }

@@ -1,16 +1,38 @@
 //! Writing that survives a power cut: content synced before its name, names synced by their folder.
 
 use std::fs::{self, File, OpenOptions, Permissions};
-use std::io::{self, Write};
-use std::os::unix::fs::{DirBuilderExt, OpenOptionsExt, PermissionsExt};
+use std::io::{self, Read, Write};
+use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 use rustix::io::Errno;
+use sha2::{Digest, Sha256};
 
 /// Files hold patients' bodies: for the owner only, whatever the umask.
 const FILE_MODE: u32 = 0o600;
 const FOLDER_MODE: u32 = 0o700;
+
+/// How much of a file is in memory while it is copied.
+const PIECE_BYTES: usize = 256 * 1024;
+
+/// Which file or folder a path leads to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct FileId {
+    dev: u64,
+    ino: u64,
+}
+
+impl FileId {
+    /// That of the file a path leads to now.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn of(path: &Path) -> io::Result<FileId> {
+        let metadata = fs::metadata(path)?;
+        Ok(FileId { dev: metadata.dev(), ino: metadata.ino() })
+    }
+}
 
 /// Writes a new file and syncs its content; its name is durable once its folder is synced.
 ///
@@ -21,6 +43,30 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.set_permissions(Permissions::from_mode(FILE_MODE))?;
     file.write_all(bytes)?;
     file.sync_all()
+}
+
+/// Copies a file into a new one and syncs its content; gives the digest of what was written.
+///
+/// # Errors
+/// Any I/O error, and where the new file exists already.
+pub fn copy_new(from: &Path, to: &Path) -> io::Result<[u8; 32]> {
+    let mut source = File::open(from)?;
+    let mut file = OpenOptions::new().write(true).create_new(true).mode(FILE_MODE).open(to)?;
+    file.set_permissions(Permissions::from_mode(FILE_MODE))?;
+    let (mut digest, mut piece) = (Sha256::new(), vec![0; PIECE_BYTES]);
+    loop {
+        match source.read(&mut piece) {
+            Ok(0) => break,
+            Ok(length) => {
+                digest.update(&piece[..length]);
+                file.write_all(&piece[..length])?;
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    file.sync_all()?;
+    Ok(digest.finalize().into())
 }
 
 /// Makes a new folder for the owner only.

@@ -4,13 +4,17 @@
 //! then the staged folder; then it is renamed, never over another, and the patient's folder is
 //! synced. So a folder under its final name is whole, and a receipt survives a power cut.
 
+mod search;
+
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use self::search::find;
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable};
-use crate::flow::naming;
+use crate::flow::{ScanId, naming};
+use crate::record::RecordFile;
 
 /// Records as folders on a disk or share.
 #[derive(Debug, Clone)]
@@ -20,12 +24,14 @@ pub struct FolderStore {
     /// may clear what another is writing. A station id holds no dot, so no beginning is the
     /// beginning of another.
     staging: String,
+    /// Its name in the journal.
+    name: &'static str,
 }
 
 impl FolderStore {
-    /// The store under `root`, used by the station `station`.
-    pub fn new(root: PathBuf, station: &str) -> FolderStore {
-        FolderStore { root, staging: format!(".staging.{station}.") }
+    /// The store of this name in the journal under `root`, used by the station `station`.
+    pub fn new(name: &'static str, root: PathBuf, station: &str) -> FolderStore {
+        FolderStore { root, staging: format!(".staging.{station}."), name }
     }
 
     /// Makes the store's folder. Only for a station's first start: later a missing folder is a
@@ -61,7 +67,13 @@ impl FolderStore {
         Ok(())
     }
 
-    /// Stores a record, or finds that it is there already.
+    /// The store's name in the journal.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Stores a record, or finds that it is there already, under whatever time: a station that lost
+    /// its journal sees an old scan for the first time.
     ///
     /// # Errors
     /// See [`StoreFault`].
@@ -69,12 +81,15 @@ impl FolderStore {
         fit(delivery)?;
         let patient = self.patient_folder(delivery.patient)?;
         let name = naming::record_folder(delivery.first_seen, delivery.scan);
-        let place = patient.join(&name);
-        let already_there = place.symlink_metadata().is_ok() || {
+        let mut place = patient.join(&name);
+        let mut already_there = place.symlink_metadata().is_ok();
+        if !already_there && let Some(found) = find(&patient, delivery.scan)? {
+            (place, already_there) = (found, true);
+        } else if !already_there {
             let staged = patient.join(format!("{}{name}", self.staging));
             stage(&staged, delivery)?;
-            !publish(&staged, &place)?
-        };
+            already_there = !publish(&staged, &place)?;
+        }
         if already_there {
             let checked = sums::check(&place, delivery.scan);
             tried("checking", &place, checked)?
@@ -110,11 +125,23 @@ fn stage(staged: &Path, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
     // An attempt that failed half way left its beginning.
     tried("clearing", staged, durable::remove_folder(staged))?;
     tried("making", staged, durable::make_folder(staged))?;
-    for file in delivery.files {
-        let path = staged.join(&file.name);
-        tried("writing", &path, durable::write_new(&path, &file.bytes))?;
+    let (sums, files) = delivery.files.split_last().unzip();
+    for file in files.into_iter().flatten() {
+        write(staged, file)?;
     }
+    let scan = staged.join(format!("{}{}", sums::SCAN, delivery.ending));
+    let digest = tried("copying the scan to", &scan, durable::copy_new(delivery.scan_file, &scan))?;
+    if ScanId::of_digest(digest) != *delivery.scan {
+        tried("clearing", staged, durable::remove_folder(staged))?;
+        return Err(StoreFault::Permanent(Misfit::OtherBytes));
+    }
+    sums.map_or(Ok(()), |sums| write(staged, sums))?;
     tried("syncing", staged, durable::sync_folder(staged))
+}
+
+fn write(staged: &Path, file: &RecordFile) -> Result<(), StoreFault> {
+    let path = staged.join(&file.name);
+    tried("writing", &path, durable::write_new(&path, &file.bytes))
 }
 
 /// Gives the staged record its place; says whether the place was free.

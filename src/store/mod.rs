@@ -6,7 +6,7 @@ pub mod folder;
 pub mod sums;
 
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
 
@@ -30,8 +30,30 @@ pub struct Delivery<'a> {
     pub patient: Option<&'a str>,
     /// When the station first saw the scan.
     pub first_seen: Timestamp,
-    /// The record's files in the order in which they are to be written, `SHA256SUMS` last.
+    /// The record's files but the scan's own bytes, in the order in which they are to be written,
+    /// `SHA256SUMS` last.
     pub files: &'a [RecordFile],
+    /// The scan's own bytes, spooled; they become `scan.<ending>`.
+    pub scan_file: &'a Path,
+    /// The ending of their format.
+    pub ending: &'a str,
+}
+
+/// A record that lies in a store, as far as its place tells.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct FoundRecord {
+    /// Its scan.
+    pub scan: ScanId,
+    /// The patient's id; none for one that nobody named.
+    pub patient: Option<String>,
+    /// When the station first saw the scan.
+    pub first_seen: Timestamp,
+    /// The ending of the scan's format.
+    pub format: String,
+    /// Size of the scan, bytes.
+    pub size: u64,
+    /// Where it lies.
+    pub folder: PathBuf,
 }
 
 /// A store's word that a record is whole and durable.
@@ -68,6 +90,9 @@ pub enum Misfit {
     /// The record's last file is not `SHA256SUMS`.
     #[error("its last file is not SHA256SUMS")]
     NoSums,
+    /// The spooled bytes are not the scan's.
+    #[error("the spooled bytes are not those of the scan")]
+    OtherBytes,
     /// A file name that could leave the record's folder or hide.
     #[error("a file of the record is called {name:?}")]
     FileName {
@@ -94,7 +119,7 @@ impl RecordStore {
     /// The store's name in the journal.
     pub fn name(&self) -> &'static str {
         match self {
-            RecordStore::Folder(_) => "folder",
+            RecordStore::Folder(store) => store.name(),
         }
     }
 
@@ -115,6 +140,41 @@ impl RecordStore {
     pub fn reach(&self) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => store.reach(),
+        }
+    }
+
+    /// Every record in the store.
+    ///
+    /// # Errors
+    /// A transient fault where the store is out of reach or only half of it could be read.
+    pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.records(),
+        }
+    }
+
+    /// The bytes of a scan, from its record for this patient; none where there is no such record.
+    ///
+    /// # Errors
+    /// A transient fault where the store is out of reach.
+    pub fn scan_bytes(
+        &self,
+        scan: &ScanId,
+        patient: Option<&str>,
+    ) -> Result<Option<Vec<u8>>, StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.scan_bytes(scan, patient),
+        }
+    }
+
+    /// Takes back the record for nobody of a scan whose record the patient has now. What a person
+    /// added to it goes to the patient's record. Done again, this does nothing.
+    ///
+    /// # Errors
+    /// See [`StoreFault`]; a permanent one where the record was changed and so is left as it is.
+    pub fn withdraw(&self, scan: &ScanId, patient: &str) -> Result<(), StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.withdraw(scan, patient),
         }
     }
 

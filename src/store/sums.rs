@@ -12,7 +12,7 @@ use crate::flow::ScanId;
 pub const SUMS: &str = "SHA256SUMS";
 
 /// The name, without its ending, of the scan's own bytes in a record folder.
-const SCAN: &str = "scan.";
+pub const SCAN: &str = "scan.";
 
 /// Why a folder is not the whole record of a scan.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -54,11 +54,7 @@ pub fn scan_id(bytes: &[u8]) -> ScanId {
 /// # Errors
 /// Outer: the folder could not be read now. Inner: it is not the whole record of this scan.
 pub fn check(folder: &Path, scan: &ScanId) -> io::Result<Result<(), SumsFault>> {
-    let listed = match readable(fs::read(folder.join(SUMS)))? {
-        Some(bytes) => parse(&bytes),
-        None => Err(SumsFault::NoSums),
-    };
-    let listed = match listed {
+    let listed = match read(folder)? {
         Ok(listed) => listed,
         Err(fault) => return Ok(Err(fault)),
     };
@@ -72,6 +68,41 @@ pub fn check(folder: &Path, scan: &ScanId) -> io::Result<Result<(), SumsFault>> 
     }
     let holds_scan = listed.iter().any(|(sum, name)| name.starts_with(SCAN) && sum == scan);
     Ok(if holds_scan { Ok(()) } else { Err(SumsFault::OtherScan) })
+}
+
+/// The scan a folder says it is the record of, and the name of its file; none where it says so of
+/// none. Nothing but `SHA256SUMS` is read.
+///
+/// # Errors
+/// Where the folder could not be read now.
+pub fn scan_of(folder: &Path) -> io::Result<Option<(ScanId, String)>> {
+    let listed = read(folder)?.unwrap_or_default();
+    Ok(listed.into_iter().find(|(_, name)| name.starts_with(SCAN)))
+}
+
+/// The name of the file that holds a scan's own bytes; none where the folder lists no such file.
+///
+/// # Errors
+/// Where the folder could not be read now.
+pub fn scan_name(folder: &Path, scan: &ScanId) -> io::Result<Option<String>> {
+    Ok(scan_of(folder)?.filter(|(found, _)| found == scan).map(|(_, name)| name))
+}
+
+/// The names that `SHA256SUMS` lists; none where it cannot be understood.
+///
+/// # Errors
+/// Where the folder could not be read now.
+pub fn listed(folder: &Path) -> io::Result<Vec<String>> {
+    let listed = read(folder)?.unwrap_or_default();
+    Ok(listed.into_iter().map(|(_, name)| name).collect())
+}
+
+/// The lines of a folder's `SHA256SUMS`.
+fn read(folder: &Path) -> io::Result<Result<Vec<(ScanId, String)>, SumsFault>> {
+    Ok(match readable(fs::read(folder.join(SUMS)))? {
+        Some(bytes) => parse(&bytes),
+        None => Err(SumsFault::NoSums),
+    })
 }
 
 /// A file that is not there says something about the record; any other error says nothing.

@@ -27,4 +27,14 @@ impl Chance {
     pub fn below(&mut self, count: usize) -> usize {
         (self.next() % count as u64) as usize
     }
+
+    /// Evenly from 0 to below 1.
+    pub fn unit(&mut self) -> f64 {
+        self.next() as f64 / (1u64 << 53) as f64
+    }
+
+    /// One of them, if there are any.
+    pub fn pick<'a, T>(&mut self, of: &'a [T]) -> Option<&'a T> {
+        if of.is_empty() { None } else { of.get(self.below(of.len())) }
+    }
 }

@@ -4,6 +4,9 @@ use std::fs;
 
 use super::*;
 use crate::record::{Source, SourceKind};
+use crate::station::journal::Task;
+use crate::station::quarantine::Stage;
+use crate::store::FoundRecord;
 use crate::store::sums;
 
 const BYTES: &[u8] = b"v 0 0 0\n";
@@ -11,7 +14,7 @@ const BYTES: &[u8] = b"v 0 0 0\n";
 fn open(dir: &Path) -> Custody {
     let journal = Journal::open(&dir.join("journal.db")).unwrap();
     let spool = Spool::open(dir).unwrap();
-    Custody::new(journal, spool, Quarantine::open(dir).unwrap(), "folder")
+    Custody::new(journal, spool, Quarantine::open(dir).unwrap(), vec!["folder"], Duration::ZERO)
 }
 
 fn says(id: &str) -> NameSays {
@@ -39,7 +42,7 @@ fn bytes_are_kept_until_they_are_delivered() {
     assert_eq!(admit(&custody, says("4711")), Verdict::Already);
     let due = custody.journal.pending().unwrap();
     assert_eq!(due.len(), 1);
-    assert_eq!(custody.spool.bytes(&scan, "obj").unwrap(), BYTES);
+    assert_eq!(fs::read(custody.spool.scan_file(&scan, "obj")).unwrap(), BYTES);
     custody.delivered(&due[0], Path::new("/r/x")).unwrap();
     assert!(!custody.spool.holds(&scan));
     assert_eq!(admit(&custody, says("4711")), Verdict::Already);
@@ -138,7 +141,7 @@ fn a_crash_between_journal_and_spool_after_delivery_is_made_good() {
     let scan = sums::scan_id(BYTES);
     admit(&custody, NameSays::Nothing);
     let due = custody.journal.pending().unwrap();
-    custody.journal.delivered(&due[0], "folder", Path::new("/r/x")).unwrap();
+    custody.journal.delivered(&due[0], Path::new("/r/x")).unwrap();
     custody.recover().unwrap();
     assert!(!custody.spool.holds(&scan));
 }
@@ -164,4 +167,149 @@ fn a_damaged_intake_is_quarantined_and_does_not_stop_the_start() {
     fs::write(custody.spool.entry(&scan).join("intake.json"), "{").unwrap();
     custody.recover().unwrap();
     assert_eq!(custody.quarantine.reason(&scan).unwrap().unwrap().code, "spool-damaged");
+}
+
+/// A scan that was refused while it was measured.
+fn refused(custody: &Custody) -> ScanId {
+    let scan = sums::scan_id(BYTES);
+    admit(custody, says("4711"));
+    custody.refuse(&scan, &reason()).unwrap();
+    scan
+}
+
+#[test]
+fn a_refused_scan_that_is_retried_is_to_be_delivered_and_back_in_the_spool() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = refused(&custody);
+    assert_eq!(custody.retry(&scan).unwrap(), Acted::Done(1));
+    assert_eq!(custody.journal.pending().unwrap().len(), 1);
+    assert_eq!(fs::read(custody.spool.scan_file(&scan, "obj")).unwrap(), BYTES);
+    assert!(!custody.quarantine.holds(&scan));
+    assert_eq!(custody.retry(&scan).unwrap(), Acted::Nothing);
+    // And refused again, with its reason.
+    custody.refuse(&scan, &reason()).unwrap();
+    assert_eq!(custody.quarantine.reason(&scan).unwrap(), Some(reason()));
+    let events: Vec<String> =
+        custody.journal.history(&scan).unwrap().into_iter().map(|row| row.event).collect();
+    assert_eq!(events, ["entered", "refused", "retried", "refused"]);
+}
+
+#[test]
+fn a_scan_whose_bytes_are_gone_cannot_be_retried() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = refused(&custody);
+    fs::remove_dir_all(dir.path().join("quarantine").join(scan.as_str())).unwrap();
+    assert_eq!(custody.retry(&scan).unwrap(), Acted::NoBytes);
+    assert!(custody.journal.pending().unwrap().is_empty());
+}
+
+#[test]
+fn a_held_scan_that_is_released_goes_to_the_patient_it_was_held_for_and_to_nobody_else() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, says("4711"));
+    let due = custody.journal.pending().unwrap();
+    custody.delivered(&due[0], Path::new("/r/4711/x")).unwrap();
+    admit(&custody, says("0815"));
+    assert_eq!(custody.release(&scan).unwrap(), Acted::Done(1));
+    let due = custody.journal.pending().unwrap();
+    assert_eq!(due.iter().map(Due::patient_cell).collect::<Vec<_>>(), ["0815"]);
+    custody.delivered(&due[0], Path::new("/r/0815/x")).unwrap();
+    assert!(!custody.spool.holds(&scan), "nothing is pending, held or refused any more");
+}
+
+#[test]
+fn a_scan_for_nobody_that_is_assigned_is_delivered_to_the_patient_and_then_taken_back() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, NameSays::Nothing);
+    let due = custody.journal.pending().unwrap();
+    custody.delivered(&due[0], Path::new("/r/_unassigned/x")).unwrap();
+    let row = custody.journal.scan(&scan).unwrap().unwrap();
+    let NameSays::Patient(patient) = says("4711") else { unreachable!() };
+    assert_eq!(custody.assign(&row, &patient, None).unwrap(), Acted::NoBytes);
+    assert_eq!(custody.assign(&row, &patient, Some(BYTES)).unwrap(), Acted::Done(1));
+
+    let due = custody.journal.pending().unwrap();
+    assert_eq!((due.len(), due[0].patient_cell(), due[0].task), (1, "4711", Task::Deliver));
+    custody.delivered(&due[0], Path::new("/r/4711/x")).unwrap();
+    let due = custody.journal.pending().unwrap();
+    assert_eq!((due.len(), due[0].patient_cell(), due[0].task), (1, "", Task::Withdraw));
+    let has = custody.journal.patient_with_record(&scan, "folder").unwrap();
+    assert_eq!(has.as_deref(), Some("4711"));
+    custody.journal.withdrawn(&due[0]).unwrap();
+    assert!(custody.journal.pending().unwrap().is_empty());
+    assert_eq!(admit(&custody, says("0815")), Verdict::Held, "it is 4711's");
+}
+
+#[test]
+fn a_rebuilt_journal_learns_from_the_store_and_holds_what_it_would_have_held() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    // In ignorance of the store: two sightings of one scan, one of them 4711's record long since.
+    admit(&custody, says("0815"));
+    let record = FoundRecord {
+        scan: scan.clone(),
+        patient: Some("4711".to_owned()),
+        first_seen: "2026-11-20T09:15:00Z".parse().unwrap(),
+        format: "obj".to_owned(),
+        size: 8,
+        folder: "/r/4711/x".into(),
+    };
+    custody.found(&record, "folder").unwrap();
+    assert!(custody.journal.pending().unwrap().is_empty(), "held, not delivered to 0815");
+    assert!(custody.journal.is_held(&scan).unwrap());
+    assert!(custody.spool.holds(&scan), "a person may still release it");
+    custody.found(&record, "folder").unwrap();
+    assert_eq!(custody.journal.patients(&scan).unwrap().len(), 2);
+}
+
+#[test]
+fn a_record_found_in_the_store_is_not_delivered_again() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, NameSays::Nothing);
+    let record = FoundRecord {
+        scan: scan.clone(),
+        patient: Some("4711".to_owned()),
+        first_seen: "2026-11-20T09:15:00Z".parse().unwrap(),
+        format: "obj".to_owned(),
+        size: 8,
+        folder: "/r/4711/x".into(),
+    };
+    custody.found(&record, "folder").unwrap();
+    assert!(custody.journal.pending().unwrap().is_empty(), "naming nobody adds nothing");
+    assert!(!custody.spool.holds(&scan));
+    assert_eq!(custody.journal.scan(&scan).unwrap().unwrap().state, ScanState::Delivered);
+}
+
+#[test]
+fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
+    let dir = tempfile::tempdir().unwrap();
+    let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
+    let spool = Spool::open(dir.path()).unwrap();
+    let quarantine = Quarantine::open(dir.path()).unwrap();
+    let custody = Custody::new(journal, spool, quarantine, vec!["folder", "copy"], Duration::ZERO);
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, says("4711"));
+    let due = custody.journal.pending().unwrap();
+    let (copy, folder) = match due[0].store.as_str() {
+        "copy" => (&due[0], &due[1]),
+        _ => (&due[1], &due[0]),
+    };
+    let occupied = Reason { stage: Stage::Store, ..reason() };
+    custody.refuse_at_store(copy, &occupied).unwrap();
+    assert!(custody.spool.holds(&scan));
+    custody.delivered(folder, Path::new("/r/x")).unwrap();
+    assert!(custody.spool.holds(&scan), "the refused delivery may be retried");
+    assert_eq!(custody.retry(&scan).unwrap(), Acted::Done(1));
+    let due = custody.journal.pending().unwrap();
+    custody.refuse_at_store(&due[0], &occupied).unwrap();
+    assert!(custody.quarantine.holds(&scan), "the last of them refuses the scan");
 }

@@ -3,97 +3,181 @@
 use std::path::Path;
 
 use jiff::Timestamp;
-use rusqlite::{OptionalExtension, params};
+use rusqlite::{OptionalExtension, Transaction, params};
+use serde_json::json;
 
-use super::scans::state_of;
-use super::{Journal, JournalError, cell};
+use super::scans::{set_state, state_of};
+use super::{Event, Journal, JournalError, cell, history, seal};
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanStep};
 use crate::record::Patient;
 
-/// A delivery to be made.
+/// A delivery to be made or taken back.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Due {
     /// The scan.
     pub scan: ScanId,
     /// Whose it is; none while nobody named the patient.
     pub patient: Option<Patient>,
+    /// The store's name.
+    pub store: String,
+    /// What is to be done there.
+    pub task: Task,
+    /// When the station first saw the scan.
+    pub first_seen: Timestamp,
+    /// How often it was tried.
+    pub attempts: u32,
+}
+
+/// What is to be done at a store.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Task {
+    /// The record is to be put there.
+    Deliver,
+    /// The record for nobody is to be taken back.
+    Withdraw,
+}
+
+impl Due {
+    /// The patient's id as the journal's column holds it.
+    pub fn patient_cell(&self) -> &str {
+        self.patient.as_ref().map_or("", |patient| &patient.id)
+    }
 }
 
 impl Journal {
-    /// All deliveries to be made: fresh ones first, then by time of first sight.
+    /// All deliveries to be made or taken back, the scans first seen last first: whoever stands at
+    /// the booth is not to wait for a backlog.
     ///
     /// # Errors
     /// See [`JournalError`].
     pub fn pending(&self) -> Result<Vec<Due>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
-            "SELECT sha256, patient, sources FROM deliveries JOIN scans USING (sha256)
-             WHERE deliveries.state = ?1 ORDER BY attempts > 0, first_seen, sha256",
+            "SELECT sha256, patient, sources, store, deliveries.state, first_seen, attempts,
+                    deliveries.seal
+             FROM deliveries JOIN scans USING (sha256)
+             WHERE deliveries.state IN (?1, ?2) ORDER BY first_seen DESC, sha256",
         )?;
-        let rows = query.query_map([DeliveryState::Pending.word()], |row| {
-            Ok((row.get(0)?, row.get::<_, String>(1)?, row.get(2)?))
-        })?;
-        let due = |(sha256, id, sources): (String, String, String)| {
+        let words = [DeliveryState::Pending.word(), DeliveryState::Withdrawing.word()];
+        let mut rows = query.query(words)?;
+        let mut pending = Vec::new();
+        while let Some(row) = rows.next()? {
+            let (scan, id, sources): (String, String, String) =
+                (row.get(0)?, row.get(1)?, row.get(2)?);
+            let (store, state): (String, String) = (row.get(3)?, row.get(4)?);
+            // Read again although the start checked all: this decides whose folder it goes to.
+            if row.get::<_, String>(7)? != seal::of_delivery(&scan, &id, &store, &sources) {
+                return Err(JournalError::Seal { table: "deliveries" });
+            }
             let sources = cell("sources", sources, |text| serde_json::from_str(text).ok())?;
-            Ok(Due {
-                scan: cell("sha256", sha256, |text| ScanId::parse(text).ok())?,
+            let task = match cell("state", state, DeliveryState::of_word)? {
+                DeliveryState::Withdrawing => Task::Withdraw,
+                _ => Task::Deliver,
+            };
+            pending.push(Due {
+                scan: cell("sha256", scan, |text| ScanId::parse(text).ok())?,
                 patient: (!id.is_empty()).then_some(Patient { id, sources }),
-            })
-        };
-        rows.map(|row| due(row?)).collect()
+                store,
+                task,
+                first_seen: cell("first_seen", row.get(5)?, |text| text.parse().ok())?,
+                attempts: row.get(6)?,
+            });
+        }
+        Ok(pending)
     }
 
-    /// The store has given its receipt. With the last pending delivery the scan is delivered.
-    /// Says whether the spooled bytes have served: nothing is pending, and nothing held.
+    /// The store has given its receipt. With the last pending delivery the scan is delivered; where
+    /// the patient is named, a record of the same scan for nobody is to be taken back.
+    /// Says whether the spooled bytes have served: nothing is pending, held or refused.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn delivered(&self, due: &Due, store: &str, folder: &Path) -> Result<bool, JournalError> {
-        let mut connection = self.connection();
-        let transaction = connection.transaction()?;
-        let (scan, patient) = (due.scan.as_str(), patient_cell(due));
-        let state: Option<String> = transaction
-            .query_row(
-                "SELECT state FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-                [scan, patient, store],
-                |row| row.get(0),
-            )
-            .optional()?;
-        let state = state.ok_or(JournalError::Unknown { what: "delivery" })?;
-        let state = cell("state", state, DeliveryState::of_word)?.after(DeliveryStep::Deliver)?;
-        transaction.execute(
-            "UPDATE deliveries SET state = ?4, next_at = NULL, folder = ?5
-             WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-            params![scan, patient, store, state.word(), folder.to_string_lossy()],
-        )?;
-        let open = |state: DeliveryState| -> rusqlite::Result<i64> {
-            transaction.query_row(
-                "SELECT count(*) FROM deliveries WHERE sha256 = ?1 AND state = ?2",
-                [scan, state.word()],
-                |row| row.get(0),
-            )
-        };
-        let (pending, held) = (open(DeliveryState::Pending)?, open(DeliveryState::Held)?);
-        if pending == 0 {
-            let state = state_of(&transaction, &due.scan)?.after(ScanStep::Finish)?;
-            transaction
-                .execute("UPDATE scans SET state = ?2 WHERE sha256 = ?1", [scan, state.word()])?;
-        }
-        transaction.commit()?;
-        Ok(pending == 0 && held == 0)
+    pub fn delivered(&self, due: &Due, folder: &Path) -> Result<bool, JournalError> {
+        let scan = &due.scan;
+        self.change(|transaction| {
+            let place = folder.to_string_lossy();
+            step(transaction, due, DeliveryStep::Deliver, Some(&place))?;
+            history::append(transaction, Some(scan), Event::Delivered, &detail(due))?;
+            if due.patient.is_some() {
+                let nobody = Due { patient: None, ..due.clone() };
+                if delivery_state(transaction, &nobody)? == Some(DeliveryState::Delivered) {
+                    step(transaction, &nobody, DeliveryStep::Withdraw, None)?;
+                }
+            }
+            let pending = count(transaction, scan, DeliveryState::Pending)?;
+            let kept_for = count(transaction, scan, DeliveryState::Held)?
+                + count(transaction, scan, DeliveryState::Refused)?;
+            if pending == 0 {
+                let state = state_of(transaction, scan)?.after(ScanStep::Finish)?;
+                set_state(transaction, scan, state)?;
+            }
+            Ok(pending == 0 && kept_for == 0)
+        })
+    }
+
+    /// A store will never take a record, while other deliveries of the scan are still to be made;
+    /// says whether that is so. Where none is, nothing is changed: the scan is to be refused.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn refused_at_store(&self, due: &Due, code: &str) -> Result<bool, JournalError> {
+        self.change(|transaction| {
+            if count(transaction, &due.scan, DeliveryState::Pending)? < 2 {
+                return Ok(false);
+            }
+            step(transaction, due, DeliveryStep::Refuse, None)?;
+            transaction.execute(
+                "UPDATE deliveries SET code = ?4
+                 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+                [due.scan.as_str(), due.patient_cell(), &due.store, code],
+            )?;
+            let detail = json!({ "code": code, "store": due.store });
+            history::append(transaction, Some(&due.scan), Event::Refused, &detail)?;
+            Ok(true)
+        })
+    }
+
+    /// The record for nobody is gone from the store.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn withdrawn(&self, due: &Due) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            step(transaction, due, DeliveryStep::Gone, None)?;
+            history::append(transaction, Some(&due.scan), Event::Withdrawn, &detail(due))
+        })
     }
 
     /// An attempt failed for a reason that may pass.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn put_off(&self, due: &Due, store: &str, next_at: Timestamp) -> Result<(), JournalError> {
+    pub fn put_off(&self, due: &Due, code: &str, next_at: Timestamp) -> Result<(), JournalError> {
         self.connection().execute(
-            "UPDATE deliveries SET attempts = attempts + 1, next_at = ?4
+            "UPDATE deliveries SET attempts = attempts + 1, code = ?5, next_at = ?4
              WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-            params![due.scan.as_str(), patient_cell(due), store, next_at.to_string()],
+            params![due.scan.as_str(), due.patient_cell(), due.store, next_at.to_string(), code],
         )?;
         Ok(())
+    }
+
+    /// The patient who has the record of a scan in a store; none while nobody has.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn patient_with_record(
+        &self,
+        scan: &ScanId,
+        store: &str,
+    ) -> Result<Option<String>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT patient FROM deliveries
+             WHERE sha256 = ?1 AND store = ?2 AND patient <> '' AND state = ?3
+             ORDER BY changed_at LIMIT 1",
+        )?;
+        let delivered = DeliveryState::Delivered.word();
+        Ok(query.query_row([scan.as_str(), store, delivered], |row| row.get(0)).optional()?)
     }
 
     /// Whether a delivery of the scan waits for a person.
@@ -101,14 +185,62 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`].
     pub fn is_held(&self, scan: &ScanId) -> Result<bool, JournalError> {
-        Ok(self.connection().query_row(
-            "SELECT EXISTS (SELECT 1 FROM deliveries WHERE sha256 = ?1 AND state = ?2)",
-            [scan.as_str(), DeliveryState::Held.word()],
-            |row| row.get(0),
-        )?)
+        Ok(count(&self.connection(), scan, DeliveryState::Held)? > 0)
     }
 }
 
-fn patient_cell(due: &Due) -> &str {
-    due.patient.as_ref().map_or("", |patient| &patient.id)
+/// What the history says of a delivery.
+pub(super) fn detail(due: &Due) -> serde_json::Value {
+    json!({ "patient": due.patient_cell(), "store": due.store })
+}
+
+/// How many deliveries of a scan are in a state.
+pub(super) fn count(
+    connection: &rusqlite::Connection,
+    scan: &ScanId,
+    state: DeliveryState,
+) -> Result<i64, JournalError> {
+    let mut query = connection
+        .prepare_cached("SELECT count(*) FROM deliveries WHERE sha256 = ?1 AND state = ?2")?;
+    Ok(query.query_row([scan.as_str(), state.word()], |row| row.get(0))?)
+}
+
+/// The state of a delivery; none where there is none.
+pub(super) fn delivery_state(
+    transaction: &Transaction<'_>,
+    due: &Due,
+) -> Result<Option<DeliveryState>, JournalError> {
+    let word: Option<String> = transaction
+        .query_row(
+            "SELECT state FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+            [due.scan.as_str(), due.patient_cell(), &due.store],
+            |row| row.get(0),
+        )
+        .optional()?;
+    word.map(|word| cell("state", word, DeliveryState::of_word)).transpose()
+}
+
+/// Takes a delivery one step on.
+pub(super) fn step(
+    transaction: &Transaction<'_>,
+    due: &Due,
+    step: DeliveryStep,
+    folder: Option<&str>,
+) -> Result<(), JournalError> {
+    let state = delivery_state(transaction, due)?;
+    let state = state.ok_or(JournalError::Unknown { what: "delivery" })?.after(step)?;
+    transaction.execute(
+        "UPDATE deliveries SET state = ?4, code = NULL, next_at = NULL, changed_at = ?5,
+                folder = coalesce(?6, folder)
+         WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+        params![
+            due.scan.as_str(),
+            due.patient_cell(),
+            due.store,
+            state.word(),
+            Timestamp::now().to_string(),
+            folder
+        ],
+    )?;
+    Ok(())
 }

@@ -5,21 +5,29 @@
 //! another mode. One connection behind a lock; every call blocks, so callers run it on a blocking
 //! thread. Text columns hold words, RFC 3339 times and JSON, so that `sqlite3` shows them as is.
 
+mod acts;
 mod deliveries;
+mod history;
 mod lock;
+mod meta;
+mod prune;
 mod scans;
 mod schema;
+mod seal;
 mod sightings;
 
+use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use rusqlite::Connection;
+use rusqlite::{Connection, Transaction};
 
 use crate::flow::IllegalStep;
 use crate::store::durable;
-pub use deliveries::Due;
+pub use deliveries::{Due, Task};
+use history::HeadFile;
+pub use history::{Event, HistoryRow};
 pub use lock::{LockError, StateLock};
 pub use scans::ScanRow;
 
@@ -33,6 +41,10 @@ const FULL: i64 = 2;
 #[derive(Debug)]
 pub struct Journal {
     connection: Mutex<Connection>,
+    head: HeadFile,
+    path: PathBuf,
+    /// The file that was opened: a journal that is removed lives on unseen while it is open.
+    file: durable::FileId,
 }
 
 /// Why the journal cannot be used.
@@ -76,6 +88,36 @@ pub enum JournalError {
         /// Its content.
         found: String,
     },
+    /// Pages of the file contradict each other.
+    #[error("the journal is damaged: {found}")]
+    Damaged {
+        /// What SQLite found.
+        found: String,
+    },
+    /// A row is not the one that was written.
+    #[error("a row of the journal's table {table} does not match its seal")]
+    Seal {
+        /// The table.
+        table: &'static str,
+    },
+    /// The history has been changed or damaged.
+    #[error("the journal's history is broken at its row {seq}")]
+    Chain {
+        /// The row.
+        seq: i64,
+    },
+    /// The journal lacks what was committed to it.
+    #[error("the journal is an older copy: its history ends before row {head}")]
+    Behind {
+        /// The newest row that was committed.
+        head: i64,
+    },
+    /// The file is not under its name any more.
+    #[error("the journal was removed or replaced while it was in use")]
+    Gone,
+    /// The head of the history could not be read or written.
+    #[error("the file beside the journal that repeats the head of its history failed")]
+    Head(#[source] io::Error),
     /// A step that a state does not allow.
     #[error(transparent)]
     Step(#[from] IllegalStep),
@@ -87,21 +129,78 @@ pub enum JournalError {
     },
 }
 
+impl JournalError {
+    /// Whether the journal is not to be relied upon any more and must be rebuilt. What may pass, a
+    /// full disk or another version of gaiter, is no ruin.
+    pub fn is_ruin(&self) -> bool {
+        use rusqlite::ErrorCode::{DatabaseCorrupt, NotADatabase};
+        match self {
+            JournalError::Sqlite(error) => {
+                let typed = matches!(
+                    error,
+                    rusqlite::Error::InvalidColumnType(..)
+                        | rusqlite::Error::FromSqlConversionFailure(..)
+                        | rusqlite::Error::IntegralValueOutOfRange(..)
+                        | rusqlite::Error::SqlInputError { .. }
+                );
+                let code = error.sqlite_error_code();
+                typed
+                    || matches!(code, Some(DatabaseCorrupt | NotADatabase))
+                    // A table or column that is not there: the schema's own page is damaged.
+                    || code == Some(rusqlite::ErrorCode::Unknown)
+            }
+            JournalError::Cell { .. }
+            | JournalError::Damaged { .. }
+            | JournalError::Seal { .. }
+            | JournalError::Chain { .. }
+            | JournalError::Behind { .. }
+            | JournalError::Gone => true,
+            JournalError::Folder { .. }
+            | JournalError::Setting { .. }
+            | JournalError::Schema { .. }
+            | JournalError::Head(_)
+            | JournalError::Step(_)
+            | JournalError::Unknown { .. } => false,
+        }
+    }
+}
+
 impl Journal {
-    /// Opens the journal, made if there is none.
+    /// Opens the journal, made if there is none, and checks all of it: its pages, the seals of its
+    /// rows, the chain of its history, and that it is not an older copy of itself.
     ///
     /// # Errors
-    /// See [`JournalError`].
+    /// See [`JournalError`]; [`JournalError::is_ruin`] tells what heals by rebuilding.
     pub fn open(path: &Path) -> Result<Journal, JournalError> {
         let mut connection = Connection::open(path)?;
         connection.busy_timeout(BUSY)?;
         set_durable(&connection)?;
         connection.pragma_update(None, "foreign_keys", true)?;
+        whole(&connection)?;
+        let head = HeadFile::open(path).map_err(JournalError::Head)?;
         schema::establish(&mut connection)?;
+        seal::check_all(&connection)?;
+        history::check(&connection)?;
+        if let Some(head) = head.read().map_err(JournalError::Head)?
+            && history::is_behind(&connection, &head)?
+        {
+            return Err(JournalError::Behind { head: head.seq });
+        }
         // The names of the journal and of its write-ahead log, which exists since the first read.
-        durable::sync_folder(path.parent().unwrap_or(Path::new(".")))
-            .map_err(|source| JournalError::Folder { path: path.to_owned(), source })?;
-        Ok(Journal { connection: Mutex::new(connection) })
+        let folder = |source| JournalError::Folder { path: path.to_owned(), source };
+        durable::sync_folder(path.parent().unwrap_or(Path::new("."))).map_err(folder)?;
+        let file = durable::FileId::of(path).map_err(folder)?;
+        let path = path.to_owned();
+        Ok(Journal { connection: Mutex::new(connection), head, path, file })
+    }
+
+    /// Whether the open journal is still the file of its name.
+    ///
+    /// # Errors
+    /// [`JournalError::Gone`] where it is not.
+    pub fn is_in_place(&self) -> Result<(), JournalError> {
+        let found = durable::FileId::of(&self.path).ok();
+        if found == Some(self.file) { Ok(()) } else { Err(JournalError::Gone) }
     }
 
     /// The connection. A panic while it was held rolled its transaction back, so a poisoned lock
@@ -109,6 +208,30 @@ impl Journal {
     fn connection(&self) -> MutexGuard<'_, Connection> {
         self.connection.lock().unwrap_or_else(PoisonError::into_inner)
     }
+
+    /// Makes a change as a whole or not at all; durable when this returns.
+    fn change<T>(
+        &self,
+        change: impl FnOnce(&Transaction<'_>) -> Result<T, JournalError>,
+    ) -> Result<T, JournalError> {
+        let mut connection = self.connection();
+        let transaction = connection.transaction()?;
+        let before = history::newest(&transaction)?;
+        let done = change(&transaction)?;
+        let after = history::newest(&transaction)?;
+        transaction.commit()?;
+        if let Some(head) = after.filter(|after| before.as_ref() != Some(after)) {
+            // The change is made; a head that stays behind only guards a little less.
+            let _ = self.head.write(&head);
+        }
+        Ok(done)
+    }
+}
+
+/// SQLite's own look at every page and index.
+fn whole(connection: &Connection) -> Result<(), JournalError> {
+    let found: String = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0))?;
+    if found == "ok" { Ok(()) } else { Err(JournalError::Damaged { found }) }
 }
 
 fn set_durable(connection: &Connection) -> Result<(), JournalError> {

@@ -3,7 +3,9 @@
 use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Transaction, params};
 
-use super::{Journal, JournalError, cell};
+use serde_json::json;
+
+use super::{Event, Journal, JournalError, cell, history, seal};
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use crate::record::Patient;
 
@@ -30,16 +32,26 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`].
     pub fn scan(&self, scan: &ScanId) -> Result<Option<ScanRow>, JournalError> {
-        type Cells = (String, i64, String, Option<String>, String);
+        type Cells = (String, i64, String, Option<String>, String, String);
         let found: Option<Cells> = self
             .connection()
             .query_row(
-                "SELECT format, size, first_seen, file_time, state FROM scans WHERE sha256 = ?1",
+                "SELECT format, size, first_seen, file_time, state, seal
+                 FROM scans WHERE sha256 = ?1",
                 [scan.as_str()],
-                |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?, row.get(4)?)),
+                |row| {
+                    let (format, size, first_seen) = (row.get(0)?, row.get(1)?, row.get(2)?);
+                    Ok((format, size, first_seen, row.get(3)?, row.get(4)?, row.get(5)?))
+                },
             )
             .optional()?;
-        let Some((format, size, first_seen, file_time, state)) = found else { return Ok(None) };
+        let Some((format, size, first_seen, file_time, state, found)) = found else {
+            return Ok(None);
+        };
+        let due = seal::of_scan(scan.as_str(), &format, size, &first_seen, file_time.as_deref());
+        if found != due {
+            return Err(JournalError::Seal { table: "scans" });
+        }
         let time = |text: &str| text.parse().ok();
         Ok(Some(ScanRow {
             scan: scan.clone(),
@@ -75,8 +87,8 @@ impl Journal {
         rows.map(|row| Ok(Some(row?).filter(|id: &String| !id.is_empty()))).collect()
     }
 
-    /// Enters a new scan and its delivery. A scan that comes in as spooled has its delivery
-    /// pending; one that comes in as delivered is known by its spooled bytes only, and held.
+    /// Enters a new scan and its deliveries, one for each store. A scan that comes in as spooled has
+    /// them pending; one that comes in as delivered is known by its spooled bytes only, and held.
     ///
     /// # Errors
     /// See [`JournalError`]; nothing is entered then.
@@ -84,41 +96,20 @@ impl Journal {
         &self,
         row: &ScanRow,
         patient: Option<&Patient>,
-        store: &str,
+        stores: &[&str],
         delivery: DeliveryState,
         code: Option<&str>,
     ) -> Result<(), JournalError> {
-        let mut connection = self.connection();
-        let transaction = connection.transaction()?;
-        transaction.execute(
-            "INSERT INTO scans (sha256, format, size, first_seen, file_time, state)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6)
-             ON CONFLICT (sha256) DO NOTHING",
-            params![
-                row.scan.as_str(),
-                row.format,
-                row.size.cast_signed(),
-                row.first_seen.to_string(),
-                row.file_time.map(|time| time.to_string()),
-                row.state.word(),
-            ],
-        )?;
-        let sources = patient.map_or(&[][..], |patient| &patient.sources);
-        let sources = serde_json::to_string(sources)
-            .map_err(|error| rusqlite::Error::ToSqlConversionFailure(error.into()))?;
-        transaction.execute(
-            "INSERT INTO deliveries (sha256, patient, store, sources, state, code)
-             VALUES (?1, ?2, ?3, ?4, ?5, ?6)",
-            params![
-                row.scan.as_str(),
-                patient.map_or("", |patient| &patient.id),
-                store,
-                sources,
-                delivery.word(),
-                code,
-            ],
-        )?;
-        Ok(transaction.commit()?)
+        self.change(|transaction| {
+            insert_scan(transaction, row)?;
+            for store in stores {
+                insert_delivery(transaction, &row.scan, patient, store, delivery, code)?;
+            }
+            let event = if delivery == DeliveryState::Held { Event::Held } else { Event::Entered };
+            let id = patient.map_or("", |patient| &patient.id);
+            let detail = json!({ "patient": id, "state": delivery.word() });
+            history::append(transaction, Some(&row.scan), event, &detail)
+        })
     }
 
     /// A scan was refused for good, and with it every delivery still to be made.
@@ -126,26 +117,113 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`].
     pub fn refused(&self, scan: &ScanId, code: &str, message: &str) -> Result<(), JournalError> {
-        let mut connection = self.connection();
-        let transaction = connection.transaction()?;
-        let state = state_of(&transaction, scan)?.after(ScanStep::Refuse)?;
-        transaction.execute(
-            "UPDATE scans SET state = ?2, code = ?3, message = ?4 WHERE sha256 = ?1",
-            params![scan.as_str(), state.word(), code, message],
-        )?;
-        let pending = DeliveryState::Pending;
-        transaction.execute(
-            "UPDATE deliveries SET state = ?2, code = ?3, next_at = NULL
-             WHERE sha256 = ?1 AND state = ?4",
-            params![
-                scan.as_str(),
-                pending.after(DeliveryStep::Refuse)?.word(),
-                code,
-                pending.word()
-            ],
-        )?;
-        Ok(transaction.commit()?)
+        self.change(|transaction| {
+            let state = state_of(transaction, scan)?.after(ScanStep::Refuse)?;
+            set_state(transaction, scan, state)?;
+            transaction.execute(
+                "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1",
+                params![scan.as_str(), code, message],
+            )?;
+            let pending = DeliveryState::Pending;
+            transaction.execute(
+                "UPDATE deliveries SET state = ?2, code = ?3, next_at = NULL, changed_at = ?5
+                 WHERE sha256 = ?1 AND state = ?4",
+                params![
+                    scan.as_str(),
+                    pending.after(DeliveryStep::Refuse)?.word(),
+                    code,
+                    pending.word(),
+                    Timestamp::now().to_string(),
+                ],
+            )?;
+            history::append(transaction, Some(scan), Event::Refused, &json!({ "code": code }))
+        })
     }
+
+    /// A measurement of the scan ended without an answer; says how many have.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn crashed(&self, scan: &ScanId) -> Result<u32, JournalError> {
+        let connection = self.connection();
+        Ok(connection.query_row(
+            "UPDATE scans SET crashes = crashes + 1 WHERE sha256 = ?1 RETURNING crashes",
+            [scan.as_str()],
+            |row| row.get(0),
+        )?)
+    }
+}
+
+/// Puts a scan into the table unless it is there.
+pub(super) fn insert_scan(
+    transaction: &Transaction<'_>,
+    row: &ScanRow,
+) -> Result<(), JournalError> {
+    let (scan, size) = (row.scan.as_str(), row.size.cast_signed());
+    let first_seen = row.first_seen.to_string();
+    let file_time = row.file_time.map(|time| time.to_string());
+    let seal = seal::of_scan(scan, &row.format, size, &first_seen, file_time.as_deref());
+    transaction.execute(
+        "INSERT INTO scans (sha256, format, size, first_seen, file_time, state, changed_at, seal)
+         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)
+         ON CONFLICT (sha256) DO NOTHING",
+        params![
+            scan,
+            row.format,
+            size,
+            first_seen,
+            file_time,
+            row.state.word(),
+            Timestamp::now().to_string(),
+            seal
+        ],
+    )?;
+    Ok(())
+}
+
+/// Puts a delivery into the table; it must be new.
+pub(super) fn insert_delivery(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+    patient: Option<&Patient>,
+    store: &str,
+    state: DeliveryState,
+    code: Option<&str>,
+) -> Result<(), JournalError> {
+    let sources = patient.map_or(&[][..], |patient| &patient.sources);
+    let sources = serde_json::to_string(sources)
+        .map_err(|error| rusqlite::Error::ToSqlConversionFailure(error.into()))?;
+    let id = patient.map_or("", |patient| &patient.id);
+    let seal = seal::of_delivery(scan.as_str(), id, store, &sources);
+    transaction.execute(
+        "INSERT INTO deliveries (sha256, patient, store, sources, state, code, changed_at, seal)
+         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
+        params![
+            scan.as_str(),
+            id,
+            store,
+            sources,
+            state.word(),
+            code,
+            Timestamp::now().to_string(),
+            seal
+        ],
+    )?;
+    Ok(())
+}
+
+/// Gives a scan its state; why it was in another before is forgotten.
+pub(super) fn set_state(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+    state: ScanState,
+) -> Result<(), JournalError> {
+    transaction.execute(
+        "UPDATE scans SET state = ?2, code = NULL, message = NULL, changed_at = ?3
+         WHERE sha256 = ?1",
+        params![scan.as_str(), state.word(), Timestamp::now().to_string()],
+    )?;
+    Ok(())
 }
 
 /// The state of a scan that must be known.

@@ -1,15 +1,28 @@
-//! The journal's tables.
+//! The journal's tables, and the way from older ones to them.
 
-use rusqlite::{Connection, TransactionBehavior};
+use rusqlite::{Connection, Transaction, TransactionBehavior};
 
-use super::JournalError;
+use super::{JournalError, history, seal};
 
-/// The schema this gaiter reads and writes, in `PRAGMA user_version`.
-const KNOWN: i64 = 1;
+/// The schema this gaiter reads and writes, in `PRAGMA user_version`: one step of [`STEPS`] each.
+pub(super) const KNOWN: i64 = STEPS.len() as i64;
+
+/// A step from one schema to the next.
+type Step = fn(&Transaction<'_>) -> Result<(), JournalError>;
+
+/// From an empty file to the present schema. A step that was released is never changed.
+const STEPS: [Step; 2] = [
+    |transaction| Ok(transaction.execute_batch(FIRST)?),
+    |transaction| {
+        transaction.execute_batch(SECOND)?;
+        transaction.execute_batch(history::NOT_CUT)?;
+        seal::seal_all(transaction)
+    },
+];
 
 /// `patient` is '' while nobody named the patient. `sources` is JSON. `next_at` tells people when
 /// the next attempt is due; the station itself goes by its monotonic clock.
-const TABLES: &str = "
+const FIRST: &str = "
 CREATE TABLE scans (
     sha256     TEXT PRIMARY KEY,
     format     TEXT NOT NULL,
@@ -41,17 +54,45 @@ CREATE TABLE sightings (
 ) STRICT;
 ";
 
-/// Makes the tables in a new journal; accepts an old one of our schema.
+/// `crashes` counts measurements of the scan that ended without an answer. `changed_at` is the time
+/// of the last change of state. `seal` guards the cells that say whose scan it is and where its
+/// record goes. `meta` holds what the station must remember of itself, a row a fact.
+const SECOND: &str = "
+ALTER TABLE scans ADD COLUMN crashes INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE scans ADD COLUMN changed_at TEXT;
+ALTER TABLE scans ADD COLUMN seal TEXT NOT NULL DEFAULT '';
+ALTER TABLE deliveries ADD COLUMN changed_at TEXT;
+ALTER TABLE deliveries ADD COLUMN seal TEXT NOT NULL DEFAULT '';
+CREATE TABLE meta (
+    name  TEXT PRIMARY KEY,
+    value TEXT NOT NULL
+) STRICT;
+CREATE TABLE history (
+    seq    INTEGER PRIMARY KEY,
+    at     TEXT NOT NULL,
+    scan   TEXT NOT NULL,
+    event  TEXT NOT NULL,
+    detail TEXT NOT NULL,
+    hash   TEXT NOT NULL
+) STRICT;
+CREATE INDEX history_by_scan ON history (scan);
+CREATE TRIGGER history_is_not_changed BEFORE UPDATE ON history
+BEGIN SELECT RAISE(ABORT, 'the history is append-only'); END;
+";
+
+/// Makes the tables in a new journal, and brings an older one to our schema.
 pub fn establish(connection: &mut Connection) -> Result<(), JournalError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
-    let found = transaction.pragma_query_value(None, "user_version", |row| row.get(0))?;
-    match found {
-        0 => {
-            transaction.execute_batch(TABLES)?;
-            transaction.pragma_update(None, "user_version", KNOWN)?;
-        }
-        KNOWN => {}
-        other => return Err(JournalError::Schema { found: other, known: KNOWN }),
+    let found: i64 = transaction.pragma_query_value(None, "user_version", |row| row.get(0))?;
+    let done = usize::try_from(found).ok().filter(|done| *done <= STEPS.len());
+    let Some(done) = done else { return Err(JournalError::Schema { found, known: KNOWN }) };
+    for step in &STEPS[done..] {
+        step(&transaction)?;
+    }
+    if done < STEPS.len() {
+        transaction.pragma_update(None, "user_version", KNOWN)?;
+        let detail = serde_json::json!({ "from": found, "to": KNOWN });
+        history::append(&transaction, None, history::Event::Schema, &detail)?;
     }
     Ok(transaction.commit()?)
 }

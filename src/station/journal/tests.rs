@@ -27,7 +27,7 @@ fn patient(id: &str) -> Patient {
 
 fn enter(journal: &Journal, row: &ScanRow, id: Option<&str>, state: DeliveryState) {
     let patient = id.map(patient);
-    journal.enter(row, patient.as_ref(), "folder", state, None).unwrap();
+    journal.enter(row, patient.as_ref(), &["folder"], state, None).unwrap();
 }
 
 #[test]
@@ -40,11 +40,15 @@ fn what_was_entered_is_there_after_reopening() {
     assert_eq!(journal.scan(&row('a').scan).unwrap(), Some(row('a')));
     assert_eq!(journal.patients(&row('b').scan).unwrap(), [None]);
     let due = journal.pending().unwrap();
-    let expected = [
-        Due { scan: row('a').scan, patient: Some(patient("4711")) },
-        Due { scan: row('b').scan, patient: None },
-    ];
-    assert_eq!(due, expected);
+    let due_to = |scan, patient| Due {
+        scan,
+        patient,
+        store: "folder".to_owned(),
+        task: Task::Deliver,
+        first_seen: row('a').first_seen,
+        attempts: 0,
+    };
+    assert_eq!(due, [due_to(row('a').scan, Some(patient("4711"))), due_to(row('b').scan, None)]);
 }
 
 #[test]
@@ -65,12 +69,12 @@ fn spooled_bytes_have_served_with_the_last_delivery_unless_one_is_held() {
     enter(&journal, &row('b'), None, DeliveryState::Pending);
     enter(&journal, &row('b'), Some("4711"), DeliveryState::Held);
     let due = journal.pending().unwrap();
-    assert!(journal.delivered(&due[0], "folder", folder).unwrap());
-    assert!(!journal.delivered(&due[1], "folder", folder).unwrap());
+    assert!(journal.delivered(&due[0], folder).unwrap());
+    assert!(!journal.delivered(&due[1], folder).unwrap());
     assert!(journal.is_held(&row('b').scan).unwrap());
     assert_eq!(journal.scans_in(ScanState::Delivered).unwrap(), [row('a').scan, row('b').scan]);
     assert!(journal.pending().unwrap().is_empty());
-    let again = journal.delivered(&due[0], "folder", folder);
+    let again = journal.delivered(&due[0], folder);
     assert!(matches!(again, Err(JournalError::Step(_))), "{again:?}");
 }
 
@@ -86,15 +90,15 @@ fn a_refused_scan_is_not_pending_any_more() {
 }
 
 #[test]
-fn deliveries_that_failed_stand_behind_fresh_ones() {
+fn failed_attempts_are_counted() {
     let (_dir, journal) = journal();
     enter(&journal, &row('a'), None, DeliveryState::Pending);
     enter(&journal, &row('b'), None, DeliveryState::Pending);
     let due = journal.pending().unwrap();
     let at = "2026-11-21T09:15:01Z".parse().unwrap();
-    journal.put_off(&due[0], "folder", at).unwrap();
-    let order: Vec<ScanId> = journal.pending().unwrap().into_iter().map(|d| d.scan).collect();
-    assert_eq!(order, [row('b').scan, row('a').scan]);
+    journal.put_off(&due[0], "store-unavailable", at).unwrap();
+    let attempts: Vec<u32> = journal.pending().unwrap().iter().map(|due| due.attempts).collect();
+    assert_eq!(attempts, [1, 0]);
 }
 
 #[test]
@@ -121,7 +125,7 @@ fn durability_is_set_and_a_foreign_schema_is_refused() {
     journal.connection().pragma_update(None, "user_version", 99).unwrap();
     drop(journal);
     let refused = Journal::open(&dir.path().join("journal.db")).unwrap_err();
-    assert!(matches!(refused, JournalError::Schema { found: 99, known: 1 }));
+    assert!(matches!(refused, JournalError::Schema { found: 99, known: schema::KNOWN }));
 }
 
 #[test]
@@ -132,4 +136,104 @@ fn a_second_station_on_the_same_state_is_told_who_has_it() {
     assert!(refused.ends_with(&format!("process {}", std::process::id())), "{refused}");
     drop(first);
     StateLock::take(dir.path()).unwrap();
+}
+
+/// A journal with some history, closed.
+fn used() -> (tempfile::TempDir, std::path::PathBuf) {
+    let (dir, journal) = journal();
+    for digit in "abcdef".chars() {
+        enter(&journal, &row(digit), Some("4711"), DeliveryState::Pending);
+    }
+    drop(journal);
+    let path = dir.path().join("journal.db");
+    (dir, path)
+}
+
+/// What changes the file behind the station's back.
+fn edit(path: &Path, sql: &str) {
+    Connection::open(path).unwrap().execute_batch(sql).unwrap();
+}
+
+#[test]
+fn a_digit_of_a_patient_s_id_that_has_become_another_is_noticed() {
+    let (_dir, path) = used();
+    edit(&path, "UPDATE deliveries SET patient = '4712' WHERE rowid = 3");
+    let error = Journal::open(&path).unwrap_err();
+    assert!(matches!(error, JournalError::Seal { table: "deliveries" }) && error.is_ruin());
+}
+
+#[test]
+fn a_time_of_first_sight_that_has_changed_is_noticed() {
+    let (_dir, path) = used();
+    edit(&path, "UPDATE scans SET first_seen = '2026-11-21T09:15:01Z' WHERE rowid = 2");
+    assert!(Journal::open(&path).unwrap_err().is_ruin());
+}
+
+#[test]
+fn a_history_that_was_changed_is_noticed() {
+    for sql in [
+        "DROP TRIGGER history_is_not_changed; UPDATE history SET event = 'refused' WHERE seq = 3",
+        "DROP TRIGGER history_is_not_cut; DELETE FROM history WHERE seq = 4",
+        "DROP TRIGGER history_is_not_changed; UPDATE history SET detail = '{}' WHERE seq = 1",
+    ] {
+        let (_dir, path) = used();
+        edit(&path, sql);
+        let error = Journal::open(&path).unwrap_err();
+        assert!(matches!(error, JournalError::Chain { .. }) && error.is_ruin(), "{sql}");
+    }
+}
+
+#[test]
+fn nobody_changes_the_history_by_mistake() {
+    let (_dir, path) = used();
+    let connection = Connection::open(&path).unwrap();
+    for sql in ["UPDATE history SET event = 'x'", "DELETE FROM history"] {
+        assert!(connection.execute(sql, []).is_err(), "{sql}");
+    }
+}
+
+#[test]
+fn an_older_copy_of_the_journal_is_told_from_the_present_one() {
+    let (dir, path) = used();
+    let copy = dir.path().join("copy");
+    std::fs::copy(&path, &copy).unwrap();
+    let journal = Journal::open(&path).unwrap();
+    enter(&journal, &row('7'), None, DeliveryState::Pending);
+    drop(journal);
+    std::fs::copy(&copy, &path).unwrap();
+    let error = Journal::open(&path).unwrap_err();
+    assert!(matches!(error, JournalError::Behind { .. }) && error.is_ruin(), "{error}");
+}
+
+#[test]
+fn an_older_journal_is_brought_to_this_schema_with_what_it_knows() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("journal.db");
+    let old = include_str!("../../../fixtures/journal/schema-1.sql");
+    edit(&path, old);
+    let journal = Journal::open(&path).unwrap();
+    let pending = journal.pending().unwrap();
+    assert_eq!(pending.len(), 1);
+    assert_eq!(pending[0].patient, Some(patient("4711")));
+    drop(journal);
+    Journal::open(&path).unwrap();
+}
+
+#[test]
+fn what_rests_is_forgotten_and_what_is_pending_is_not() {
+    let (_dir, journal) = journal();
+    for digit in "ab".chars() {
+        enter(&journal, &row(digit), Some("4711"), DeliveryState::Pending);
+    }
+    let due = journal.pending().unwrap();
+    journal.delivered(&due[0], Path::new("/r/x")).unwrap();
+    let future = "2099-01-01T00:00:00Z".parse().unwrap();
+    let past = "2001-01-01T00:00:00Z".parse().unwrap();
+    assert_eq!(journal.forget(past).unwrap(), 0);
+    assert_eq!(journal.forget(future).unwrap(), 1);
+    assert_eq!(journal.scan(&due[0].scan).unwrap(), None);
+    assert_eq!(journal.pending().unwrap(), due[1..]);
+    let path = journal.path.clone();
+    drop(journal);
+    Journal::open(&path).unwrap();
 }

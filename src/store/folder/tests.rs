@@ -7,6 +7,7 @@ use crate::store::sums::SumsFault;
 
 struct Case {
     dir: tempfile::TempDir,
+    scan_file: PathBuf,
     scan: ScanId,
     files: Vec<RecordFile>,
 }
@@ -18,25 +19,32 @@ impl Case {
         let record = b"{}".to_vec();
         let listing = format!("{}  record.json\n{scan}  scan.obj\n", sums::scan_id(&record));
         let file = |name: &str, bytes| RecordFile { name: name.to_owned(), bytes };
-        let files = vec![
-            file("record.json", record),
-            file("scan.obj", bytes),
-            file(SUMS, listing.into_bytes()),
-        ];
-        Case { dir: tempfile::tempdir().unwrap(), scan, files }
+        let files = vec![file("record.json", record), file(SUMS, listing.into_bytes())];
+        let dir = tempfile::tempdir().unwrap();
+        let scan_file = dir.path().join("spooled.obj");
+        fs::write(&scan_file, bytes).unwrap();
+        fs::create_dir(dir.path().join("records")).unwrap();
+        Case { dir, scan_file, scan, files }
     }
 
     fn store(&self) -> FolderStore {
-        FolderStore::new(self.dir.path().to_owned(), "booth-1")
+        FolderStore::new("folder", self.dir.path().join("records"), "booth-1")
     }
 
     fn delivery(&self) -> Delivery<'_> {
         let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
-        Delivery { scan: &self.scan, patient: Some("4711"), first_seen, files: &self.files }
+        Delivery {
+            scan: &self.scan,
+            patient: Some("4711"),
+            first_seen,
+            files: &self.files,
+            scan_file: &self.scan_file,
+            ending: "obj",
+        }
     }
 
     fn place(&self) -> PathBuf {
-        self.dir.path().join(format!("4711/20261121T091500Z_{}", self.scan.short()))
+        self.dir.path().join(format!("records/4711/20261121T091500Z_{}", self.scan.short()))
     }
 }
 
@@ -56,7 +64,7 @@ fn a_record_put_twice_is_there_once_and_whole() {
     let again = case.store().put(&case.delivery()).unwrap();
     assert_eq!(again, Receipt { folder: case.place(), already_there: true });
     assert_eq!(names(&case.place()), ["SHA256SUMS", "record.json", "scan.obj"]);
-    assert_eq!(names(&case.dir.path().join("4711")).len(), 1);
+    assert_eq!(names(&case.dir.path().join("records/4711")).len(), 1);
     assert_eq!(sums::check(&case.place(), &case.scan).unwrap(), Ok(()));
 }
 
@@ -101,7 +109,7 @@ fn another_scan_in_the_place_is_seen() {
 #[test]
 fn what_a_crash_left_staged_is_cleared_and_other_stations_staging_is_not() {
     let case = Case::new();
-    let patient = case.dir.path().join("4711");
+    let patient = case.dir.path().join("records/4711");
     for station in ["booth-1", "booth-1-b"] {
         let staged = patient.join(format!(".staging.{station}.20261121T091500Z_01234567"));
         fs::create_dir_all(&staged).unwrap();
@@ -115,18 +123,18 @@ fn what_a_crash_left_staged_is_cleared_and_other_stations_staging_is_not() {
 fn a_half_staged_attempt_does_not_hinder_the_next() {
     let case = Case::new();
     let name = format!(".staging.booth-1.20261121T091500Z_{}", case.scan.short());
-    let staged = case.dir.path().join("4711").join(name);
+    let staged = case.dir.path().join("records/4711").join(name);
     fs::create_dir_all(&staged).unwrap();
     fs::write(staged.join("record.json"), "{").unwrap();
     assert!(!case.store().put(&case.delivery()).unwrap().already_there);
-    assert_eq!(names(&case.dir.path().join("4711")).len(), 1);
+    assert_eq!(names(&case.dir.path().join("records/4711")).len(), 1);
 }
 
 #[test]
 fn a_missing_root_is_a_share_that_is_not_mounted_and_is_not_made() {
     let case = Case::new();
     let gone = case.dir.path().join("share");
-    let store = FolderStore::new(gone.clone(), "booth-1");
+    let store = FolderStore::new("folder", gone.clone(), "booth-1");
     let fault = store.put(&case.delivery()).unwrap_err();
     assert_eq!(fault.code(), "store-unavailable");
     assert!(!gone.exists());
@@ -146,5 +154,69 @@ fn a_record_without_sums_or_with_a_name_that_leaves_its_folder_is_refused() {
         let fault = case.store().put(&case.delivery()).unwrap_err();
         assert!(matches!(fault, StoreFault::Permanent(Misfit::FileName { .. })), "{name}");
     }
-    assert_eq!(names(case.dir.path()), Vec::<String>::new());
+    assert_eq!(names(&case.dir.path().join("records")), Vec::<String>::new());
+}
+
+#[test]
+fn spooled_bytes_that_are_not_the_scan_s_make_no_record() {
+    let case = Case::new();
+    fs::write(&case.scan_file, "v 0 0 1\n").unwrap();
+    let fault = case.store().put(&case.delivery()).unwrap_err();
+    assert!(matches!(fault, StoreFault::Permanent(Misfit::OtherBytes)), "{fault:?}");
+    assert_eq!(names(&case.dir.path().join("records/4711")), [""; 0]);
+}
+
+#[test]
+fn a_scan_that_is_seen_again_for_the_first_time_is_not_stored_twice() {
+    let case = Case::new();
+    case.store().put(&case.delivery()).unwrap();
+    let later = "2027-01-01T00:00:00Z".parse().unwrap();
+    let again = case.store().put(&Delivery { first_seen: later, ..case.delivery() }).unwrap();
+    assert_eq!(again, Receipt { folder: case.place(), already_there: true });
+}
+
+#[test]
+fn every_record_in_the_store_is_found_and_nothing_else() {
+    let case = Case::new();
+    case.store().put(&case.delivery()).unwrap();
+    case.store().put(&Delivery { patient: None, ..case.delivery() }).unwrap();
+    for stray in ["notes", "4711/.staging.booth-1.x", "4711/20261121T091500Z_deadbeef", "%zz/x"] {
+        fs::create_dir_all(case.dir.path().join("records").join(stray)).unwrap();
+    }
+    let found = case.store().records().unwrap();
+    let whose: Vec<Option<String>> = found.iter().map(|record| record.patient.clone()).collect();
+    assert_eq!(found.len(), 2);
+    assert!(whose.contains(&None) && whose.contains(&Some("4711".to_owned())), "{whose:?}");
+    assert!(found.iter().all(|record| record.scan == case.scan && record.size == 8));
+    assert!(found.iter().all(|record| record.first_seen == case.delivery().first_seen));
+}
+
+#[test]
+fn a_record_for_nobody_is_taken_back_with_its_notes_once_the_patient_has_it() {
+    let case = Case::new();
+    let nobody = Delivery { patient: None, ..case.delivery() };
+    let old = case.store().put(&nobody).unwrap().folder;
+    fs::write(old.join("note.txt"), "left leg in a cast").unwrap();
+    assert_eq!(case.store().scan_bytes(&case.scan, None).unwrap().unwrap(), b"v 0 0 0\n");
+    let early = case.store().withdraw(&case.scan, "4711");
+    assert!(early.is_err() && old.exists(), "nobody has it yet");
+
+    let new = case.store().put(&case.delivery()).unwrap().folder;
+    for _ in 0..2 {
+        case.store().withdraw(&case.scan, "4711").unwrap();
+        assert!(!old.exists());
+        assert_eq!(fs::read_to_string(new.join("note.txt")).unwrap(), "left leg in a cast");
+    }
+    assert_eq!(case.store().scan_bytes(&case.scan, None).unwrap(), None);
+}
+
+#[test]
+fn a_record_for_nobody_that_somebody_changed_is_left_as_it_is() {
+    let case = Case::new();
+    let old = case.store().put(&Delivery { patient: None, ..case.delivery() }).unwrap().folder;
+    case.store().put(&case.delivery()).unwrap();
+    fs::write(old.join("record.json"), "changed by hand").unwrap();
+    let fault = case.store().withdraw(&case.scan, "4711").unwrap_err();
+    assert_eq!(fault.code(), "store-place-occupied");
+    assert_eq!(fs::read(old.join("record.json")).unwrap(), b"changed by hand");
 }

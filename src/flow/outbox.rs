@@ -1,0 +1,277 @@
+//! The outbox: which delivery is tried when. Each store has its own pace and each delivery its own
+//! pauses, so that neither a store that is away nor a record that cannot be put delays another.
+//!
+//! A delivery is tried only at a store that is known to be in reach; a store that is not is asked
+//! from time to time, for ever. Whatever fails is tried again, for ever.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use super::{ScanId, backoff};
+
+/// One delivery, by name.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Key {
+    /// The scan.
+    pub scan: ScanId,
+    /// The patient's id; none while nobody named the patient.
+    pub patient: Option<String>,
+    /// The store's name.
+    pub store: String,
+}
+
+/// How an attempt at a delivery ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Ended {
+    /// For good: delivered, refused or taken back.
+    ForGood,
+    /// It is to be tried again; the fault is not the store's.
+    PutOff,
+    /// It is to be tried again, and the store asked whether it is in reach.
+    StoreFailed,
+}
+
+/// What is to be begun now.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Plan {
+    /// Stores to be asked whether they are in reach.
+    pub ask: Vec<String>,
+    /// Deliveries to be tried, those of one scan and patient together: they share a measurement.
+    pub attempts: Vec<Vec<Key>>,
+}
+
+/// What is known of the deliveries' attempts.
+#[derive(Debug, Default)]
+pub struct Outbox {
+    stores: BTreeMap<String, Store>,
+    pauses: BTreeMap<Key, Pause>,
+    in_hand: BTreeSet<Key>,
+}
+
+/// How a store is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Reach {
+    /// Not asked yet, or something failed there since.
+    Unknown,
+    /// It is being asked.
+    Asked,
+    /// It answered.
+    InReach,
+    /// It is to be asked again then.
+    Away { until: Duration },
+    /// Something that was begun there does not come back.
+    Stalled,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Store {
+    reach: Reach,
+    failures: u32,
+}
+
+#[derive(Debug, Clone, Copy)]
+struct Pause {
+    failures: u32,
+    until: Duration,
+}
+
+impl Outbox {
+    /// Decides what to begin. `due` are all deliveries to be made, in the order in which they are
+    /// wanted; at most `hands` scans are in hand at a time, those at stalled stores aside.
+    pub fn plan(&mut self, due: &[Key], now: Duration, hands: usize) -> Plan {
+        let mut plan = Plan::default();
+        // What is not due any more needs no pause; so nothing here grows with the years.
+        let names: BTreeSet<&Key> = due.iter().collect();
+        self.pauses.retain(|key, _| names.contains(key));
+        let mut free = hands.saturating_sub(self.busy());
+        for key in due {
+            let store = self.stores.entry(key.store.clone()).or_insert(Store::NEW);
+            if store.wants_asking(now) {
+                store.reach = Reach::Asked;
+                plan.ask.push(key.store.clone());
+            }
+            let paused = self.pauses.get(key).is_some_and(|pause| pause.until > now);
+            if store.reach != Reach::InReach || paused || self.in_hand.contains(key) {
+                continue;
+            }
+            let same = |group: &&mut Vec<Key>| {
+                group.first().is_some_and(|k| k.scan == key.scan && k.patient == key.patient)
+            };
+            if let Some(group) = plan.attempts.iter_mut().find(same) {
+                group.push(key.clone());
+            } else if free > 0 {
+                free -= 1;
+                plan.attempts.push(vec![key.clone()]);
+            }
+        }
+        self.in_hand.extend(plan.attempts.iter().flatten().cloned());
+        plan
+    }
+
+    /// How many scans are in hand at stores that answer.
+    fn busy(&self) -> usize {
+        let stalled = |key: &&Key| {
+            self.stores.get(&key.store).is_some_and(|store| store.reach == Reach::Stalled)
+        };
+        let busy = self.in_hand.iter().filter(|key| !stalled(key));
+        busy.map(|key| (&key.scan, &key.patient)).collect::<BTreeSet<_>>().len()
+    }
+
+    /// A store was asked. `chance` is uniform in [0, 1).
+    pub fn asked(&mut self, store: &str, in_reach: bool, now: Duration, chance: f64) {
+        let store = self.stores.entry(store.to_owned()).or_insert(Store::NEW);
+        *store = if in_reach {
+            Store { reach: Reach::InReach, failures: 0 }
+        } else {
+            let failures = store.failures.saturating_add(1);
+            Store { reach: Reach::Away { until: now + backoff::pause(failures, chance) }, failures }
+        };
+    }
+
+    /// Something begun at a store does not come back: nothing else is begun there until it does.
+    pub fn stalled(&mut self, store: &str) {
+        self.stores.entry(store.to_owned()).or_insert(Store::NEW).reach = Reach::Stalled;
+    }
+
+    /// An attempt ended; says how long the pause is where there is one.
+    pub fn ended(
+        &mut self,
+        key: &Key,
+        ended: Ended,
+        now: Duration,
+        chance: f64,
+    ) -> Option<Duration> {
+        self.in_hand.remove(key);
+        let store = self.stores.entry(key.store.clone()).or_insert(Store::NEW);
+        if ended == Ended::StoreFailed || store.reach == Reach::Stalled {
+            store.reach = Reach::Unknown;
+        }
+        if ended == Ended::ForGood {
+            self.pauses.remove(key);
+            return None;
+        }
+        let failures = self.pauses.get(key).map_or(0, |pause| pause.failures).saturating_add(1);
+        let pause = backoff::pause(failures, chance);
+        self.pauses.insert(key.clone(), Pause { failures, until: now + pause });
+        Some(pause)
+    }
+
+    /// A person wants a scan tried now.
+    pub fn hurry(&mut self, scan: &ScanId) {
+        self.pauses.retain(|key, _| key.scan != *scan);
+    }
+
+    /// How long nothing is to be begun by the passing of time alone; none where nothing waits.
+    pub fn next_in(&self, now: Duration) -> Option<Duration> {
+        let waiting = self.pauses.iter().filter(|(key, _)| !self.in_hand.contains(key));
+        let pauses = waiting.map(|(_, pause)| pause.until);
+        let away = self.stores.values().filter_map(|store| match store.reach {
+            Reach::Away { until } => Some(until),
+            _ => None,
+        });
+        pauses.chain(away).min().map(|until| until.saturating_sub(now))
+    }
+}
+
+impl Store {
+    const NEW: Store = Store { reach: Reach::Unknown, failures: 0 };
+
+    fn wants_asking(&self, now: Duration) -> bool {
+        match self.reach {
+            Reach::Unknown => true,
+            Reach::Away { until } => until <= now,
+            Reach::Asked | Reach::InReach | Reach::Stalled => false,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOW: Duration = Duration::from_secs(100);
+
+    fn key(scan: u8, store: &str) -> Key {
+        Key { scan: ScanId::of_digest([scan; 32]), patient: None, store: store.to_owned() }
+    }
+
+    /// An outbox whose stores are in reach.
+    fn outbox(stores: &[&str]) -> Outbox {
+        let mut outbox = Outbox::default();
+        stores.iter().for_each(|store| outbox.asked(store, true, NOW, 0.5));
+        outbox
+    }
+
+    #[test]
+    fn a_store_is_asked_once_before_anything_is_tried_there() {
+        let (mut outbox, due) = (Outbox::default(), [key(1, "a"), key(2, "a")]);
+        let plan = outbox.plan(&due, NOW, 4);
+        assert_eq!(plan, Plan { ask: vec!["a".into()], attempts: vec![] });
+        assert_eq!(outbox.plan(&due, NOW, 4), Plan::default(), "it is being asked");
+        outbox.asked("a", true, NOW, 0.5);
+        assert_eq!(outbox.plan(&due, NOW, 4).attempts, [[key(1, "a")], [key(2, "a")]]);
+    }
+
+    #[test]
+    fn a_store_that_is_away_delays_no_other_and_is_asked_for_ever() {
+        let mut outbox = outbox(&["b"]);
+        let due = [key(1, "a"), key(1, "b")];
+        assert_eq!(outbox.plan(&due, NOW, 4).ask, ["a"]);
+        assert!(outbox.in_hand.contains(&key(1, "b")));
+        outbox.ended(&key(1, "b"), Ended::ForGood, NOW, 0.5);
+        let mut now = NOW;
+        for _ in 0..50 {
+            outbox.asked("a", false, now, 1.0);
+            let wait = outbox.next_in(now).unwrap();
+            assert!(wait > Duration::ZERO && wait <= backoff::CEILING);
+            assert_eq!(outbox.plan(&due[..1], now, 4), Plan::default());
+            now += wait;
+            assert_eq!(outbox.plan(&due[..1], now, 4).ask, ["a"]);
+        }
+    }
+
+    #[test]
+    fn deliveries_of_one_scan_are_tried_together_and_hands_count_scans() {
+        let mut outbox = outbox(&["a", "b"]);
+        let due = [key(1, "a"), key(1, "b"), key(2, "a"), key(3, "a")];
+        let plan = outbox.plan(&due, NOW, 2);
+        assert_eq!(plan.attempts, [vec![key(1, "a"), key(1, "b")], vec![key(2, "a")]]);
+        assert_eq!(outbox.plan(&due, NOW, 2), Plan::default());
+        outbox.ended(&key(2, "a"), Ended::ForGood, NOW, 0.5);
+        let due = [key(1, "a"), key(1, "b"), key(3, "a")];
+        assert_eq!(outbox.plan(&due, NOW, 2).attempts, [[key(3, "a")]]);
+    }
+
+    #[test]
+    fn a_record_that_cannot_be_put_does_not_stand_before_the_others() {
+        let mut outbox = outbox(&["a"]);
+        let due = [key(1, "a"), key(2, "a")];
+        assert_eq!(outbox.plan(&due, NOW, 1).attempts, [[key(1, "a")]]);
+        assert!(outbox.ended(&key(1, "a"), Ended::StoreFailed, NOW, 0.9).is_some());
+        assert_eq!(outbox.plan(&due, NOW, 1).ask, ["a"]);
+        outbox.asked("a", true, NOW, 0.5);
+        assert_eq!(outbox.plan(&due, NOW, 1).attempts, [[key(2, "a")]]);
+    }
+
+    #[test]
+    fn a_stalled_store_takes_no_hands_and_goes_on_when_it_comes_back() {
+        let mut outbox = outbox(&["a", "b"]);
+        outbox.plan(&[key(1, "a")], NOW, 1);
+        outbox.stalled("a");
+        let due = [key(1, "a"), key(2, "a"), key(3, "b")];
+        assert_eq!(outbox.plan(&due, NOW, 1).attempts, [[key(3, "b")]]);
+        outbox.ended(&key(1, "a"), Ended::ForGood, NOW, 0.5);
+        assert_eq!(outbox.plan(&due[1..2], NOW, 2).ask, ["a"]);
+    }
+
+    #[test]
+    fn a_person_may_cut_a_pause_short() {
+        let mut outbox = outbox(&["a"]);
+        let due = [key(1, "a")];
+        outbox.plan(&due, NOW, 1);
+        outbox.ended(&key(1, "a"), Ended::PutOff, NOW, 0.9);
+        assert_eq!(outbox.plan(&due, NOW, 1), Plan::default());
+        outbox.hurry(&key(1, "a").scan);
+        assert_eq!(outbox.plan(&due, NOW, 1).attempts, [[key(1, "a")]]);
+    }
+}

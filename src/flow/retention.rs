@@ -1,0 +1,37 @@
+//! How long what has served is kept.
+
+use std::time::Duration;
+
+use jiff::Timestamp;
+
+/// How long each kind of thing is kept; none: for ever.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Retention {
+    /// The station's own copy of a scan, counted from the day its last record reached its store.
+    /// Nothing at all keeps it: it goes with the receipt.
+    pub spool: Duration,
+    /// A refused scan and its reason, from the day it was refused.
+    pub quarantine: Option<Duration>,
+    /// What the journal knows of a scan whose records all reached their stores, from that day.
+    pub journal: Option<Duration>,
+}
+
+/// The time before which something must have served to be let go now; none where it is kept.
+/// A clock that jumps back lets nothing go.
+pub fn before(kept: Option<Duration>, now: Timestamp) -> Option<Timestamp> {
+    now.checked_sub(kept?).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_kept_for_ever_is_never_let_go() {
+        assert_eq!(before(None, Timestamp::MAX), None);
+        let now = "2026-11-21T09:15:00Z".parse().unwrap();
+        let hour = Some(Duration::from_secs(3600));
+        assert_eq!(before(hour, now), Some("2026-11-21T08:15:00Z".parse().unwrap()));
+        assert_eq!(before(Some(Duration::MAX), now), None);
+    }
+}

@@ -1,0 +1,190 @@
+//! What a person decides at a running station.
+
+use jiff::Timestamp;
+use tracing::info;
+
+use super::assembly::Station;
+use super::custody::{Acted, CustodyFault};
+use super::error::chain;
+use super::event::short;
+use super::journal::{JournalError, ScanRow};
+use crate::flow::facts::IntakeState;
+use crate::flow::{DeliveryState, ScanId};
+use crate::store::StoreFault;
+
+/// A decision.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Act {
+    /// A refused scan is to be tried again, and one that waits at once.
+    Retry,
+    /// A held scan is the patient's for whom it was sighted.
+    Release,
+    /// A scan that came in for nobody is the patient's of this id.
+    Assign(String),
+    /// No scan is to be taken or delivered until somebody resumes.
+    Pause,
+    /// Go on.
+    Resume,
+}
+
+/// Why a decision was not carried out; nothing was changed.
+#[derive(Debug, thiserror::Error)]
+pub enum ActFault {
+    /// The verb needs a scan.
+    #[error("this needs the id of a scan")]
+    NoScan,
+    /// Nobody knows this scan.
+    #[error("no scan has this id")]
+    Unknown,
+    /// The scan's state gives no occasion.
+    #[error("{0}")]
+    NoOccasion(&'static str),
+    /// The bytes are gone.
+    #[error("its bytes are not at the station any more: let the scanner export it again")]
+    NoBytes,
+    /// The id is against `patient.pattern`.
+    #[error("this is no patient id that patient.pattern allows")]
+    NotAnId,
+    /// The scan is somebody's.
+    #[error("the scan is a named patient's already; nothing was changed")]
+    Somebodys,
+    /// Custody failed.
+    #[error(transparent)]
+    Custody(#[from] CustodyFault),
+    /// The journal failed.
+    #[error("the journal could not be read or written")]
+    Journal(#[from] JournalError),
+    /// The store is out of reach, and the bytes are there only.
+    #[error("the store that has the scan's bytes is out of reach: {0}")]
+    Store(String),
+}
+
+impl ActFault {
+    /// The stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            ActFault::NoScan => "no-scan-named",
+            ActFault::Unknown => "unknown-scan",
+            ActFault::NoOccasion(_) => "no-occasion",
+            ActFault::NoBytes => "bytes-gone",
+            ActFault::NotAnId => "patient-id-not-allowed",
+            ActFault::Somebodys => "scan-of-a-patient",
+            ActFault::Custody(_) => "custody-failed",
+            ActFault::Journal(_) => "journal-failed",
+            ActFault::Store(_) => "store-unavailable",
+        }
+    }
+}
+
+/// Carries a decision out; says in a sentence what was done. Blocks.
+///
+/// # Errors
+/// See [`ActFault`].
+pub fn act(station: &Station, scan: Option<&ScanId>, act: &Act) -> Result<String, ActFault> {
+    let said = match act {
+        Act::Pause => return pause(station, true),
+        Act::Resume => return pause(station, false),
+        Act::Retry => retry(station, known(station, scan)?),
+        Act::Release => release(station, known(station, scan)?),
+        Act::Assign(id) => assign(station, known(station, scan)?, id),
+    };
+    if let Err(ActFault::Custody(fault)) = &said {
+        station.mind(fault);
+    }
+    station.work.notify_one();
+    said
+}
+
+fn known(station: &Station, scan: Option<&ScanId>) -> Result<ScanRow, ActFault> {
+    let scan = scan.ok_or(ActFault::NoScan)?;
+    station.custody.journal().scan(scan)?.ok_or(ActFault::Unknown)
+}
+
+fn retry(station: &Station, row: ScanRow) -> Result<String, ActFault> {
+    let scan = short(&row.scan);
+    match station.custody.retry(&row.scan)? {
+        Acted::Done(count) => {
+            info!(event = "scan-retried", scan);
+            Ok(format!("scan {scan} is measured again; {} to be made", deliveries(count)))
+        }
+        Acted::NoBytes => Err(ActFault::NoBytes),
+        Acted::Nothing => {
+            let journal = station.custody.journal();
+            if journal.deliveries_in(&row.scan, DeliveryState::Pending)?.is_empty() {
+                let why = "it was not refused and nothing of it waits; there is nothing to retry";
+                return Err(ActFault::NoOccasion(why));
+            }
+            station.hurry(&row.scan);
+            Ok(format!("scan {scan} is tried again now"))
+        }
+    }
+}
+
+fn release(station: &Station, row: ScanRow) -> Result<String, ActFault> {
+    let scan = short(&row.scan);
+    match station.custody.release(&row.scan)? {
+        Acted::Done(count) => {
+            info!(event = "scan-released", scan);
+            Ok(format!("scan {scan} is released; {} to be made", deliveries(count)))
+        }
+        Acted::NoBytes => Err(ActFault::NoBytes),
+        Acted::Nothing => Err(ActFault::NoOccasion("it is not held; there is nothing to release")),
+    }
+}
+
+fn assign(station: &Station, row: ScanRow, id: &str) -> Result<String, ActFault> {
+    let patient = station.identity.of_operator(id).ok_or(ActFault::NotAnId)?;
+    let patients = station.custody.journal().patients(&row.scan)?;
+    if patients.iter().any(Option::is_some) {
+        return Err(ActFault::Somebodys);
+    }
+    let bytes = match station.custody.holds(&row.scan) {
+        true => None,
+        false => from_a_store(station, &row.scan)?,
+    };
+    let scan = short(&row.scan);
+    match station.custody.assign(&row, &patient, bytes.as_deref())? {
+        Acted::Done(count) => {
+            info!(event = "scan-assigned", scan);
+            Ok(format!("scan {scan} is assigned; {} to be made", deliveries(count)))
+        }
+        Acted::NoBytes | Acted::Nothing => Err(ActFault::NoBytes),
+    }
+}
+
+/// The bytes of a scan from its record for nobody.
+fn from_a_store(station: &Station, scan: &ScanId) -> Result<Option<Vec<u8>>, ActFault> {
+    let mut away = None;
+    for store in &station.stores {
+        match store.scan_bytes(scan, None) {
+            Ok(Some(bytes)) => return Ok(Some(bytes)),
+            Ok(None) => {}
+            // The path holds nothing here but the folder of scans for nobody; the cause is enough.
+            Err(StoreFault::Transient { source, .. }) => away = Some(source.to_string()),
+            Err(fault) => away = Some(chain(&fault)),
+        }
+    }
+    away.map_or(Ok(None), |why| Err(ActFault::Store(why)))
+}
+
+fn pause(station: &Station, paused: bool) -> Result<String, ActFault> {
+    let changed = station.custody.journal().pause(paused)?;
+    station.set_paused(paused);
+    if changed {
+        let event = if paused { "station-paused" } else { "station-resumed" };
+        info!(event, at = %Timestamp::now());
+        let intake = if paused { IntakeState::Paused } else { IntakeState::Open };
+        station.board.note(|facts| facts.intake = intake);
+    }
+    station.work.notify_one();
+    Ok(match (paused, changed) {
+        (true, true) => "paused: scans stay at the scanner until you resume".to_owned(),
+        (true, false) => "it is paused already".to_owned(),
+        (false, true) => "resumed".to_owned(),
+        (false, false) => "it was not paused".to_owned(),
+    })
+}
+
+fn deliveries(count: usize) -> String {
+    if count == 1 { "1 delivery is".to_owned() } else { format!("{count} deliveries are") }
+}

@@ -1,0 +1,132 @@
+//! Making spool, quarantine and journal agree after whatever ended the last run.
+
+use std::io::ErrorKind;
+use std::sync::PoisonError;
+use std::time::Duration;
+
+use jiff::Timestamp;
+
+use super::{Custody, CustodyFault, io, row};
+use crate::flow::{DeliveryState, ScanId, ScanState};
+use crate::record::{Patient, Source, SourceKind};
+use crate::station::journal::ScanRow;
+use crate::station::quarantine::{Reason, Stage};
+use crate::store::FoundRecord;
+
+impl Custody {
+    /// Makes spool, quarantine and journal agree after whatever ended the last run; returns how
+    /// many scans of the spool the journal did not know.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn recover(&self) -> Result<usize, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut adopted = 0;
+        for scan in io("listing the spool", self.spool.entries())? {
+            match self.journal.scan(&scan)?.map(|row| row.state) {
+                None => {
+                    self.adopt_or_refuse(&scan)?;
+                    adopted += 1;
+                }
+                Some(ScanState::Spooled) => {}
+                Some(ScanState::Delivered) if !self.journal.has_served(&scan)? => {}
+                Some(ScanState::Refused) if !self.quarantine.holds(&scan) => {}
+                Some(ScanState::Delivered) if self.kept > Duration::ZERO => {}
+                Some(ScanState::Delivered | ScanState::Refused) => {
+                    io("giving up spooled bytes", self.spool.remove(&scan))?;
+                }
+            }
+        }
+        for scan in self.journal.scans_in(ScanState::Spooled)? {
+            if !self.spool.holds(&scan) {
+                self.settle_missing(&scan)?;
+            }
+        }
+        Ok(adopted)
+    }
+
+    /// A scan to be delivered whose bytes are not in the spool: they are in quarantine already, or
+    /// somebody removed them.
+    fn settle_missing(&self, scan: &ScanId) -> Result<(), CustodyFault> {
+        let known = io("reading a reason", self.quarantine.reason(scan))?;
+        let reason = match (known, self.journal.scan(scan)?) {
+            (Some(reason), _) => reason,
+            (None, Some(row)) => {
+                let message = "its bytes were removed from the spool from outside".to_owned();
+                let reason = Reason::new("spool-lost", message, Stage::Intake, row.first_seen);
+                io("noting a refusal", self.quarantine.note(scan.as_str(), &reason))?;
+                reason
+            }
+            (None, None) => return Ok(()),
+        };
+        Ok(self.journal.refused(scan, &reason.code, &reason.message)?)
+    }
+
+    /// Enters a scan of the spool that the journal does not know.
+    pub(super) fn adopt(&self, scan: &ScanId) -> Result<(), CustodyFault> {
+        let intake = io("reading an intake", self.spool.intake(scan))?;
+        self.enter(&row(&intake, scan), intake.patient.as_ref(), intake.held)
+    }
+
+    /// As [`Custody::adopt`]; an entry whose intake cannot be read must not stop every start.
+    fn adopt_or_refuse(&self, scan: &ScanId) -> Result<(), CustodyFault> {
+        let unreadable = match self.spool.intake(scan) {
+            Ok(_) => return self.adopt(scan),
+            Err(error) => error,
+        };
+        if !matches!(unreadable.kind(), ErrorKind::InvalidData | ErrorKind::NotFound) {
+            return io("reading an intake", Err(unreadable));
+        }
+        let message = format!("its intake.json cannot be read: {unreadable}");
+        let reason = Reason::new("spool-damaged", message, Stage::Intake, Timestamp::now());
+        io("quarantining a scan", self.quarantined(scan, &reason))
+    }
+
+    /// Enters the scans of the quarantine that the journal does not know, as refused; returns how
+    /// many. What cannot be read of an entry leaves it to lie there as it is.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn adopt_quarantined(&self) -> Result<usize, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut adopted = 0;
+        for scan in io("listing the quarantine", self.quarantine.entries())? {
+            if self.journal.scan(&scan)?.is_some() {
+                continue;
+            }
+            let reason = io("reading a reason", self.quarantine.reason(&scan))?;
+            let intake = self.quarantine.intake(&scan);
+            let (Some(reason), Ok(intake)) = (reason, intake) else { continue };
+            let row = ScanRow { state: ScanState::Spooled, ..row(&intake, &scan) };
+            let (patient, pending) = (intake.patient.as_ref(), DeliveryState::Pending);
+            self.journal.enter(&row, patient, &self.stores, pending, None)?;
+            self.journal.refused(&scan, &reason.code, &reason.message)?;
+            adopted += 1;
+        }
+        Ok(adopted)
+    }
+
+    /// Enters a record that a store holds; spooled bytes that have served by it are given up.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn found(&self, record: &FoundRecord, store: &str) -> Result<(), CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let row = ScanRow {
+            scan: record.scan.clone(),
+            format: record.format.clone(),
+            size: record.size,
+            first_seen: record.first_seen,
+            file_time: None,
+            state: ScanState::Delivered,
+        };
+        let sources = vec![Source { kind: SourceKind::Record }];
+        let patient = record.patient.clone().map(|id| Patient { id, sources });
+        self.journal.found(&row, patient.as_ref(), store, &record.folder.to_string_lossy())?;
+        let kept = self.kept > Duration::ZERO;
+        if !kept && self.spool.holds(&record.scan) && self.journal.has_served(&record.scan)? {
+            io("giving up spooled bytes", self.spool.remove(&record.scan))?;
+        }
+        Ok(())
+    }
+}

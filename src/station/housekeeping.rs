@@ -1,0 +1,71 @@
+//! Letting go what the configuration lets go, once an hour: nothing that is still to be delivered.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use jiff::Timestamp;
+use tokio::task::{JoinError, spawn_blocking};
+use tokio::time::sleep;
+use tracing::{info, warn};
+
+use super::assembly::Station;
+use super::beat::Beat;
+use super::custody::CustodyFault;
+use super::error::chain;
+use super::stop::Stop;
+use crate::flow::ScanState;
+use crate::flow::retention::before;
+
+/// How often it is looked what may go.
+const ROUND: Duration = Duration::from_secs(3600);
+
+/// How often the worker shows that it turns.
+const BREATH: Duration = Duration::from_secs(5);
+
+/// Lets go what may go until it is asked to stop.
+///
+/// # Errors
+/// Where a round panicked.
+pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
+    let mut next = station.now();
+    while !stop.is_requested() {
+        beat.beat(station.now());
+        if station.now() >= next {
+            next = station.now() + ROUND;
+            let round = Arc::clone(&station);
+            if let Err(fault) = spawn_blocking(move || let_go(&round)).await? {
+                station.mind(&fault);
+                warn!(event = "housekeeping-failed", error = chain(&fault));
+            }
+        }
+        tokio::select! {
+            () = stop.requested() => break,
+            () = sleep(BREATH) => {}
+        }
+    }
+    Ok(())
+}
+
+fn let_go(station: &Station) -> Result<(), CustodyFault> {
+    let (custody, kept) = (&station.custody, station.config.retention);
+    let (journal, now) = (custody.journal(), Timestamp::now());
+    let mut gone = [0; 3];
+    if let Some(before) = before(Some(kept.spool), now) {
+        for scan in journal.resting(ScanState::Delivered, before)? {
+            gone[0] += usize::from(custody.give_up(&scan)?);
+        }
+    }
+    if let Some(before) = before(kept.quarantine, now) {
+        for scan in journal.resting(ScanState::Refused, before)? {
+            gone[1] += usize::from(custody.forget_quarantined(&scan)?);
+        }
+    }
+    if let Some(before) = before(kept.journal, now) {
+        gone[2] = journal.forget(before)?;
+    }
+    if gone != [0; 3] {
+        let [spooled, quarantined, scans] = gone;
+        info!(event = "let-go", spooled, quarantined, scans);
+    }
+    Ok(())
+}

@@ -1,0 +1,83 @@
+//! What the station must remember of itself.
+
+use rusqlite::OptionalExtension;
+use serde_json::json;
+
+use super::{Event, Journal, JournalError, history};
+
+/// Whether a person has paused the station; its value is the time.
+const PAUSED: &str = "paused";
+
+/// Which stores are still to be searched for records that a rebuilt journal does not know.
+const TO_SEARCH: &str = "to-search:";
+
+impl Journal {
+    /// Whether a person has paused the station.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn is_paused(&self) -> Result<bool, JournalError> {
+        Ok(self.fact(PAUSED)?.is_some())
+    }
+
+    /// A person pauses or resumes the station; says whether that changed anything.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn pause(&self, paused: bool) -> Result<bool, JournalError> {
+        self.change(|transaction| {
+            let changed = match paused {
+                true => transaction.execute(
+                    "INSERT INTO meta (name, value) VALUES (?1, '') ON CONFLICT DO NOTHING",
+                    [PAUSED],
+                )?,
+                false => transaction.execute("DELETE FROM meta WHERE name = ?1", [PAUSED])?,
+            };
+            if changed > 0 {
+                let event = if paused { Event::Paused } else { Event::Resumed };
+                history::append(transaction, None, event, &json!({}))?;
+            }
+            Ok(changed > 0)
+        })
+    }
+
+    /// Whether a store is still to be searched for records that the journal does not know.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn is_to_be_searched(&self, store: &str) -> Result<bool, JournalError> {
+        Ok(self.fact(&format!("{TO_SEARCH}{store}"))?.is_some())
+    }
+
+    /// The journal begins anew, for this reason: every store is to be searched.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn begin_anew(&self, stores: &[&str], why: &str) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            for store in stores {
+                transaction.execute(
+                    "INSERT INTO meta (name, value) VALUES (?1, '') ON CONFLICT DO NOTHING",
+                    [format!("{TO_SEARCH}{store}")],
+                )?;
+            }
+            history::append(transaction, None, Event::Rebuilt, &json!({ "why": why }))
+        })
+    }
+
+    /// A store was searched to its end.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn searched(&self, store: &str) -> Result<(), JournalError> {
+        let name = format!("{TO_SEARCH}{store}");
+        self.connection().execute("DELETE FROM meta WHERE name = ?1", [name])?;
+        Ok(())
+    }
+
+    fn fact(&self, name: &str) -> Result<Option<String>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached("SELECT value FROM meta WHERE name = ?1")?;
+        Ok(query.query_row([name], |row| row.get(0)).optional()?)
+    }
+}

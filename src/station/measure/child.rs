@@ -1,0 +1,92 @@
+//! The measuring process.
+
+use std::io::{self, BufReader, Read, Write};
+use std::panic;
+
+use super::confine::confine;
+use super::job::{Answer, Job};
+use crate::config;
+use crate::leg::opinion::SecondOpinion;
+use crate::leg::second_opinion::compare;
+use crate::leg::{self, Finding};
+use crate::record;
+use crate::scan::{Format, ord};
+use crate::station::caught::caught;
+use crate::station::error::chain;
+use crate::store::sums;
+
+/// Measures the one scan that comes on `input` and writes the answer to `output`. `hash` is the
+/// scan's, as the arguments give it: the bytes must have it.
+///
+/// # Errors
+/// Where no answer could be given; the station takes that for a crash.
+pub fn serve(hash: &str, input: impl Read, output: impl Write) -> io::Result<()> {
+    let mut input = BufReader::new(input);
+    let job = Job::read(&mut input)?;
+    confine(&job.limits).map_err(|fault| io::Error::other(chain(&fault)))?;
+    // After it was confined, so that its threads are too.
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(job.threads.max(1));
+    let pool = pool.build().map_err(io::Error::other)?;
+    let scan = take(&mut input, job.scan_bytes)?;
+    let ord = take(&mut input, job.ord_bytes)?;
+    // Panics come back as an answer; what they say goes nowhere else.
+    panic::set_hook(Box::new(|_| {}));
+    let answer = match caught(|| pool.install(|| answer(&job, hash, &scan, &ord))) {
+        Ok(answer) => answer,
+        Err(panic) => refused("panic", panic),
+    };
+    let mut output = io::BufWriter::new(output);
+    answer.write(&mut output)
+}
+
+fn take(input: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0));
+    if input.take(length).read_to_end(&mut bytes)? as u64 != length {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    Ok(bytes)
+}
+
+fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
+    if sums::scan_id(scan).as_str() != hash {
+        let message = "its bytes in the spool are not those that came in".to_owned();
+        return refused("spool-damaged", message);
+    }
+    let format = match Format::of_file_name(&format!("scan.{}", job.ending)) {
+        Ok(format) => format,
+        Err(fault) => return refused(fault.code(), fault.to_string()),
+    };
+    let config = match config::load(&job.config) {
+        Ok(config) => config,
+        Err(faults) => return refused("config", format!("{} faults", faults.len())),
+    };
+    let mut extraction = match leg::extract(scan, format, &config.method) {
+        Ok(extraction) => extraction,
+        Err(refusal) => return refused(refusal.code(), refusal.to_string()),
+    };
+    if !ord.is_empty() {
+        let findings = opinion(&extraction, ord);
+        extraction.findings.extend(findings);
+    }
+    let (method, output) = (&config.method, &config.output);
+    match record::record_files(&extraction, &job.provenance, method, output, scan, format) {
+        Ok((_, mut files)) => {
+            // The store has them already, in the spool.
+            files.retain(|file| !file.name.starts_with(sums::SCAN));
+            Answer::Files(files)
+        }
+        Err(error) => refused("record-not-written", error.to_string()),
+    }
+}
+
+/// What the scanner's own measures say to the extraction.
+fn opinion(extraction: &leg::Extraction, bytes: &[u8]) -> Vec<Finding> {
+    match ord::read(bytes) {
+        Ok(ord) => compare(extraction, &ord),
+        Err(fault) => vec![SecondOpinion::Unreadable { why: fault.to_string() }.into()],
+    }
+}
+
+fn refused(code: &str, message: String) -> Answer {
+    Answer::Refused { code: code.to_owned(), message }
+}

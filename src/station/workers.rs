@@ -1,0 +1,112 @@
+//! The workers of one generation, and who is who.
+
+use std::collections::BTreeMap;
+use std::future::Future;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::sync::mpsc;
+use tokio::task::{Id, JoinError, JoinSet};
+
+use super::assembly::Station;
+use super::beat::Beat;
+use super::error::{StationError, Worker};
+use super::stop::Stop;
+use super::{delivery, housekeeping, intake};
+
+/// The workers, their names and their beats.
+pub struct Workers {
+    tasks: JoinSet<Result<(), JoinError>>,
+    names: BTreeMap<Id, Worker>,
+    beats: Vec<(Worker, Beat)>,
+}
+
+impl Workers {
+    /// Starts the workers of a station. The receiver ends when every intake has looked once.
+    pub fn start(station: &Arc<Station>, stop: &Stop) -> (Workers, mpsc::Receiver<()>) {
+        let tasks = JoinSet::new();
+        let mut workers = Workers { tasks, names: BTreeMap::new(), beats: Vec::new() };
+        let (looked, first_looks) = mpsc::channel(1);
+        for (folder, path) in station.config.scanner.export_dirs.iter().enumerate() {
+            let (worker, stop) = (Worker::Intake { folder }, stop.clone());
+            let (beat, station) = (workers.beat(worker, station), Arc::clone(station));
+            let task = intake::worker(station, folder, path.clone(), beat, stop, looked.clone());
+            workers.spawn(worker, task);
+        }
+        let beat = workers.beat(Worker::Delivery, station);
+        workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), beat, stop.clone()));
+        let beat = workers.beat(Worker::Housekeeping, station);
+        let task = housekeeping::worker(Arc::clone(station), beat, stop.clone());
+        workers.spawn(Worker::Housekeeping, task);
+        (workers, first_looks)
+    }
+
+    fn beat(&mut self, worker: Worker, station: &Station) -> Beat {
+        let beat = Beat::default();
+        beat.beat(station.now());
+        self.beats.push((worker, beat.clone()));
+        beat
+    }
+
+    fn spawn(
+        &mut self,
+        worker: Worker,
+        task: impl Future<Output = Result<(), JoinError>> + Send + 'static,
+    ) {
+        let id = self.tasks.spawn(task).id();
+        self.names.insert(id, worker);
+    }
+
+    /// The worker whose last beat is older than it may be, if any.
+    pub fn hung(&self, now: Duration, most: Duration) -> Option<Worker> {
+        let hung = self.beats.iter().find(|(_, beat)| beat.age(now) > most);
+        hung.map(|(worker, _)| *worker)
+    }
+
+    /// Ends when a worker does, although nobody asked it to.
+    pub async fn one_ended(&mut self) -> StationError {
+        match self.tasks.join_next_with_id().await {
+            Some(ended) => {
+                let worker = self.who(&ended);
+                judge(worker, ended).err().unwrap_or(StationError::WorkerStopped { worker })
+            }
+            None => StationError::WorkerStopped { worker: Worker::Delivery },
+        }
+    }
+
+    /// Ends when all workers have ended, as they were asked to.
+    ///
+    /// # Errors
+    /// The first failure among them.
+    pub async fn rest(&mut self) -> Result<(), StationError> {
+        let mut rest = Ok(());
+        while let Some(ended) = self.tasks.join_next_with_id().await {
+            let worker = self.who(&ended);
+            let ended = judge(worker, ended);
+            if rest.is_ok() {
+                rest = ended;
+            }
+        }
+        rest
+    }
+
+    fn who(&self, ended: &Result<(Id, Result<(), JoinError>), JoinError>) -> Worker {
+        let id = match ended {
+            Ok((id, _)) => *id,
+            Err(panic) => panic.id(),
+        };
+        self.names.get(&id).copied().unwrap_or(Worker::Delivery)
+    }
+}
+
+/// Every end of a worker has a name.
+fn judge(
+    worker: Worker,
+    ended: Result<(Id, Result<(), JoinError>), JoinError>,
+) -> Result<(), StationError> {
+    match ended {
+        Err(source) => Err(StationError::WorkerPanicked { worker, source }),
+        Ok((_, Err(source))) => Err(StationError::WorkerFailed { worker, source }),
+        Ok((_, Ok(()))) => Ok(()),
+    }
+}

@@ -1,0 +1,241 @@
+//! The simulated station: what it has in memory, and its steps around the decisions of `flow`.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use gaiter::flow::outbox::{Ended, Key};
+use gaiter::flow::{
+    DeliveryState, LookTime, Outbox, ScanId, Settled, Settling, Verdict, identity,
+};
+
+use super::chance::Chance;
+use super::disk::{Disk, Name, Patient, STORES, Store};
+use super::scanner::{Bytes, Scanner, WHOLE};
+
+/// The quiet time, the wait for a rest, the time after which a file is overdue.
+const TIMES: [Duration; 3] =
+    [Duration::from_secs(2), Duration::from_secs(60), Duration::from_secs(600)];
+
+/// What a crash takes away.
+pub struct Station {
+    settling: Settling,
+    outbox: Outbox,
+    settled: Vec<Settled>,
+    /// Attempts that have begun and not ended.
+    pub in_hand: Vec<Name>,
+    /// Stores that are being asked.
+    asked: Vec<usize>,
+    names: BTreeMap<ScanId, Bytes>,
+}
+
+/// What a step came to, for the tally.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Came {
+    Nothing,
+    New,
+    Known,
+    Held,
+    CutShort,
+    Changed,
+    Delivered,
+    Refused,
+    StoreFailed,
+    LostReply,
+}
+
+/// Faults of one step.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Fault {
+    None,
+    /// The journal or the disk failed before anything was written.
+    Before,
+    /// The process ends after the first durable write.
+    Between,
+}
+
+impl Station {
+    pub fn new() -> Station {
+        let [quiet, short_wait, overdue] = TIMES;
+        Station {
+            settling: Settling::new(quiet, short_wait, overdue),
+            outbox: Outbox::default(),
+            settled: Vec::new(),
+            in_hand: Vec::new(),
+            asked: Vec::new(),
+            names: BTreeMap::new(),
+        }
+    }
+
+    pub fn look(&mut self, scanner: &Scanner, now: Duration) {
+        let when = LookTime { began: now, ended: now };
+        self.settled = self.settling.observe(scanner.look(), when);
+    }
+
+    /// Takes one settled file; says what came of it and whether the process ended.
+    pub fn take(
+        &mut self,
+        scanner: &Scanner,
+        disk: &mut Disk,
+        fault: Fault,
+        now: Duration,
+        chance: &mut Chance,
+    ) -> (Came, bool) {
+        if self.settled.is_empty() {
+            return (Came::Nothing, false);
+        }
+        let settled = self.settled.remove(0);
+        let Some(file) = scanner.read(&settled.path, settled.stamp) else {
+            self.settling.changed(&settled, now);
+            return (Came::Changed, false);
+        };
+        if file.bytes.length < WHOLE && !settled.awaited {
+            self.settling.cut_short(&settled);
+            return (Came::CutShort, false);
+        }
+        if fault == Fault::Before {
+            self.settling.failed(&settled, now, chance.unit());
+            return (Came::Nothing, false);
+        }
+        let patient = file.patient.unwrap_or(0);
+        let verdict = admit(disk, file.bytes, patient, fault == Fault::Between);
+        if fault == Fault::Between {
+            return (Came::Nothing, true);
+        }
+        self.settling.taken(&settled);
+        let came = match verdict {
+            Verdict::New => Came::New,
+            Verdict::Already => Came::Known,
+            Verdict::Held => Came::Held,
+        };
+        (came, false)
+    }
+
+    /// Begins what the outbox says, and ends one attempt that is in hand.
+    pub fn work(
+        &mut self,
+        disk: &mut Disk,
+        stores: &mut [Store; STORES],
+        fault: Fault,
+        now: Duration,
+        chance: &mut Chance,
+    ) -> (Came, bool) {
+        let due: Vec<Name> = disk
+            .deliveries
+            .iter()
+            .filter(|(_, state)| {
+                matches!(state, DeliveryState::Pending | DeliveryState::Withdrawing)
+            })
+            .map(|(name, _)| *name)
+            .collect();
+        let keys: Vec<Key> = due.iter().map(|name| self.key(*name)).collect();
+        let plan = self.outbox.plan(&keys, now, 2);
+        self.asked.extend(plan.ask.iter().map(|store| store.parse::<usize>().unwrap()));
+        for key in plan.attempts.iter().flatten() {
+            self.in_hand.push(due[keys.iter().position(|other| other == key).unwrap()]);
+        }
+        if let Some(store) = self.asked.pop() {
+            let in_reach = stores[store].in_reach;
+            self.outbox.asked(&store.to_string(), in_reach, now, chance.unit());
+        }
+        if self.in_hand.is_empty() {
+            return (Came::Nothing, false);
+        }
+        let name = self.in_hand.remove(chance.below(self.in_hand.len()));
+        let (came, ended, dies) = attempt(disk, stores, name, fault);
+        let key = self.key(name);
+        self.outbox.ended(&key, ended, now, chance.unit());
+        (came, dies)
+    }
+
+    /// A person wants a scan tried now.
+    pub fn hurry(&mut self, bytes: Bytes) {
+        let scan = self.scan_id(bytes);
+        self.outbox.hurry(&scan);
+    }
+
+    /// When something is due by time alone.
+    pub fn next_in(&self, now: Duration) -> Option<Duration> {
+        let settling = self.settling.next_due().map(|at| at.saturating_sub(now));
+        [settling, self.outbox.next_in(now)].into_iter().flatten().min()
+    }
+
+    fn key(&mut self, (bytes, patient, store): Name) -> Key {
+        let patient = (patient > 0).then(|| patient.to_string());
+        Key { scan: self.scan_id(bytes), patient, store: store.to_string() }
+    }
+
+    fn scan_id(&mut self, bytes: Bytes) -> ScanId {
+        let mut digest = [bytes.scan; 32];
+        digest[0] = bytes.length;
+        let scan = ScanId::of_digest(digest);
+        self.names.insert(scan.clone(), bytes);
+        scan
+    }
+}
+
+/// As custody: bytes first, then the journal; `dies` between the two.
+fn admit(disk: &mut Disk, bytes: Bytes, patient: Patient, dies: bool) -> Verdict {
+    disk.recover();
+    let known = disk.patients(bytes);
+    let names: Vec<Option<String>> =
+        known.iter().map(|p| (*p > 0).then(|| p.to_string())).collect();
+    let sighted = (patient > 0).then(|| patient.to_string());
+    let verdict = identity::judge(names.iter().map(Option::as_deref), sighted.as_deref());
+    let delivery = match verdict {
+        Verdict::Already => return verdict,
+        Verdict::New => DeliveryState::Pending,
+        Verdict::Held => DeliveryState::Held,
+    };
+    if !disk.quarantine.contains(&bytes) || verdict == Verdict::New {
+        disk.spool.entry(bytes).or_insert(patient);
+    }
+    if !dies {
+        disk.enter(bytes, patient, delivery);
+    }
+    verdict
+}
+
+/// One attempt at a delivery: what came of it, how it ended, and whether the process ended.
+fn attempt(
+    disk: &mut Disk,
+    stores: &mut [Store; STORES],
+    name: Name,
+    fault: Fault,
+) -> (Came, Ended, bool) {
+    let (bytes, patient, store) = name;
+    match disk.deliveries.get(&name) {
+        Some(DeliveryState::Pending) => {}
+        Some(DeliveryState::Withdrawing) if stores[store].in_reach => {
+            stores[store].records.remove(&(bytes, 0));
+            disk.step(name, gaiter::flow::DeliveryStep::Gone);
+            return (Came::Nothing, Ended::ForGood, false);
+        }
+        Some(DeliveryState::Withdrawing) => {
+            return (Came::StoreFailed, Ended::StoreFailed, false);
+        }
+        // Another delivery of the same scan refused it meanwhile.
+        _ => return (Came::Nothing, Ended::ForGood, false),
+    }
+    if fault == Fault::Before {
+        return (Came::Nothing, Ended::PutOff, false);
+    }
+    // What no measurement takes: halves, and some whole ones that are no body.
+    if bytes.length < WHOLE || bytes.scan % 10 == 9 {
+        disk.refused(bytes);
+        return (Came::Refused, Ended::ForGood, false);
+    }
+    assert!(disk.spool.contains_key(&bytes), "bytes to be delivered are in the spool: {name:?}");
+    if !stores[store].in_reach {
+        return (Came::StoreFailed, Ended::StoreFailed, false);
+    }
+    stores[store].put(bytes, patient);
+    match fault {
+        // The record is there and the station never learns of it.
+        Fault::Between => (Came::LostReply, Ended::PutOff, true),
+        _ => {
+            disk.delivered(name);
+            (Came::Delivered, Ended::ForGood, false)
+        }
+    }
+}
+
