@@ -4,9 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use gaiter::flow::outbox::{Ended, Key};
-use gaiter::flow::{
-    DeliveryState, LookTime, Outbox, ScanId, Settled, Settling, Verdict, identity,
-};
+use gaiter::flow::{DeliveryState, LookTime, Outbox, ScanId, Settled, Settling, Verdict, identity};
 
 use super::chance::Chance;
 use super::disk::{Disk, Name, Patient, STORES, Store};
@@ -238,4 +236,3 @@ fn attempt(
         }
     }
 }
-

@@ -31,8 +31,19 @@ impl Tally {
     /// Everything that must have happened at least once.
     pub fn counts(&self) -> impl Iterator<Item = (&str, u64)> {
         let came = [
-            "New", "Known", "Held", "CutShort", "Changed", "Delivered", "Refused", "StoreFailed",
-            "LostReply", "crash", "retry", "release", "assign",
+            "New",
+            "Known",
+            "Held",
+            "CutShort",
+            "Changed",
+            "Delivered",
+            "Refused",
+            "StoreFailed",
+            "LostReply",
+            "crash",
+            "retry",
+            "release",
+            "assign",
         ];
         came.into_iter().map(|what| (what, self.0.get(what).copied().unwrap_or(0)))
     }
