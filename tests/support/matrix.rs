@@ -195,8 +195,11 @@ pub fn strike_everywhere<Place>(
                         Some((kind, found)) => {
                             let mut tally = tally.lock().unwrap();
                             tally.points += 1;
-                            let said = found.iter().map(|what| format!("{nth} {kind}: {what}"));
-                            tally.violations.extend(said);
+                            for what in &found {
+                                let violation = format!("{nth} {kind}: {what}");
+                                println!("  {violation}");
+                                tally.violations.push(violation);
+                            }
                             *tally.kinds.entry(kind).or_default() += 1;
                         }
                     }
