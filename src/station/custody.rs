@@ -7,6 +7,7 @@ mod recover;
 
 use std::io;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
@@ -32,6 +33,8 @@ pub struct Custody {
     kept: Duration,
     /// Held over each change of more than one of the three.
     change: Mutex<()>,
+    /// Something that is to go could not be removed; see [`Custody::tidy`].
+    untidy: AtomicBool,
 }
 
 /// Bytes that have come in.
@@ -78,7 +81,8 @@ impl Custody {
         stores: Vec<&'static str>,
         kept: Duration,
     ) -> Custody {
-        Custody { journal, spool, quarantine, stores, kept, change: Mutex::new(()) }
+        let (change, untidy) = (Mutex::new(()), AtomicBool::new(false));
+        Custody { journal, spool, quarantine, stores, kept, change, untidy }
     }
 
     /// The journal, to be asked.
@@ -99,7 +103,8 @@ impl Custody {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let scan = arrival.scan;
         if self.journal.scan(scan)?.is_none() && self.spool.holds(scan) {
-            // An earlier attempt kept the bytes and failed at the journal.
+            // An earlier attempt kept the bytes and failed at the journal, or at their name's sync.
+            io("syncing the spool", self.spool.sync())?;
             self.adopt(scan)?;
         }
         let known = self.journal.scan(scan)?;
@@ -121,7 +126,9 @@ impl Custody {
         let kept = self.spool.holds(scan) || (held && self.quarantine.holds(scan));
         if !kept {
             let (bytes, beside) = (arrival.bytes, arrival.companions);
-            io("keeping a scan", self.spool.keep(scan, intake, bytes, beside))?;
+            let kept = self.spool.keep(scan, intake, bytes, beside);
+            self.untidy.fetch_or(kept.is_err(), Ordering::Relaxed);
+            io("keeping a scan", kept)?;
         }
         self.enter(&row, patient, held)?;
         Ok(verdict)
@@ -132,18 +139,39 @@ impl Custody {
     /// # Errors
     /// See [`CustodyFault`].
     pub fn refuse_unread(&self, name: &str, reason: &Reason) -> Result<(), CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         io("noting a refusal", self.quarantine.note(name, reason))
     }
 
-    /// A delivery has its receipt; bytes that have served are given up.
+    /// A delivery has its receipt; bytes that have served are given up, now or by
+    /// [`Custody::tidy`].
     ///
     /// # Errors
-    /// See [`CustodyFault`].
+    /// See [`CustodyFault`]; the delivery is still to be made then.
     pub fn delivered(&self, due: &Due, folder: &Path) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         if self.journal.delivered(due, folder)? && self.kept == Duration::ZERO {
-            io("giving up spooled bytes", self.spool.remove(&due.scan))?;
+            let gone = self.spool.remove(&due.scan);
+            self.untidy.fetch_or(gone.is_err(), Ordering::Relaxed);
         }
+        Ok(())
+    }
+
+    /// Removes what could not be removed when it was to go, if there is any.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`]; it is tried again at the next call.
+    pub fn tidy(&self) -> Result<(), CustodyFault> {
+        if !self.untidy.load(Ordering::Relaxed) {
+            return Ok(());
+        }
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        io("clearing the spool", self.spool.clear())?;
+        io("clearing the quarantine", self.quarantine.clear())?;
+        for scan in io("listing the spool", self.spool.entries())? {
+            self.give_up_served(&scan)?;
+        }
+        self.untidy.store(false, Ordering::Relaxed);
         Ok(())
     }
 
@@ -188,12 +216,19 @@ impl Custody {
     /// See [`CustodyFault`].
     pub fn refuse(&self, scan: &ScanId, reason: &Reason) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        io("quarantining a scan", self.quarantined(scan, reason))?;
+        // An attempt that failed at the journal left its reason in quarantine: that one stands.
+        let earlier = io("reading a reason", self.quarantine.reason(scan))?;
+        let quarantined = self.quarantined(scan, reason);
+        self.untidy.fetch_or(quarantined.is_err(), Ordering::Relaxed);
+        io("quarantining a scan", quarantined)?;
+        let reason = earlier.as_ref().unwrap_or(reason);
         Ok(self.journal.refused(scan, &reason.code, &reason.message)?)
     }
 
     fn quarantined(&self, scan: &ScanId, reason: &Reason) -> io::Result<()> {
         if self.quarantine.holds(scan) {
+            // An earlier attempt may have failed at the sync of its name.
+            self.quarantine.sync()?;
             return self.spool.remove(scan);
         }
         if !self.spool.holds(scan) {

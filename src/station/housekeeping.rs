@@ -1,4 +1,5 @@
-//! Letting go what the configuration lets go, once an hour: nothing that is still to be delivered.
+//! Letting go what the configuration lets go, once an hour: nothing that is still to be delivered;
+//! and soon, what was to go and could not.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -30,13 +31,18 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
     let mut next = station.now();
     while !stop.is_requested() {
         beat.beat(station.now());
-        if station.now() >= next {
+        let round_is_due = station.now() >= next;
+        if round_is_due {
             next = station.now() + ROUND;
-            let round = Arc::clone(&station);
-            if let Err(fault) = spawn_blocking(move || let_go(&round)).await? {
-                station.mind(&fault);
-                warn!(event = "housekeeping-failed", error = chain(&fault));
-            }
+        }
+        let round = Arc::clone(&station);
+        let kept = spawn_blocking(move || {
+            round.custody.tidy()?;
+            if round_is_due { let_go(&round) } else { Ok(()) }
+        });
+        if let Err(fault) = kept.await? {
+            station.mind(&fault);
+            warn!(event = "housekeeping-failed", error = chain(&fault));
         }
         tokio::select! {
             () = stop.requested() => break,

@@ -79,6 +79,22 @@ impl Quarantine {
         self.folder.join(scan.as_str()).is_dir()
     }
 
+    /// Removes what failed attempts left half made. Nothing may be coming or going meanwhile.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn clear(&self) -> io::Result<()> {
+        durable::clear_hidden(&self.folder)
+    }
+
+    /// Makes the quarantine's names durable.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn sync(&self) -> io::Result<()> {
+        durable::sync_folder(&self.folder)
+    }
+
     /// Whether a scan lies here with its bytes.
     pub fn holds_bytes(&self, scan: &ScanId) -> bool {
         self.intake(scan).is_ok()

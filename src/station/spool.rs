@@ -159,6 +159,14 @@ impl Spool {
         durable::remove_folder(&gone)
     }
 
+    /// Removes what failed attempts left half made. Nothing may be coming or going meanwhile.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn clear(&self) -> io::Result<()> {
+        durable::clear_hidden(&self.folder)
+    }
+
     /// Makes the spool's names durable after an entry was moved out.
     ///
     /// # Errors

@@ -98,13 +98,24 @@ pub fn open_folder(within: &Path, name: &str) -> io::Result<PathBuf> {
     let folder = within.join(name);
     make_folder_once(&folder)?;
     sync_folder(within)?;
-    for entry in fs::read_dir(&folder)? {
+    clear_hidden(&folder)?;
+    // The last run may have given a name and not lived to sync it.
+    sync_folder(&folder)?;
+    Ok(folder)
+}
+
+/// Removes every folder under a dot name.
+///
+/// # Errors
+/// Any I/O error.
+pub fn clear_hidden(folder: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(folder)? {
         let entry = entry?;
         if entry.file_name().to_string_lossy().starts_with('.') {
             remove_folder(&entry.path())?;
         }
     }
-    Ok(folder)
+    Ok(())
 }
 
 /// Makes the names within a folder durable.

@@ -27,16 +27,18 @@ const PATIENCE: Duration = Duration::from_secs(40);
 /// The folders whose calls count.
 pub const FOLDERS: [&str; 3] = ["export", "state", "records"];
 
-/// A scan to be delivered and, for another patient, held; one to be refused; one to be awaited.
-pub const SCANS: [(&str, PutKind); 4] = [
+/// A scan to be delivered and, for another patient, held; one to be delivered and given up by the
+/// spool; one to be refused; one to be awaited.
+pub const SCANS: [(&str, PutKind); 5] = [
     ("4711_Mustermann.obj", PutKind::Whole),
     ("0815_Musterfrau.obj", PutKind::Whole),
+    ("4714_Mustermann.obj", PutKind::Whole),
     ("4712_Mustermann.obj", PutKind::Whole),
     ("4713_Mustermann.obj", PutKind::Short),
 ];
 
-/// Terminal events of the log in a run without faults.
-const DONE: [&str; 3] = ["scan-delivered", "scan-held", "scan-refused"];
+/// How often the log tells of each end of a scan in a run without faults.
+const DONE: [(&str, usize); 3] = [("scan-delivered", 2), ("scan-held", 1), ("scan-refused", 1)];
 
 /// A booth that settles as quickly as the configuration allows.
 pub fn booth() -> Booth {
@@ -52,7 +54,7 @@ pub fn booth() -> Booth {
 pub fn put_scans(booth: &Booth) {
     let body = coarse_body(1);
     let short = body[..body.len() / 2].to_vec();
-    let bytes = [body.clone(), body, b"v 1 2 3\nMustermann\n".to_vec(), short];
+    let bytes = [body.clone(), body, coarse_body(2), b"v 1 2 3\nMustermann\n".to_vec(), short];
     for ((name, kind), bytes) in SCANS.into_iter().zip(bytes) {
         fs::write(booth.path("export").join(name), &bytes).unwrap();
         booth.has_put(name, &bytes, kind);
@@ -77,7 +79,12 @@ pub fn struck_until(
 /// Whether the log says that every scan of the run has come to its end.
 pub fn all_done(booth: &Booth) -> bool {
     let log = booth.log();
-    DONE.iter().all(|event| log.contains(event))
+    DONE.iter().all(|(event, times)| log.matches(event).count() >= *times)
+}
+
+/// Whether the log says that the station has started.
+pub fn is_ready(booth: &Booth) -> bool {
+    booth.log().contains("station-ready")
 }
 
 /// What does not hold at this moment, as text.
@@ -188,8 +195,11 @@ pub fn strike_everywhere<Place>(
                         Some((kind, found)) => {
                             let mut tally = tally.lock().unwrap();
                             tally.points += 1;
-                            let said = found.iter().map(|what| format!("{nth} {kind}: {what}"));
-                            tally.violations.extend(said);
+                            for what in &found {
+                                let violation = format!("{nth} {kind}: {what}");
+                                println!("  {violation}");
+                                tally.violations.push(violation);
+                            }
                             *tally.kinds.entry(kind).or_default() += 1;
                         }
                     }

@@ -28,13 +28,7 @@ impl Custody {
                     self.adopt_or_refuse(&scan)?;
                     adopted += 1;
                 }
-                Some(ScanState::Spooled) => {}
-                Some(ScanState::Delivered) if !self.journal.has_served(&scan)? => {}
-                Some(ScanState::Refused) if !self.quarantine.holds(&scan) => {}
-                Some(ScanState::Delivered) if self.kept > Duration::ZERO => {}
-                Some(ScanState::Delivered | ScanState::Refused) => {
-                    io("giving up spooled bytes", self.spool.remove(&scan))?;
-                }
+                Some(_) => self.give_up_served(&scan)?,
             }
         }
         for scan in self.journal.scans_in(ScanState::Spooled)? {
@@ -43,6 +37,21 @@ impl Custody {
             }
         }
         Ok(adopted)
+    }
+
+    /// Gives up the bytes of a scan of the spool that are needed there no more.
+    pub(super) fn give_up_served(&self, scan: &ScanId) -> Result<(), CustodyFault> {
+        let served = match self.journal.scan(scan)?.map(|row| row.state) {
+            None | Some(ScanState::Spooled) => false,
+            Some(ScanState::Delivered) => {
+                self.kept == Duration::ZERO && self.journal.has_served(scan)?
+            }
+            Some(ScanState::Refused) => self.quarantine.holds(scan),
+        };
+        if served {
+            io("giving up spooled bytes", self.spool.remove(scan))?;
+        }
+        Ok(())
     }
 
     /// A scan to be delivered whose bytes are not in the spool: they are in quarantine already, or
