@@ -24,7 +24,8 @@ fn booth(more: &str) -> Booth {
     booth
 }
 
-/// The measuring processes on this machine that measure this scan.
+/// The measuring processes on this machine that measure this scan. The tests run side by side, so
+/// each has its own.
 fn measuring(hash: &str) -> Vec<Pid> {
     let processes = fs::read_dir("/proc").unwrap().flatten();
     let measures = |pid: &i32| {
@@ -114,7 +115,7 @@ fn bytes_that_are_not_those_of_the_hash_are_not_measured() {
 
 #[test]
 fn the_answer_is_the_record_that_extract_makes() {
-    let scan = body(1);
+    let scan = body(31);
     let Answer::Files(files) = answer(begun(generous(), &scan), &scan) else {
         panic!("it was refused");
     };
@@ -145,36 +146,36 @@ fn a_process_that_wants_too_much_memory_costs_that_scan_only() {
     // 8 bytes a point in the file, 24 and more in memory.
     let bomb = "v 1 2 3\n".repeat(2_400_000).into_bytes();
     booth.export("4711_bomb.obj", &bomb);
-    booth.export("4711_good.obj", &body(1));
+    booth.export("4711_good.obj", &body(41));
     booth.wait_for_records(1);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
     assert_eq!(daemon.stop().code(), Some(0));
     let code = booth.reason(&bomb)["code"].as_str().unwrap().to_owned();
     assert!(["measuring-too-large", "scan-no-faces"].contains(&code.as_str()), "{code}");
-    booth.assert_settled(&[("4711", &body(1))]);
+    booth.assert_settled(&[("4711", &body(41))]);
 }
 
 #[test]
 fn a_process_that_hangs_is_ended_in_time_and_costs_that_scan_only() {
     let booth = booth("[measure]\nwall = \"2s\"\n");
     let daemon = booth.start();
-    let scan = body(1);
+    let scan = body(51);
     booth.export("4711_hangs.obj", &scan);
     signal(&booth, &sha256(&scan), Signal::STOP);
-    booth.export("4711_good.obj", &body(2));
+    booth.export("4711_good.obj", &body(52));
     booth.wait_for_records(1);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
     assert_eq!(daemon.stop().code(), Some(0));
     assert_eq!(booth.reason(&scan)["code"], "measuring-too-long");
     assert_eq!(measuring(&sha256(&scan)), []);
-    booth.assert_settled(&[("4711", &body(2))]);
+    booth.assert_settled(&[("4711", &body(52))]);
 }
 
 #[test]
 fn a_process_that_somebody_killed_is_begun_again() {
     let booth = Booth::new();
     let daemon = booth.start();
-    let scan = body(1);
+    let scan = body(61);
     booth.export("4711_a.obj", &scan);
     signal(&booth, &sha256(&scan), Signal::KILL);
     booth.wait_for_records(1);
@@ -187,7 +188,7 @@ fn a_process_that_somebody_killed_is_begun_again() {
 fn a_process_does_not_outlive_its_station() {
     let booth = Booth::new();
     let daemon = booth.start();
-    let scan = body(1);
+    let scan = body(71);
     booth.export("4711_a.obj", &scan);
     signal(&booth, &sha256(&scan), Signal::STOP);
     daemon.kill();
@@ -198,7 +199,7 @@ fn a_process_does_not_outlive_its_station() {
 fn what_the_process_is_told_names_nobody() {
     let booth = Booth::new();
     let daemon = booth.start();
-    let scan = body(1);
+    let scan = body(81);
     booth.export("990011_Mustermann.obj", &scan);
     signal(&booth, &sha256(&scan), Signal::STOP);
     for pid in measuring(&sha256(&scan)) {

@@ -13,6 +13,7 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use rustix::fs::{CWD, Mode, mkfifoat};
+use support::invariants::PutKind;
 use support::{Booth, QUIET, names, sha256};
 
 /// A small body that is measured quickly; each `n` gives other bytes.
@@ -36,6 +37,12 @@ fn configure(booth: &Booth, from: &str, to: &str) {
     let text = fs::read_to_string(&file).unwrap();
     assert!(text.contains(from), "{text}");
     fs::write(file, text.replace(from, to)).unwrap();
+}
+
+/// Puts an empty file that is no scan into the export folder.
+fn beside(booth: &Booth, name: &str) {
+    fs::write(booth.path("export").join(name), "").unwrap();
+    booth.has_put(name, b"", PutKind::Beside);
 }
 
 #[test]
@@ -66,6 +73,7 @@ fn a_sub_folder_that_is_made_and_written_into_at_once_is_looked_through() {
         let folder = booth.path("export").join(format!("{n}/{n}"));
         fs::create_dir_all(&folder).unwrap();
         fs::write(folder.join("4711_a.obj"), bytes).unwrap();
+        booth.has_put(&format!("{n}/{n}/4711_a.obj"), bytes, PutKind::Whole);
     }
     booth.wait_for_records(scans.len());
     assert_eq!(daemon.stop().code(), Some(0));
@@ -78,10 +86,10 @@ fn a_scan_is_taken_once_its_done_file_is_there_and_waiting_for_it_is_told_once()
     let daemon = booth.start();
     booth.export("4711_Mustermann.obj", &body(1));
     booth.export("4711_b.obj", &body(2));
-    booth.export("4711_b.obj.done", b"");
+    beside(&booth, "4711_b.obj.done");
     booth.wait_for_records(1);
     booth.wait_for("the alarm", || booth.log().contains("file-overdue"));
-    booth.export("4711_Mustermann.obj.done", b"");
+    beside(&booth, "4711_Mustermann.obj.done");
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &body(1)), ("4711", &body(2))]);
@@ -101,10 +109,11 @@ fn a_folder_without_its_marker_is_not_believed_and_others_do_not_notice() {
     let daemon = booth.start();
     booth.export("4711_a.obj", &body(1));
     fs::write(other.join("4711_b.obj"), body(2)).unwrap();
+    booth.has_put("../other/4711_b.obj", &body(2), PutKind::Whole);
     booth.wait_for_records(1);
     booth.wait_for("the alarm", || booth.log().contains("export-dir-not-mounted"));
     assert_eq!(booth.records(), [("4711".to_owned(), sha256(&body(2)))]);
-    booth.export(".mounted", b"");
+    beside(&booth, ".mounted");
     booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &body(1)), ("4711", &body(2))]);
@@ -135,9 +144,15 @@ fn what_is_no_regular_file_is_passed_over_and_a_second_name_of_a_scan_is_no_seco
     let at = |name: &str| booth.path("export").join(name);
     booth.export("4711_a.obj", &body(1));
     fs::hard_link(at("4711_a.obj"), at("4711_again.obj")).unwrap();
+    for name in ["4711_a.obj", "4711_again.obj"] {
+        booth.has_put(name, &body(1), PutKind::Whole);
+    }
     symlink(at("4711_a.obj"), at("4711_link.obj")).unwrap();
     mkfifoat(CWD, at("4711_pipe.obj"), Mode::RUSR | Mode::WUSR).unwrap();
     fs::create_dir(at("4711_folder.obj")).unwrap();
+    for name in ["4711_link.obj", "4711_pipe.obj"] {
+        booth.has_put(name, b"", PutKind::Beside);
+    }
     let daemon = booth.start();
     booth.wait_for_records(1);
     booth.wait_for_journal("SELECT count(*) FROM sightings", 2);
@@ -164,6 +179,7 @@ fn a_file_reserved_at_its_full_size_is_awaited_until_it_is_filled() {
     file.write_all_at(&bytes[half..], half as u64).unwrap();
     // As copies do that keep the time of what they copy.
     file.set_modified(times).unwrap();
+    booth.has_put("4711_a.obj", &bytes, PutKind::Whole);
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &bytes)]);
@@ -179,12 +195,14 @@ fn whatever_a_file_s_own_times_say_it_is_taken_and_taken_again_when_rewritten() 
         let mut file = File::create(booth.path(&format!("export/4711_{n}.obj"))).unwrap();
         file.write_all(&body(n)).unwrap();
         file.set_modified(time).unwrap();
+        booth.has_put(&format!("4711_{n}.obj"), &body(n), PutKind::Whole);
     }
     booth.wait_for_records(2);
     // The same size and time of change, in place.
     let file = File::options().write(true).open(booth.path("export/4711_0.obj")).unwrap();
     file.write_all_at(&body(2), 0).unwrap();
     file.set_modified(SystemTime::UNIX_EPOCH).unwrap();
+    booth.has_put("4711_0.obj", &body(2), PutKind::Whole);
     booth.wait_for_records(3);
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &body(0)), ("4711", &body(1)), ("4711", &body(2))]);

@@ -47,6 +47,8 @@ pub enum PutKind {
     Short,
     /// Larger than the configuration allows.
     Huge,
+    /// No scan: a done file, a mark, a link, a pipe.
+    Beside,
 }
 
 /// A file's identity and time: what reading leaves alone and everything else changes.
@@ -232,7 +234,7 @@ impl Found {
             let path = evidence.export.join(&put.name);
             if left_at(&path) != Some(left) {
                 self.say(4, format!("{} was changed, replaced or removed", put.name));
-            } else if put.kind != PutKind::Huge
+            } else if !matches!(put.kind, PutKind::Huge | PutKind::Beside)
                 && fs::read(&path).map(|bytes| sha256(&bytes)).ok().as_ref() != Some(&put.sha256)
             {
                 self.say(4, format!("{} has other bytes", put.name));
@@ -333,6 +335,7 @@ pub const NOBODY: &str = "_unassigned";
 
 /// The store's folder of the patient whom a file name names, as the stations under test read it.
 pub fn patient_of(name: &str) -> String {
+    let name = name.rsplit('/').next().unwrap_or_default();
     let id = name.split_once('_').map_or("", |(id, _)| id);
     let digits = id.strip_prefix('P').unwrap_or(id);
     let named = (1..=12).contains(&digits.len()) && digits.bytes().all(|b| b.is_ascii_digit());

@@ -69,7 +69,7 @@ fn held_bytes_are_kept_and_never_delivered_by_themselves() {
 
     // Even where the journal is lost, held bytes stay held.
     drop(custody);
-    for file in ["journal.db", "journal.db-wal", "journal.db-shm"] {
+    for file in ["journal.db", "journal.db-wal", "journal.db-shm", "history.head"] {
         let _ = fs::remove_file(dir.path().join(file));
     }
     let custody = open(dir.path());
