@@ -135,13 +135,42 @@ fn a_store_that_is_gone_makes_the_station_not_ready_until_it_is_back() {
         complaints.iter().any(|complaint| complaint["code"] == "delivery-overdue")
             && status["oldest"]["scan"] == *scan
     });
-    let said = stdout(&gaiter(&booth, &["explain", scan]));
-    assert!(said.contains("waits for the store"), "{said}");
+    let mut said = String::new();
+    booth.wait_for("the reason", || {
+        said = stdout(&gaiter(&booth, &["explain", scan]));
+        said.contains("waits for the store")
+    });
     assert_eq!(said.lines().count(), 1, "{said}");
     fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();
     booth.wait_for_records(1);
     wait_until_ready(&booth);
     assert_eq!(json(&booth, &["status"])["last"]["scan"], *scan);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_file_says_why_it_is_where_it_is() {
+    let booth = Booth::new();
+    let daemon = booth.start();
+    wait_until_ready(&booth);
+    let explained = |name: &str| {
+        let path = booth.path("export").join(name);
+        stdout(&gaiter(&booth, &["explain", path.to_str().unwrap()]))
+    };
+    let bytes = coarse(1);
+    booth.export("4711_a.obj", &bytes);
+    booth.wait_for_records(1);
+    let said = explained("4711_a.obj");
+    assert!(said.contains(&sha256(&bytes)[..8]) && said.contains("was delivered"), "{said}");
+    assert_eq!(said.lines().count(), 1, "{said}");
+    assert!(explained("nowhere.obj").contains("No scan of that name"));
+    assert!(explained(".hidden.obj").contains("is hidden"));
+    assert!(explained("x.obj.tmp").contains("unfinished"));
+    let outside = stdout(&gaiter(&booth, &["explain", "/elsewhere.obj"]));
+    assert!(outside.contains("does not lie in an export folder"), "{outside}");
+    booth.export("4711_bad.obj", b"no scan\n");
+    booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
+    assert!(explained("4711_bad.obj").contains("was refused"), "{}", explained("4711_bad.obj"));
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
@@ -211,9 +240,11 @@ fn a_scan_is_named_by_digits_that_are_its_own() {
         let output = gaiter(&booth, &[verb, "00c0ffee"]);
         assert_eq!(code(&output), Some(66));
         assert!(stderr(&output).contains("knows no scan"), "{}", stderr(&output));
-        for digits in ["abc", "xyz", "12 4"] {
-            assert_eq!(code(&gaiter(&booth, &[verb, digits])), Some(64), "{verb} {digits}");
-        }
+    }
+    for digits in ["abc", "xyz", "12 4"] {
+        assert_eq!(code(&gaiter(&booth, &["show", digits])), Some(64), "{digits}");
+        let said = stdout(&gaiter(&booth, &["explain", digits]));
+        assert!(said.contains("does not lie in an export folder"), "{digits}: {said}");
     }
     // Two ids that begin alike are too rare to wait for.
     let journal = rusqlite::Connection::open(booth.path("state/journal.db")).unwrap();

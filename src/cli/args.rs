@@ -71,7 +71,7 @@ pub enum Verb {
     /// The patient's id and the record's folder are shown, for that is what a person needs to
     /// decide what becomes of a scan: mind who looks over your shoulder.
     Show(OneArgs),
-    /// Say in one sentence why a scan is where it is
+    /// Say in one sentence why a file or a scan is where it is
     Explain(ExplainArgs),
     /// Try a refused scan again, or a waiting one at once
     ///

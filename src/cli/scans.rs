@@ -1,6 +1,7 @@
 //! `gaiter scans`, `gaiter show` and `gaiter explain`: what the station knows of its scans.
 
 use std::fmt::Write;
+use std::os::unix::ffi::OsStringExt;
 
 use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
 use super::status::utc;
@@ -97,10 +98,13 @@ fn detail(whole: &Whole) -> String {
 pub fn explain(args: &ExplainArgs) -> Exit {
     let request = match Named::of(&args.what) {
         Named::Scan(scan) => Request::ExplainScan { scan },
-        Named::File(_) => {
-            complain("gaiter: a scan is named by four or more digits of its id");
-            return Exit::Usage;
-        }
+        Named::File(path) => match std::path::absolute(&path) {
+            Ok(path) => Request::ExplainFile { path: path.into_os_string().into_vec() },
+            Err(error) => {
+                complain(format_args!("gaiter: {}: {error}", shown(path.display())));
+                return Exit::Usage;
+            }
+        },
     };
     ask::sentence(&args.ask, &request)
 }

@@ -129,6 +129,20 @@ pub struct Delivered {
     pub folder: Option<String>,
 }
 
+/// What became of a scan, in words that follow "it".
+pub fn in_words(summary: &Summary, held: bool) -> String {
+    let refused = summary.state == ScanState::Refused.word();
+    match &summary.code {
+        _ if held => {
+            "is held: the same bytes came in for another patient, and a person decides".into()
+        }
+        Some(code) if refused => format!("was refused ({code}) and lies in quarantine"),
+        None if refused => "was refused and lies in quarantine".into(),
+        _ if summary.state == ScanState::Delivered.word() => "was delivered".into(),
+        _ => "was taken and waits for its record to be delivered".into(),
+    }
+}
+
 /// Why a scan is where it is, in one sentence; names no patient. `stores` tells how each store is.
 pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestamp) -> String {
     let (scan, summary) = (whole.scan.get(..8).unwrap_or(&whole.scan), &whole.summary);

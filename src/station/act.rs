@@ -8,7 +8,6 @@ use super::custody::{Acted, CustodyFault};
 use super::error::chain;
 use super::event::short;
 use super::journal::{JournalError, ScanRow};
-use crate::flow::facts::IntakeState;
 use crate::flow::{DeliveryState, ScanId};
 use crate::store::StoreFault;
 
@@ -173,8 +172,7 @@ fn pause(station: &Station, paused: bool) -> Result<String, ActFault> {
     if changed {
         let event = if paused { "station-paused" } else { "station-resumed" };
         info!(event, at = %Timestamp::now());
-        let intake = if paused { IntakeState::Paused } else { IntakeState::Open };
-        station.board.note(|facts| facts.intake = intake);
+        station.intake_gate(0);
     }
     station.work.notify_one();
     Ok(match (paused, changed) {

@@ -49,8 +49,8 @@ pub struct OneArgs {
 /// `gaiter explain`
 #[derive(Debug, clap::Args)]
 pub struct ExplainArgs {
-    /// The scan: the first digits of its id, at least four
-    #[arg(value_name = "ID")]
+    /// A file in an export folder, or a scan by the first digits of its id, at least four
+    #[arg(value_name = "FILE|ID")]
     pub what: OsString,
     /// What is asked, and how.
     #[command(flatten)]

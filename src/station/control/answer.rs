@@ -1,10 +1,15 @@
 //! What the station answers to each request. Blocks on the journal, so it runs on a blocking thread.
 
+use std::ffi::OsStr;
+use std::os::unix::ffi::OsStrExt;
+use std::path::Path;
+
 use jiff::Timestamp;
 
 use super::protocol::{
     Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request, SourceStatus, Status,
 };
+use crate::flow::explain::{Known, of_file};
 use crate::flow::facts::IntakeState;
 use crate::flow::health::age;
 use crate::flow::{ScanId, account};
@@ -32,6 +37,11 @@ pub fn answer(station: &Station, request: &Request) -> Answer {
                     Timestamp::now(),
                 ))
             })
+        }
+        Request::ExplainFile { path } => {
+            let path = Path::new(OsStr::from_bytes(path));
+            let known = known(station, path);
+            known.map(|known| Answer::Sentence(of_file(&station.board.facts(), path, known)))
         }
         Request::Retry { scan } => acted(station, Some(scan), &Act::Retry),
         Request::Release { scan } => acted(station, Some(scan), &Act::Release),
@@ -76,6 +86,22 @@ fn whole(station: &Station, digits: &str) -> Result<account::Whole, Fault> {
     let happened = |HistoryRow { at, event, detail }| account::Happened { at, event, detail };
     whole.history = rows.map(happened).collect();
     Ok(whole)
+}
+
+/// What the journal says of a file.
+fn known(station: &Station, path: &Path) -> Result<Option<Known>, Fault> {
+    let journal = station.custody.journal();
+    let Some(scan) = journal.sighting(path)? else { return Ok(None) };
+    let Some(scan) = scan else {
+        let state = "was refused unread, for its size".to_owned();
+        return Ok(Some(Known { state, at: None, scan: None }));
+    };
+    let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
+    let held = journal.is_held(&scan)?;
+    let last = journal.history(&scan)?.pop();
+    let at = last.and_then(|last| last.at.parse().ok());
+    let state = account::in_words(&whole.summary, held);
+    Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()) }))
 }
 
 /// Carries out what a person decided.

@@ -42,6 +42,11 @@ pub enum Request {
         /// The beginning of its id.
         scan: String,
     },
+    /// Why a file is where it is.
+    ExplainFile {
+        /// Its full path, as the bytes of the file system.
+        path: Vec<u8>,
+    },
     /// A refused scan is to be tried again, and one that waits at once.
     Retry {
         /// The beginning of its id.

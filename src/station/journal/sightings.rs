@@ -6,7 +6,7 @@ use std::path::Path;
 
 use rusqlite::{OptionalExtension, params};
 
-use super::{Journal, JournalError};
+use super::{Journal, JournalError, cell};
 use crate::flow::{ScanId, Stamp};
 
 impl Journal {
@@ -21,6 +21,21 @@ impl Journal {
             .query_row([path.as_os_str().as_bytes()], |row| row.get(0))
             .optional()?;
         Ok(found.is_some_and(|found| found == text(stamp)))
+    }
+
+    /// The scan of which a state of the file was sighted last: none at all where none was, and none
+    /// within where the file was refused unread.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn sighting(&self, path: &Path) -> Result<Option<Option<ScanId>>, JournalError> {
+        let found: Option<Option<String>> = self
+            .connection()
+            .prepare_cached("SELECT sha256 FROM sightings WHERE path = ?1")?
+            .query_row([path.as_os_str().as_bytes()], |row| row.get(0))
+            .optional()?;
+        let scan = |text: String| cell("sha256", text, |text| ScanId::parse(text).ok());
+        found.map(|found| found.map(scan).transpose()).transpose()
     }
 
     /// Notes that this state of the file was taken, or refused unread where there is no scan.
