@@ -2,7 +2,7 @@
 //! good: the station puts off or ends by name, loses nothing, and goes on when the fault is gone.
 
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "support/matrix.rs"]
 mod matrix;

@@ -2,7 +2,7 @@
 //! things no scanner writes, files without end. Every file is accounted for and none keeps the
 //! scans among them from their records.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "support/station.rs"]
 mod support;

@@ -2,7 +2,7 @@
 //! schema. The station starts, says so, loses nothing that lies in spool, store or export folder,
 //! and delivers nothing twice or to anybody else.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "support/station.rs"]
 mod support;

@@ -1,7 +1,7 @@
 //! The export folder itself replaced: removed and made again, renamed away, a link in its place,
 //! another file system mounted over it.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "support/station.rs"]
 mod support;

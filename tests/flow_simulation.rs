@@ -3,7 +3,7 @@
 //! and once the faults end everything comes to rest. A seed that fails prints itself; set
 //! `GAITER_SEED` to run it again and `GAITER_EVENTS` for longer runs.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "support/chance.rs"]
 mod chance;

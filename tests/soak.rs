@@ -4,7 +4,7 @@
 //! `GAITER_SOAK_SCANS=10000 cargo test --release --test soak -- --ignored --nocapture` is the real
 //! run; it takes half a megabyte of `TMPDIR` a scan.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "support/station.rs"]
 mod support;
@@ -90,7 +90,7 @@ fn thousands_of_scans_leave_memory_files_and_threads_flat() {
     for first in (0..count).step_by(BATCH) {
         expected.extend(batch(&booth, first));
         let scans = first + BATCH;
-        if scans % (count / READINGS) == 0 {
+        if scans.is_multiple_of(count / READINGS) {
             let now = reading(&booth, daemon.id(), scans);
             report(&now, began);
             readings.push(now);

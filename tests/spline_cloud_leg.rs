@@ -1,6 +1,6 @@
 //! The fit of a cloud on the closed-form test leg: how near it comes, how much it smooths, what it
 //! makes of outliers and holes.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 #[path = "support/chance.rs"]
 mod chance;

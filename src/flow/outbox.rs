@@ -56,7 +56,7 @@ enum Reach {
     /// It is being asked.
     Asked,
     /// It answered.
-    InReach,
+    Answers,
     /// It is to be asked again then.
     Away { until: Duration },
     /// Something that was begun there does not come back.
@@ -91,7 +91,7 @@ impl Outbox {
                 plan.ask.push(key.store.clone());
             }
             let paused = self.pauses.get(key).is_some_and(|pause| pause.until > now);
-            if store.reach != Reach::InReach || paused || self.in_hand.contains(key) {
+            if store.reach != Reach::Answers || paused || self.in_hand.contains(key) {
                 continue;
             }
             let same = |group: &&mut Vec<Key>| {
@@ -126,7 +126,7 @@ impl Outbox {
     pub fn asked(&mut self, store: &str, in_reach: bool, now: Duration, chance: f64) {
         let store = self.stores.entry(store.to_owned()).or_insert(Store::NEW);
         *store = if in_reach {
-            Store { reach: Reach::InReach, failures: 0 }
+            Store { reach: Reach::Answers, failures: 0 }
         } else {
             let failures = store.failures.saturating_add(1);
             Store { reach: Reach::Away { until: now + backoff::pause(failures, chance) }, failures }
@@ -185,7 +185,7 @@ impl Store {
         match self.reach {
             Reach::Unknown => true,
             Reach::Away { until } => until <= now,
-            Reach::Asked | Reach::InReach | Reach::Stalled => false,
+            Reach::Asked | Reach::Answers | Reach::Stalled => false,
         }
     }
 }

@@ -144,7 +144,7 @@ impl Settling {
         Settling { quiet, short_wait, overdue, files: BTreeMap::new(), turns: 0 }
     }
 
-    /// Takes in a look; returns the files to be taken now, in the order of [`turns`].
+    /// Takes in a look; returns the files to be taken now, each in its turn: fresh files first, and of every few one that waits long.
     pub fn observe(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
         let Look::Seen(seen) = look else {
             // Time out of reach is not quiet time: the writer was cut off too.

@@ -100,7 +100,7 @@ impl World {
             96 => self.crash(),
             _ => self.person(),
         }
-        for (_, file) in &self.scanner.files {
+        for file in self.scanner.files.values() {
             let carried = (file.bytes, file.patient.unwrap_or(0));
             if file.bytes.length > 0 && !self.carried.contains(&carried) {
                 self.carried.push(carried);

@@ -150,8 +150,7 @@ mod tests {
             let landlocked = File::open("/etc/passwd").is_err();
             no_other_calls().unwrap();
             let listener = TcpListener::bind("127.0.0.1:0");
-            let computed =
-                thread::spawn(|| (0..100).map(|n| vec![n; 100]).flatten().sum::<usize>());
+            let computed = thread::spawn(|| (0..100).flat_map(|n| vec![n; 100]).sum::<usize>());
             (landlocked, listener.is_err(), computed.join().unwrap())
         });
         let (landlocked, no_network, computed) = confined.join().unwrap();
