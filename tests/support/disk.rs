@@ -1,7 +1,7 @@
 //! Disks whose power can be cut: ext4 on a loop device, shut down without flushing its log.
 
 #![allow(dead_code)] // Each test uses some of it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 use std::fs::File;
 use std::path::{Path, PathBuf};

@@ -2,7 +2,7 @@
 //! what must hold after each.
 
 #![allow(dead_code)] // Each test uses some of it.
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,6 +1,6 @@
 //! A mock network share: a folder passed through FUSE, which can stall, die and be unmounted.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 use std::fs;
 use std::path::{Path, PathBuf};
