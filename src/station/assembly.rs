@@ -51,8 +51,6 @@ pub struct Station {
     paused: AtomicBool,
     hurried: Mutex<Vec<ScanId>>,
     ready_stores: Mutex<BTreeSet<String>>,
-    first_start: bool,
-    rebuilt: bool,
     started: Instant,
 }
 
@@ -72,9 +70,10 @@ impl Station {
         let state = |source| StationError::State { path: state_dir.clone(), source };
         let stores = stores(&config);
         let names: Vec<&'static str> = stores.iter().map(RecordStore::name).collect();
+        let opened = rebuild::open(&state_dir.join("journal.db"), &names, first_start)?;
+        // After the journal: where there is a spool there was one, and where it is missing it was lost.
         let spool = Spool::open(state_dir).map_err(state)?;
         let quarantine = Quarantine::open(state_dir).map_err(state)?;
-        let opened = rebuild::open(&state_dir.join("journal.db"), &names, first_start)?;
         let paused = opened.journal.is_paused().map_err(CustodyFault::from);
         let paused = paused.map_err(StationError::Recovery)?;
         let custody =
@@ -83,6 +82,11 @@ impl Station {
         let mut facts = Facts::new(Timestamp::now(), config.scanner.export_dirs.len());
         if let Some(why) = opened.rebuilt {
             let quarantined = custody.adopt_quarantined().map_err(StationError::Recovery)?;
+            // They were begun by the station that lost its journal, and must be found marked.
+            for store in &stores {
+                let begun = custody.journal().begun(store.name(), &store.place());
+                begun.map_err(CustodyFault::from).map_err(StationError::Recovery)?;
+            }
             error!(event = "journal-rebuilt", why, adopted, quarantined);
             let message = format!("the journal was rebuilt, for {why}");
             facts.alarms.insert("journal-rebuilt", Alarm { message, since: Timestamp::now() });
@@ -90,7 +94,6 @@ impl Station {
         if paused {
             facts.intake = IntakeState::Paused;
         }
-        let rebuilt = facts.alarms.contains_key("journal-rebuilt");
         info!(event = "station-open", adopted, first_start);
         let gate = Gate::new(config.station.disk_floor_bytes);
         Ok(Station {
@@ -106,8 +109,6 @@ impl Station {
             paused: AtomicBool::new(paused),
             hurried: Mutex::new(Vec::new()),
             ready_stores: Mutex::new(BTreeSet::new()),
-            first_start,
-            rebuilt,
             started: Instant::now(),
         })
     }
@@ -175,15 +176,17 @@ impl Station {
         in_reach
     }
 
-    /// Begins a store that the journal does not know at its place. A journal that was rebuilt knows
-    /// none: then the store must be marked already, lest the empty place of a share be taken for it.
+    /// Begins a store that the journal does not know at its place; one that it knows must be found
+    /// marked, lest the empty place of a share be taken for it.
     fn begin_store(&self, store: &RecordStore) -> Result<(), String> {
         let (journal, place) = (self.custody.journal(), store.place());
         let of_journal = |error: JournalError| chain(&error);
-        if self.rebuilt || journal.is_begun(store.name(), &place).map_err(of_journal)? {
+        let begun = journal.begun_at(store.name()).map_err(of_journal)?;
+        if begun.as_ref() == Some(&place) {
             return Ok(());
         }
-        store.begin(self.first_start).map_err(|fault| of_store(&fault))?;
+        // Made only where this station never had the store: elsewhere a missing folder is a share.
+        store.begin(begun.is_none()).map_err(|fault| of_store(&fault))?;
         journal.begun(store.name(), &place).map_err(of_journal)
     }
 

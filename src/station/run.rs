@@ -82,13 +82,14 @@ pub async fn run(
     let lock = spawn_blocking(move || take_state_dir(&state_dir)).await;
     let lock = lock.map_err(StationError::Start)??;
     let mut config = config;
+    let mut first_start = lock.first_start;
     let stop = orders.stop;
     tokio::pin!(stop);
     let ended = loop {
         let (next, told) = (config.clone(), observer.clone());
-        let first_start = lock.first_start;
         let open = spawn_blocking(move || Station::open(next, told, first_start));
         let station = Arc::new(open.await.map_err(StationError::Start)??);
+        first_start = false;
         match generation(&station, &mut stop, &mut orders.reload).await {
             Ok(Turn::Stop) => break Ok(()),
             Ok(Turn::Reload(next)) => config = *next,

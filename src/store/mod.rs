@@ -123,14 +123,14 @@ impl RecordStore {
         }
     }
 
-    /// Begins a new store: makes it, at a station's first start, and marks it.
+    /// Begins a new store: marks it, and makes its folder before where that is wanted.
     ///
     /// # Errors
     /// A transient fault where that is not possible now.
-    pub fn begin(&self, first_start: bool) -> Result<(), StoreFault> {
+    pub fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => {
-                if first_start {
+                if make_folder {
                     store.make_root()?;
                 }
                 store.mark()

@@ -78,12 +78,12 @@ impl Journal {
         Ok(())
     }
 
-    /// Whether a store was begun at this place.
+    /// The place where a store was begun last; none where it never was.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn is_begun(&self, store: &str, place: &str) -> Result<bool, JournalError> {
-        Ok(self.fact(&format!("{BEGUN}{store}"))?.is_some_and(|begun| begun == place))
+    pub fn begun_at(&self, store: &str) -> Result<Option<String>, JournalError> {
+        self.fact(&format!("{BEGUN}{store}"))
     }
 
     /// A store was begun at this place.
