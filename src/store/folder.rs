@@ -108,6 +108,8 @@ impl FolderStore {
     /// See [`StoreFault`].
     pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         fit(delivery)?;
+        // Each time: the share may have gone since it was asked, and its empty place takes anything.
+        self.reach()?;
         let patient = self.patient_folder(delivery.patient)?;
         let name = naming::record_folder(delivery.first_seen, delivery.scan);
         let mut place = patient.join(&name);

@@ -71,6 +71,7 @@ impl FolderStore {
     /// # Errors
     /// See [`StoreFault`]: a permanent one where the record was changed by hand.
     pub fn withdraw(&self, scan: &ScanId, patient: &str) -> Result<(), StoreFault> {
+        self.reach()?;
         let nobody = self.root.join(naming::patient_folder(None));
         let theirs = self.root.join(naming::patient_folder(Some(patient)));
         let gone = nobody.join(format!("{}withdrawn_{}", self.staging, scan.short()));

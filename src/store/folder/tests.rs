@@ -24,7 +24,9 @@ impl Case {
         let scan_file = dir.path().join("spooled.obj");
         fs::write(&scan_file, bytes).unwrap();
         fs::create_dir(dir.path().join("records")).unwrap();
-        Case { dir, scan_file, scan, files }
+        let case = Case { dir, scan_file, scan, files };
+        case.store().mark().unwrap();
+        case
     }
 
     fn store(&self) -> FolderStore {
@@ -138,6 +140,11 @@ fn a_missing_root_is_a_share_that_is_not_mounted_and_is_not_made() {
     let fault = store.put(&case.delivery()).unwrap_err();
     assert_eq!(fault.code(), "store-unavailable");
     assert!(!gone.exists());
+    // Nor is anything written into the empty place that it leaves.
+    fs::create_dir(&gone).unwrap();
+    let fault = store.put(&case.delivery()).unwrap_err();
+    assert_eq!(fault.code(), "store-unavailable");
+    assert_eq!(names(&gone), [""; 0]);
 }
 
 #[test]
@@ -154,7 +161,7 @@ fn a_record_without_sums_or_with_a_name_that_leaves_its_folder_is_refused() {
         let fault = case.store().put(&case.delivery()).unwrap_err();
         assert!(matches!(fault, StoreFault::Permanent(Misfit::FileName { .. })), "{name}");
     }
-    assert_eq!(names(&case.dir.path().join("records")), Vec::<String>::new());
+    assert_eq!(names(&case.dir.path().join("records")), [".gaiter-store"]);
 }
 
 #[test]
