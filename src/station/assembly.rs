@@ -83,7 +83,7 @@ impl Station {
         if let Some(why) = opened.rebuilt {
             let quarantined = custody.adopt_quarantined().map_err(StationError::Recovery)?;
             // They were begun by the station that lost its journal, and must be found marked.
-            for store in &stores {
+            for store in stores.iter().filter(|_| !first_start) {
                 let begun = custody.journal().begun(store.name(), &store.place());
                 begun.map_err(CustodyFault::from).map_err(StationError::Recovery)?;
             }
@@ -269,7 +269,8 @@ pub fn take_state_dir(path: &Path) -> Result<OwnStateDir, StationError> {
     };
     make().map_err(state)?;
     let lock = StateLock::take(path)?;
-    let ours = ["journal.db", "history.head", "spool"].map(|name| fs::exists(path.join(name)));
-    let ours: Vec<bool> = ours.into_iter().collect::<io::Result<_>>().map_err(state)?;
-    Ok(OwnStateDir { first_start: !ours.contains(&true), _lock: lock })
+    // The spool is made after the first journal is whole: a first start that was cut off before, and
+    // what it left of a journal, is no station that lost its own.
+    let first_start = !fs::exists(path.join("spool")).map_err(state)?;
+    Ok(OwnStateDir { first_start, _lock: lock })
 }
