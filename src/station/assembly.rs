@@ -21,9 +21,8 @@ use super::journal::{JournalError, StateLock};
 use super::quarantine::Quarantine;
 use super::rebuild;
 use super::spool::Spool;
-use super::work::store_facts;
 use crate::config::Config;
-use crate::flow::facts::{Alarm, IntakeState};
+use crate::flow::facts::{Alarm, IntakeState, StoreFacts};
 use crate::flow::{Facts, Identity, ScanId};
 use crate::store::{FolderStore, RecordStore, StoreFault, durable};
 
@@ -208,7 +207,8 @@ impl Station {
             let known = facts.stores.get(store);
             before = known.and_then(|known| known.fault.clone());
             if known.is_none_or(|known| known.fault.is_some() != fault.is_some()) {
-                facts.stores.insert(store, store_facts(fault.clone()));
+                let since = Timestamp::now();
+                facts.stores.insert(store, StoreFacts { fault: fault.clone(), since });
             } else if let Some(known) = facts.stores.get_mut(store) {
                 known.fault.clone_from(&fault);
             }

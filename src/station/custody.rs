@@ -175,27 +175,39 @@ impl Custody {
         Ok(())
     }
 
-    /// Gives up the spooled bytes of a scan that has served; says whether there were any.
+    /// Gives up the spooled bytes of scans that have served since before a time; says how many.
     ///
     /// # Errors
     /// See [`CustodyFault`].
-    pub fn give_up(&self, scan: &ScanId) -> Result<bool, CustodyFault> {
+    pub fn let_go_spooled(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        let gone = self.spool.holds(scan) && self.journal.has_served(scan)?;
-        if gone {
-            io("giving up spooled bytes", self.spool.remove(scan))?;
+        let mut gone = 0;
+        // What lies there is little; what the journal knows grows with the years.
+        for scan in io("listing the spool", self.spool.entries())? {
+            let rests = self.journal.rests_since(&scan, ScanState::Delivered, before)?;
+            if rests && self.journal.has_served(&scan)? {
+                io("giving up spooled bytes", self.spool.remove(&scan))?;
+                gone += 1;
+            }
         }
         Ok(gone)
     }
 
-    /// Gives up a refused scan that the configuration lets go; says whether there was one. The
-    /// journal goes on knowing it, so that its export is not taken again.
+    /// Gives up scans that were refused before a time; says how many. The journal goes on knowing
+    /// them, so that their exports are not taken again.
     ///
     /// # Errors
     /// See [`CustodyFault`].
-    pub fn forget_quarantined(&self, scan: &ScanId) -> Result<bool, CustodyFault> {
+    pub fn let_go_quarantined(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        io("giving up a refused scan", self.quarantine.remove(scan))
+        let mut gone = 0;
+        for scan in io("listing the quarantine", self.quarantine.entries())? {
+            if self.journal.rests_since(&scan, ScanState::Refused, before)? {
+                let removed = io("giving up a refused scan", self.quarantine.remove(&scan))?;
+                gone += usize::from(removed);
+            }
+        }
+        Ok(gone)
     }
 
     /// A store will never take a record. Where other deliveries of the scan are still to be made,

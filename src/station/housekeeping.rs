@@ -14,7 +14,6 @@ use super::beat::Beat;
 use super::custody::CustodyFault;
 use super::error::chain;
 use super::stop::Stop;
-use crate::flow::ScanState;
 use crate::flow::retention::before;
 
 /// How often it is looked what may go.
@@ -54,20 +53,16 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
 
 fn let_go(station: &Station) -> Result<(), CustodyFault> {
     let (custody, kept) = (&station.custody, station.config.retention);
-    let (journal, now) = (custody.journal(), Timestamp::now());
+    let now = Timestamp::now();
     let mut gone = [0; 3];
     if let Some(before) = before(Some(kept.spool), now) {
-        for scan in journal.resting(ScanState::Delivered, before)? {
-            gone[0] += usize::from(custody.give_up(&scan)?);
-        }
+        gone[0] = custody.let_go_spooled(before)?;
     }
     if let Some(before) = before(kept.quarantine, now) {
-        for scan in journal.resting(ScanState::Refused, before)? {
-            gone[1] += usize::from(custody.forget_quarantined(&scan)?);
-        }
+        gone[1] = custody.let_go_quarantined(before)?;
     }
     if let Some(before) = before(kept.journal, now) {
-        gone[2] = journal.forget(before)?;
+        gone[2] = custody.journal().forget(before)?;
     }
     if gone != [0; 3] {
         let [spooled, quarantined, scans] = gone;

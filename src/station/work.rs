@@ -4,7 +4,6 @@
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::assembly::Station;
@@ -15,7 +14,6 @@ use super::journal::{Due, JournalError, ScanRow};
 use super::measure::{self, Answer, Job, Limits, Measured};
 use super::quarantine::{Reason, Stage};
 use crate::flow::acquired::acquired;
-use crate::flow::facts::StoreFacts;
 use crate::flow::outbox::Ended;
 use crate::record::{Provenance, RecordFile};
 use crate::store::{Delivery, StoreFault};
@@ -40,6 +38,8 @@ enum Setback {
     PutOff { code: &'static str, error: String },
     /// It may when the store is in reach.
     StoreFailed { code: &'static str, error: String },
+    /// It may when custody works again.
+    Custody(CustodyFault),
 }
 
 /// Measures the scan of a delivery on so many threads. Where there is nothing to be put into a
@@ -133,7 +133,7 @@ pub fn put(station: &Station, due: &Due, ready: &Ready) -> Ended {
                 ending: &row.format,
             })
             .map_err(|fault| of_store(fault, row))?;
-        note_store(station, due, None);
+        station.note_store(&due.store, None);
         station.custody.delivered(due, &receipt.folder)?;
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
@@ -181,7 +181,11 @@ fn no_store(due: &Due) -> Setback {
 /// Tells of a setback and notes it.
 fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
     let scan = short(&due.scan);
-    let setback = match setback {
+    let custody_failed = |fault: CustodyFault| {
+        station.mind(&fault);
+        ("custody-failed", chain(&fault), Ended::PutOff)
+    };
+    let (code, error, ended) = match setback {
         Setback::Refused(reason) => match refuse(station, due, &reason) {
             Ok(()) => {
                 let Reason { code, message, .. } = reason;
@@ -190,20 +194,14 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
                 station.observer.tell(StationEvent::Refused { scan, code, message });
                 return Ended::ForGood;
             }
-            Err(fault) => {
-                station.mind(&fault);
-                Setback::from(fault)
-            }
+            Err(fault) => custody_failed(fault),
         },
-        other => other,
-    };
-    let (code, error, ended) = match setback {
         Setback::StoreFailed { code, error } => {
-            note_store(station, due, Some(format!("{code}: {error}")));
+            station.note_store(&due.store, Some(format!("{code}: {error}")));
             (code, error, Ended::StoreFailed)
         }
         Setback::PutOff { code, error } => (code, error, Ended::PutOff),
-        Setback::Refused(reason) => ("custody-failed", reason.code, Ended::PutOff),
+        Setback::Custody(fault) => custody_failed(fault),
     };
     warn!(event = "delivery-put-off", scan, store = due.store, code, error);
     station.observer.tell(StationEvent::PutOff { scan, code: code.to_owned() });
@@ -215,11 +213,6 @@ fn refuse(station: &Station, due: &Due, reason: &Reason) -> Result<(), CustodyFa
         Stage::Store => station.custody.refuse_at_store(due, reason),
         Stage::Intake | Stage::Measure => station.custody.refuse(&due.scan, reason),
     }
-}
-
-/// Notes how a store is; none for well.
-fn note_store(station: &Station, due: &Due, fault: Option<String>) {
-    station.note_store(&due.store, fault);
 }
 
 /// A store's fault; its path, which holds the patient's id, stays out of logs and journal.
@@ -238,17 +231,12 @@ fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
 
 impl From<CustodyFault> for Setback {
     fn from(fault: CustodyFault) -> Setback {
-        Setback::PutOff { code: "custody-failed", error: chain(&fault) }
+        Setback::Custody(fault)
     }
 }
 
 impl From<JournalError> for Setback {
     fn from(error: JournalError) -> Setback {
-        Setback::PutOff { code: "journal-failed", error: chain(&error) }
+        Setback::Custody(error.into())
     }
-}
-
-/// A store's facts as of now.
-pub fn store_facts(fault: Option<String>) -> StoreFacts {
-    StoreFacts { fault, since: Timestamp::now() }
 }

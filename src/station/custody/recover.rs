@@ -132,10 +132,6 @@ impl Custody {
         let sources = vec![Source { kind: SourceKind::Record }];
         let patient = record.patient.clone().map(|id| Patient { id, sources });
         self.journal.found(&row, patient.as_ref(), store, &record.folder.to_string_lossy())?;
-        let kept = self.kept > Duration::ZERO;
-        if !kept && self.spool.holds(&record.scan) && self.journal.has_served(&record.scan)? {
-            io("giving up spooled bytes", self.spool.remove(&record.scan))?;
-        }
-        Ok(())
+        self.give_up_served(&record.scan)
     }
 }

@@ -8,29 +8,29 @@ use std::path::{Path, PathBuf};
 use jiff::Timestamp;
 use serde_json::json;
 
-use super::{Event, Journal, JournalError, cell, history};
+use super::{Event, Journal, JournalError, history};
 use crate::flow::{ScanId, ScanState};
 
-/// Scans in a state since before a time, of which nothing is to be done.
-const RESTING: &str = "
-    SELECT sha256 FROM scans WHERE state = ?1 AND changed_at < ?2 AND NOT EXISTS (
-        SELECT 1 FROM deliveries WHERE deliveries.sha256 = scans.sha256
-        AND deliveries.state IN ('pending', 'held', 'withdrawing'))";
-
 impl Journal {
-    /// The scans that have been delivered, or refused, since before a time.
+    /// Whether a scan has been in a state since before a time, and nothing of it is to be done.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn resting(
+    pub fn rests_since(
         &self,
+        scan: &ScanId,
         state: ScanState,
         before: Timestamp,
-    ) -> Result<Vec<ScanId>, JournalError> {
+    ) -> Result<bool, JournalError> {
         let connection = self.connection();
-        let mut query = connection.prepare_cached(RESTING)?;
-        let rows = query.query_map([state.word(), &before.to_string()], |row| row.get(0))?;
-        rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
+        let mut query = connection.prepare_cached(
+            "SELECT EXISTS (SELECT 1 FROM scans
+                 WHERE sha256 = ?1 AND state = ?2 AND changed_at < ?3 AND NOT EXISTS (
+                     SELECT 1 FROM deliveries WHERE deliveries.sha256 = scans.sha256
+                     AND deliveries.state IN ('pending', 'held', 'withdrawing')))",
+        )?;
+        let cells = [scan.as_str(), state.word(), &before.to_string()];
+        Ok(query.query_row(cells, |row| row.get(0))?)
     }
 
     /// Forgets scans that have been delivered since before a time, with the beginning of the
@@ -42,18 +42,19 @@ impl Journal {
         let before = before.to_string();
         let delivered = ScanState::Delivered.word();
         self.change(|transaction| {
-            let count = |transaction: &rusqlite::Transaction<'_>| {
-                transaction.execute(
-                    &format!("DELETE FROM deliveries WHERE sha256 IN ({RESTING})"),
-                    [delivered, &before],
-                )?;
-                transaction.execute(
-                    "DELETE FROM scans WHERE state = ?1 AND changed_at < ?2 AND NOT EXISTS (
-                         SELECT 1 FROM deliveries WHERE deliveries.sha256 = scans.sha256)",
-                    [delivered, &before],
-                )
-            };
-            let scans = count(transaction)?;
+            transaction.execute(
+                "DELETE FROM deliveries WHERE sha256 IN (
+                     SELECT sha256 FROM scans
+                     WHERE state = ?1 AND changed_at < ?2 AND NOT EXISTS (
+                         SELECT 1 FROM deliveries AS open WHERE open.sha256 = scans.sha256
+                         AND open.state IN ('pending', 'held', 'withdrawing')))",
+                [delivered, &before],
+            )?;
+            let scans = transaction.execute(
+                "DELETE FROM scans WHERE state = ?1 AND changed_at < ?2 AND NOT EXISTS (
+                     SELECT 1 FROM deliveries WHERE deliveries.sha256 = scans.sha256)",
+                [delivered, &before],
+            )?;
             if scans == 0 {
                 return Ok(0);
             }

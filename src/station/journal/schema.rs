@@ -61,6 +61,7 @@ const SECOND: &str = "
 ALTER TABLE scans ADD COLUMN crashes INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE scans ADD COLUMN changed_at TEXT;
 ALTER TABLE scans ADD COLUMN seal TEXT NOT NULL DEFAULT '';
+UPDATE scans SET changed_at = first_seen;
 ALTER TABLE deliveries ADD COLUMN changed_at TEXT;
 ALTER TABLE deliveries ADD COLUMN seal TEXT NOT NULL DEFAULT '';
 CREATE TABLE meta (

@@ -114,17 +114,23 @@ pub fn measure(
         (fed, answer, killer.join().unwrap_or(true))
     });
     let mut child = child.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if answer.is_err() && in_time && fed.as_ref().is_err_and(|error| !is_closed(error)) {
+    let unanswered = match answer {
+        Ok(answer) => {
+            // It has nothing more to say, and need not tidy up.
+            end(&mut child)?;
+            return Ok(Measured::Answered(answer));
+        }
+        Err(error) => error,
+    };
+    if let Err(error) = fed
+        && in_time
+        && !is_closed(&error)
+    {
         // The spool could not be read; the process still waits for the rest.
         end(&mut child)?;
-        return fed.map(|()| Measured::Trouble(Trouble::Wall(job.limits.wall)));
+        return Err(error);
     }
-    if let Ok(answer) = answer {
-        // It has nothing more to say, and need not tidy up.
-        end(&mut child)?;
-        return Ok(Measured::Answered(answer));
-    }
-    if answer.is_err_and(|error| error.kind() == io::ErrorKind::InvalidData) {
+    if unanswered.kind() == io::ErrorKind::InvalidData {
         end(&mut child)?;
     }
     let status = child.wait()?;
@@ -162,10 +168,6 @@ fn trouble(status: ExitStatus, in_time: bool, limits: &Limits, complaint: String
     }
     match (status.signal(), status.code()) {
         (Some(libc::SIGXCPU), _) => Trouble::Cpu(limits.cpu),
-        // Where the limit leaves no room between warning and end, the kernel ends it at once.
-        (Some(libc::SIGKILL), _) if complaint.is_empty() => {
-            Trouble::Crashed { how: "signal 9".to_owned(), complaint }
-        }
         _ if complaint.contains("memory allocation of") => Trouble::Memory(limits.memory_bytes),
         (Some(signal), _) => {
             Trouble::Crashed { how: format!("signal {signal}"), complaint: said(&complaint) }
