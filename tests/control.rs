@@ -119,6 +119,9 @@ fn a_store_that_is_gone_makes_the_station_not_ready_until_it_is_back() {
     let booth = Booth::new();
     configure(&booth, "[status]\noverdue = \"1s\"\n");
     let daemon = booth.start();
+    // A store that has taken a record is one the station knows.
+    booth.export("4711_0.obj", &coarse(0));
+    booth.wait_for_records(1);
     wait_until_ready(&booth);
     fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
     let bytes = coarse(1);
@@ -141,7 +144,7 @@ fn a_store_that_is_gone_makes_the_station_not_ready_until_it_is_back() {
     });
     assert_eq!(said.lines().count(), 1, "{said}");
     fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();
-    booth.wait_for_records(1);
+    booth.wait_for_records(2);
     wait_until_ready(&booth);
     assert_eq!(json(&booth, &["status"])["last"]["scan"], *scan);
     assert_eq!(daemon.stop().code(), Some(0));

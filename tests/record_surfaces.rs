@@ -18,7 +18,7 @@ use bodies::export;
 use gaiter::cad::{FileKind, Output};
 use gaiter::config::words::{FILES, meaning};
 use gaiter::leg::{Extraction, Method, extract};
-use gaiter::record::{Provenance, Record, RecordFile, record_files, sha256};
+use gaiter::record::{Provenance, Record, RecordFile, ScanFile, record_files, sha256};
 use gaiter::scan::Format;
 use nalgebra::Vector3;
 use tempfile::TempDir;
@@ -37,7 +37,8 @@ fn made(extraction: &Extraction, output: &Output) -> (Record, Vec<RecordFile>) {
     let sha256 = sha256(&BYTES);
     let provenance = Provenance { station: None, patient: None, acquired: None, sha256 };
     let method = Method::default();
-    record_files(extraction, &provenance, &method, output, &BYTES, Format::Obj).unwrap()
+    let scan = ScanFile { bytes: &BYTES, format: Format::Obj, ord: None };
+    record_files(extraction, &provenance, &method, output, scan).unwrap()
 }
 
 /// The names of the files that are made of one leg.

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use gaiter::cad::Output;
 use gaiter::leg::method::{Axis, FacingChoice, SectionFit};
 use gaiter::leg::{self, Method};
-use gaiter::record::{Provenance, Record, record, record_files};
+use gaiter::record::{Provenance, Record, ScanFile, record, record_files};
 use gaiter::scan::Format;
 use mesh::Mesh;
 use proptest::prelude::*;
@@ -72,8 +72,8 @@ fn check(bytes: &[u8], method: &Method) {
                 assert!(heights.is_sorted(), "{heights:?}");
                 assert!(leg.landmarks.values().all(|at| at.girth_tape_mm > 0.0));
             }
-            record_files(&found, &provenance, method, &Output::default(), bytes, Format::Obj)
-                .unwrap();
+            let scan = ScanFile { bytes, format: Format::Obj, ord: None };
+            record_files(&found, &provenance, method, &Output::default(), scan).unwrap();
         }
     }
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();

@@ -3,6 +3,8 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "support/disk.rs"]
+mod disk;
 #[path = "support/station.rs"]
 mod support;
 
@@ -42,12 +44,29 @@ impl Manager {
 
     /// Waits until it is told that.
     fn wait_for(&self, wanted: &str) -> Vec<String> {
+        self.wait_until(|line| line == wanted)
+    }
+
+    /// Waits until it is told a line like that.
+    fn wait_until(&self, is_wanted: impl Fn(&str) -> bool) -> Vec<String> {
         loop {
             let told = self.told();
-            if told.iter().any(|line| line == wanted) {
+            if told.iter().any(|line| is_wanted(line)) {
                 return told;
             }
         }
+    }
+
+    /// What it was told by now and has not heard yet.
+    fn heard(&self) -> Vec<String> {
+        self.socket.set_nonblocking(true).unwrap();
+        let mut message = [0; 512];
+        let mut heard = Vec::new();
+        while let Ok(length) = self.socket.recv(&mut message) {
+            heard.push(String::from_utf8_lossy(&message[..length]).into_owned());
+        }
+        self.socket.set_nonblocking(false).unwrap();
+        heard
     }
 
     fn signal(&self, signal: Signal) {
@@ -123,6 +142,51 @@ fn the_watchdog_is_fed_at_half_its_time() {
     }
     // Ten beats of 200 ms; a machine that is busy only makes them later.
     assert!(began.elapsed() >= Duration::from_millis(1500), "{:?}", began.elapsed());
+}
+
+#[test]
+#[ignore = "needs root and a loop device, run by .ci/run"]
+fn the_watchdog_starves_while_a_worker_hangs_and_is_fed_again_when_it_turns() {
+    if !disk::can_be_cut() {
+        return;
+    }
+    let booth = Booth::new();
+    fs::create_dir(booth.path("state")).unwrap();
+    let state = disk::Disk::new(booth.path("state"));
+    let manager = Manager::start(&booth, |command| {
+        command.env("WATCHDOG_USEC", "400000");
+    });
+    manager.wait_for("WATCHDOG=1");
+    let frozen = state.freeze();
+    booth.export("4711_a.obj", &body(1));
+    booth.wait_for("the hanging worker", || booth.log().contains("worker-hangs"));
+    manager.heard();
+    let beats = || booth.log().matches("worker-hangs").count();
+    let then = beats();
+    booth.wait_for("ten more beats", || beats() >= then + 10);
+    let heard = manager.heard();
+    assert!(!heard.iter().any(|told| told.contains("WATCHDOG=1")), "{heard:?}");
+    drop(frozen);
+    manager.wait_for("WATCHDOG=1");
+    booth.wait_for_records(1);
+    drop(manager);
+}
+
+#[test]
+fn the_service_manager_is_told_in_one_line_how_the_station_is() {
+    let booth = Booth::new();
+    let manager = Manager::start(&booth, |_| {});
+    booth.export("4711_0.obj", &body(0));
+    booth.wait_for_records(1);
+    manager.wait_for("STATUS=ready; 0 records to be delivered");
+    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    fs::create_dir(booth.path("records")).unwrap();
+    booth.export("4711_a.obj", &body(1));
+    let told = manager.wait_until(|line| line.starts_with("STATUS=not ready"));
+    assert_eq!(
+        told,
+        ["STATUS=not ready: store-fault; 1 records to be delivered; see gaiter status"]
+    );
 }
 
 #[test]

@@ -61,6 +61,7 @@ fn begun(limits: Limits, scan: &[u8]) -> Child {
         provenance,
         ending: "obj".to_owned(),
         scan_bytes: scan.len() as u64,
+        ord_files: 0,
         ord_bytes: 0,
         threads: 2,
         limits,

@@ -13,7 +13,7 @@ use super::{Exit, complain, explain_config, ord, print, shown, table};
 use crate::cad::Output;
 use crate::config::{self, words};
 use crate::leg::{Extraction, Method, Refusal, extract as measure};
-use crate::record::{self, Provenance, RecordFile};
+use crate::record::{self, Provenance, RecordFile, ScanFile};
 use crate::scan::Format;
 use crate::store::durable;
 use crate::store::sums::SUMS;
@@ -127,6 +127,7 @@ struct Measured<'a> {
     path: &'a Path,
     bytes: Vec<u8>,
     format: Format,
+    ord: Option<Vec<u8>>,
     extraction: Extraction,
     provenance: Provenance,
 }
@@ -141,10 +142,11 @@ impl<'a> Measured<'a> {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let format = Format::of_file_name(&name).map_err(Refusal::from)?;
         let mut extraction = measure(&bytes, format, method)?;
-        extraction.findings.extend(ord::opinions(path, &extraction));
+        let (ord, opinions) = ord::opinions(path, &extraction);
+        extraction.findings.extend(opinions);
         let sha256 = record::sha256(&bytes);
         let provenance = Provenance { station: None, patient: None, acquired: None, sha256 };
-        Ok(Measured { path, bytes, format, extraction, provenance })
+        Ok(Measured { path, bytes, format, ord, extraction, provenance })
     }
 
     /// Prints the record and, where `--out` says so, writes its folder.
@@ -154,13 +156,13 @@ impl<'a> Measured<'a> {
         choices: &Choices,
         several: bool,
     ) -> Result<(), Undelivered> {
-        let Measured { path, bytes, format, extraction, provenance } = self;
+        let Measured { path, bytes, format, ord, extraction, provenance } = self;
         let Choices { method, output } = choices;
         let (record, folder) = match &args.out {
             None => (record::record(extraction, provenance, method), None),
             Some(out) => {
-                let made =
-                    record::record_files(extraction, provenance, method, output, bytes, *format)?;
+                let scan = ScanFile { bytes, format: *format, ord: ord.as_deref() };
+                let made = record::record_files(extraction, provenance, method, output, scan)?;
                 (made.0, Some((out, made.1)))
             }
         };

@@ -10,24 +10,36 @@ use crate::leg::second_opinion::compare;
 use crate::leg::{Extraction, Finding};
 use crate::scan::ord;
 
-/// What the measurement file beside a scan says to its extraction; nothing where there is none.
-pub fn opinions(scan: &Path, extraction: &Extraction) -> Vec<Finding> {
-    let unreadable = |error: io::Error| SecondOpinion::Unreadable { why: error.to_string() };
-    let read = |file: &Path| {
-        let bytes = bytes(file).map_err(unreadable)?;
-        ord::read(&bytes).map_err(|fault| SecondOpinion::Unreadable { why: fault.to_string() })
-    };
-    let found = match beside(scan).map_err(unreadable) {
-        Ok(files) => match files.as_slice() {
-            [] => return Vec::new(),
-            [file] => read(file),
-            several => Err(SecondOpinion::Ambiguous { files: several.len() }),
-        },
-        Err(opinion) => Err(opinion),
-    };
-    match found {
-        Ok(ord) => compare(extraction, &ord),
-        Err(opinion) => vec![opinion.into()],
+/// The measurement file beside a scan and what it says to the scan's extraction; nothing where there
+/// is none.
+pub fn opinions(scan: &Path, extraction: &Extraction) -> (Option<Vec<u8>>, Vec<Finding>) {
+    match beside(scan).and_then(|files| one(&files)) {
+        Ok(One::None) => (None, Vec::new()),
+        Ok(One::Bytes(bytes)) => {
+            let findings = match ord::read(&bytes) {
+                Ok(ord) => compare(extraction, &ord),
+                Err(fault) => vec![SecondOpinion::Unreadable { why: fault.to_string() }.into()],
+            };
+            // Of one that is too large only its beginning was read.
+            ((bytes.len() <= ord::BYTES_MAX).then_some(bytes), findings)
+        }
+        Ok(One::Several(files)) => (None, vec![SecondOpinion::Ambiguous { files }.into()]),
+        Err(error) => (None, vec![SecondOpinion::Unreadable { why: error.to_string() }.into()]),
+    }
+}
+
+/// What lies beside a scan.
+enum One {
+    None,
+    Bytes(Vec<u8>),
+    Several(usize),
+}
+
+fn one(files: &[PathBuf]) -> io::Result<One> {
+    match files {
+        [] => Ok(One::None),
+        [file] => bytes(file).map(One::Bytes),
+        several => Ok(One::Several(several.len())),
     }
 }
 

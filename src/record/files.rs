@@ -21,8 +21,22 @@ pub struct RecordFile {
     pub bytes: Vec<u8>,
 }
 
+/// The file of a record that holds the scanner's own measures of the scan.
+pub const ORD: &str = "scanner.ord";
+
+/// What was measured.
+#[derive(Debug, Clone, Copy)]
+pub struct ScanFile<'a> {
+    /// Its bytes.
+    pub bytes: &'a [u8],
+    /// Their format.
+    pub format: Format,
+    /// The scanner's own measures (`.ord`) that came with it, if any.
+    pub ord: Option<&'a [u8]>,
+}
+
 /// The record and all files of its folder in the order in which they are to be written:
-/// `record.json` first, the scan's own bytes, and `SHA256SUMS` over all others last. The same
+/// `record.json` first, the scan's own bytes and what came with it, and `SHA256SUMS` over all others last. The same
 /// arguments give the same bytes. A CAD file that cannot be made is a finding of the record.
 ///
 /// # Errors
@@ -32,8 +46,7 @@ pub fn record_files(
     provenance: &Provenance,
     method: &Method,
     output: &Output,
-    scan_bytes: &[u8],
-    format: Format,
+    scan: ScanFile<'_>,
 ) -> Result<(Record, Vec<RecordFile>), serde_json::Error> {
     let mut record = compose::record(extraction, provenance, method);
     let (surfaces, notes) = surface_files(extraction, output);
@@ -47,7 +60,8 @@ pub fn record_files(
         file("legs.svg", drawing::legs(extraction).into_bytes()),
     ];
     files.extend(surfaces);
-    files.push(file(&format!("scan.{}", format.ending()), scan_bytes.to_vec()));
+    files.push(file(&format!("scan.{}", scan.format.ending()), scan.bytes.to_vec()));
+    files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
     let sums = sums(&files);
     files.push(file(SUMS, sums.into_bytes()));
     Ok((record, files))

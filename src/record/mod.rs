@@ -13,6 +13,6 @@ pub mod schema;
 pub mod surface;
 
 pub use compose::record;
-pub use files::{RecordFile, SUMS, record_files, sha256};
+pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
 pub use provenance::{Acquired, AcquiredFrom, Patient, Provenance, Source, SourceKind};
 pub use schema::Record;

@@ -9,7 +9,7 @@ use super::error::chain;
 use super::event::short;
 use super::journal::{JournalError, ScanRow};
 use crate::flow::{DeliveryState, ScanId};
-use crate::store::StoreFault;
+use crate::store::{StoreFault, StoredScan};
 
 /// A decision.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -137,12 +137,12 @@ fn assign(station: &Station, row: ScanRow, id: &str) -> Result<String, ActFault>
     if patients.iter().any(Option::is_some) {
         return Err(ActFault::Somebodys);
     }
-    let bytes = match station.custody.holds(&row.scan) {
+    let stored = match station.custody.holds(&row.scan) {
         true => None,
         false => from_a_store(station, &row.scan)?,
     };
     let scan = short(&row.scan);
-    match station.custody.assign(&row, &patient, bytes.as_deref())? {
+    match station.custody.assign(&row, &patient, stored)? {
         Acted::Done(count) => {
             info!(event = "scan-assigned", scan);
             Ok(format!("scan {scan} is assigned; {} to be made", deliveries(count)))
@@ -151,12 +151,12 @@ fn assign(station: &Station, row: ScanRow, id: &str) -> Result<String, ActFault>
     }
 }
 
-/// The bytes of a scan from its record for nobody.
-fn from_a_store(station: &Station, scan: &ScanId) -> Result<Option<Vec<u8>>, ActFault> {
+/// A scan from its record for nobody.
+fn from_a_store(station: &Station, scan: &ScanId) -> Result<Option<StoredScan>, ActFault> {
     let mut away = None;
     for store in &station.stores {
-        match store.scan_bytes(scan, None) {
-            Ok(Some(bytes)) => return Ok(Some(bytes)),
+        match store.stored_scan(scan, None) {
+            Ok(Some(stored)) => return Ok(Some(stored)),
             Ok(None) => {}
             // The path holds nothing here but the folder of scans for nobody; the cause is enough.
             Err(StoreFault::Transient { source, .. }) => away = Some(source.to_string()),

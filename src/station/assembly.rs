@@ -223,8 +223,12 @@ impl Station {
     /// Notes that a step at a store does not come back; says whether that is new.
     pub fn note_stalled(&self, name: &str) -> bool {
         const STALLED: &str = "it does not answer";
-        let known = self.board.facts().stores.get(name).and_then(|facts| facts.fault.clone());
-        if known.as_deref() == Some(STALLED) {
+        let mut known = false;
+        self.board.note(|facts| {
+            let fault = facts.stores.get(name).and_then(|facts| facts.fault.as_deref());
+            known = fault == Some(STALLED);
+        });
+        if known {
             return false;
         }
         self.note_store(name, Some(STALLED.to_owned()));

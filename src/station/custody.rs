@@ -200,7 +200,7 @@ impl Custody {
     /// See [`CustodyFault`].
     pub fn let_go_quarantined(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        let mut gone = 0;
+        let mut gone = io("giving up refused files", self.quarantine.remove_notes(before))?;
         for scan in io("listing the quarantine", self.quarantine.entries())? {
             if self.journal.rests_since(&scan, ScanState::Refused, before)? {
                 let removed = io("giving up a refused scan", self.quarantine.remove(&scan))?;

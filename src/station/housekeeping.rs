@@ -1,5 +1,5 @@
 //! Letting go what the configuration lets go, once an hour: nothing that is still to be delivered;
-//! and soon, what was to go and could not.
+//! and soon, what was to go and could not. It tells the service manager how the station is as well.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,11 +13,16 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::custody::CustodyFault;
 use super::error::chain;
+use super::overview::Overview;
+use super::service::{status_line, tell_status};
 use super::stop::Stop;
 use crate::flow::retention::before;
 
 /// How often it is looked what may go.
 const ROUND: Duration = Duration::from_secs(3600);
+
+/// How often the service manager is told how the station is, where that has changed.
+const STATUS: Duration = Duration::from_secs(30);
 
 /// How often the worker shows that it turns.
 const BREATH: Duration = Duration::from_secs(5);
@@ -28,6 +33,7 @@ const BREATH: Duration = Duration::from_secs(5);
 /// Where a round panicked.
 pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
     let mut next = station.now();
+    let (mut next_status, mut said) = (station.now(), String::new());
     while !stop.is_requested() {
         beat.beat(station.now());
         let round_is_due = station.now() >= next;
@@ -42,6 +48,15 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
         if let Err(fault) = kept.await? {
             station.mind(&fault);
             warn!(event = "housekeeping-failed", error = chain(&fault));
+        }
+        if station.now() >= next_status {
+            next_status = station.now() + STATUS;
+            let station = Arc::clone(&station);
+            let line = spawn_blocking(move || status_line(&Overview::take(&station))).await?;
+            if line != said {
+                tell_status(&line);
+                said = line;
+            }
         }
         tokio::select! {
             () = stop.requested() => break,

@@ -5,6 +5,7 @@
 
 mod notes;
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -16,16 +17,14 @@ use tokio::time::sleep;
 use super::assembly::Station;
 use super::beat::Beat;
 use super::chance;
-use super::event::StationEvent;
 use super::look;
 use super::patience::{DEADLINE, LOOK_UP, Pulse, patiently};
 use super::source::{self, Export};
 use super::stop::Stop;
-use super::take::{self, TakeFault, Taken};
+use super::take::{self, Admitted, TakeFault, Taken};
 use super::watch::Watch;
-use crate::flow::facts::IntakeState;
 use crate::flow::mount::MountGuard;
-use crate::flow::{LookTime, Settled, Settling};
+use crate::flow::{Look, LookTime, Settled, Settling};
 use notes::Notes;
 
 /// The shortest time from one look to the next, however many hints there are.
@@ -41,6 +40,9 @@ const REST_PER_LOOK_SETTLING: u32 = 2;
 /// backlog.
 const TAKING: Duration = Duration::from_secs(1);
 
+/// How often it is looked whether the journal may forget files that are gone.
+const FORGETTING: Duration = Duration::from_secs(3600);
+
 /// How soon a gate that is shut is tried again.
 const SHUT: Duration = Duration::from_secs(2);
 
@@ -52,6 +54,7 @@ struct Intake {
     settling: Settling,
     notes: Notes,
     beat: Beat,
+    next_forgetting: Duration,
 }
 
 /// What a round came to.
@@ -83,7 +86,8 @@ pub async fn worker(
     let mut watch = Watch::new(folder.clone(), scanner.watch.subfolders, Arc::clone(&hint));
     let notes = Notes::new(Arc::clone(&station), place, &folder);
     let mut looked = Some(looked);
-    let mut intake = Intake { station, folder, guard, settling, notes, beat };
+    let next_forgetting = station.now() + FORGETTING;
+    let mut intake = Intake { station, folder, guard, settling, notes, beat, next_forgetting };
     while !stop.is_requested() {
         let Some(round) = intake.round(watch, &mut stop).await? else { break };
         watch = round.watch;
@@ -164,9 +168,33 @@ impl Intake {
         let Some((watch, armed, found, when)) = looked else { return Ok(None) };
         self.notes.watched(armed);
         let look = self.notes.found(found, &mut self.guard);
+        if let Look::Seen(scans) = &look {
+            self.forget_gone(scans.keys().cloned().collect()).await?;
+        }
         let due = self.settling.observe(look, when);
         self.notes.waiting(&mut self.settling);
         Ok(Some((watch, due, when.ended.saturating_sub(when.began))))
+    }
+
+    /// Now and then, and where the journal does not keep its scans for ever, lets it forget the files
+    /// of forgotten scans that are gone.
+    async fn forget_gone(&mut self, present: BTreeSet<PathBuf>) -> Result<(), JoinError> {
+        let now = self.station.now();
+        if self.station.config.retention.journal.is_none() || now < self.next_forgetting {
+            return Ok(());
+        }
+        self.next_forgetting = now + FORGETTING;
+        let (station, folder) = (Arc::clone(&self.station), self.folder.clone());
+        let forgotten = spawn_blocking(move || {
+            let is_other = |other: &&PathBuf| **other != folder && other.starts_with(&folder);
+            let others = station.config.scanner.export_dirs.iter();
+            let others: Vec<PathBuf> = others.filter(is_other).cloned().collect();
+            station.custody.journal().forget_sightings(&folder, &others, &present)
+        });
+        if let Err(fault) = forgotten.await? {
+            self.notes.failed(&fault);
+        }
+        Ok(())
     }
 
     /// Takes files for as long as `budget` lasts, at least one; says whether the gate was open.
@@ -204,7 +232,7 @@ impl Intake {
     async fn take(&mut self, settled: Settled, stop: &mut Stop) -> Result<bool, JoinError> {
         let station = Arc::clone(&self.station);
         let (settled, admitted) = spawn_blocking(move || {
-            let admitted = admitted(&station, &settled);
+            let admitted = take::admitted(&station, &settled);
             (settled, admitted)
         })
         .await?;
@@ -250,26 +278,4 @@ impl Intake {
         let read = move |pulse: &Pulse| source::read(&settled, pulse).map_err(TakeFault::Source);
         patiently(DEADLINE, stop, read, || self.beat(), || self.notes.stalled()).await
     }
-}
-
-/// Whether a settled file may be read.
-enum Admitted {
-    /// It may.
-    ToBeRead,
-    /// It is too large and has been refused.
-    Refused,
-    /// Nothing may be taken in now.
-    Shut,
-}
-
-fn admitted(station: &Station, settled: &Settled) -> Result<Admitted, TakeFault> {
-    let file = settled.path.file_name().unwrap_or_default().to_owned();
-    if take::refuse_too_large(station, settled)? {
-        return Ok(Admitted::Refused);
-    }
-    if station.intake_gate(settled.stamp.size) != IntakeState::Open {
-        return Ok(Admitted::Shut);
-    }
-    station.observer.tell(StationEvent::Settled { file });
-    Ok(Admitted::ToBeRead)
 }

@@ -42,6 +42,7 @@ mod look;
 mod metrics;
 mod patience;
 mod rebuild;
+mod service;
 mod source;
 mod stop;
 mod take;

@@ -37,10 +37,6 @@ impl Overview {
         let (facts, now) = (station.board.facts(), Timestamp::now());
         let tally = station.custody.journal().tally();
         let tally = tally.inspect_err(|error| station.mind(error)).ok();
-        let pending = |tally: &Tally| {
-            let of_all = tally.deliveries.iter().filter(|((_, state), _)| state == "pending");
-            of_all.map(|(_, count)| count).sum()
-        };
         let found = match &tally {
             None => vec![Complaint::journal()],
             Some(tally) => {
@@ -55,4 +51,14 @@ impl Overview {
         });
         Overview { facts, tally, disk, complaints: found, now }
     }
+    /// How many records are to be delivered; zero where the journal cannot say.
+    pub fn pending(&self) -> u64 {
+        self.tally.as_ref().map_or(0, pending)
+    }
+}
+
+/// Deliveries to be made.
+fn pending(tally: &Tally) -> u64 {
+    let pending = tally.deliveries.iter().filter(|((_, state), _)| state == "pending");
+    pending.map(|(_, count)| count).sum()
 }

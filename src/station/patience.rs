@@ -32,6 +32,31 @@ impl Pulse {
     }
 }
 
+/// Whether work has stalled: no step for as long as it may take to the next.
+struct Stall {
+    deadline: Duration,
+    steps: u64,
+    last_step: Duration,
+    told: bool,
+}
+
+impl Stall {
+    /// Work that begins at this time.
+    fn new(deadline: Duration, now: Duration) -> Stall {
+        Stall { deadline, steps: 0, last_step: now, told: false }
+    }
+
+    /// Takes in how many steps were made by now; says, once, that the work stalls.
+    fn observe(&mut self, steps: u64, now: Duration) -> bool {
+        if steps != self.steps {
+            self.steps = steps;
+            self.last_step = now;
+        }
+        let stalls = now.saturating_sub(self.last_step) >= self.deadline;
+        stalls && !std::mem::replace(&mut self.told, true)
+    }
+}
+
 /// Does `work` in a thread and gives what it gives; none where a stop was asked for before, and the
 /// work goes on unheard. `beat` is called while it is waited for, and `stalled` once if the work
 /// makes no step within `deadline`; the same work is waited for all the same, so that no share ever
@@ -46,8 +71,8 @@ pub async fn patiently<T: Send + 'static>(
     beat: impl Fn(),
     stalled: impl FnOnce(),
 ) -> Result<Option<T>, JoinError> {
-    let pulse = Pulse::default();
-    let mut last = (pulse.count(), Instant::now());
+    let (pulse, began) = (Pulse::default(), Instant::now());
+    let mut stall = Stall::new(deadline, began.elapsed());
     let theirs = pulse.clone();
     let mut thread = spawn_blocking(move || work(&theirs));
     let mut stalled = Some(stalled);
@@ -59,10 +84,7 @@ pub async fn patiently<T: Send + 'static>(
             () = sleep(LOOK_UP.min(deadline)) => {}
         }
         beat();
-        let count = pulse.count();
-        if count != last.0 {
-            last = (count, Instant::now());
-        } else if last.1.elapsed() >= deadline
+        if stall.observe(pulse.count(), began.elapsed())
             && let Some(stalled) = stalled.take()
         {
             stalled();
@@ -99,18 +121,16 @@ mod tests {
         assert_eq!(stalls.load(Ordering::Relaxed), 1);
     }
 
-    #[tokio::test]
-    async fn work_that_makes_steps_is_not_stalled_however_long_it_takes() {
-        let (_stopper, mut stop) = Stopper::new();
-        let steps = |pulse: &Pulse| {
-            for _ in 0..75 {
-                std::thread::sleep(SHORT);
-                pulse.beat();
-            }
-        };
-        let deadline = 50 * SHORT;
-        let done = patiently(deadline, &mut stop, steps, || (), || panic!("it stalled")).await;
-        assert_eq!(done.unwrap(), Some(()));
+    #[test]
+    fn work_stalls_once_it_makes_no_step_for_the_deadline_and_is_told_of_once() {
+        let second = Duration::from_secs(1);
+        let mut stall = Stall::new(30 * second, Duration::ZERO);
+        // A step every 29 s is no stall, however long the work takes.
+        let steady = (1..1000).find(|n: &u32| stall.observe(u64::from(*n), 29 * *n * second));
+        assert_eq!(steady, None);
+        let last = 29 * 999 * second;
+        let told: Vec<u32> = (1..90).filter(|n| stall.observe(999, last + *n * second)).collect();
+        assert_eq!(told, [30]);
     }
 
     #[tokio::test]

@@ -57,6 +57,9 @@ enum Versioned {
 
 const REASON: &str = "reason.json";
 
+/// The names of entries without bytes begin so.
+const UNREAD: &str = "unread-";
+
 impl Reason {
     /// A reason found by this gaiter.
     pub fn new(code: &str, message: String, stage: Stage, first_seen: Timestamp) -> Reason {
@@ -131,9 +134,13 @@ impl Quarantine {
     /// # Errors
     /// Any I/O error.
     pub fn remove(&self, scan: &ScanId) -> io::Result<bool> {
-        let gone = self.folder.join(format!(".gone-{scan}"));
+        self.remove_entry(scan.as_str())
+    }
+
+    fn remove_entry(&self, name: &str) -> io::Result<bool> {
+        let gone = self.folder.join(format!(".gone-{name}"));
         durable::remove_folder(&gone)?;
-        match durable::rename_new(&self.folder.join(scan.as_str()), &gone) {
+        match durable::rename_new(&self.folder.join(name), &gone) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
             other => other?,
         }
@@ -142,16 +149,31 @@ impl Quarantine {
         Ok(true)
     }
 
+    /// Removes the reasons noted before a time of files that were never read; says how many.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn remove_notes(&self, before: Timestamp) -> io::Result<usize> {
+        let mut removed = 0;
+        for entry in fs::read_dir(&self.folder)? {
+            let name = entry?.file_name();
+            let Some(name) = name.to_str().filter(|name| name.starts_with(UNREAD)) else {
+                continue;
+            };
+            let noted = read_reason(&self.folder.join(name))?;
+            if noted.is_some_and(|reason| reason.first_seen < before) {
+                removed += usize::from(self.remove_entry(name)?);
+            }
+        }
+        Ok(removed)
+    }
+
     /// Why a scan lies here; none where it does not, or where nobody can read why.
     ///
     /// # Errors
     /// Any I/O error.
     pub fn reason(&self, scan: &ScanId) -> io::Result<Option<Reason>> {
-        match fs::read(self.folder.join(scan.as_str()).join(REASON)) {
-            Ok(text) => Ok(serde_json::from_slice(&text).ok().map(|Versioned::V1(reason)| reason)),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(error),
-        }
+        read_reason(&self.folder.join(scan.as_str()))
     }
 
     /// Moves a scan's folder of the spool here. The caller syncs the spool afterwards.
@@ -187,6 +209,20 @@ impl Quarantine {
             other => other?,
         }
         durable::sync_folder(&self.folder)
+    }
+}
+
+/// The name of the entry of a file that is not read, by digits that stand for its state.
+pub fn unread(digits: &str) -> String {
+    format!("{UNREAD}{digits}")
+}
+
+/// The reason in an entry; none where there is no entry, or where nobody can read it.
+fn read_reason(entry: &Path) -> io::Result<Option<Reason>> {
+    match fs::read(entry.join(REASON)) {
+        Ok(text) => Ok(serde_json::from_slice(&text).ok().map(|Versioned::V1(reason)| reason)),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(error),
     }
 }
 

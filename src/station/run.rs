@@ -5,18 +5,20 @@ use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 
-use sd_notify::NotifyState;
 use tokio::sync::mpsc::{self, UnboundedSender};
 use tokio::task::spawn_blocking;
 use tokio::time::{interval, sleep, timeout};
 use tracing::{error, info, warn};
 
 use super::assembly::{Station, take_state_dir};
+use super::chance;
 use super::error::{StationError, chain};
 use super::event::{Observer, StationEvent};
+use super::service;
 use super::stop::Stopper;
 use super::workers::Workers;
 use crate::config::Config;
+use crate::flow::backoff;
 
 /// How long the first looks are waited for before the station calls itself ready: a share that
 /// does not answer must not keep the other folders' station from starting.
@@ -32,8 +34,9 @@ const PULSE: Duration = Duration::from_secs(5);
 /// A worker whose last beat is older has hung: each beats every few seconds, whatever it waits for.
 const HUNG: Duration = Duration::from_secs(30);
 
-/// Between two generations, so that a fault that comes at once does not make a hot loop.
-const BETWEEN: Duration = Duration::from_secs(1);
+/// A generation that lived so long was a sound one: a journal that is ruined after it is rebuilt as
+/// if it were the first time. Others wait longer each time, for each ruin is kept.
+const SOUND: Duration = Duration::from_secs(600);
 
 /// What came of reading the configuration again: a new one, or what is wrong with it.
 pub type Reload = Result<Box<Config>, String>;
@@ -83,6 +86,7 @@ pub async fn run(
     let lock = lock.map_err(StationError::Start)??;
     let mut config = config;
     let mut first_start = lock.first_start;
+    let mut ruins = 0;
     let stop = orders.stop;
     tokio::pin!(stop);
     let ended = loop {
@@ -90,6 +94,7 @@ pub async fn run(
         let open = spawn_blocking(move || Station::open(next, told, first_start));
         let station = Arc::new(open.await.map_err(StationError::Start)??);
         first_start = false;
+        let began = station.now();
         match generation(&station, &mut stop, &mut orders.reload).await {
             Ok(Turn::Stop) => break Ok(()),
             Ok(Turn::Reload(next)) => config = *next,
@@ -99,13 +104,32 @@ pub async fn run(
                 if let Err(error) = let_go.await.map_err(StationError::Start)? {
                     warn!(event = "journal-failed", error = chain(&error));
                 }
-                sleep(BETWEEN).await;
+                ruins = if station.now() - began >= SOUND { 1 } else { ruins + 1 };
+                if pause(backoff::pause(ruins, chance::unit()), &mut stop).await {
+                    break Ok(());
+                }
             }
             Err(error) => break Err(error),
         }
     };
     info!(event = "station-ended", failed = ended.is_err());
     ended
+}
+
+/// Waits until the journal is to be rebuilt; says whether the station is to stop instead.
+async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) -> bool {
+    info!(event = "journal-rebuild-waits", seconds = length.as_secs());
+    let length = sleep(length);
+    tokio::pin!(length);
+    let mut pulse = interval(pulse());
+    loop {
+        tokio::select! {
+            () = &mut *stop => return true,
+            () = &mut length => return false,
+            // There is nothing that could hang.
+            _ = pulse.tick() => service::tell_alive(),
+        }
+    }
 }
 
 /// One generation of workers, from their start to their end.
@@ -143,7 +167,7 @@ async fn generation(
         }
     };
     if matches!(turn, Ok(Turn::Stop) | Err(_)) {
-        tell_systemd(&[NotifyState::Stopping]);
+        service::tell_stopping();
     }
     info!(event = "station-stopping");
     stopper.request();
@@ -164,7 +188,7 @@ async fn first_looks(mut looked: mpsc::Receiver<()>) {
 
 /// All or nothing: the configuration to go on with; none where the present one stays.
 fn reloaded(station: &Station, reload: Reload) -> Option<Box<Config>> {
-    tell_reloading();
+    service::tell_reloading();
     let refused = match reload {
         Ok(next) => {
             let (now, then) = (&station.config.station, &next.station);
@@ -179,7 +203,7 @@ fn reloaded(station: &Station, reload: Reload) -> Option<Box<Config>> {
     // The text of a fault may quote what stands in the file; people ask for it.
     warn!(event = "configuration-refused");
     station.board.note(|facts| facts.refused_reload = Some(refused));
-    tell_systemd(&[NotifyState::Ready]);
+    service::tell_ready();
     None
 }
 
@@ -192,26 +216,12 @@ fn pulse() -> Duration {
 fn feel_pulse(station: &Station, workers: &Workers) {
     match workers.hung(station.now(), HUNG) {
         Some(worker) => error!(event = "worker-hangs", %worker),
-        None => tell_systemd(&[NotifyState::Watchdog]),
+        None => service::tell_alive(),
     }
 }
 
 fn tell_ready(station: &Station) {
     info!(event = "station-ready");
-    tell_systemd(&[NotifyState::Ready]);
+    service::tell_ready();
     station.observer.tell(StationEvent::Ready);
-}
-
-fn tell_reloading() {
-    match NotifyState::monotonic_usec_now() {
-        Ok(now) => tell_systemd(&[NotifyState::Reloading, now]),
-        Err(error) => warn!(event = "notify-failed", error = chain(&error)),
-    }
-}
-
-/// Tells the service manager, if there is one; without one this is nothing.
-fn tell_systemd(states: &[NotifyState<'_>]) {
-    if let Err(error) = sd_notify::notify(states) {
-        warn!(event = "notify-failed", %error);
-    }
 }

@@ -144,6 +144,20 @@ impl Spool {
         self.entry(scan).join(file_name(format))
     }
 
+    /// The files of an ending that came with a scan, in the order of their names.
+    ///
+    /// # Errors
+    /// Any I/O error; `NotFound` where the scan is not here.
+    pub fn companions(&self, scan: &ScanId, ending: &str) -> io::Result<Vec<PathBuf>> {
+        let mut files = Vec::new();
+        for file in fs::read_dir(self.entry(scan))? {
+            let path = file?.path();
+            files.extend(path.extension().is_some_and(|found| found == ending).then_some(path));
+        }
+        files.sort();
+        Ok(files)
+    }
+
     /// Removes a scan whose bytes have served. Its name goes first, so that a crash leaves no half
     /// entry under it.
     ///
@@ -224,6 +238,8 @@ mod tests {
         let ord = Companion { name_ending: "ord".into(), bytes: b"de".to_vec() };
         spool.keep(&scan, intake(&scan), b"abc", &[ord]).unwrap();
         assert_eq!(fs::read(spool.entry(&scan).join("scan.ord")).unwrap(), b"de");
+        assert_eq!(spool.companions(&scan, "ord").unwrap(), [spool.entry(&scan).join("scan.ord")]);
+        assert!(spool.companions(&scan, "mtl").unwrap().is_empty());
         assert_eq!(spool.entries().unwrap(), std::slice::from_ref(&scan));
         assert_eq!(spool.intake(&scan).unwrap(), intake(&scan));
         assert_eq!(fs::read(spool.scan_file(&scan, "obj")).unwrap(), b"abc");

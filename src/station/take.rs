@@ -12,12 +12,24 @@ use super::caught::caught;
 use super::custody::{Arrival, CustodyFault};
 use super::event::{StationEvent, short};
 use super::journal::JournalError;
-use super::quarantine::{Reason, Stage};
+use super::quarantine::{self, Reason, Stage};
 use super::source::Export;
+use crate::flow::facts::IntakeState;
 use crate::flow::identity::{ID_NOT_ALLOWED, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{NameSays, Settled, Verdict};
 use crate::scan::{self, Format};
 use crate::store::sums;
+
+/// Whether a settled file may be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Admitted {
+    /// It may.
+    ToBeRead,
+    /// It is too large and has been refused.
+    Refused,
+    /// Nothing may be taken in now.
+    Shut,
+}
 
 /// What became of a settled file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,17 +66,22 @@ pub fn dealt_with(station: &Station, settled: Vec<Settled>) -> (Vec<Settled>, Ve
         .partition(|file| journal.was_sighted(&file.path, file.stamp).unwrap_or(false))
 }
 
-/// Refuses a settled file for its size alone; says whether it did. Blocks.
+/// Whether a settled file may be read; one that is too large is refused here. Blocks.
 ///
 /// # Errors
 /// [`TakeFault`], after which the file is to be offered again.
-pub fn refuse_too_large(station: &Station, settled: &Settled) -> Result<bool, TakeFault> {
-    if settled.stamp.size <= station.config.scanner.max_scan_bytes {
-        return Ok(false);
+pub fn admitted(station: &Station, settled: &Settled) -> Result<Admitted, TakeFault> {
+    if settled.stamp.size > station.config.scanner.max_scan_bytes {
+        refuse_unread(station, settled)?;
+        station.custody.journal().sighted(&settled.path, settled.stamp, None)?;
+        return Ok(Admitted::Refused);
     }
-    refuse_unread(station, settled)?;
-    station.custody.journal().sighted(&settled.path, settled.stamp, None)?;
-    Ok(true)
+    if station.intake_gate(settled.stamp.size) != IntakeState::Open {
+        return Ok(Admitted::Shut);
+    }
+    let file = settled.path.file_name().unwrap_or_default().to_owned();
+    station.observer.tell(StationEvent::Settled { file });
+    Ok(Admitted::ToBeRead)
 }
 
 /// Takes a settled file that has been read. Blocks.
@@ -90,8 +107,6 @@ pub fn take(station: &Station, settled: &Settled, export: &Export) -> Result<Tak
         says,
         companions: &export.companions,
     })?;
-    let journal = station.custody.journal();
-    journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
     let scan = export.scan.short();
     if not_an_id {
         warn!(event = "finding", scan, code = ID_NOT_ALLOWED);
@@ -100,6 +115,9 @@ pub fn take(station: &Station, settled: &Settled, export: &Export) -> Result<Tak
         warn!(event = "companions-left-out", scan, count = export.left_out);
     }
     announce(station, settled, export, verdict);
+    // Last: where it fails the file is read again, and known.
+    let journal = station.custody.journal();
+    journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
     Ok(Taken::Done)
 }
 
@@ -135,10 +153,10 @@ fn refuse_unread(station: &Station, settled: &Settled) -> Result<(), CustodyFaul
     let (size, limit) = (settled.stamp.size, station.config.scanner.max_scan_bytes);
     let mut state = settled.path.as_os_str().as_bytes().to_vec();
     state.extend(format!("\0{:?}", settled.stamp).bytes());
-    let name = format!("unread-{}", sums::scan_id(&state).short());
     let code = "scan-too-large";
     let message = format!("the file has {size} bytes, scanner.max_scan_bytes allows {limit}");
     let reason = Reason::new(code, message.clone(), Stage::Intake, Timestamp::now());
+    let name = quarantine::unread(sums::scan_id(&state).short());
     station.custody.refuse_unread(&name, &reason)?;
     warn!(event = "scan-refused", scan = name, code, bytes = size);
     station.observer.tell(StationEvent::Refused { scan: None, code: code.to_owned(), message });

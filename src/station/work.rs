@@ -52,10 +52,13 @@ fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setba
     let row = row(station, due)?;
     let spool = station.custody.spool();
     let scan_file = spool.scan_file(&row.scan, &row.format);
-    let ord_file = spool.scan_file(&row.scan, "ord");
-    let ord_file = ord_file.exists().then_some(ord_file.as_path());
     let length = |path: &Path| std::fs::metadata(path).map(|metadata| metadata.len());
     let lost = |error: std::io::Error| spool_fault(error, &row);
+    let ord_files = spool.companions(&row.scan, "ord").map_err(lost)?;
+    let ord_file = match ord_files.as_slice() {
+        [file] => Some(file.as_path()),
+        _ => None,
+    };
     let config = &station.config;
     let job = Job {
         config: config.text.clone(),
@@ -67,6 +70,7 @@ fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setba
         },
         ending: row.format.clone(),
         scan_bytes: length(&scan_file).map_err(lost)?,
+        ord_files: ord_files.len(),
         ord_bytes: ord_file.map(length).transpose().map_err(lost)?.unwrap_or(0),
         threads,
         limits: Limits {

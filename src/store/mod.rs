@@ -56,6 +56,15 @@ pub struct FoundRecord {
     pub folder: PathBuf,
 }
 
+/// A scan as it lies in its record.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredScan {
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+    /// The scanner's own measures that came with it, if any.
+    pub ord: Option<Vec<u8>>,
+}
+
 /// A store's word that a record is whole and durable.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Receipt {
@@ -179,13 +188,13 @@ impl RecordStore {
     ///
     /// # Errors
     /// A transient fault where the store is out of reach.
-    pub fn scan_bytes(
+    pub fn stored_scan(
         &self,
         scan: &ScanId,
         patient: Option<&str>,
-    ) -> Result<Option<Vec<u8>>, StoreFault> {
+    ) -> Result<Option<StoredScan>, StoreFault> {
         match self {
-            RecordStore::Folder(store) => store.scan_bytes(scan, patient),
+            RecordStore::Folder(store) => store.stored_scan(scan, patient),
         }
     }
 

@@ -62,9 +62,25 @@ impl Disk {
         panic!("{} cannot be unmounted", self.at.display());
     }
 
+    /// Lets every write to it wait. To be made after the station, so that it ends before it.
+    pub fn freeze(&self) -> Frozen {
+        must("fsfreeze", &["--freeze".as_ref(), self.at.as_path()]);
+        Frozen(self.at.clone())
+    }
+
     /// Makes all that is on it durable.
     pub fn sync(&self) {
         must("sync", &["-f".as_ref(), self.at.as_path()]);
+    }
+}
+
+/// A disk that takes no writes until this is dropped: they wait.
+#[derive(Debug)]
+pub struct Frozen(PathBuf);
+
+impl Drop for Frozen {
+    fn drop(&mut self) {
+        let _ = Command::new("fsfreeze").arg("--unfreeze").arg(&self.0).output();
     }
 }
 

@@ -6,6 +6,8 @@ use super::{Custody, CustodyFault, intake_of, io};
 use crate::flow::{DeliveryState, DeliveryStep, ScanId};
 use crate::record::Patient;
 use crate::station::journal::{Due, Event, ScanRow};
+use crate::station::spool::Companion;
+use crate::store::StoredScan;
 
 /// What became of a person's decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -54,8 +56,8 @@ impl Custody {
         Ok(Acted::Done(deliveries.len()))
     }
 
-    /// A scan that came in for nobody is this patient's. `bytes` are the scan's, from a store,
-    /// where the spool has given them up.
+    /// A scan that came in for nobody is this patient's. `stored` is the scan as it lies in a store,
+    /// where the spool has given it up.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -63,16 +65,18 @@ impl Custody {
         &self,
         row: &ScanRow,
         patient: &Patient,
-        bytes: Option<&[u8]>,
+        stored: Option<StoredScan>,
     ) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let scan = &row.scan;
         let kept = self.spool.holds(scan) || self.quarantine.holds(scan);
-        match bytes {
+        match stored {
             _ if kept => {}
-            Some(bytes) => {
+            Some(StoredScan { bytes, ord }) => {
                 let intake = intake_of(row, Some(patient));
-                io("keeping a scan", self.spool.keep(scan, intake, bytes, &[]))?;
+                let ord = ord.map(|bytes| Companion { name_ending: "ord".to_owned(), bytes });
+                let companions: Vec<Companion> = ord.into_iter().collect();
+                io("keeping a scan", self.spool.keep(scan, intake, &bytes, &companions))?;
             }
             None => return Ok(Acted::NoBytes),
         }

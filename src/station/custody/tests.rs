@@ -6,8 +6,8 @@ use super::*;
 use crate::record::{Source, SourceKind};
 use crate::station::journal::Task;
 use crate::station::quarantine::Stage;
-use crate::store::FoundRecord;
 use crate::store::sums;
+use crate::store::{FoundRecord, StoredScan};
 
 const BYTES: &[u8] = b"v 0 0 0\n";
 
@@ -27,6 +27,23 @@ fn admit(custody: &Custody, says: NameSays) -> Verdict {
     let (format, file_time, companions) = (Format::Obj, None, &[][..]);
     let arrival = Arrival { scan: &scan, bytes: BYTES, format, file_time, says, companions };
     custody.admit(&arrival).unwrap()
+}
+
+/// The scan as a store has it.
+fn stored() -> StoredScan {
+    StoredScan { bytes: BYTES.to_vec(), ord: Some(b"MEASURE Calf=1\n".to_vec()) }
+}
+
+/// 4711's record of the scan, found in a store.
+fn found_record() -> FoundRecord {
+    FoundRecord {
+        scan: sums::scan_id(BYTES),
+        patient: Some("4711".to_owned()),
+        first_seen: "2026-11-20T09:15:00Z".parse().unwrap(),
+        format: "obj".to_owned(),
+        size: 8,
+        folder: "/r/4711/x".into(),
+    }
 }
 
 fn reason() -> Reason {
@@ -234,7 +251,7 @@ fn a_scan_for_nobody_that_is_assigned_is_delivered_to_the_patient_and_then_taken
     let row = custody.journal.scan(&scan).unwrap().unwrap();
     let NameSays::Patient(patient) = says("4711") else { unreachable!() };
     assert_eq!(custody.assign(&row, &patient, None).unwrap(), Acted::NoBytes);
-    assert_eq!(custody.assign(&row, &patient, Some(BYTES)).unwrap(), Acted::Done(1));
+    assert_eq!(custody.assign(&row, &patient, Some(stored())).unwrap(), Acted::Done(1));
 
     let due = custody.journal.pending().unwrap();
     assert_eq!((due.len(), due[0].patient_cell(), due[0].task), (1, "4711", Task::Deliver));
@@ -255,14 +272,7 @@ fn a_rebuilt_journal_learns_from_the_store_and_holds_what_it_would_have_held() {
     let scan = sums::scan_id(BYTES);
     // In ignorance of the store: two sightings of one scan, one of them 4711's record long since.
     admit(&custody, says("0815"));
-    let record = FoundRecord {
-        scan: scan.clone(),
-        patient: Some("4711".to_owned()),
-        first_seen: "2026-11-20T09:15:00Z".parse().unwrap(),
-        format: "obj".to_owned(),
-        size: 8,
-        folder: "/r/4711/x".into(),
-    };
+    let record = found_record();
     custody.found(&record, "folder").unwrap();
     assert!(custody.journal.pending().unwrap().is_empty(), "held, not delivered to 0815");
     assert!(custody.journal.is_held(&scan).unwrap());
@@ -277,14 +287,7 @@ fn a_record_found_in_the_store_is_not_delivered_again() {
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
     admit(&custody, NameSays::Nothing);
-    let record = FoundRecord {
-        scan: scan.clone(),
-        patient: Some("4711".to_owned()),
-        first_seen: "2026-11-20T09:15:00Z".parse().unwrap(),
-        format: "obj".to_owned(),
-        size: 8,
-        folder: "/r/4711/x".into(),
-    };
+    let record = found_record();
     custody.found(&record, "folder").unwrap();
     assert!(custody.journal.pending().unwrap().is_empty(), "naming nobody adds nothing");
     assert!(!custody.spool.holds(&scan));

@@ -4,6 +4,15 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// How long another process may take to give the folder back. A station that was killed while it
+/// started a measuring process holds it until that one runs its program.
+const GIVEN_BACK: Duration = Duration::from_secs(3);
+
+/// How often it is asked for meanwhile.
+const ASKED: Duration = Duration::from_millis(20);
 
 /// The right to use a state folder, held while this value lives. The kernel gives it back when
 /// the process ends, however it ends; the file stays.
@@ -35,11 +44,21 @@ pub enum LockError {
 }
 
 impl StateLock {
-    /// Takes the folder for this process.
+    /// Takes the folder for this process, as soon as another that is ending gives it back. Blocks.
     ///
     /// # Errors
-    /// [`LockError::InUse`] where another process has it.
+    /// [`LockError::InUse`] where another process keeps it.
     pub fn take(state_dir: &Path) -> Result<StateLock, LockError> {
+        let began = Instant::now();
+        loop {
+            match StateLock::take_now(state_dir) {
+                Err(LockError::InUse { .. }) if began.elapsed() < GIVEN_BACK => sleep(ASKED),
+                taken => return taken,
+            }
+        }
+    }
+
+    fn take_now(state_dir: &Path) -> Result<StateLock, LockError> {
         let path = state_dir.join("lock");
         let io = |source| LockError::Io { path: path.clone(), source };
         let mut file = OpenOptions::new()

@@ -73,26 +73,36 @@ impl Journal {
         })
     }
 
-    /// Forgets sightings in a folder of files that are not there any more.
+    /// Forgets the sightings of files of forgotten or unread scans in a folder, those aside that are still
+    /// present there or lie in one of the other folders; says how many.
     ///
     /// # Errors
     /// See [`JournalError`].
     pub fn forget_sightings(
         &self,
         folder: &Path,
+        others: &[PathBuf],
         present: &BTreeSet<PathBuf>,
     ) -> Result<usize, JournalError> {
         let gone: Vec<Vec<u8>> = {
             let connection = self.connection();
-            let mut query = connection.prepare_cached("SELECT path FROM sightings")?;
+            let mut query = connection.prepare_cached(
+                "SELECT path FROM sightings
+                 WHERE sha256 IS NULL OR sha256 NOT IN (SELECT sha256 FROM scans)",
+            )?;
             let paths = query.query_map([], |row| row.get(0))?;
             let paths: Vec<Vec<u8>> = paths.collect::<rusqlite::Result<_>>()?;
             let gone = |path: &Vec<u8>| {
                 let path = Path::new(std::ffi::OsStr::from_bytes(path));
-                path.starts_with(folder) && !present.contains(path)
+                path.starts_with(folder)
+                    && !others.iter().any(|other| path.starts_with(other))
+                    && !present.contains(path)
             };
             paths.into_iter().filter(gone).collect()
         };
+        if gone.is_empty() {
+            return Ok(0);
+        }
         self.change(|transaction| {
             for path in &gone {
                 transaction.execute("DELETE FROM sightings WHERE path = ?1", [path])?;

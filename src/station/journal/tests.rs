@@ -1,5 +1,7 @@
 //! The journal on real files.
 
+use std::collections::BTreeSet;
+
 use super::*;
 use crate::flow::{DeliveryState, ScanId, ScanState, Stamp};
 use crate::record::{Patient, Source, SourceKind};
@@ -236,4 +238,31 @@ fn what_rests_is_forgotten_and_what_is_pending_is_not() {
     let path = journal.path.clone();
     drop(journal);
     Journal::open(&path).unwrap();
+}
+
+#[test]
+fn a_file_is_forgotten_when_it_is_gone_and_its_scan_is_forgotten_and_not_before() {
+    let (_dir, journal) = journal();
+    enter(&journal, &row('a'), Some("4711"), DeliveryState::Pending);
+    let stamp = Stamp { dev: 1, ino: 2, size: 3, mtime_ns: 4, ctime_ns: 5 };
+    let sighted = |path: &str, scan: Option<char>| {
+        let scan = scan.map(|digit| row(digit).scan);
+        journal.sighted(Path::new(path), stamp, scan.as_ref()).unwrap();
+    };
+    sighted("/export/known.obj", Some('a'));
+    sighted("/export/forgotten.obj", Some('b'));
+    sighted("/export/there.obj", Some('c'));
+    sighted("/export/unread.obj", None);
+    sighted("/export/inner/forgotten.obj", Some('d'));
+    sighted("/exports/forgotten.obj", Some('e'));
+    let there = BTreeSet::from([PathBuf::from("/export/there.obj")]);
+    let others = [PathBuf::from("/export/inner")];
+    let forget = || journal.forget_sightings(Path::new("/export"), &others, &there).unwrap();
+    assert_eq!((forget(), forget()), (2, 0));
+    let is_known = |path: &&str| journal.was_sighted(Path::new(path), stamp).unwrap();
+    let paths = ["known", "forgotten", "there", "unread", "inner/forgotten"];
+    let paths = paths.map(|name| format!("/export/{name}.obj"));
+    let known: Vec<&str> = paths.iter().map(String::as_str).filter(is_known).collect();
+    assert_eq!(known, ["/export/known.obj", "/export/there.obj", "/export/inner/forgotten.obj"]);
+    assert!(is_known(&"/exports/forgotten.obj"));
 }

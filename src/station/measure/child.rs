@@ -9,7 +9,7 @@ use crate::config;
 use crate::leg::opinion::SecondOpinion;
 use crate::leg::second_opinion::compare;
 use crate::leg::{self, Finding};
-use crate::record;
+use crate::record::{self, ScanFile};
 use crate::scan::{Format, ord};
 use crate::station::caught::caught;
 use crate::station::error::chain;
@@ -60,16 +60,16 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
         Ok(config) => config,
         Err(faults) => return refused("config", format!("{} faults", faults.len())),
     };
+    let ord = (!ord.is_empty()).then_some(ord);
     let mut extraction = match leg::extract(scan, format, &config.method) {
         Ok(extraction) => extraction,
         Err(refusal) => return refused(refusal.code(), refusal.to_string()),
     };
-    if !ord.is_empty() {
-        let findings = opinion(&extraction, ord);
-        extraction.findings.extend(findings);
-    }
+    let opinions = opinions(&extraction, ord, job.ord_files);
+    extraction.findings.extend(opinions);
     let (method, output) = (&config.method, &config.output);
-    match record::record_files(&extraction, &job.provenance, method, output, scan, format) {
+    let scan = ScanFile { bytes: scan, format, ord };
+    match record::record_files(&extraction, &job.provenance, method, output, scan) {
         Ok((_, mut files)) => {
             // The store has them already, in the spool.
             files.retain(|file| !file.name.starts_with(sums::SCAN));
@@ -79,11 +79,13 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
     }
 }
 
-/// What the scanner's own measures say to the extraction.
-fn opinion(extraction: &leg::Extraction, bytes: &[u8]) -> Vec<Finding> {
-    match ord::read(bytes) {
-        Ok(ord) => compare(extraction, &ord),
-        Err(fault) => vec![SecondOpinion::Unreadable { why: fault.to_string() }.into()],
+/// What the scanner's own measures say to the extraction. Of several files none is believed.
+fn opinions(extraction: &leg::Extraction, ord: Option<&[u8]>, files: usize) -> Vec<Finding> {
+    match ord.map(ord::read) {
+        Some(Ok(ord)) => compare(extraction, &ord),
+        Some(Err(fault)) => vec![SecondOpinion::Unreadable { why: fault.to_string() }.into()],
+        None if files > 0 => vec![SecondOpinion::Ambiguous { files }.into()],
+        None => Vec::new(),
     }
 }
 

@@ -32,7 +32,9 @@ pub struct Job {
     pub ending: String,
     /// How many bytes of scan follow.
     pub scan_bytes: u64,
-    /// How many bytes of the scanner's own measures follow those.
+    /// How many files of the scanner's own measures came with the scan.
+    pub ord_files: usize,
+    /// How many bytes of it follow those, where there is one.
     pub ord_bytes: u64,
     /// On how many threads it is to be measured.
     pub threads: usize,

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use super::{FolderStore, folders, tried};
 use crate::flow::{ScanId, naming};
+use crate::record::ORD;
 use crate::store::sums::{self, SUMS};
-use crate::store::{FoundRecord, Misfit, StoreFault, durable};
+use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable};
 
 /// The whole record of a scan in a patient's folder, under whatever time.
 pub(super) fn find(patient: &Path, scan: &ScanId) -> Result<Option<PathBuf>, StoreFault> {
@@ -45,15 +46,15 @@ impl FolderStore {
         Ok(found)
     }
 
-    /// The bytes of a scan, from its whole record for this patient.
+    /// A scan from its whole record for this patient; none where there is none.
     ///
     /// # Errors
     /// A transient fault where the store cannot be read.
-    pub fn scan_bytes(
+    pub fn stored_scan(
         &self,
         scan: &ScanId,
         patient: Option<&str>,
-    ) -> Result<Option<Vec<u8>>, StoreFault> {
+    ) -> Result<Option<StoredScan>, StoreFault> {
         let folder = self.root.join(naming::patient_folder(patient));
         if tried("looking for", &folder, fs::exists(&folder)).is_ok_and(|there| !there) {
             return Ok(None);
@@ -62,8 +63,14 @@ impl FolderStore {
         let Some(name) = tried("reading", &place, sums::scan_name(&place, scan))? else {
             return Ok(None);
         };
-        let path = place.join(name);
-        tried("reading", &path, fs::read(&path)).map(Some)
+        let read = |name: &str| {
+            let path = place.join(name);
+            tried("reading", &path, fs::read(&path))
+        };
+        let has_ord =
+            tried("reading", &place, sums::listed(&place))?.iter().any(|name| name == ORD);
+        let ord = has_ord.then(|| read(ORD)).transpose()?;
+        Ok(Some(StoredScan { bytes: read(&name)?, ord }))
     }
 
     /// Takes back the record for nobody of a scan that lies whole in the patient's folder.

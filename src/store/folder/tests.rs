@@ -3,6 +3,7 @@
 use super::*;
 use crate::flow::ScanId;
 use crate::record::RecordFile;
+use crate::store::StoredScan;
 use crate::store::sums::SumsFault;
 
 struct Case {
@@ -204,7 +205,8 @@ fn a_record_for_nobody_is_taken_back_with_its_notes_once_the_patient_has_it() {
     let nobody = Delivery { patient: None, ..case.delivery() };
     let old = case.store().put(&nobody).unwrap().folder;
     fs::write(old.join("note.txt"), "left leg in a cast").unwrap();
-    assert_eq!(case.store().scan_bytes(&case.scan, None).unwrap().unwrap(), b"v 0 0 0\n");
+    let stored = case.store().stored_scan(&case.scan, None).unwrap().unwrap();
+    assert_eq!(stored, StoredScan { bytes: b"v 0 0 0\n".to_vec(), ord: None });
     let early = case.store().withdraw(&case.scan, "4711");
     assert!(early.is_err() && old.exists(), "nobody has it yet");
 
@@ -214,7 +216,7 @@ fn a_record_for_nobody_is_taken_back_with_its_notes_once_the_patient_has_it() {
         assert!(!old.exists());
         assert_eq!(fs::read_to_string(new.join("note.txt")).unwrap(), "left leg in a cast");
     }
-    assert_eq!(case.store().scan_bytes(&case.scan, None).unwrap(), None);
+    assert_eq!(case.store().stored_scan(&case.scan, None).unwrap(), None);
 }
 
 #[test]
