@@ -40,14 +40,17 @@ pub const SCANS: [(&str, PutKind); 5] = [
 /// How often the log tells of each end of a scan in a run without faults.
 const DONE: [(&str, usize); 3] = [("scan-delivered", 2), ("scan-held", 1), ("scan-refused", 1)];
 
-/// A booth that settles as quickly as the configuration allows.
+/// A booth that settles as quickly as the configuration allows, on however small a disk.
 pub fn booth() -> Booth {
-    Booth::set(&Setting {
+    let booth = Booth::set(&Setting {
         quiet: Duration::from_millis(50),
         rescan: Duration::from_millis(250),
         short_wait: Duration::from_secs(3600),
         files: "[]",
-    })
+    });
+    // The disks of the power cut are small.
+    booth.reconfigure(|config| config.replace("[station]", "[station]\ndisk_floor = \"0B\""));
+    booth
 }
 
 /// Puts the scans of one run into the export folder.
