@@ -2,27 +2,15 @@
 
 #![allow(clippy::unwrap_used)]
 
+#[path = "support/verb.rs"]
+mod verb;
+
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::{Command, Output};
 
 use tempfile::TempDir;
-
-fn gaiter(args: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gaiter")).args(args).stdin(Stdio::null()).output().unwrap()
-}
-
-fn code(output: &Output) -> Option<i32> {
-    output.status.code()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
-}
+use verb::{code, gaiter, stderr, stdout};
 
 /// A configuration over folders in `root`, of which only the export folder exists.
 fn station(root: &Path, more: &str) -> PathBuf {

@@ -9,38 +9,15 @@ use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::os::unix::fs::{FileTypeExt, PermissionsExt};
 use std::os::unix::net::UnixStream;
-use std::path::Path;
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 use std::thread;
 
 use serde_json::Value;
-use support::{Booth, sha256};
-
-/// A small scan that can be measured; each `n` gives other bytes.
-fn coarse(n: usize) -> Vec<u8> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/coarse/f_average.obj.gz");
-    let mut bytes = Vec::new();
-    flate2::read::GzDecoder::new(File::open(file).unwrap()).read_to_end(&mut bytes).unwrap();
-    bytes.extend(format!("# {n}\n").bytes());
-    bytes
-}
+use support::verb::{self, code, stderr, stdout};
+use support::{Booth, coarse_body, sha256};
 
 fn gaiter(booth: &Booth, args: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gaiter"));
-    command.args(args).arg("--config").arg(booth.path("station.toml")).stdin(Stdio::null());
-    command.output().unwrap()
-}
-
-fn code(output: &Output) -> Option<i32> {
-    output.status.code()
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).unwrap()
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).unwrap()
+    booth.gaiter(args)
 }
 
 fn json(booth: &Booth, args: &[&str]) -> Value {
@@ -124,7 +101,7 @@ fn a_store_that_is_gone_makes_the_station_not_ready_until_it_is_back() {
     booth.wait_for_records(1);
     wait_until_ready(&booth);
     fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
-    let bytes = coarse(1);
+    let bytes = coarse_body(1);
     booth.export("4711_a.obj", &bytes);
     booth.wait_for("the complaint", || code(&gaiter(&booth, &["status"])) == Some(74));
     let said = stdout(&gaiter(&booth, &["status"]));
@@ -159,7 +136,7 @@ fn a_file_says_why_it_is_where_it_is() {
         let path = booth.path("export").join(name);
         stdout(&gaiter(&booth, &["explain", path.to_str().unwrap()]))
     };
-    let bytes = coarse(1);
+    let bytes = coarse_body(1);
     booth.export("4711_a.obj", &bytes);
     booth.wait_for_records(1);
     let said = explained("4711_a.obj");
@@ -180,7 +157,7 @@ fn a_file_says_why_it_is_where_it_is() {
 fn refused_and_held_scans_are_listed_shown_and_explained() {
     let booth = Booth::new();
     let daemon = booth.start();
-    let (good, garbage) = (coarse(1), b"no scan at all\n".to_vec());
+    let (good, garbage) = (coarse_body(1), b"no scan at all\n".to_vec());
     booth.export("990011_Mustermann.obj", &good);
     booth.export("990012_Mustermann-bad.obj", &garbage);
     booth.wait_for_records(1);
@@ -272,7 +249,7 @@ fn whoever_hangs_on_the_socket_or_floods_it_harms_nobody() {
     let path = booth.path("state/control.sock");
     // More than are served at a time, and they never say a word.
     let silent: Vec<UnixStream> = (0..20).map(|_| UnixStream::connect(&path).unwrap()).collect();
-    booth.export("4711_a.obj", &coarse(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     // They are given up one after another; then there is room for one who asks.
     assert_eq!(code(&gaiter(&booth, &["status"])), Some(0));
@@ -297,12 +274,7 @@ fn whoever_hangs_on_the_socket_or_floods_it_harms_nobody() {
 
 /// As [`gaiter`], with a line on standard input.
 fn gaiter_told(booth: &Booth, args: &[&str], line: &str) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_gaiter"));
-    command.args(args).arg("--config").arg(booth.path("station.toml")).stdin(Stdio::piped());
-    let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    // A verb that refuses its arguments ends without reading.
-    let _ = child.stdin.take().unwrap().write_all(line.as_bytes());
-    child.wait_with_output().unwrap()
+    verb::gaiter_told(&booth.path("station.toml"), args, line)
 }
 
 #[test]
@@ -318,7 +290,7 @@ fn a_paused_station_is_not_ready_and_takes_nothing_until_it_is_resumed() {
         json(&booth, &["status"])["complaints"][0]["code"] == "paused"
     });
     assert_eq!(code(&gaiter(&booth, &["resume", "--json"])), Some(0));
-    booth.export("4711_a.obj", &coarse(1));
+    booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     wait_until_ready(&booth);
     assert_eq!(daemon.stop().code(), Some(0));
@@ -328,7 +300,7 @@ fn a_paused_station_is_not_ready_and_takes_nothing_until_it_is_resumed() {
 fn a_scan_for_nobody_is_assigned_by_standard_input_and_a_held_one_released() {
     let booth = Booth::new();
     let daemon = booth.start();
-    let (nobody, twice) = (coarse(1), coarse(2));
+    let (nobody, twice) = (coarse_body(1), coarse_body(2));
     booth.export("nobody.obj", &nobody);
     booth.export("4711_a.obj", &twice);
     booth.wait_for_records(2);

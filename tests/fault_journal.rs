@@ -118,7 +118,7 @@ impl Past {
         let patients = ["4711", "4711", "4711", "4712", "4713", "4714"];
         let expected: Vec<(&str, &[u8])> =
             patients.into_iter().zip(scans.iter().skip(1).map(Vec::as_slice)).collect();
-        println!("{what}");
+        let _told = InCaseOfPanic(what);
         booth.assert_settled(&expected);
         assert_eq!(names(&booth.path("state/spool")), [sha256(&coarse(1))], "{what}: the held one");
         assert_eq!(names(&booth.path("state/quarantine")), [sha256(b"garbage\n")], "{what}");
@@ -140,6 +140,17 @@ impl Past {
             folders.map(move |name| format!("{patient}/{name}"))
         };
         names(&root).into_iter().flat_map(of).filter(|name| !name.contains("/.")).collect()
+    }
+}
+
+/// Says what was done to the journal where what is asserted meanwhile does not hold.
+struct InCaseOfPanic<'a>(&'a str);
+
+impl Drop for InCaseOfPanic<'_> {
+    fn drop(&mut self) {
+        if thread::panicking() {
+            println!("after {}", self.0);
+        }
     }
 }
 
@@ -178,8 +189,8 @@ fn cut_at_each_of(count: usize) {
     });
 }
 
-/// Flips one bit of a file of the state.
-fn flip(file: &Path, n: usize, count: usize) -> String {
+/// Flips one bit of a file of the state: the same one each time for the same `n`.
+fn flip(file: &Path, n: usize, count: usize) {
     let mut bytes = fs::read(file).unwrap();
     let length = u64::try_from(bytes.len()).unwrap();
     // An odd step beside the even spread, so that not all places are alike within their pages.
@@ -187,7 +198,6 @@ fn flip(file: &Path, n: usize, count: usize) -> String {
     let byte = &mut bytes[usize::try_from(at).unwrap()];
     *byte ^= 1 << (n % 8);
     fs::write(file, bytes).unwrap();
-    format!("bit {} of byte {at} of {length} flipped", n % 8)
 }
 
 fn flip_each_of(count: usize) {
@@ -195,9 +205,7 @@ fn flip_each_of(count: usize) {
     ruin_each(count, |past, n| {
         let what = format!("flip {n} of {count}");
         // A bit that nobody reads, or that changes nothing anybody relies on, may go unnoticed.
-        if past.recovers(STOPPED, &what, |state| {
-            println!("{}", flip(&state.join("journal.db"), n, count));
-        }) {
+        if past.recovers(STOPPED, &what, |state| flip(&state.join("journal.db"), n, count)) {
             noticed.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
         }
     });

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use support::invariants::PutKind;
-use support::{Booth, QUIET, coarse_body as coarse, names};
+use support::{Booth, coarse_body as coarse, names};
 
 /// A station that has delivered one scan, `4711_1.obj`, that still lies in the export folder.
 fn booth_at_work() -> (Booth, support::Daemon) {
@@ -134,8 +134,7 @@ fn a_file_in_the_folder_s_place_is_an_outage() {
     let (booth, daemon) = booth_at_work();
     fs::rename(booth.path("export"), booth.path("old")).unwrap();
     fs::write(booth.path("export"), "no folder").unwrap();
-    booth.wait_for("the outage", || booth.log().contains("out-of-reach"));
-    std::thread::sleep(QUIET);
+    booth.wait_until_explained("4711_2.obj", "Not a directory");
     fs::remove_file(booth.path("export")).unwrap();
     fs::rename(booth.path("old"), booth.path("export")).unwrap();
     booth.export("4711_2.obj", &coarse(2));

@@ -44,8 +44,7 @@ fn a_writer_that_stalls_longer_than_the_quiet_time_in_the_middle_of_a_line_is_aw
     let (first, rest) = bytes.split_at(bytes.len() - 7);
     let mut file = File::create(booth.path("export/4711_a.obj")).unwrap();
     file.write_all(first).unwrap();
-    // Until the station has settled it and found it short.
-    sleep(QUIET * 4);
+    booth.wait_until_explained("4711_a.obj", "ends in the middle");
     file.write_all(rest).unwrap();
     booth.has_put("4711_a.obj", first, PutKind::Short);
     booth.has_put("4711_a.obj", &bytes, PutKind::Whole);

@@ -14,7 +14,7 @@ use std::time::{Duration, SystemTime};
 
 use rustix::fs::{CWD, Mode, mkfifoat};
 use support::invariants::PutKind;
-use support::{Booth, QUIET, names, sha256};
+use support::{Booth, names, sha256};
 
 /// A small body that is measured quickly; each `n` gives other bytes.
 fn body(n: usize) -> Vec<u8> {
@@ -172,9 +172,7 @@ fn a_file_reserved_at_its_full_size_is_awaited_until_it_is_filled() {
     file.set_len(bytes.len() as u64).unwrap();
     file.write_all_at(&bytes[..half], 0).unwrap();
     let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
-    // Until the station has settled it and found it reserved.
-    std::thread::sleep(QUIET * 4);
+    booth.wait_until_explained("4711_a.obj", "ends in the middle");
     let times = fs::metadata(&path).unwrap().modified().unwrap();
     file.write_all_at(&bytes[half..], half as u64).unwrap();
     // As copies do that keep the time of what they copy.

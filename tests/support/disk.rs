@@ -92,7 +92,8 @@ impl Drop for Disk {
 
 /// Cuts the power of all disks, and gives it back.
 pub fn power_cut(disks: &[Disk]) {
-    let cut = [Path::new("-c"), Path::new(CUT)];
+    // Without its site modules Python starts in half the time.
+    let cut = ["-I", "-S", "-c", CUT].map(Path::new);
     let folders = disks.iter().map(|disk| disk.at.as_path());
     must("python3", &cut.into_iter().chain(folders).collect::<Vec<_>>());
     for disk in disks {

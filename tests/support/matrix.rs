@@ -19,10 +19,17 @@ pub mod tracer;
 
 use station::invariants::{self, Moment, PutKind};
 use station::{Booth, Setting, coarse_body, names};
-use tracer::{Answer, BEHIND_A_GATE, Call, Run};
+use tracer::{Answer, BEHIND_A_GATE, Call, Kind, Run};
 
 /// How long a station without faults may take to put everything in order.
 const PATIENCE: Duration = Duration::from_secs(40);
+
+/// How often it is looked whether a station rests whose log says nothing new. A look reads every
+/// file, and many stations share the machine.
+const LOOK_AGAIN: Duration = Duration::from_millis(200);
+
+/// Fewer points than this and a matrix has not seen the run. The issue asks for so many.
+pub const POINTS_MIN: usize = 150;
 
 /// The folders whose calls count.
 pub const FOLDERS: [&str; 3] = ["export", "state", "records"];
@@ -40,14 +47,17 @@ pub const SCANS: [(&str, PutKind); 5] = [
 /// How often the log tells of each end of a scan in a run without faults.
 const DONE: [(&str, usize); 3] = [("scan-delivered", 2), ("scan-held", 1), ("scan-refused", 1)];
 
-/// A booth that settles as quickly as the configuration allows.
+/// A booth that settles as quickly as the configuration allows, on however small a disk.
 pub fn booth() -> Booth {
-    Booth::set(&Setting {
+    let booth = Booth::set(&Setting {
         quiet: Duration::from_millis(50),
         rescan: Duration::from_millis(250),
         short_wait: Duration::from_secs(3600),
         files: "[]",
-    })
+    });
+    // The disks of the power cut are small.
+    booth.reconfigure(|config| config.replace("[station]", "[station]\ndisk_floor = \"0B\""));
+    booth
 }
 
 /// Puts the scans of one run into the export folder.
@@ -74,6 +84,54 @@ pub fn struck_until(
 ) -> Run {
     let folders: Vec<PathBuf> = FOLDERS.map(|name| booth.path(name)).to_vec();
     tracer::run(booth.command_behind(&BEHIND_A_GATE), &folders, finished, answer)
+}
+
+/// Runs the station up to its nth call, which is answered by `stroke`, the others by `usual`. Gives
+/// what was struck; none where the run came to its end before.
+pub fn struck_at(
+    booth: &Booth,
+    nth: usize,
+    stroke: Answer,
+    usual: impl Fn(&Call) -> Answer,
+) -> (Option<String>, Run) {
+    let (mut at, mut count) = (None, 0);
+    let run = struck(booth, |call| {
+        // A changed mode is nothing that a crash could leave half done.
+        if call.kind == Kind::Mode {
+            return Answer::Do;
+        }
+        count += 1;
+        if count == nth {
+            at = Some(what(booth, call));
+            return stroke;
+        }
+        usual(call)
+    });
+    (at, run)
+}
+
+/// What does not hold right after a run that was struck, before anything puts it in order.
+pub fn found_at_once(booth: &Booth, run: &Run) -> Vec<String> {
+    let mut found = acknowledged(booth);
+    found.extend(faults(booth, Moment::Any));
+    if run.hung {
+        found.push("it did not end".to_owned());
+    }
+    found
+}
+
+/// Looks whether the station of a booth rests, as often as its log says something new.
+pub fn rests(booth: &Booth) -> impl Fn() -> bool + Sync {
+    let last = Mutex::new((None, Instant::now()));
+    move || {
+        let said = fs::metadata(booth.path("log")).map(|log| log.len()).ok();
+        let mut last = last.lock().unwrap();
+        if last.0 == said && last.1.elapsed() < LOOK_AGAIN {
+            return false;
+        }
+        *last = (said, Instant::now());
+        booth.violations(Moment::Rest).is_empty()
+    }
 }
 
 /// Whether the log says that every scan of the run has come to its end.
@@ -123,7 +181,8 @@ pub fn restarted(booth: &Booth) -> Vec<String> {
     let mut daemon = booth.start();
     let deadline = Instant::now() + PATIENCE;
     // Before it is ready it neither heeds SIGTERM nor has the journal for itself.
-    let settled = || ready() > before && booth.violations(Moment::Rest).is_empty();
+    let rests = rests(booth);
+    let settled = || ready() > before && rests();
     while !settled() && !daemon.has_ended() && Instant::now() < deadline {
         sleep(Duration::from_millis(10));
     }

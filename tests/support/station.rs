@@ -3,11 +3,10 @@
 #![allow(dead_code)] // Each test uses some of it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-use std::env;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::{Mutex, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
@@ -18,6 +17,8 @@ use tempfile::TempDir;
 
 #[path = "invariants.rs"]
 pub mod invariants;
+#[path = "verb.rs"]
+pub mod verb;
 
 pub use invariants::whole::{names, sha256};
 use invariants::{Delivered, Evidence, Moment, Put, PutKind, Violation};
@@ -44,11 +45,6 @@ fn numbered(n: usize, fixture: &str) -> Vec<u8> {
     flate2::read::GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
     bytes.extend(format!("# {n}\n").bytes());
     bytes
-}
-
-/// The station's program: the one under test, or the one that `GAITER_BIN` names.
-pub fn program() -> PathBuf {
-    env::var_os("GAITER_BIN").map_or_else(|| env!("CARGO_BIN_EXE_gaiter").into(), PathBuf::from)
 }
 
 /// The folders of one station, and what was put before it.
@@ -132,7 +128,7 @@ files = {files}
 
     /// The station as the argument of another program.
     pub fn command_behind(&self, front: &[&str]) -> Command {
-        let station = program();
+        let station = verb::program();
         let mut words = front.iter().map(AsRef::as_ref).chain([station.as_os_str()]);
         let mut command = Command::new(words.next().unwrap());
         let log = File::options().create(true).append(true).open(self.path("log")).unwrap();
@@ -140,6 +136,19 @@ files = {files}
         command.args(words).arg("run").arg("--config").arg(config).stdin(Stdio::null());
         command.stdout(log.try_clone().unwrap()).stderr(log);
         command
+    }
+
+    /// Runs a verb with the configuration of this station; it is told nothing.
+    pub fn gaiter(&self, args: &[&str]) -> Output {
+        verb::gaiter_told(&self.path("station.toml"), args, "")
+    }
+
+    /// Waits until the station says of a file in the export folder why it is where it is.
+    #[track_caller]
+    pub fn wait_until_explained(&self, name: &str, why: &str) {
+        let file = self.path("export").join(name);
+        let explained = || verb::stdout(&self.gaiter(&["explain", file.to_str().unwrap()]));
+        self.wait_for(&format!("\"{why}\" of {name}"), || explained().contains(why));
     }
 
     /// Rewrites the configuration for stations to be started.

@@ -6,6 +6,7 @@
 //! one, for the length is changed before the kernel sees it.
 
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
@@ -136,6 +137,21 @@ pub fn run(
 
 /// What to put before a program and its arguments so that [`run`] can take hold of it first.
 pub const BEHIND_A_GATE: [&str; 3] = ["sh", "-c", r#"read go; exec "$0" "$@" </dev/null"#];
+
+/// Whether programs can be traced here; else says that the test is skipped.
+pub fn can_trace() -> bool {
+    let traced = std::panic::catch_unwind(|| {
+        let [shell, option, gate] = BEHIND_A_GATE;
+        let mut command = Command::new(shell);
+        command.args([option, gate, "true"]);
+        run(command, &[], || false, |_| Answer::Do)
+    });
+    let can = traced.is_ok_and(|run| run.code == Some(0));
+    if !can {
+        println!("SKIPPED: programs cannot be traced here (ptrace)");
+    }
+    can
+}
 
 fn end_it(root: Pid, over: &AtomicBool, hung: &AtomicBool, finished: &impl Fn() -> bool) {
     let deadline = Instant::now() + PATIENCE;
