@@ -97,7 +97,7 @@ fn a_store_that_is_gone_makes_the_station_not_ready_until_it_is_back() {
     configure(&booth, "[status]\noverdue = \"1s\"\n");
     let daemon = booth.start();
     // A store that has taken a record is one the station knows.
-    booth.export("4711_0.obj", &coarse(0));
+    booth.export("4711_0.obj", &coarse_body(0));
     booth.wait_for_records(1);
     wait_until_ready(&booth);
     fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();

@@ -7,12 +7,10 @@
 mod support;
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
 
 use serde_json::Value;
-use support::{Booth, coarse_body as coarse, sha256};
+use support::{Booth, coarse_body as coarse, sha256, verb};
 
 /// The body of the fixture in the hundredth of its unit, as a scanner set otherwise writes it.
 const WRONG_UNIT: &str = "OPTION UNITS=cm\nMEASURE Height=16043\n";
@@ -51,11 +49,9 @@ fn the_scanners_own_measures_are_compared_and_follow_the_scan_to_its_patient() {
     booth.wait_for_records(1);
     assert_has_measures(&record(&booth, "_unassigned"));
 
-    let mut assign = Command::new(support::program());
-    assign.args(["assign", &sha256(&coarse(1))[..8], "--config"]).arg(booth.path("station.toml"));
-    let mut assign = assign.stdin(Stdio::piped()).spawn().unwrap();
-    assign.stdin.take().unwrap().write_all(b"4711\n").unwrap();
-    assert!(assign.wait().unwrap().success());
+    let (config, assign) = (booth.path("station.toml"), &sha256(&coarse(1))[..8]);
+    let assigned = verb::gaiter_told(&config, &["assign", assign], "4711\n");
+    assert_eq!(verb::code(&assigned), Some(0), "{}", verb::stderr(&assigned));
     let delivered =
         "SELECT count(*) FROM deliveries WHERE patient = '4711' AND state = 'delivered'";
     booth.wait_for_journal(delivered, 1);
