@@ -20,7 +20,8 @@ use std::time::{Duration, Instant};
 
 use process::cpu_ticks;
 use support::invariants::Vitals;
-use support::{Booth, Setting, body, coarse_body, names, program};
+use support::verb::program;
+use support::{Booth, Setting, body, coarse_body, names};
 
 /// How long the idle station is observed.
 const IDLE: Duration = Duration::from_secs(60);
