@@ -71,6 +71,7 @@ fn all_is_accounted_for(
     let refused = "SELECT count(*) FROM scans WHERE state = 'refused'";
     booth.wait_long_for_journal(refused, count_of(garbage.len()));
     booth.wait_for_records(scans.len());
+    booth.asks();
     assert_eq!(daemon.stop().code(), Some(0));
     let expected: Vec<(&str, &[u8])> = scans.iter().map(|scan| ("4711", scan.as_slice())).collect();
     booth.assert_settled(&expected);

@@ -112,6 +112,7 @@ impl Past {
         booth.wait_for(&format!("{what}: all deliveries"), || {
             booth.journal(pending) == Some(0) && self.record_folders().len() >= 6
         });
+        booth.asks();
         assert_eq!(daemon.stop().code(), Some(0), "{what}");
         assert!(self.record_folders().is_superset(&before), "{what}: records were moved");
         let scans: Vec<Vec<u8>> = (0..=6).map(coarse).collect();

@@ -65,9 +65,9 @@ pub struct Left {
 pub struct Told {
     /// Scans still to be delivered.
     pub pending: usize,
-    /// Deliveries that wait for a person.
+    /// Scans that wait for a person.
     pub held: usize,
-    /// Scans, and files too large, in quarantine.
+    /// Scans in quarantine.
     pub refused: usize,
 }
 
@@ -134,7 +134,7 @@ pub fn violations(evidence: &Evidence<'_>, moment: Moment) -> Vec<Violation> {
             Ok(journal) => {
                 found.lost(evidence, &store, &spool, &quarantine, &journal);
                 found.restless(evidence, &spool, &journal);
-                found.untrue(evidence, &journal, quarantine.len());
+                found.untrue(evidence, &journal, &quarantine);
             }
             Err(error) => found.say(6, format!("the journal cannot be read: {error}")),
         }
@@ -322,8 +322,16 @@ impl Found {
     }
 
     /// I9.
-    fn untrue(&mut self, evidence: &Evidence<'_>, journal: &JournalState, refused: usize) {
-        let so = Told { pending: journal.pending, held: journal.held.len(), refused };
+    fn untrue(
+        &mut self,
+        evidence: &Evidence<'_>,
+        journal: &JournalState,
+        quarantine: &BTreeSet<String>,
+    ) {
+        let held: BTreeSet<&str> = journal.held.iter().map(|(_, sum)| sum.as_str()).collect();
+        // The note of a file that was too large to be read is no scan.
+        let refused = quarantine.iter().filter(|name| !name.starts_with(UNREAD)).count();
+        let so = Told { pending: journal.pending, held: held.len(), refused };
         if let Some(told) = evidence.told.filter(|told| *told != so) {
             self.say(9, format!("the station says {told:?}, and it is {so:?}"));
         }

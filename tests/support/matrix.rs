@@ -183,8 +183,13 @@ pub fn restarted(booth: &Booth) -> Vec<String> {
     // Before it is ready it neither heeds SIGTERM nor has the journal for itself.
     let rests = rests(booth);
     let settled = || ready() > before && rests();
-    while !settled() && !daemon.has_ended() && Instant::now() < deadline {
+    let mut has_settled = settled();
+    while !has_settled && !daemon.has_ended() && Instant::now() < deadline {
         sleep(Duration::from_millis(10));
+        has_settled = settled();
+    }
+    if has_settled {
+        booth.asks();
     }
     let code = daemon.stop().code();
     if code != Some(0) {

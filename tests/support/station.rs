@@ -7,7 +7,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -21,7 +21,7 @@ pub mod invariants;
 pub mod verb;
 
 pub use invariants::whole::{names, sha256};
-use invariants::{Delivered, Evidence, Moment, Put, PutKind, Violation};
+use invariants::{Delivered, Evidence, Moment, Put, PutKind, Told, Violation};
 
 /// How long a condition is waited for before the test fails.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -51,6 +51,7 @@ fn numbered(n: usize, fixture: &str) -> Vec<u8> {
 pub struct Booth {
     dir: TempDir,
     puts: Mutex<Vec<Put>>,
+    told: Mutex<Option<Told>>,
 }
 
 /// How the station of a booth is set.
@@ -115,7 +116,7 @@ files = {files}
         for folder in ["export", "records"] {
             fs::create_dir(dir.path().join(folder)).unwrap();
         }
-        Booth { dir, puts: Mutex::default() }
+        Booth { dir, puts: Mutex::default(), told: Mutex::default() }
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
@@ -158,6 +159,7 @@ files = {files}
     }
 
     pub fn start(&self) -> Daemon {
+        *self.told() = None;
         Daemon::of(self.command())
     }
 
@@ -195,6 +197,25 @@ files = {files}
         self.puts.lock().unwrap_or_else(PoisonError::into_inner).clear();
     }
 
+    /// Asks the running station how it is. It must rest, and what it said must be so when the
+    /// invariants are read at rest.
+    pub fn asks(&self) {
+        let config = self.path("station.toml");
+        let output = verb::gaiter_told(&config, &["status", "--json"], "");
+        let status: serde_json::Value = serde_json::from_slice(&output.stdout)
+            .unwrap_or_else(|error| panic!("{error}: {}", verb::stderr(&output)));
+        let count = |state: &str| {
+            let count = status["scans"][state].as_u64();
+            usize::try_from(count.unwrap_or_else(|| panic!("{state}: {status}"))).unwrap()
+        };
+        let (pending, held, refused) = (count("spooled"), count("held"), count("refused"));
+        *self.told() = Some(Told { pending, held, refused });
+    }
+
+    fn told(&self) -> MutexGuard<'_, Option<Told>> {
+        self.told.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The invariants that do not hold.
     pub fn violations(&self, moment: Moment) -> Vec<Violation> {
         let evidence = Evidence {
@@ -205,7 +226,7 @@ files = {files}
             records: &self.path("records"),
             log: &self.log(),
             planted: &[],
-            told: None,
+            told: *self.told(),
         };
         invariants::violations(&evidence, moment)
     }
