@@ -211,30 +211,31 @@ impl Custody {
     }
 
     /// A store will never take a record. Where other deliveries of the scan are still to be made,
-    /// its bytes stay for them; else the scan is refused.
+    /// its bytes stay for them; else the scan is refused. Gives the reason that stands.
     ///
     /// # Errors
     /// See [`CustodyFault`].
-    pub fn refuse_at_store(&self, due: &Due, reason: &Reason) -> Result<(), CustodyFault> {
+    pub fn refuse_at_store(&self, due: &Due, reason: Reason) -> Result<Reason, CustodyFault> {
         if self.journal.refused_at_store(due, &reason.code)? {
-            return Ok(());
+            return Ok(reason);
         }
         self.refuse(&due.scan, reason)
     }
 
-    /// A scan is refused for good; its bytes go to quarantine.
+    /// A scan is refused for good; its bytes go to quarantine. Gives the reason that stands.
     ///
     /// # Errors
     /// See [`CustodyFault`].
-    pub fn refuse(&self, scan: &ScanId, reason: &Reason) -> Result<(), CustodyFault> {
+    pub fn refuse(&self, scan: &ScanId, reason: Reason) -> Result<Reason, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         // An attempt that failed at the journal left its reason in quarantine: that one stands.
         let earlier = io("reading a reason", self.quarantine.reason(scan))?;
-        let quarantined = self.quarantined(scan, reason);
+        let quarantined = self.quarantined(scan, &reason);
         self.untidy.fetch_or(quarantined.is_err(), Ordering::Relaxed);
         io("quarantining a scan", quarantined)?;
-        let reason = earlier.as_ref().unwrap_or(reason);
-        Ok(self.journal.refused(scan, &reason.code, &reason.message)?)
+        let reason = earlier.unwrap_or(reason);
+        self.journal.refused(scan, &reason.code, &reason.message)?;
+        Ok(reason)
     }
 
     fn quarantined(&self, scan: &ScanId, reason: &Reason) -> io::Result<()> {

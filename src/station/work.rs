@@ -190,9 +190,8 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
         ("custody-failed", chain(&fault), Ended::PutOff)
     };
     let (code, error, ended) = match setback {
-        Setback::Refused(reason) => match refuse(station, due, &reason) {
-            Ok(()) => {
-                let Reason { code, message, .. } = reason;
+        Setback::Refused(reason) => match refuse(station, due, reason) {
+            Ok(Reason { code, message, .. }) => {
                 warn!(event = "scan-refused", scan, code);
                 let scan = Some(scan);
                 station.observer.tell(StationEvent::Refused { scan, code, message });
@@ -212,7 +211,7 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
     ended
 }
 
-fn refuse(station: &Station, due: &Due, reason: &Reason) -> Result<(), CustodyFault> {
+fn refuse(station: &Station, due: &Due, reason: Reason) -> Result<Reason, CustodyFault> {
     match reason.stage {
         Stage::Store => station.custody.refuse_at_store(due, reason),
         Stage::Intake | Stage::Measure => station.custody.refuse(&due.scan, reason),

@@ -132,7 +132,7 @@ fn a_refused_scan_lies_in_quarantine_with_its_reason_and_bytes() {
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
     admit(&custody, NameSays::Nothing);
-    custody.refuse(&scan, &reason()).unwrap();
+    custody.refuse(&scan, reason()).unwrap();
     assert!(!custody.spool.holds(&scan));
     assert_eq!(custody.quarantine.reason(&scan).unwrap(), Some(reason()));
     let place = dir.path().join("quarantine").join(scan.as_str());
@@ -192,7 +192,7 @@ fn a_damaged_intake_is_quarantined_and_does_not_stop_the_start() {
 fn refused(custody: &Custody) -> ScanId {
     let scan = sums::scan_id(BYTES);
     admit(custody, says("4711"));
-    custody.refuse(&scan, &reason()).unwrap();
+    custody.refuse(&scan, reason()).unwrap();
     scan
 }
 
@@ -207,11 +207,24 @@ fn a_refused_scan_that_is_retried_is_to_be_delivered_and_back_in_the_spool() {
     assert!(!custody.quarantine.holds(&scan));
     assert_eq!(custody.retry(&scan).unwrap(), Acted::Nothing);
     // And refused again, with its reason.
-    custody.refuse(&scan, &reason()).unwrap();
+    custody.refuse(&scan, reason()).unwrap();
     assert_eq!(custody.quarantine.reason(&scan).unwrap(), Some(reason()));
     let events: Vec<String> =
         custody.journal.history(&scan).unwrap().into_iter().map(|row| row.event).collect();
     assert_eq!(events, ["entered", "refused", "retried", "refused"]);
+}
+
+#[test]
+fn the_first_reason_of_a_refusal_stands_and_is_the_one_that_is_told() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, says("4711"));
+    // As where the journal failed then: the next attempt finds the spool without the bytes.
+    custody.quarantined(&scan, &reason()).unwrap();
+    let lost = Reason { code: "spool-lost".to_owned(), ..reason() };
+    assert_eq!(custody.refuse(&scan, lost).unwrap(), reason());
+    assert_eq!(custody.quarantine.reason(&scan).unwrap(), Some(reason()));
 }
 
 #[test]
@@ -309,12 +322,12 @@ fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
         _ => (&due[1], &due[0]),
     };
     let occupied = Reason { stage: Stage::Store, ..reason() };
-    custody.refuse_at_store(copy, &occupied).unwrap();
+    custody.refuse_at_store(copy, occupied.clone()).unwrap();
     assert!(custody.spool.holds(&scan));
     custody.delivered(folder, Path::new("/r/x")).unwrap();
     assert!(custody.spool.holds(&scan), "the refused delivery may be retried");
     assert_eq!(custody.retry(&scan).unwrap(), Acted::Done(1));
     let due = custody.journal.pending().unwrap();
-    custody.refuse_at_store(&due[0], &occupied).unwrap();
+    custody.refuse_at_store(&due[0], occupied.clone()).unwrap();
     assert!(custody.quarantine.holds(&scan), "the last of them refuses the scan");
 }
