@@ -6,7 +6,7 @@ use std::ffi::{OsStr, OsString};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-use super::settle::Stamp;
+use super::stamp::Stamp;
 use crate::scan::{Format, ord};
 
 /// The endings of what scanners write beside a scan: their own measures, and the colours of an OBJ.

@@ -22,6 +22,7 @@ pub mod retention;
 pub mod scan_id;
 pub mod settle;
 pub mod space;
+pub mod stamp;
 
 pub use companions::{Companion, DoneFile, Group};
 pub use facts::Facts;
@@ -30,5 +31,6 @@ pub use identity::{Identity, NameSays, Verdict};
 pub use lifecycle::{DeliveryState, DeliveryStep, IllegalStep, ScanState, ScanStep};
 pub use outbox::Outbox;
 pub use scan_id::ScanId;
-pub use settle::{Look, LookTime, Settled, Settling, Stamp};
+pub use settle::{Look, LookTime, Settled, Settling};
 pub use space::Space;
+pub use stamp::Stamp;

@@ -16,22 +16,8 @@ use std::time::Duration;
 
 use super::backoff;
 use super::companions::{Companion, Done, Group};
+use super::stamp::Stamp;
 pub use wait::{Wait, Waiting};
-
-/// What tells one state of a file from the next.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Stamp {
-    /// Device.
-    pub dev: u64,
-    /// Inode.
-    pub ino: u64,
-    /// Size, bytes.
-    pub size: u64,
-    /// Time of the last change of content, nanoseconds since 1970.
-    pub mtime_ns: i128,
-    /// Time of the last change of content or name, nanoseconds since 1970.
-    pub ctime_ns: i128,
-}
 
 /// What one look at a folder found.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -39,8 +39,7 @@ pub struct Station {
     pub stores: Vec<RecordStore>,
     /// What the workers know, for those who ask.
     pub board: Board,
-    /// Whether scans are taken in.
-    pub gate: Gate,
+    gate: Gate,
     /// Who looks on.
     pub observer: Observer,
     /// Tells the delivery that the journal has something new; a hint only.
@@ -94,7 +93,8 @@ impl Station {
             facts.intake = IntakeState::Paused;
         }
         info!(event = "station-open", adopted, first_start);
-        let gate = Gate::new(config.station.disk_floor_bytes);
+        let of = &config.station;
+        let gate = Gate::new(of.state_dir.clone(), of.disk_floor_bytes);
         Ok(Station {
             config,
             identity,
@@ -120,6 +120,11 @@ impl Station {
     /// The store of this name in the journal, if the configuration has it.
     pub fn store(&self, name: &str) -> Option<&RecordStore> {
         self.stores.iter().find(|store| store.name() == name)
+    }
+
+    /// Whether `size_bytes` may be taken in now; notes it on the board. Blocks.
+    pub fn intake_gate(&self, size_bytes: u64) -> IntakeState {
+        self.gate.judge(size_bytes, self.is_paused(), &self.board)
     }
 
     /// Whether a person has paused the station.
