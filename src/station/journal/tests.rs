@@ -237,3 +237,28 @@ fn what_rests_is_forgotten_and_what_is_pending_is_not() {
     drop(journal);
     Journal::open(&path).unwrap();
 }
+
+#[test]
+fn a_flipped_bit_in_any_row_or_index_that_names_a_scan_is_ruin() {
+    let (dir, journal) = journal();
+    for digit in ['a', 'b', 'c'] {
+        enter(&journal, &row(digit), Some("4711"), DeliveryState::Pending);
+    }
+    drop(journal);
+    let path = dir.path().join("journal.db");
+    let sound = std::fs::read(&path).unwrap();
+    let name = row('b').scan.to_string().into_bytes();
+    let names = sound.windows(name.len()).enumerate().filter(|(_, found)| *found == name);
+    let places: Vec<usize> = names.map(|(at, _)| at).collect();
+    // Two tables, the index of each key, and the history.
+    assert!(places.len() >= 5, "{places:?}");
+    for at in places {
+        let mut flipped = sound.clone();
+        flipped[at + 7] ^= 1;
+        std::fs::write(&path, flipped).unwrap();
+        let opened = Journal::open(&path);
+        assert!(opened.as_ref().is_err_and(JournalError::is_ruin), "at {at}: {opened:?}");
+    }
+    std::fs::write(&path, sound).unwrap();
+    Journal::open(&path).unwrap();
+}
