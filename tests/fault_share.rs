@@ -48,7 +48,7 @@ fn booth_with_shared_records() -> Option<(Booth, Share)> {
 
 fn export_locally(booth: &Booth, name: &str, bytes: &[u8]) {
     fs::write(booth.path("local").join(name), bytes).unwrap();
-    booth.has_put(name, bytes, PutKind::Whole);
+    booth.has_put_elsewhere(name, bytes);
 }
 
 /// Another machine's export. Not while the share is away: the file is looked at once.

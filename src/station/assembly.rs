@@ -68,7 +68,8 @@ impl Station {
         let state = |source| StationError::State { path: state_dir.clone(), source };
         let stores = stores(&config);
         let names: Vec<&'static str> = stores.iter().map(RecordStore::name).collect();
-        let opened = rebuild::open(&state_dir.join("journal.db"), &names, first_start)?;
+        let journal = state_dir.join("journal.db");
+        let opened = rebuild::open(&journal, &names, first_start)?;
         // After the journal: where there is a spool there was one, and where it is missing it was lost.
         let spool = Spool::open(state_dir).map_err(state)?;
         let quarantine = Quarantine::open(state_dir).map_err(state)?;
@@ -76,7 +77,13 @@ impl Station {
         let paused = paused.map_err(StationError::Recovery)?;
         let custody =
             Custody::new(opened.journal, spool, quarantine, names, config.retention.spool);
-        let adopted = custody.recover().map_err(StationError::Recovery)?;
+        let adopted = match custody.recover() {
+            Err(fault) if rebuild::is_ruin(&fault) => {
+                rebuild::give_up(&journal, custody.journal())?;
+                return Err(StationError::Recovery(fault));
+            }
+            recovered => recovered.map_err(StationError::Recovery)?,
+        };
         let mut facts = Facts::new(Timestamp::now(), config.scanner.export_dirs.len());
         if let Some(why) = opened.rebuilt {
             let quarantined = custody.adopt_quarantined().map_err(StationError::Recovery)?;
@@ -149,13 +156,8 @@ impl Station {
 
     /// Looks whether an error shows that the journal is ruined; if so the run begins anew.
     pub fn mind(&self, error: &(dyn std::error::Error + 'static)) {
-        let mut cause = Some(error);
-        while let Some(error) = cause {
-            if error.downcast_ref::<JournalError>().is_some_and(JournalError::is_ruin) {
-                self.ruin.notify_one();
-                return;
-            }
-            cause = error.source();
+        if rebuild::is_ruin(error) {
+            self.ruin.notify_one();
         }
     }
 

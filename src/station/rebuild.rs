@@ -61,6 +61,31 @@ pub fn open(path: &Path, stores: &[&str], first_start: bool) -> Result<Opened, S
     Ok(Opened { journal, rebuilt: Some(why) })
 }
 
+/// Whether an error shows that the journal is ruined.
+pub fn is_ruin(error: &(dyn std::error::Error + 'static)) -> bool {
+    let mut cause = Some(error);
+    while let Some(error) = cause {
+        if error.downcast_ref::<JournalError>().is_some_and(JournalError::is_ruin) {
+            return true;
+        }
+        cause = error.source();
+    }
+    false
+}
+
+/// Sets an open journal aside whose ruin shows only in its use: the next start finds it missing and
+/// begins it anew, instead of ending by the same fault for ever.
+///
+/// # Errors
+/// Where its files cannot be renamed.
+pub fn give_up(path: &Path, journal: &Journal) -> Result<(), StationError> {
+    let fault = |source| StationError::Journal { path: path.to_owned(), source };
+    journal.let_go().map_err(fault)?;
+    let aside = set_aside(path).map_err(|source| StationError::SetAside { source })?;
+    info!(event = "journal-set-aside", files = aside.len());
+    Ok(())
+}
+
 /// Renames the journal's files to `journal.ruined-<time>-<name>`.
 fn set_aside(path: &Path) -> io::Result<Vec<PathBuf>> {
     let folder = path.parent().unwrap_or(Path::new("."));

@@ -259,11 +259,9 @@ pub fn strike_everywhere<Place>(
                         Some((kind, found)) => {
                             let mut tally = tally.lock().unwrap();
                             tally.points += 1;
-                            for what in &found {
-                                let violation = format!("{nth} {kind}: {what}");
-                                println!("  {violation}");
-                                tally.violations.push(violation);
-                            }
+                            let violations =
+                                found.iter().map(|what| format!("{nth} {kind}: {what}"));
+                            tally.violations.extend(violations);
                             *tally.kinds.entry(kind).or_default() += 1;
                         }
                     }

@@ -21,7 +21,7 @@ pub mod invariants;
 pub mod verb;
 
 pub use invariants::whole::{names, sha256};
-use invariants::{Delivered, Evidence, Moment, Put, PutKind, Told, Violation};
+use invariants::{Delivered, Evidence, Left, Moment, Put, PutKind, Told, Violation};
 
 /// How long a condition is waited for before the test fails.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -172,17 +172,23 @@ files = {files}
     /// Notes what was put into the export folder, for the invariants. What was there under this
     /// name is gone.
     pub fn has_put(&self, name: &str, bytes: &[u8], kind: PutKind) {
+        let left = invariants::left_at(&self.path("export").join(name));
+        self.note_put(name, bytes, kind, left);
+    }
+
+    /// As [`Booth::has_put`] into another folder than that of the booth, which is not looked at: it
+    /// may be a share that does not answer.
+    pub fn has_put_elsewhere(&self, name: &str, bytes: &[u8]) {
+        self.note_put(name, bytes, PutKind::Whole, None);
+    }
+
+    fn note_put(&self, name: &str, bytes: &[u8], kind: PutKind, left: Option<Left>) {
         let mut puts = self.puts.lock().unwrap_or_else(PoisonError::into_inner);
         for earlier in puts.iter_mut().filter(|earlier| earlier.name == name) {
             earlier.left = None;
         }
-        puts.push(Put {
-            name: name.to_owned(),
-            patient: invariants::patient_of(name),
-            sha256: sha256(bytes),
-            kind,
-            left: invariants::left_at(&self.path("export").join(name)),
-        });
+        let (patient, sha256) = (invariants::patient_of(name), sha256(bytes));
+        puts.push(Put { name: name.to_owned(), patient, sha256, kind, left });
     }
 
     /// Notes that the scanner has emptied its export folder.

@@ -135,7 +135,7 @@ impl JournalError {
     /// Whether the journal is not to be relied upon any more and must be rebuilt. What may pass, a
     /// full disk or another version of gaiter, is no ruin.
     pub fn is_ruin(&self) -> bool {
-        use rusqlite::ErrorCode::{DatabaseCorrupt, NotADatabase};
+        use rusqlite::ErrorCode::{ConstraintViolation, DatabaseCorrupt, NotADatabase};
         match self {
             JournalError::Sqlite(error) => {
                 let typed = matches!(
@@ -148,7 +148,8 @@ impl JournalError {
                 );
                 let code = error.sqlite_error_code();
                 typed
-                    || matches!(code, Some(DatabaseCorrupt | NotADatabase))
+                    // We write nothing that contradicts what we have read: an index hid a row.
+                    || matches!(code, Some(DatabaseCorrupt | NotADatabase | ConstraintViolation))
                     // A table or column that is not there: the schema's own page is damaged.
                     || code == Some(rusqlite::ErrorCode::Unknown)
             }
@@ -242,9 +243,10 @@ impl Journal {
     }
 }
 
-/// SQLite's own look at every page and index.
+/// SQLite's own look at every page, and whether each index says what its table says: a row that an
+/// index hides is neither found nor delivered, which the quick check does not see.
 fn whole(connection: &Connection) -> Result<(), JournalError> {
-    let found: String = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get(0))?;
+    let found: String = connection.query_row("PRAGMA integrity_check(1)", [], |row| row.get(0))?;
     if found == "ok" { Ok(()) } else { Err(JournalError::Damaged { found }) }
 }
 

@@ -266,3 +266,28 @@ fn a_file_is_forgotten_when_it_is_gone_and_its_scan_is_forgotten_and_not_before(
     assert_eq!(known, ["/export/known.obj", "/export/there.obj", "/export/inner/forgotten.obj"]);
     assert!(is_known(&"/exports/forgotten.obj"));
 }
+
+#[test]
+fn a_flipped_bit_in_any_row_or_index_that_names_a_scan_is_ruin() {
+    let (dir, journal) = journal();
+    for digit in ['a', 'b', 'c'] {
+        enter(&journal, &row(digit), Some("4711"), DeliveryState::Pending);
+    }
+    drop(journal);
+    let path = dir.path().join("journal.db");
+    let sound = std::fs::read(&path).unwrap();
+    let name = row('b').scan.to_string().into_bytes();
+    let names = sound.windows(name.len()).enumerate().filter(|(_, found)| *found == name);
+    let places: Vec<usize> = names.map(|(at, _)| at).collect();
+    // Two tables, the index of each key, and the history.
+    assert!(places.len() >= 5, "{places:?}");
+    for at in places {
+        let mut flipped = sound.clone();
+        flipped[at + 7] ^= 1;
+        std::fs::write(&path, flipped).unwrap();
+        let opened = Journal::open(&path);
+        assert!(opened.as_ref().is_err_and(JournalError::is_ruin), "at {at}: {opened:?}");
+    }
+    std::fs::write(&path, sound).unwrap();
+    Journal::open(&path).unwrap();
+}
