@@ -4,15 +4,32 @@ use nalgebra::Point2;
 
 use super::sets::DisjointSets;
 
-/// A cell of the plane, half a link wide.
-type Cell = [i64; 2];
+/// A cell of the plane, half a link wide, as one number in the order of x and then of y: such are
+/// sorted and searched in half the time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Cell(u64);
+
+impl Cell {
+    /// What makes the order of numbers without sign that of those with one.
+    const SIGN: i32 = i32::MIN;
+
+    fn new([x, y]: [i32; 2]) -> Cell {
+        let [x, y] = [x, y].map(|value| u64::from((value ^ Cell::SIGN).cast_unsigned()));
+        Cell(x << 32 | y)
+    }
+
+    fn place(self) -> [i32; 2] {
+        [self.0 >> 32, self.0].map(|value| (value as u32).cast_signed() ^ Cell::SIGN)
+    }
+}
 
 /// Groups points so that each is at most `link` from another of its group; groups in the order of
 /// their first point, members in the given order.
 ///
 /// Two points of one cell are always near enough, so a crowded cell costs no more than its count.
 pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
-    let cell = |p: &Point2<f64>| [p.x, p.y].map(|value| (value / (link / 2.0)).floor() as i64);
+    let cell =
+        |p: &Point2<f64>| Cell::new([p.x, p.y].map(|value| (value / (link / 2.0)).floor() as i32));
     let mut by_cell: Vec<(Cell, u32)> =
         points.iter().zip(0..).map(|(point, index)| (cell(point), index)).collect();
     by_cell.sort_unstable();
@@ -35,15 +52,17 @@ pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
 }
 
 /// The points of each inhabited cell that comes after `place` in order and lies within a link.
-fn neighbours(by_cell: &[(Cell, u32)], [x, y]: Cell) -> impl Iterator<Item = &[(Cell, u32)]> {
-    const REACH: i64 = 2;
+fn neighbours(by_cell: &[(Cell, u32)], place: Cell) -> impl Iterator<Item = &[(Cell, u32)]> {
+    const REACH: i32 = 2;
+    let [x, y] = place.place();
     // The cells of one x stand side by side.
     (0..=REACH).flat_map(move |dx| {
         let x = x.saturating_add(dx);
         let lowest = if dx == 0 { y.saturating_add(1) } else { y.saturating_sub(REACH) };
         let highest = y.saturating_add(REACH);
-        let from = by_cell.partition_point(|entry| entry.0 < [x, lowest]);
-        let near = by_cell[from..].iter().take_while(|entry| entry.0 <= [x, highest]).count();
+        let [lowest, highest] = [lowest, highest].map(|y| Cell::new([x, y]));
+        let from = by_cell.partition_point(|entry| entry.0 < lowest);
+        let near = by_cell[from..].iter().take_while(|entry| entry.0 <= highest).count();
         by_cell[from..from + near].chunk_by(|a, b| a.0 == b.0)
     })
 }

@@ -36,7 +36,7 @@ const LESSENED: f64 = 0.8;
 /// Places along and around at which the strain is looked at.
 const STRAIN_PLACES: [usize; 2] = [20, 72];
 
-/// Halvings that suffice for any columns …
+/// Steps that suffice for any columns, were each but a halving …
 const INVERSE_STEPS: usize = 24;
 
 /// … which a step this small, in radians, makes unnecessary: 5 nm on the skin.
@@ -112,16 +112,22 @@ impl Columns {
     /// The column at any angle, radians in [−π, π), at one distance along the axis.
     pub fn at(&self, along_mm: f64) -> impl Fn(f64) -> f64 {
         let (bend, around) = (self.bend.around_at(along_mm), self.bend.around());
-        // δ changes by half of v's change at most, so each step at least halves the distance.
         move |angle| {
             let mut v = angle;
+            let mut off = around.row(v).dot(&bend);
+            let mut slope = 1.0;
             for _ in 0..INVERSE_STEPS {
-                let next = angle - around.row(v).dot(&bend);
-                let moved = (next - v).abs();
-                v = next;
-                if moved < INVERSE_REST {
+                let step = off / slope;
+                v -= step;
+                if step.abs() < INVERSE_REST {
                     break;
                 }
+                let left = v + around.row(v).dot(&bend) - angle;
+                // δ changes by half of v's change at most, so a step of slope 1 at least halves what
+                // is off; one along the last chord does better, or is followed by one of slope 1.
+                let halves = left.abs() <= 0.5 * off.abs();
+                slope = if halves { (off - left) / step } else { 1.0 };
+                off = left;
             }
             home(v)
         }

@@ -25,6 +25,8 @@ pub struct Place {
     pub point: Point3<f64>,
     /// Where on the surface it should be: distance along the axis, mm, and column.
     pub at: (f64, f64),
+    /// Its angle around the middle of the leg, radians.
+    pub angle: f64,
     /// Its distance from the middle of the leg, mm.
     pub radius_mm: f64,
     /// The area it stands for, in any unit.
@@ -35,9 +37,8 @@ impl FitError {
     /// How far places lie from a surface; none where there are no places. The order of summation is
     /// fixed, so the figures do not depend on threads.
     pub fn of(surface: &Surface, places: &[Place]) -> Option<FitError> {
-        let distance_mm = |place: &Place| {
-            (surface.closest(&place.point, place.at.0, place.at.1).distance_mm, place.area)
-        };
+        let distance_mm =
+            |place: &Place| (surface.distance_mm(&place.point, place.at.0, place.at.1), place.area);
         let mut distances: Vec<(f64, f64)> = places.par_iter().map(distance_mm).collect();
         let (mut area, mut relative, mut squares) = (0.0, 0.0, 0.0);
         for (place, (distance_mm, own)) in places.iter().zip(&distances) {

@@ -121,9 +121,13 @@ impl Raster {
                 cells.fill(true);
                 continue;
             }
-            for cell in (home - aside).ceil() as i64..=(home + aside).floor() as i64 {
-                cells[cell.rem_euclid(CELLS_AROUND as i64) as usize] = true;
-            }
+            let (first, last) = ((home - aside).ceil() as i64, (home + aside).floor() as i64);
+            let count = (last + 1 - first).max(0) as usize;
+            // The run ends at the row's end and goes on at its start.
+            let first = first.rem_euclid(CELLS_AROUND as i64) as usize;
+            let wrapped = (first + count).saturating_sub(CELLS_AROUND);
+            cells[first..first + count - wrapped].fill(true);
+            cells[..wrapped].fill(true);
         }
     }
 

@@ -35,8 +35,9 @@ impl<'a> Unrolled<'a> {
             let along_mm = self.axis.along(point);
             (from_mm..=to_mm).contains(&along_mm).then(|| {
                 let arm = self.axis.in_plane(point) - self.nearest(along_mm).centre;
-                let at = (along_mm, self.columns.column(along_mm, arm.y.atan2(arm.x)));
-                Place { point: *point, at, radius_mm: arm.norm(), area: 1.0 }
+                let angle = arm.y.atan2(arm.x);
+                let at = (along_mm, self.columns.column(along_mm, angle));
+                Place { point: *point, at, angle, radius_mm: arm.norm(), area: 1.0 }
             })
         };
         leg.mesh.points().iter().filter_map(place).collect()
@@ -53,7 +54,7 @@ impl<'a> Unrolled<'a> {
                 let arm = Vector2::new(angle.cos(), angle.sin()) * radius_mm;
                 let point = axis.at(section.along_mm, &(section.centre + arm));
                 let at = (section.along_mm, column(angle));
-                Place { point, at, radius_mm, area: radius_mm.hypot(slope) }
+                Place { point, at, angle, radius_mm, area: radius_mm.hypot(slope) }
             })
         })
     }
@@ -67,9 +68,7 @@ impl<'a> Unrolled<'a> {
 
     /// How far outside its outline a place lies, mm.
     pub fn outside_mm(&self, place: &Place) -> f64 {
-        let (along_mm, column) = place.at;
-        let angle = self.columns.angle(along_mm, column);
-        place.radius_mm - self.nearest(along_mm).curve.radius(angle)
+        place.radius_mm - self.nearest(place.at.0).curve.radius(place.angle)
     }
 
     /// From the middle of its outline to a point, square to the axis, body frame, mm.

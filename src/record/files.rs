@@ -36,8 +36,9 @@ pub struct ScanFile<'a> {
 }
 
 /// The record and all files of its folder in the order in which they are to be written:
-/// `record.json` first, the scan's own bytes and what came with it, and `SHA256SUMS` over all others last. The same
-/// arguments give the same bytes. A CAD file that cannot be made is a finding of the record.
+/// `record.json` first, the scan's own bytes and what came with it, and `SHA256SUMS` over all others
+/// last. The same arguments give the same bytes. The scan's hash is the provenance's. A CAD file that
+/// cannot be made is a finding of the record.
 ///
 /// # Errors
 /// Where a figure cannot be written as JSON.
@@ -60,9 +61,12 @@ pub fn record_files(
         file("legs.svg", drawing::legs(extraction).into_bytes()),
     ];
     files.extend(surfaces);
-    files.push(file(&format!("scan.{}", scan.format.ending()), scan.bytes.to_vec()));
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
-    let sums = sums(&files);
+    let mut sums: String = files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect();
+    let scan = file(&format!("scan.{}", scan.format.ending()), scan.bytes.to_vec());
+    // Hashed already, and larger than all the others together.
+    sums.push_str(&sum(&provenance.sha256, &scan.name));
+    files.push(scan);
     files.push(file(SUMS, sums.into_bytes()));
     Ok((record, files))
 }
@@ -101,7 +105,7 @@ pub fn sha256(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// A line a file: hash, two spaces, name.
-fn sums(files: &[RecordFile]) -> String {
-    files.iter().map(|file| format!("{}  {}\n", sha256(&file.bytes), file.name)).collect()
+/// A file's line: hash, two spaces, name.
+fn sum(sha256: &str, name: &str) -> String {
+    format!("{sha256}  {name}\n")
 }

@@ -2,8 +2,9 @@
 //!
 //! tobj never panics, but it accepts NaN and infinity, a cut face line, and a file without faces,
 //! and it refuses a whole file for one Latin-1 letter in an object's name. So only the statements
-//! that carry geometry are handed on, checked and with their faces as triangles. A file without
-//! faces is read without tobj, which loses points that no face uses.
+//! that carry geometry are handed on. The checks have read every corner of every face already, so
+//! tobj is not given the faces again: it is asked for the points, in the order in which the faces
+//! use them. A file without faces is read without tobj, which loses points that no face uses.
 
 mod statements;
 
@@ -66,24 +67,16 @@ fn unplaced(what: &str) -> ScanFault {
     ScanFault::Malformed { place: Place::Unknown, what: what.to_owned() }
 }
 
-/// Points and triangles by tobj, both in the order of the faces.
+/// Points by tobj and triangles, both in the order of the faces.
 fn decode(statements: &Statements) -> Result<Unwelded, String> {
-    let options = tobj::LoadOptions { triangulate: true, ..Default::default() };
+    let options = tobj::LoadOptions::default();
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-    let mut geometry =
-        std::io::Read::chain(statements.points.as_slice(), statements.triangles.as_slice());
+    let (faces, triangles) = statements.in_order_of_use();
+    let mut geometry = std::io::Read::chain(statements.points.as_slice(), faces.as_slice());
     let (models, _) = tobj::load_obj_buf(&mut geometry, &options, no_materials)
         .map_err(|fault| fault.to_string())?;
-    let mut points = Vec::with_capacity(models.iter().map(|m| m.mesh.positions.len() / 3).sum());
-    let mut triangles = Vec::with_capacity(models.iter().map(|m| m.mesh.indices.len() / 3).sum());
-    for model in models {
-        let first = points.len() as u32;
-        let corners = model.mesh.positions.chunks_exact(3);
-        points.extend(corners.map(|c| Point3::new(c[0], c[1], c[2])));
-        let faces = model.mesh.indices.chunks_exact(3);
-        triangles.extend(faces.map(|f| [f[0], f[1], f[2]].map(|corner| corner + first)));
-    }
-    Ok((points, triangles))
+    let coordinates = models.iter().flat_map(|model| model.mesh.positions.chunks_exact(3));
+    Ok((coordinates.map(|c| Point3::new(c[0], c[1], c[2])).collect(), triangles))
 }
 
 /// All points, whether a face uses them or not, in the order of the file.

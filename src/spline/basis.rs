@@ -16,6 +16,11 @@ pub struct Basis {
     breakpoints: Vec<f64>,
     /// `knots[s + DEGREE] == breakpoints[s]` for every breakpoint `s`.
     knots: Vec<f64>,
+    /// For each interval, one over the distances of knots that the Cox-de Boor triangle divides by
+    /// there, column by column: a division costs as much as all else of a column.
+    reciprocals: Vec<[f64; 6]>,
+    /// Intervals per unit of x on average.
+    density: f64,
     periodic: bool,
 }
 
@@ -78,7 +83,7 @@ impl Basis {
         let mut knots = vec![breakpoints[0]; DEGREE];
         knots.extend_from_slice(breakpoints);
         knots.extend([breakpoints[intervals]; DEGREE]);
-        Ok(Basis { breakpoints: breakpoints.to_vec(), knots, periodic: false })
+        Ok(Basis::over(breakpoints, knots, false))
     }
 
     /// A basis that repeats with period `last − first breakpoint`. The last breakpoint is the
@@ -94,7 +99,20 @@ impl Basis {
         let before = breakpoints[intervals - DEGREE..intervals].iter().map(|knot| knot - period);
         let after = breakpoints[1..=DEGREE].iter().map(|knot| knot + period);
         let knots = before.chain(breakpoints.iter().copied()).chain(after).collect();
-        Ok(Basis { breakpoints: breakpoints.to_vec(), knots, periodic: true })
+        Ok(Basis::over(breakpoints, knots, true))
+    }
+
+    fn over(breakpoints: &[f64], knots: Vec<f64>, periodic: bool) -> Basis {
+        let intervals = breakpoints.len() - 1;
+        let density = intervals as f64 / (breakpoints[intervals] - breakpoints[0]);
+        let distances = COLUMNS.map(|to| (0..to).map(move |r| (DEGREE + r - to, DEGREE + r)));
+        let pairs: Vec<(usize, usize)> = distances.into_iter().flatten().collect();
+        let about = |span: usize| {
+            let knots = &knots[span + 1..=span + 2 * DEGREE];
+            std::array::from_fn(|place| 1.0 / (knots[pairs[place].1] - knots[pairs[place].0]))
+        };
+        let reciprocals = (0..intervals).map(about).collect();
+        Basis { breakpoints: breakpoints.to_vec(), knots, reciprocals, density, periodic }
     }
 
     /// A clamped basis on `[from, to]` with `intervals` of equal length.
@@ -161,18 +179,27 @@ impl Basis {
     /// to the nearer end.
     #[inline]
     pub fn rows(&self, x: f64) -> [Row; 4] {
+        let (span, [value, first, second]) = self.rows_to_second(x);
+        let triangle = self.triangle(span);
+        let third = raised::<1>(&triangle, ONE, Raise::Slope);
+        let third =
+            raised::<3>(&triangle, raised::<2>(&triangle, third, Raise::Slope), Raise::Slope);
+        let indices = self.indices(span);
+        [value, first, second, third].map(|values| Row { indices, values })
+    }
+
+    /// The interval that holds `x`, and there the functions' values and derivatives 1 and 2.
+    #[inline]
+    pub(super) fn rows_to_second(&self, x: f64) -> (usize, [[f64; 4]; 3]) {
         let x = self.brought_home(x);
         let span = self.span(x);
-        let (indices, knots) = (self.indices(span), self.knots_about(span));
+        let triangle = self.triangle(span);
         let (value, slope) = (Raise::Value(x), Raise::Slope);
-        let linear = raised::<1>(&knots, ONE, value);
-        let quadratic = raised::<2>(&knots, linear, value);
-        let cubic = raised::<3>(&knots, quadratic, value);
-        let first = raised::<3>(&knots, quadratic, slope);
-        let second = raised::<3>(&knots, raised::<2>(&knots, linear, slope), slope);
-        let third = raised::<2>(&knots, raised::<1>(&knots, ONE, slope), slope);
-        let third = raised::<3>(&knots, third, slope);
-        [cubic, first, second, third].map(|values| Row { indices, values })
+        let linear = raised::<1>(&triangle, ONE, value);
+        let quadratic = raised::<2>(&triangle, linear, value);
+        let first = raised::<3>(&triangle, quadratic, slope);
+        let second = raised::<3>(&triangle, raised::<2>(&triangle, linear, slope), slope);
+        (span, [raised::<3>(&triangle, quadratic, value), first, second])
     }
 
     /// The functions' polar forms on interval `span` (below the number of intervals) at three
@@ -180,7 +207,7 @@ impl Basis {
     /// consecutive knots of a refined basis they give the refined coefficient (Ramshaw 1989).
     #[inline]
     pub fn blossom(&self, span: usize, arguments: [f64; DEGREE]) -> Row {
-        let (knots, [a, b, c]) = (self.knots_about(span), arguments.map(Raise::Value));
+        let (knots, [a, b, c]) = (self.triangle(span), arguments.map(Raise::Value));
         let values = raised::<2>(&knots, raised::<1>(&knots, ONE, a), b);
         Row { indices: self.indices(span), values: raised::<3>(&knots, values, c) }
     }
@@ -197,7 +224,9 @@ impl Basis {
         self.breakpoints.len() - 1
     }
 
-    fn indices(&self, span: usize) -> [usize; 4] {
+    /// The functions that do not vanish on interval `span`.
+    #[inline]
+    pub(super) fn indices(&self, span: usize) -> [usize; 4] {
         let count = self.count();
         // At most once around; a division would take as long as the functions themselves.
         let folded = |index: usize| if index < count { index } else { index - count };
@@ -205,10 +234,11 @@ impl Basis {
     }
 
     /// The knots on which the functions of interval `span` depend; it lies between the middle two.
-    fn knots_about(&self, span: usize) -> [f64; 2 * DEGREE] {
+    #[inline]
+    fn triangle(&self, span: usize) -> Triangle {
         let mut knots = [0.0; 2 * DEGREE];
         knots.copy_from_slice(&self.knots[span + 1..=span + 2 * DEGREE]);
-        knots
+        Triangle { knots, reciprocals: self.reciprocals[span] }
     }
 
     /// `x` wrapped or clamped into the domain; the end of a period becomes its start.
@@ -226,34 +256,53 @@ impl Basis {
         if wrapped < from || wrapped >= to { from } else { wrapped }
     }
 
-    /// The interval that holds `x` of the domain; the last one for its end. Source: The NURBS Book,
-    /// A2.1.
+    /// The interval that holds `x` of the domain; the last one for its end. The search begins where
+    /// `x` lies among equal intervals, as most are.
     #[inline]
     pub(super) fn span(&self, x: f64) -> usize {
-        let inner = &self.breakpoints[1..self.intervals()];
-        inner.partition_point(|breakpoint| *breakpoint <= x)
+        let last = self.intervals() - 1;
+        let inner = &self.breakpoints[1..=last];
+        let mut span = (((x - self.breakpoints[0]) * self.density) as usize).min(last);
+        while span > 0 && x < inner[span - 1] {
+            span -= 1;
+        }
+        while span < last && inner[span] <= x {
+            span += 1;
+        }
+        span
     }
+}
+
+/// The degrees that the Cox-de Boor triangle raises to, one after the other.
+const COLUMNS: [usize; DEGREE] = [1, 2, 3];
+
+/// What the Cox-de Boor triangle of one interval is made of.
+struct Triangle {
+    /// The knots about the interval, which lies between the middle two.
+    knots: [f64; 2 * DEGREE],
+    /// See [`Basis`].
+    reciprocals: [f64; 6],
 }
 
 /// The function of degree 0 on its interval.
 const ONE: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
-/// The `TO + 1` functions of degree `TO` on the interval in the middle of `knots`, or their
-/// slopes, from the functions `lower` of one degree less: one column of the Cox-de Boor triangle
-/// (The NURBS Book, equations 2.5 and 2.7).
+/// The `TO + 1` functions of degree `TO` on the interval in the middle of a triangle's knots, or
+/// their slopes, from the functions `lower` of one degree less: one column of the Cox-de Boor
+/// triangle (The NURBS Book, equations 2.5 and 2.7).
 #[inline]
-fn raised<const TO: usize>(knots: &[f64; 2 * DEGREE], lower: [f64; 4], step: Raise) -> [f64; 4] {
+fn raised<const TO: usize>(triangle: &Triangle, lower: [f64; 4], step: Raise) -> [f64; 4] {
     let mut values = [0.0; 4];
     for r in 0..TO {
-        let (left, right) = (knots[DEGREE + r - TO], knots[DEGREE + r]);
-        // The interval itself lies between them, so the division is safe; it waits for nothing.
+        // The interval itself lies between the two knots, so their distance is none of 0.
+        let per_distance = triangle.reciprocals[TO * (TO - 1) / 2 + r];
         let (falling, rising) = match step {
             Raise::Value(x) => {
-                let falling = (right - x) / (right - left);
+                let falling = (triangle.knots[DEGREE + r] - x) * per_distance;
                 (falling, 1.0 - falling)
             }
             Raise::Slope => {
-                let rising = TO as f64 / (right - left);
+                let rising = TO as f64 * per_distance;
                 (-rising, rising)
             }
         };

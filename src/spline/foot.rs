@@ -26,6 +26,10 @@ const MOST_STEPS: usize = 50;
 /// A step that would move the foot by less than this is rest. Coordinates are millimetres.
 const REST_MM: f64 = 1e-9;
 
+/// A step this short, mm, need not be taken to know the distance after it: what the squared distance
+/// loses by it is known but for the cube of the step, and so the distance to 1e-8 mm.
+const FORESEEN_MM: f64 = 1e-3;
+
 /// Distances closer than this are equal: what rounding leaves of coordinates of some metres.
 const ROUNDING_MM: f64 = 1e-12;
 
@@ -34,23 +38,49 @@ impl Surface {
     /// minimum of the distance. Steps wrap across the seam and stop at the end rows. Source: The
     /// NURBS Book 6.1, with negative curvatures turned round and step halving.
     pub fn closest(&self, point: &Point3<f64>, u0: f64, v0: f64) -> Foot {
+        let (here, step) = self.downhill(point, u0, v0, REST_MM);
+        let (first, last) = self.along().domain();
+        let v = self.around().brought_home(here.v);
+        let at_end = here.u <= first || here.u >= last;
+        let converged = step.is_some();
+        Foot { u: here.u, v, distance_mm: here.distance_mm, converged, at_end }
+    }
+
+    /// The distance alone that [`Surface::closest`] finds, to 1e-8 mm, in two thirds of the time.
+    pub fn distance_mm(&self, point: &Point3<f64>, u0: f64, v0: f64) -> f64 {
+        let (here, step) = self.downhill(point, u0, v0, FORESEEN_MM);
+        let (first, last) = self.along().domain();
+        match step {
+            Some(step) if (first..=last).contains(&(here.u + step.x)) => {
+                // A Newton step lessens half the squared distance by half the gradient's share.
+                let gain = here.gradient.dot(&step.component_mul(&here.lengths));
+                (here.distance_mm * here.distance_mm + gain).max(0.0).sqrt()
+            }
+            _ => self.closest(point, here.u, here.v).distance_mm,
+        }
+    }
+
+    /// The place from which the next step would move the foot by less than `rest_mm`, and that
+    /// step, which is not taken; the best place found, and none, where the steps find no rest.
+    fn downhill(
+        &self,
+        point: &Point3<f64>,
+        u0: f64,
+        v0: f64,
+        rest_mm: f64,
+    ) -> (Place, Option<Vector2<f64>>) {
         let (first, last) = self.along().domain();
         let mut here = Place::at(self, point, u0.clamp(first, last), v0);
-        let mut converged = false;
         for _ in 0..MOST_STEPS {
             let step = here.step(first, last);
             let Derivatives { du, dv, .. } = here.derivatives;
-            // At rest the distance no longer depends on the step: it need not be taken.
-            converged = (du * step.x + dv * step.y).norm() < REST_MM;
-            if converged {
-                break;
+            if (du * step.x + dv * step.y).norm() < rest_mm {
+                return (here, Some(step));
             }
             let Some(next) = self.improved(point, &here, step) else { break };
             here = next;
         }
-        let v = self.around().brought_home(here.v);
-        let at_end = here.u <= first || here.u >= last;
-        Foot { u: here.u, v, distance_mm: here.distance_mm, converged, at_end }
+        (here, None)
     }
 
     /// The point of the surface nearest to `point`, mm, wherever that lies: [`Surface::closest`]

@@ -117,11 +117,7 @@ impl Surface {
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
         let (along, around) = (self.along.row(u), self.around.row(v));
         let [arc] = self.arcs(&along.indices, &around.indices, [along.values]);
-        arc.iter()
-            .zip(around.values)
-            .map(|(point, value)| value * point)
-            .sum::<Vector3<f64>>()
-            .into()
+        mixed(&arc, around.values).into()
     }
 
     /// The points at every pair of `u` and `v`, row-major, `u.len()` rows of `v.len()`; a tenth of
@@ -139,23 +135,18 @@ impl Surface {
     /// The point and its derivatives of first and second order at `u`, taken into the domain, and
     /// `v`, wrapped. Source: The NURBS Book, A3.6.
     pub fn derivatives(&self, u: f64, v: f64) -> Derivatives {
-        let [along, along_1, along_2, _] = self.along.rows(u);
-        let [around, around_1, around_2, _] = self.around.rows(v);
-        let [ring, ring_1, ring_2] = self.arcs(
-            &along.indices,
-            &around.indices,
-            [along.values, along_1.values, along_2.values],
-        );
-        let mixed = |arc: &[Vector3<f64>; 4], row: &Row| {
-            arc.iter().zip(row.values).map(|(point, value)| value * point).sum::<Vector3<f64>>()
-        };
+        let (from, along) = self.along.rows_to_second(u);
+        let (beside, [around, around_1, around_2]) = self.around.rows_to_second(v);
+        let (along_indices, around_indices) =
+            (self.along.indices(from), self.around.indices(beside));
+        let [ring, ring_1, ring_2] = self.arcs(&along_indices, &around_indices, along);
         Derivatives {
-            point: Point3::from(mixed(&ring, &around)),
-            du: mixed(&ring_1, &around),
-            dv: mixed(&ring, &around_1),
-            duu: mixed(&ring_2, &around),
-            duv: mixed(&ring_1, &around_1),
-            dvv: mixed(&ring, &around_2),
+            point: Point3::from(mixed(&ring, around)),
+            du: mixed(&ring_1, around),
+            dv: mixed(&ring, around_1),
+            duu: mixed(&ring_2, around),
+            duv: mixed(&ring_1, around_1),
+            dvv: mixed(&ring, around_2),
         }
     }
 
@@ -210,19 +201,31 @@ impl Surface {
         along: &[usize; 4],
         around: &[usize; 4],
         values: [[f64; 4]; N],
-    ) -> [[Vector3<f64>; 4]; N] {
+    ) -> [Arc; N] {
         let columns = self.around.count();
-        let mut arcs = [[Vector3::zeros(); 4]; N];
+        let mut arcs = [[0.0; 12]; N];
         for (k, i) in along.iter().enumerate() {
             let row = &self.control_points[i * columns..(i + 1) * columns];
-            for (place, j) in around.iter().enumerate() {
-                let point = row[*j].coords;
-                let sums = arcs.iter_mut().zip(values);
-                sums.for_each(|(arc, values)| arc[place] += values[k] * point);
+            let [a, b, c, d] = around.map(|j| row[j].coords);
+            let points = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z];
+            for (arc, values) in arcs.iter_mut().zip(values) {
+                let sums = arc.iter_mut().zip(&points);
+                sums.for_each(|(sum, coordinate)| *sum += values[k] * coordinate);
             }
         }
         arcs
     }
+}
+
+/// Four neighbouring points of a closed curve, their coordinates one after the other: sums of such
+/// are taken two coordinates at a time.
+type Arc = [f64; 12];
+
+/// The sum of an arc's points under the values of the functions around.
+#[inline]
+fn mixed(arc: &Arc, values: [f64; 4]) -> Vector3<f64> {
+    let at = |k: usize| values[k] * Vector3::new(arc[3 * k], arc[3 * k + 1], arc[3 * k + 2]);
+    at(0) + at(1) + at(2) + at(3)
 }
 
 /// The sum of points of a closed curve under a row of basis values.

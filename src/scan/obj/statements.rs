@@ -43,21 +43,20 @@ const STATEMENTS: [&str; 30] = [
 /// than its length allows, so an index beyond that is wrong before all points are known.
 const SHORTEST_POINT_BYTES: usize = 8;
 
-/// Triangles that tobj collects before it makes a mesh of them. It takes 104 bytes for each, so
-/// that this many are 7 MB; the meshes are joined again afterwards.
-const TRIANGLES_PER_OBJECT: usize = 1 << 16;
+/// Points that tobj is asked for at once, in one object. It takes some 100 bytes for each while it
+/// reads them, so that this many are 7 MB.
+const POINTS_PER_OBJECT: usize = 1 << 16;
 
-/// The geometry of a file as OBJ text in its plainest form.
+/// The geometry of a file in its plainest form.
 pub(super) struct Statements {
     /// `v` lines of three coordinates with decimal points.
     pub points: Vec<u8>,
-    /// `f` lines of three different existing points, in objects of some ten thousand.
-    pub triangles: Vec<u8>,
+    /// Three different existing points each, 0-based.
+    pub triangles: Vec<[u32; 3]>,
     /// Number of `v` lines.
     pub point_count: usize,
     /// Whether a coordinate has a comma.
     pub has_commas: bool,
-    triangle_count: usize,
     /// Whether a face uses the point.
     used: Vec<bool>,
     /// The largest index of a face so far, 0-based, and the line where it stands.
@@ -75,21 +74,20 @@ impl Statements {
     pub(super) fn of(bytes: &[u8]) -> Result<Statements, ScanFault> {
         let mut found = Statements {
             points: Vec::with_capacity(bytes.len() / 2),
-            triangles: Vec::with_capacity(bytes.len() / 2),
+            triangles: Vec::new(),
             point_count: 0,
             has_commas: false,
-            triangle_count: 0,
             used: Vec::new(),
             largest: (0, 0),
         };
         let points_max = bytes.len() / SHORTEST_POINT_BYTES + 1;
         let mut corners = Vec::new();
-        each_geometry(bytes, |line, statement| match keyword(statement) {
-            b"v" => {
+        each_geometry(bytes, |line, statement| match statement.starts_with(b"v") {
+            true => {
                 found.point(statement);
                 Ok(())
             }
-            _ => {
+            false => {
                 if found.plain_triangle(statement) {
                     return Ok(());
                 }
@@ -115,6 +113,28 @@ impl Statements {
         self.point_count - self.used.iter().filter(|used| **used).count()
     }
 
+    /// The points in the order in which the triangles use them first, as `f` lines that ask tobj for
+    /// some ten thousand each, and the triangles in their numbers in that order.
+    pub(super) fn in_order_of_use(&self) -> (Vec<u8>, Vec<[u32; 3]>) {
+        const UNUSED: u32 = u32::MAX;
+        let mut numbers = vec![UNUSED; self.point_count];
+        let (mut faces, mut count) = (Vec::new(), 0);
+        let mut numbered = |corner: u32| {
+            let number = &mut numbers[corner as usize];
+            if *number == UNUSED {
+                *number = count;
+                let is_first = (count as usize).is_multiple_of(POINTS_PER_OBJECT);
+                faces.extend_from_slice(if is_first { b"\no\nf " } else { b" " });
+                push_number(&mut faces, u64::from(corner) + 1);
+                count += 1;
+            }
+            *number
+        };
+        let triangles = self.triangles.iter().map(|corners| corners.map(&mut numbered)).collect();
+        faces.push(b'\n');
+        (faces, triangles)
+    }
+
     fn point(&mut self, statement: &[u8]) {
         self.point_count += 1;
         let coordinates = &statement[..end_of_word(statement, 4)];
@@ -131,39 +151,16 @@ impl Statements {
     /// Takes over a face such as `f 1 2 3` of three different points that are there already, as
     /// nearly all are. Says whether it is one.
     fn plain_triangle(&mut self, statement: &[u8]) -> bool {
-        let mut corners = [0_usize; 3];
-        let mut count = 0;
-        let mut after_blank = false;
-        for &byte in &statement[1..] {
-            let digit = usize::from(byte.wrapping_sub(b'0'));
-            if digit < 10 {
-                count += usize::from(after_blank);
-                let Some(corner) = corners.get_mut(count.wrapping_sub(1)) else { return false };
-                *corner = corner.saturating_mul(10).saturating_add(digit);
-            } else if byte != b' ' {
-                return false;
-            }
-            after_blank = digit >= 10;
-        }
+        let Some(corners) = plain_corners(statement) else { return false };
         let [a, b, c] = corners;
         let are_there = corners.iter().all(|corner| (1..=self.point_count).contains(corner));
-        if count != 3 || !are_there || a == b || b == c || c == a {
+        if !are_there || a == b || b == c || c == a {
             return false;
         }
         self.used.resize(self.used.len().max(self.point_count), false);
         corners.iter().for_each(|corner| self.used[corner - 1] = true);
-        self.count_triangle();
-        self.triangles.extend_from_slice(statement);
-        self.triangles.push(b'\n');
+        self.triangles.push(corners.map(|corner| (corner - 1) as u32));
         true
-    }
-
-    /// Begins a new object where the last one has enough triangles.
-    fn count_triangle(&mut self) {
-        if self.triangle_count.is_multiple_of(TRIANGLES_PER_OBJECT) {
-            self.triangles.extend_from_slice(b"o\n");
-        }
-        self.triangle_count += 1;
     }
 
     /// The point that a word such as `3`, `-1`, `3/1` or `3//2` names, 0-based.
@@ -185,7 +182,7 @@ impl Statements {
         Ok(number)
     }
 
-    /// Writes the triangles of a polygon around its first corner. Faces of one or two corners are
+    /// Takes over the triangles of a polygon around its first corner. Faces of one or two corners are
     /// points and lines, which OBJ has statements of their own for.
     fn fan(&mut self, corners: &[u32]) {
         let [first, rest @ ..] = corners else { return };
@@ -200,15 +197,33 @@ impl Statements {
             self.used[index] = true;
         }
         for pair in rest.windows(2).filter(|pair| pair[0] != pair[1] && !pair.contains(first)) {
-            self.count_triangle();
-            self.triangles.push(b'f');
-            for index in [*first, pair[0], pair[1]] {
-                self.triangles.push(b' ');
-                push_number(&mut self.triangles, u64::from(index) + 1);
-            }
-            self.triangles.push(b'\n');
+            self.triangles.push([*first, pair[0], pair[1]]);
         }
     }
+}
+
+/// The numbers of a face such as `f 1 2 3`: three, of digits alone, with blanks between.
+fn plain_corners(statement: &[u8]) -> Option<[usize; 3]> {
+    /// No number of so few digits is too large, so none is checked.
+    const DIGITS_MAX: usize = 9;
+    let mut rest = &statement[1..];
+    let mut corners = [0; 3];
+    for corner in &mut corners {
+        let blanks = rest.iter().take_while(|byte| **byte == b' ').count();
+        rest = &rest[blanks..];
+        let digits =
+            rest.iter().map(|byte| byte.wrapping_sub(b'0')).take_while(|digit| *digit < 10);
+        let mut length = 0;
+        for digit in digits.take(DIGITS_MAX + 1) {
+            *corner = 10 * *corner + usize::from(digit);
+            length += 1;
+        }
+        if blanks == 0 || !(1..=DIGITS_MAX).contains(&length) {
+            return None;
+        }
+        rest = &rest[length..];
+    }
+    rest.is_empty().then_some(corners)
 }
 
 /// A whole number of digits alone, many times faster than by the standard library.
@@ -240,6 +255,15 @@ pub(super) fn keyword(statement: &[u8]) -> &[u8] {
     statement.split(u8::is_ascii_whitespace).next().unwrap_or_default()
 }
 
+/// Whether a trimmed statement is a point or a face.
+fn is_geometry(statement: &[u8]) -> bool {
+    match statement {
+        [b'v' | b'f', next, ..] => next.is_ascii_whitespace(),
+        [b'v' | b'f'] => true,
+        _ => false,
+    }
+}
+
 /// Refuses a text whose first statement is none of OBJ's.
 ///
 /// # Errors
@@ -266,8 +290,7 @@ pub(super) fn each_geometry(
     let mut joined = Vec::new();
     let mut start = 0;
     for (number, line) in numbered(bytes) {
-        let is_geometry = !joined.is_empty() || matches!(keyword(line), b"v" | b"f");
-        if !is_geometry {
+        if joined.is_empty() && !is_geometry(line) {
             continue;
         }
         if joined.is_empty() {

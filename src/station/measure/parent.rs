@@ -18,6 +18,17 @@ use crate::flow::ScanId;
 /// This very program, whatever has become of the file it was started from.
 const SELF: &str = "/proc/self/exe";
 
+/// What the C library's allocator is told before the process begins. A measurement takes some 60 MB
+/// and gives nothing back until it ends: from one heap of huge pages, where there are such, that
+/// costs 500 page faults, by the library's own rule 10 600, which are a tenth of a measurement.
+/// Pieces of more than 32 MB are mapped one by one as usual, so that growing them leaves no holes.
+/// Other C libraries do not know the name and heed none of it.
+const ALLOCATOR: (&str, &str) = (
+    "GLIBC_TUNABLES",
+    "glibc.malloc.arena_max=1:glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:\
+     glibc.malloc.trim_threshold=1073741824:glibc.malloc.top_pad=67108864",
+);
+
 /// An answer longer than this is none; a record has a few megabytes.
 const ANSWER_MAX_BYTES: u64 = 1 << 30;
 
@@ -86,6 +97,7 @@ pub fn measure(
     let mut child = Command::new(SELF)
         .args([VERB, scan.as_str()])
         .env_clear()
+        .env(ALLOCATOR.0, ALLOCATOR.1)
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
