@@ -36,6 +36,12 @@ const WAYS: usize = 20;
 /// Files that lie in a crowded export folder: years of a clinic that never cleans up.
 const CROWD: usize = 20_000;
 
+/// How often it is looked whether a record has come, …
+const LOOK_UP: Duration = Duration::from_millis(2);
+
+/// … and in a backlog, where each look at hundreds of records takes from the same cores.
+const LOOK_UP_BACKLOG: Duration = Duration::from_millis(50);
+
 /// Scans of the backlog.
 const BACKLOG: usize = 500;
 
@@ -80,15 +86,15 @@ fn booth() -> Booth {
     Booth::set(&Setting { quiet: QUIET, rescan: RESCAN, ..Setting::default() })
 }
 
-/// Waits for so many records under their final names, looking every 2 ms.
-fn wait_for_records(booth: &Booth, count: usize) {
+/// Waits for so many records under their final names.
+fn wait_for_records(booth: &Booth, count: usize, look_up: Duration) {
     let records = booth.path("records");
     let is_final = |name: &String| !name.starts_with('.');
     let patients = || names(&records).into_iter().map(|patient| records.join(patient));
     while patients().map(|at| names(&at).iter().filter(|n| is_final(n)).count()).sum::<usize>()
         < count
     {
-        sleep(Duration::from_millis(2));
+        sleep(look_up);
     }
 }
 
@@ -103,7 +109,7 @@ fn idle(what: &str, scans: usize) {
     booth.wait_long_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", known);
     // One scan measured: what extraction leaves behind in memory counts too.
     booth.export("4711_scan.obj", &body(0));
-    wait_for_records(&booth, 1);
+    wait_for_records(&booth, 1, LOOK_UP);
     sleep(QUIET * 2);
     let (before, began) = (cpu_ticks(daemon.id()), Instant::now());
     sleep(IDLE);
@@ -152,7 +158,7 @@ fn way(name: &str, bodies: Bodies, known: usize) {
         extractions.push(extraction(&booth, &bytes));
         booth.export(&format!("4711_{n}.obj"), &bytes);
         let last_byte = Instant::now();
-        wait_for_records(&booth, n + 1);
+        wait_for_records(&booth, n + 1, LOOK_UP);
         ways.push(last_byte.elapsed());
     }
     daemon.stop();
@@ -174,7 +180,7 @@ fn backlog(name: &str, bodies: Bodies) {
     let daemon = booth.start();
     let mut peak_kb = 0;
     for tenth in 1..=10 {
-        wait_for_records(&booth, BACKLOG * tenth / 10);
+        wait_for_records(&booth, BACKLOG * tenth / 10, LOOK_UP_BACKLOG);
         peak_kb = peak_kb.max(Vitals::of(daemon.id()).unwrap().resident_kb);
     }
     let took = began.elapsed().as_secs_f64();

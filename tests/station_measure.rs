@@ -143,9 +143,10 @@ fn the_answer_is_the_record_that_extract_makes() {
 #[test]
 fn a_process_that_wants_too_much_memory_costs_that_scan_only() {
     let booth = booth("[measure]\nmemory = \"256MB\"\n");
+    booth.reconfigure(|config| config.replace("\"20MB\"", "\"60MB\""));
     let daemon = booth.start();
     // 8 bytes a point in the file, 24 and more in memory.
-    let bomb = "v 1 2 3\n".repeat(2_400_000).into_bytes();
+    let bomb = "v 1 2 3\n".repeat(7_000_000).into_bytes();
     booth.export("4711_bomb.obj", &bomb);
     booth.export("4711_good.obj", &body(41));
     booth.wait_for_records(1);

@@ -306,8 +306,9 @@ fn raised<const TO: usize>(triangle: &Triangle, lower: [f64; 4], step: Raise) ->
                 (-rising, rising)
             }
         };
-        values[r] += falling * lower[r];
-        values[r + 1] += rising * lower[r];
+        let fallen = falling * lower[r];
+        values[r] = if r == 0 { fallen } else { values[r] + fallen };
+        values[r + 1] = rising * lower[r];
     }
     values
 }
