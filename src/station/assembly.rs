@@ -156,6 +156,12 @@ impl Station {
         }
     }
 
+    /// The text of an error that was minded.
+    fn minded(&self, error: &(dyn std::error::Error + 'static)) -> String {
+        self.mind(error);
+        chain(error)
+    }
+
     /// Whether a store is in reach. One that a rebuilt journal has not searched yet is searched
     /// first, for what it holds must not be delivered again. Blocks.
     pub fn ask_store(&self, name: &str) -> bool {
@@ -167,10 +173,11 @@ impl Station {
             store.reach().and_then(|()| self.make_ready(store)).map_err(|fault| of_store(&fault))
         });
         let asked = reached.and_then(|()| {
-            if !self.custody.journal().is_to_be_searched(name).map_err(|error| chain(&error))? {
+            let to_be_searched = self.custody.journal().is_to_be_searched(name);
+            if !to_be_searched.map_err(|error| self.minded(&error))? {
                 return Ok(());
             }
-            rebuild::search(&self.custody, store).map_err(|fault| chain(&fault))
+            rebuild::search(&self.custody, store).map_err(|fault| self.minded(&fault))
         });
         let in_reach = asked.is_ok();
         self.note_store(name, asked.err());
@@ -181,7 +188,7 @@ impl Station {
     /// marked, lest the empty place of a share be taken for it.
     fn begin_store(&self, store: &RecordStore) -> Result<(), String> {
         let (journal, place) = (self.custody.journal(), store.place());
-        let of_journal = |error: JournalError| chain(&error);
+        let of_journal = |error: JournalError| self.minded(&error);
         let begun = journal.begun_at(store.name()).map_err(of_journal)?;
         if begun.as_ref() == Some(&place) {
             return Ok(());
