@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -69,7 +69,7 @@ impl Station {
         let state = |source| StationError::State { path: state_dir.clone(), source };
         let stores = stores(&config);
         let names: Vec<&'static str> = stores.iter().map(RecordStore::name).collect();
-        let journal = state_dir.join("journal.db");
+        let journal = journal_file(&config);
         let opened = rebuild::open(&journal, &names, first_start)?;
         // After the journal: where there is a spool there was one, and where it is missing it was lost.
         let spool = Spool::open(state_dir).map_err(state)?;
@@ -156,6 +156,14 @@ impl Station {
         }
     }
 
+    /// Sets the journal aside, whose ruin has shown in its use: opened again it may look sound.
+    ///
+    /// # Errors
+    /// Where its files cannot be renamed.
+    pub fn give_up_journal(&self) -> Result<(), StationError> {
+        rebuild::give_up(&journal_file(&self.config), self.custody.journal())
+    }
+
     /// The text of an error that was minded.
     fn minded(&self, error: &(dyn std::error::Error + 'static)) -> String {
         self.mind(error);
@@ -239,6 +247,10 @@ impl Station {
         self.note_store(name, Some(STALLED.to_owned()));
         true
     }
+}
+
+fn journal_file(config: &Config) -> PathBuf {
+    config.station.state_dir.join("journal.db")
 }
 
 /// The stores of a configuration, each with its name in the journal.
