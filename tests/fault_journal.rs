@@ -256,6 +256,10 @@ fn a_journal_that_is_not_there_or_holds_nothing_is_made_anew() {
         let empty = Connection::open(state.join("journal.db")).unwrap();
         empty.execute_batch("VACUUM").unwrap();
     });
+    past.recovers_with_alarm(STOPPED, "facts that are no text", |state| {
+        let journal = Connection::open(state.join("journal.db")).unwrap();
+        journal.execute_batch("UPDATE meta SET value = CAST(x'ff' AS TEXT)").unwrap();
+    });
     past.recovers_with_alarm(STOPPED, "tables dropped", |state| {
         let journal = Connection::open(state.join("journal.db")).unwrap();
         journal.execute_batch("PRAGMA foreign_keys = OFF; DROP TABLE deliveries").unwrap();

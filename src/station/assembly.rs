@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -68,7 +68,7 @@ impl Station {
         let state = |source| StationError::State { path: state_dir.clone(), source };
         let stores = stores(&config);
         let names: Vec<&'static str> = stores.iter().map(RecordStore::name).collect();
-        let journal = state_dir.join("journal.db");
+        let journal = journal_file(&config);
         let opened = rebuild::open(&journal, &names, first_start)?;
         // After the journal: where there is a spool there was one, and where it is missing it was lost.
         let spool = Spool::open(state_dir).map_err(state)?;
@@ -161,6 +161,20 @@ impl Station {
         }
     }
 
+    /// Sets the journal aside, whose ruin has shown in its use: opened again it may look sound.
+    ///
+    /// # Errors
+    /// Where its files cannot be renamed.
+    pub fn give_up_journal(&self) -> Result<(), StationError> {
+        rebuild::give_up(&journal_file(&self.config), self.custody.journal())
+    }
+
+    /// The text of an error that was minded.
+    fn minded(&self, error: &(dyn std::error::Error + 'static)) -> String {
+        self.mind(error);
+        chain(error)
+    }
+
     /// Whether a store is in reach. One that a rebuilt journal has not searched yet is searched
     /// first, for what it holds must not be delivered again. Blocks.
     pub fn ask_store(&self, name: &str) -> bool {
@@ -172,10 +186,11 @@ impl Station {
             store.reach().and_then(|()| self.make_ready(store)).map_err(|fault| of_store(&fault))
         });
         let asked = reached.and_then(|()| {
-            if !self.custody.journal().is_to_be_searched(name).map_err(|error| chain(&error))? {
+            let to_be_searched = self.custody.journal().is_to_be_searched(name);
+            if !to_be_searched.map_err(|error| self.minded(&error))? {
                 return Ok(());
             }
-            rebuild::search(&self.custody, store).map_err(|fault| chain(&fault))
+            rebuild::search(&self.custody, store).map_err(|fault| self.minded(&fault))
         });
         let in_reach = asked.is_ok();
         self.note_store(name, asked.err());
@@ -186,7 +201,7 @@ impl Station {
     /// marked, lest the empty place of a share be taken for it.
     fn begin_store(&self, store: &RecordStore) -> Result<(), String> {
         let (journal, place) = (self.custody.journal(), store.place());
-        let of_journal = |error: JournalError| chain(&error);
+        let of_journal = |error: JournalError| self.minded(&error);
         let begun = journal.begun_at(store.name()).map_err(of_journal)?;
         if begun.as_ref() == Some(&place) {
             return Ok(());
@@ -241,6 +256,10 @@ impl Station {
         self.note_store(name, Some(STALLED.to_owned()));
         true
     }
+}
+
+fn journal_file(config: &Config) -> PathBuf {
+    config.station.state_dir.join("journal.db")
 }
 
 /// The stores of a configuration, each with its name in the journal.

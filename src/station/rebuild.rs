@@ -73,8 +73,8 @@ pub fn is_ruin(error: &(dyn std::error::Error + 'static)) -> bool {
     false
 }
 
-/// Sets an open journal aside whose ruin shows only in its use: the next start finds it missing and
-/// begins it anew, instead of ending by the same fault for ever.
+/// Sets an open journal aside whose ruin shows only in its use: whoever opens it next finds it
+/// missing and begins it anew, instead of ending by the same fault for ever.
 ///
 /// # Errors
 /// Where its files cannot be renamed.

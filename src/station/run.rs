@@ -100,8 +100,8 @@ pub async fn run(
             Ok(Turn::Reload(next)) => config = *next,
             Ok(Turn::Ruin) => {
                 let ruined = Arc::clone(&station);
-                let let_go = spawn_blocking(move || ruined.custody.journal().let_go());
-                if let Err(error) = let_go.await.map_err(StationError::Start)? {
+                let given_up = spawn_blocking(move || ruined.give_up_journal());
+                if let Err(error) = given_up.await.map_err(StationError::Start)? {
                     warn!(event = "journal-failed", error = chain(&error));
                 }
                 ruins = if station.now() - began >= SOUND { 1 } else { ruins + 1 };
