@@ -128,8 +128,9 @@ fn idle(what: &str, scans: usize) {
 }
 
 /// How long `gaiter extract` takes for a file, from start to end of the process.
-fn extraction(booth: &Booth, bytes: &[u8]) -> Duration {
-    let scan = booth.path("bench.obj");
+fn extraction(booth: &Booth, n: usize, bytes: &[u8]) -> Duration {
+    // A record of another scan is never written over.
+    let scan = booth.path(&format!("bench_{n}.obj"));
     fs::write(&scan, bytes).unwrap();
     let mut command = Command::new(program());
     command.arg("extract").arg(scan).arg("--out").arg(booth.path("extracted"));
@@ -155,7 +156,7 @@ fn way(name: &str, bodies: Bodies, known: usize) {
     let (mut ways, mut extractions) = (Vec::new(), Vec::new());
     for n in 0..WAYS {
         let bytes = bodies(n);
-        extractions.push(extraction(&booth, &bytes));
+        extractions.push(extraction(&booth, n, &bytes));
         booth.export(&format!("4711_{n}.obj"), &bytes);
         let last_byte = Instant::now();
         wait_for_records(&booth, n + 1, LOOK_UP);
