@@ -109,7 +109,7 @@ impl Outbox {
     }
 
     /// How many scans are in hand at stores that answer.
-    fn busy(&self) -> usize {
+    pub fn busy(&self) -> usize {
         let stalled = |key: &&Key| {
             self.stores.get(&key.store).is_some_and(|store| store.reach == Reach::Stalled)
         };

@@ -29,7 +29,7 @@ use crate::flow::outbox::{Ended, Key};
 const RECHECK: Duration = Duration::from_secs(5);
 
 /// At most this many scans at a time, however many cores there are.
-const MOST_HANDS: usize = 4;
+const MOST_HANDS: usize = 5;
 
 /// A step at a store that takes longer has stalled. A record has some megabytes.
 const STALLED: Duration = Duration::from_secs(60);
@@ -56,7 +56,8 @@ struct Bench {
 /// Where a job panicked.
 pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
     let cores = available_parallelism().map_or(1, usize::from);
-    let hands = cores.clamp(1, MOST_HANDS);
+    // One more than cores: while a record is being synced, no core is idle.
+    let hands = (cores + 1).min(MOST_HANDS);
     let mut bench = Bench::default();
     for store in &station.stores {
         bench.outbox.asking(store.name());
@@ -113,7 +114,7 @@ impl Bench {
             self.ask(station, store);
         }
         // A scan that comes alone has all cores to itself.
-        let threads = (cores / plan.attempts.len().max(1)).max(1);
+        let threads = (cores / self.outbox.busy().max(1)).max(1);
         for group in plan.attempts {
             let dues: Vec<Due> =
                 group.iter().filter_map(|key| self.dues.get(key).cloned()).collect();
@@ -201,7 +202,8 @@ impl Bench {
         let noted = spawn_blocking(move || {
             let next_at = Timestamp::now().checked_add(pause).unwrap_or(Timestamp::MAX);
             let code = if ended == Ended::StoreFailed { "store-unavailable" } else { "put-off" };
-            station.custody.journal().put_off(&due, code, next_at)
+            let noted = station.custody.journal().put_off(&due, code, next_at);
+            noted.inspect_err(|error| station.mind(error))
         });
         if let Err(error) = noted.await? {
             // For people only; the pause itself holds.

@@ -51,6 +51,7 @@ impl Overview {
         });
         Overview { facts, tally, disk, complaints: found, now }
     }
+
     /// How many records are to be delivered; zero where the journal cannot say.
     pub fn pending(&self) -> u64 {
         self.tally.as_ref().map_or(0, pending)

@@ -39,6 +39,9 @@ pub enum SearchFault {
     Journal(#[from] JournalError),
 }
 
+/// Why a journal is rebuilt that is not there: removed from outside, or set aside in use.
+const MISSING: &str = "there was none, or it had been set aside in use";
+
 /// Opens the journal. A ruined one is set aside and begun anew; so is one that is missing although
 /// a station ran here before.
 ///
@@ -49,7 +52,7 @@ pub fn open(path: &Path, stores: &[&str], first_start: bool) -> Result<Opened, S
     let missing = !first_start && !path.exists();
     let why = match Journal::open(path) {
         Ok(journal) if !missing => return Ok(Opened { journal, rebuilt: None }),
-        Ok(_) | Err(JournalError::Behind { .. }) if missing => "it was missing".to_owned(),
+        Ok(_) | Err(JournalError::Behind { .. }) if missing => MISSING.to_owned(),
         Err(error) if error.is_ruin() => chain(&error),
         Err(error) => return Err(fault(error)),
         Ok(journal) => return Ok(Opened { journal, rebuilt: None }),

@@ -73,8 +73,8 @@ impl Journal {
         })
     }
 
-    /// Forgets the sightings of files of forgotten or unread scans in a folder, those aside that are still
-    /// present there or lie in one of the other folders; says how many.
+    /// Forgets the sightings of files in a folder whose scans are forgotten or were never read; says
+    /// how many. Files that are still present there stay, and those in one of the other folders.
     ///
     /// # Errors
     /// See [`JournalError`].
