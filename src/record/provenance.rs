@@ -38,8 +38,14 @@ pub struct Source {
 pub enum SourceKind {
     /// The scan's file name, by the configured expression.
     FileName,
+    /// The scanner's own measures (`.ord`) beside the scan.
+    Sidecar,
     /// A person at the station.
     Operator,
+    /// A card or barcode that was read at the booth.
+    Reader,
+    /// An order of the practice software (GDT 6302).
+    Order,
     /// The record itself, found in its store by a station that had lost its journal.
     Record,
 }

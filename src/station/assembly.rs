@@ -13,6 +13,7 @@ use tokio::sync::Notify;
 use tracing::{error, info, warn};
 
 use super::board::Board;
+use super::booth::Booth;
 use super::custody::{Custody, CustodyFault};
 use super::error::{StationError, chain};
 use super::event::Observer;
@@ -39,6 +40,8 @@ pub struct Station {
     pub stores: Vec<RecordStore>,
     /// What the workers know, for those who ask.
     pub board: Board,
+    /// The button, the readers of ids and the light.
+    pub booth: Booth,
     gate: Gate,
     /// Who looks on.
     pub observer: Observer,
@@ -108,6 +111,7 @@ impl Station {
             custody,
             stores,
             board: Board::new(facts),
+            booth: Booth::new(),
             gate,
             observer,
             work: Notify::new(),

@@ -17,6 +17,7 @@
 pub mod act;
 pub mod assembly;
 pub mod board;
+pub mod booth;
 pub mod control;
 pub mod custody;
 pub mod error;
