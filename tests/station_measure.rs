@@ -36,6 +36,12 @@ fn measuring(hash: &str) -> Vec<Pid> {
     ids.filter(measures).filter_map(Pid::from_raw).collect()
 }
 
+/// Whether the last thing that a process does before it reads a scan is done.
+fn is_confined(pid: Pid) -> bool {
+    let status = fs::read_to_string(format!("/proc/{}/status", pid.as_raw_nonzero()));
+    status.is_ok_and(|status| status.lines().any(|line| line == "Seccomp:\t2"))
+}
+
 /// Waits for the measuring process of a scan and sends it a signal.
 fn signal(booth: &Booth, hash: &str, signal: Signal) {
     booth.wait_for("a measuring process", || {
@@ -192,6 +198,8 @@ fn a_process_does_not_outlive_its_station() {
     let daemon = booth.start();
     let scan = body(71);
     booth.export("4711_a.obj", &scan);
+    // Stopped before, it could not have asked to be ended with its station.
+    booth.wait_for("a confined process", || measuring(&sha256(&scan)).into_iter().any(is_confined));
     signal(&booth, &sha256(&scan), Signal::STOP);
     daemon.kill();
     booth.wait_for("its end", || measuring(&sha256(&scan)).is_empty());

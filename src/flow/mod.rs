@@ -9,6 +9,7 @@ pub mod account;
 pub mod acquired;
 pub mod backoff;
 pub mod booth;
+pub mod capture;
 pub mod companions;
 pub mod explain;
 pub mod facts;

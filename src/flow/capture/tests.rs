@@ -1,0 +1,287 @@
+//! Each line of the table above, and the ways time and people can cross them.
+
+use super::*;
+
+const SECOND: Duration = Duration::from_secs(1);
+
+fn at(seconds: u64) -> Duration {
+    SECOND * u32::try_from(1000 + seconds).unwrap()
+}
+
+fn rules() -> Rules {
+    Rules { by_press: true, window: 60 * SECOND, late: 300 * SECOND, name_lasts: 600 * SECOND }
+}
+
+/// A station that has listened for long.
+fn captures() -> Captures {
+    let mut captures = Captures::new(rules(), Vec::new(), None);
+    captures.hears(at(0) - 360 * SECOND);
+    captures
+}
+
+fn named(id: &str) -> Named {
+    Named { id: id.to_owned(), by: SourceKind::Operator }
+}
+
+/// First seen in this second, in which a look began, and absent in the second before.
+fn seen(second: u64) -> Appeared {
+    Appeared { absent: Some(at(second - 1)), seen: at(second) }
+}
+
+/// Judges and takes.
+fn export(captures: &mut Captures, appeared: Appeared) -> Judged {
+    let judged = captures.judge(appeared);
+    captures.answer(&judged);
+    judged
+}
+
+fn patient_of(judged: &Judged) -> Option<&str> {
+    match judged {
+        Judged::Of(capture) => id(capture),
+        other => panic!("{other:?}"),
+    }
+}
+
+fn code(judged: &Judged) -> &'static str {
+    match judged {
+        Judged::Held { code, .. } => code,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn the_export_of_a_press_is_the_patients_who_was_named_before() {
+    let mut captures = captures();
+    assert_eq!(captures.named(named("4711"), 1, at(0)), NamedNext::Waits { replaced: false });
+    captures.pressed(1, at(5));
+    assert!(captures.is_armed());
+    assert_eq!(captures.next(), None, "a name is used once");
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("4711"));
+    assert!(!captures.is_armed());
+    assert_eq!(captures.pass(at(10_000), &[]), Passed::default());
+}
+
+#[test]
+fn a_press_without_a_name_is_nobodys_and_the_second_export_is_unpressed() {
+    let mut captures = captures();
+    captures.pressed(1, at(0));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), None);
+    assert_eq!(export(&mut captures, seen(21)), Judged::Unpressed);
+}
+
+#[test]
+fn an_export_that_was_seen_before_the_press_is_none_of_its_own() {
+    let mut captures = captures();
+    captures.pressed(1, at(10));
+    assert_eq!(export(&mut captures, seen(10)), Judged::Unpressed);
+    assert_eq!(export(&mut captures, seen(5)), Judged::Unpressed);
+    assert!(captures.is_armed());
+}
+
+#[test]
+fn an_export_that_may_have_lain_there_before_the_press_is_held_and_leaves_the_capture_open() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0));
+    captures.pressed(1, at(10));
+    for absent in [None, Some(at(9))] {
+        let judged = export(&mut captures, Appeared { absent, seen: at(12) });
+        assert_eq!(code(&judged), UNCLEAR);
+        assert!(
+            matches!(judged, Judged::Held { patient: Some(patient), .. } if patient.id == "4711")
+        );
+    }
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("4711"));
+}
+
+#[test]
+fn two_presses_for_nobody_or_for_the_same_patient_are_answered_in_turn() {
+    for id in [None, Some("4711")] {
+        let mut captures = captures();
+        for number in [1, 2] {
+            if let Some(id) = id {
+                captures.named(named(id), number, at(0));
+            }
+            captures.pressed(number, at(number.unsigned_abs()));
+        }
+        for number in [1, 2] {
+            let judged = export(&mut captures, seen(20));
+            assert!(matches!(&judged, Judged::Of(capture) if capture.number == number));
+            assert_eq!(patient_of(&judged), id);
+        }
+    }
+}
+
+#[test]
+fn exports_that_two_patients_may_claim_are_held_every_one_of_them() {
+    let mut captures = captures();
+    for (number, id) in [(1, "4711"), (2, "0815")] {
+        captures.named(named(id), number, at(0));
+        captures.pressed(number, at(number.unsigned_abs()));
+    }
+    let first = export(&mut captures, seen(20));
+    assert_eq!(code(&first), AMBIGUOUS);
+    assert!(matches!(first, Judged::Held { patient: None, answered: Some(1), .. }));
+    // That only one capture is left does not make the second export its own.
+    assert_eq!(code(&export(&mut captures, seen(30))), AMBIGUOUS);
+    assert_eq!(export(&mut captures, seen(31)), Judged::Unpressed);
+}
+
+#[test]
+fn a_second_press_without_a_name_after_one_with_a_name_is_not_taken_for_the_same_patient() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0));
+    captures.pressed(1, at(1));
+    captures.pressed(2, at(10));
+    let judged = export(&mut captures, seen(20));
+    assert_eq!(code(&judged), AMBIGUOUS);
+    // The one patient who was named can be told to whoever decides.
+    assert!(matches!(judged, Judged::Held { patient: Some(patient), .. } if patient.id == "4711"));
+}
+
+#[test]
+fn an_export_first_seen_before_the_second_press_is_the_first_ones() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0));
+    captures.pressed(1, at(1));
+    captures.named(named("0815"), 2, at(30));
+    captures.pressed(2, at(31));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("4711"));
+    assert_eq!(patient_of(&export(&mut captures, seen(40))), Some("0815"));
+}
+
+#[test]
+fn a_capture_without_an_export_expires_once_and_its_late_export_is_held() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0));
+    captures.pressed(1, at(0));
+    assert_eq!(captures.pass(at(60), &[]), Passed::default());
+    assert_eq!(captures.pass(at(61), &[]).expired, [1]);
+    assert_eq!(captures.pass(at(62), &[]), Passed::default());
+    let judged = export(&mut captures, seen(90));
+    assert_eq!(code(&judged), LATE);
+    assert!(matches!(judged, Judged::Held { answered: Some(1), .. }));
+    assert!(captures.waiting().is_empty());
+}
+
+#[test]
+fn a_late_export_does_not_pass_for_the_next_patients() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0));
+    captures.pressed(1, at(0));
+    captures.pass(at(61), &[]);
+    captures.named(named("0815"), 2, at(70));
+    captures.pressed(2, at(71));
+    assert_eq!(code(&export(&mut captures, seen(75))), AMBIGUOUS);
+    // Long after the first window nobody awaits that export any more.
+    let mut captures = Captures::new(rules(), captures.waiting, None);
+    captures.pass(at(1000), &[]);
+    assert!(captures.waiting().is_empty());
+}
+
+#[test]
+fn a_file_that_is_coming_in_keeps_its_capture_from_expiring() {
+    let mut captures = captures();
+    captures.pressed(1, at(0));
+    assert_eq!(captures.pass(at(100), &[at(50)]), Passed::default());
+    assert_eq!(patient_of(&export(&mut captures, seen(50))), None);
+    captures.pressed(2, at(200));
+    assert_eq!(captures.pass(at(300), &[at(150), at(290)]).expired, [2], "those are not its own");
+}
+
+#[test]
+fn a_name_that_is_not_used_in_time_is_dropped_by_time_and_by_a_press() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0));
+    captures.pressed(1, at(601));
+    assert_eq!(captures.waiting()[0].patient, None);
+    captures.named(named("4711"), 2, at(700));
+    assert!(!captures.pass(at(1300), &[]).name_expired);
+    assert!(captures.pass(at(1301), &[]).name_expired);
+}
+
+#[test]
+fn a_name_replaces_the_one_before_and_says_so() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0));
+    assert_eq!(captures.named(named("4711"), 1, at(1)), NamedNext::Waits { replaced: false });
+    assert_eq!(captures.named(named("0815"), 1, at(2)), NamedNext::Waits { replaced: true });
+    captures.pressed(1, at(3));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("0815"));
+}
+
+#[test]
+fn what_is_called_off_is_awaited_no_more_and_passes_for_nobody_elses() {
+    let mut captures = captures();
+    captures.named(named("4711"), 1, at(0));
+    captures.pressed(1, at(0));
+    captures.named(named("4711"), 1, at(0));
+    assert_eq!(captures.call_off(), CalledOff { captures: vec![1], name: true });
+    assert!(!captures.is_armed());
+    assert_eq!(captures.pass(at(61), &[]), Passed::default(), "no alarm for what was called off");
+    captures.named(named("0815"), 2, at(62));
+    captures.pressed(2, at(62));
+    assert_eq!(code(&export(&mut captures, seen(70))), AMBIGUOUS);
+}
+
+#[test]
+fn without_a_button_the_name_awaits_the_export_and_is_used_once() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Captures::new(rules, Vec::new(), None);
+    assert!(matches!(captures.named(named("4711"), 1, at(0)), NamedNext::Opened(_)));
+    let again = captures.named(named("4711"), 2, at(100));
+    assert!(matches!(again, NamedNext::Prolonged(capture) if capture.until == at(700)));
+    assert_eq!(patient_of(&export(&mut captures, seen(650))), Some("4711"));
+    assert_eq!(export(&mut captures, seen(651)), Judged::Unpressed);
+}
+
+#[test]
+fn without_a_button_another_name_before_the_export_holds_it_unless_the_first_was_called_off() {
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Captures::new(rules, Vec::new(), None);
+    captures.named(named("4711"), 1, at(0));
+    captures.named(named("0815"), 2, at(5));
+    assert_eq!(code(&export(&mut captures, seen(20))), AMBIGUOUS);
+    let mut captures = Captures::new(rules, Vec::new(), None);
+    captures.named(named("4711"), 1, at(0));
+    assert_eq!(captures.call_off().captures, [1]);
+    captures.named(named("0815"), 2, at(5));
+    assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("0815"));
+}
+
+#[test]
+fn a_press_that_may_have_gone_unheard_casts_doubt_on_captures_with_a_patient() {
+    // A port that goes away; one that has just come back; a station that has just started.
+    let mut away = captures();
+    away.named(named("4711"), 1, at(0));
+    away.pressed(1, at(1));
+    away.deaf();
+    let mut back = captures();
+    back.deaf();
+    back.hears(at(0));
+    back.named(named("4711"), 1, at(0));
+    back.pressed(1, at(359));
+    let mut begun = Captures::new(rules(), Vec::new(), None);
+    begun.named(named("4711"), 1, at(0));
+    begun.pressed(1, at(1));
+    for (mut captures, second) in [(away, 20), (back, 370), (begun, 20)] {
+        let judged = export(&mut captures, seen(second));
+        assert_eq!(code(&judged), UNHEARD);
+        assert!(
+            matches!(judged, Judged::Held { patient: Some(patient), .. } if patient.id == "4711")
+        );
+    }
+    let mut long_back = captures();
+    long_back.deaf();
+    long_back.hears(at(0));
+    long_back.named(named("4711"), 1, at(0));
+    long_back.pressed(1, at(360));
+    assert_eq!(patient_of(&export(&mut long_back, seen(370))), Some("4711"));
+}
+
+#[test]
+fn where_no_capture_names_a_patient_nothing_can_be_mistaken() {
+    let mut captures = Captures::new(rules(), Vec::new(), None);
+    captures.pressed(1, at(1));
+    captures.deaf();
+    assert_eq!(patient_of(&export(&mut captures, seen(5))), None);
+}
