@@ -2,6 +2,7 @@
 //!
 //! [`load`] is pure, text in; [`read`] is the thin layer that takes the text from a file.
 
+mod capture;
 mod fault;
 mod load;
 mod nearest;
@@ -15,6 +16,7 @@ mod tests;
 mod watch;
 pub mod words;
 
+use std::collections::BTreeSet;
 use std::io;
 use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
@@ -25,6 +27,7 @@ use regex::Regex;
 use crate::cad::Output;
 use crate::flow::retention::Retention;
 use crate::leg::Method;
+pub use capture::{CaptureConfig, PatientConfig, WithoutTrigger};
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
 pub use seeing::{control_path, state_dir};
@@ -37,6 +40,8 @@ pub struct Config {
     pub station: StationConfig,
     /// `[scanner]`
     pub scanner: ScannerConfig,
+    /// `[capture]`
+    pub capture: CaptureConfig,
     /// `[patient]`
     pub patient: PatientConfig,
     /// `[method]` and the export's declarations of `[scanner]`: unit, up, facing.
@@ -55,6 +60,13 @@ pub struct Config {
     pub log: LogConfig,
     /// The text it was read from, for the process that measures.
     pub text: String,
+}
+
+impl Config {
+    /// The names of the ports that buttons are on.
+    pub fn ports(&self) -> BTreeSet<String> {
+        BTreeSet::new()
+    }
 }
 
 /// `[measure]`: what the measurement of one scan may take.
@@ -96,13 +108,6 @@ pub struct ScannerConfig {
     pub watch: WatchConfig,
     /// Expression on the file name; its group `patient` is the patient's id.
     pub file_name: Option<Regex>,
-}
-
-/// `[patient]`: what an id may be.
-#[derive(Debug, Clone)]
-pub struct PatientConfig {
-    /// What a patient id may be, from any source; matched against the whole id.
-    pub pattern: Regex,
 }
 
 /// `[store]`: where records go.

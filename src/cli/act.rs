@@ -1,8 +1,9 @@
-//! `gaiter retry`, `release`, `assign`, `pause` and `resume`: what a person decides.
+//! `gaiter retry`, `release`, `assign`, `unassign`, `patient`, `pause` and `resume`: what a person
+//! decides.
 
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 
-use super::args::{AskArgs, OneArgs};
+use super::args::{AskArgs, OneArgs, PatientVerb};
 use super::{Exit, ask, complain};
 use crate::station::control::protocol::Request;
 
@@ -21,14 +22,31 @@ pub fn release(args: &OneArgs) -> Exit {
 
 /// A scan is this patient's.
 pub fn assign(args: &OneArgs) -> Exit {
-    match patient() {
+    with_patient(&args.ask, |patient| Request::Assign { scan: args.scan.clone(), patient })
+}
+
+/// A scan is not its patient's.
+pub fn unassign(args: &OneArgs) -> Exit {
+    ask::sentence(&args.ask, &Request::Unassign { scan: args.scan.clone() })
+}
+
+/// Whose the next scan is.
+pub fn patient(verb: &PatientVerb) -> Exit {
+    match verb {
+        PatientVerb::Set(args) => with_patient(args, |patient| Request::NameNext { patient }),
+        PatientVerb::Clear(args) => ask::sentence(args, &Request::CallOff),
+        PatientVerb::Show(args) => ask::sentence(args, &Request::Next),
+    }
+}
+
+/// Asks with the patient's id that a person gives.
+fn with_patient(args: &AskArgs, request: impl FnOnce(String) -> Request) -> Exit {
+    match read_patient() {
         Ok(patient) if patient.is_empty() => {
             complain("gaiter: no patient's id was given; nothing was changed");
             Exit::Usage
         }
-        Ok(patient) => {
-            ask::sentence(&args.ask, &Request::Assign { scan: args.scan.clone(), patient })
-        }
+        Ok(patient) => ask::sentence(args, &request(patient)),
         Err(error) => {
             complain(format_args!("gaiter: the patient's id cannot be read: {error}"));
             Exit::Io
@@ -37,7 +55,7 @@ pub fn assign(args: &OneArgs) -> Exit {
 }
 
 /// The patient's id: a line of standard input, asked for where a person sits at it.
-fn patient() -> io::Result<String> {
+fn read_patient() -> io::Result<String> {
     let stdin = io::stdin();
     if stdin.is_terminal() {
         let mut screen = io::stderr().lock();

@@ -88,10 +88,30 @@ pub enum Verb {
     /// Asks for the patient's id, or reads it from standard input; it is never an argument, for
     /// every user of the machine can read those.
     Assign(OneArgs),
+    /// Take a scan back from its patient: its record goes to _unassigned and leaves the patient's folder
+    Unassign(OneArgs),
+    /// Say whose the next scan is
+    #[command(subcommand)]
+    Patient(PatientVerb),
     /// Let no scan be taken or delivered until `gaiter resume`; outlasts a restart
     Pause(AskArgs),
     /// Go on after `gaiter pause`
     Resume(AskArgs),
+}
+
+/// `gaiter patient …`
+#[derive(Debug, clap::Subcommand)]
+pub enum PatientVerb {
+    /// Name the patient of the next scan
+    ///
+    /// Asks for the patient's id, or reads it from standard input; it is never an argument, for
+    /// every user of the machine can read those. It waits for the next press of the button, or without
+    /// a button for the next export; it is used once.
+    Set(AskArgs),
+    /// Call off whoever was named, and the presses that still await their export
+    Clear(AskArgs),
+    /// Say who is named for the next scan
+    Show(AskArgs),
 }
 
 /// `gaiter demo`

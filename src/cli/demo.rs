@@ -189,6 +189,8 @@ fn line(event: &StationEvent) -> Option<String> {
         StationEvent::AwaitsRest { file } => {
             format!("station  awaits the rest of {}", file.to_string_lossy())
         }
+        StationEvent::Pressed { .. } => "station  heard the button".to_owned(),
+        StationEvent::NoExport { .. } => "station  misses the export of a press".to_owned(),
         StationEvent::Spooled { file, scan } => {
             format!("station  has {} safe as {scan}", file.to_string_lossy())
         }

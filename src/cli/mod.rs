@@ -47,6 +47,8 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Retry(args) => act::retry(&args),
         Verb::Release(args) => act::release(&args),
         Verb::Assign(args) => act::assign(&args),
+        Verb::Unassign(args) => act::unassign(&args),
+        Verb::Patient(verb) => act::patient(&verb),
         Verb::Pause(args) => act::pause(&args),
         Verb::Resume(args) => act::resume(&args),
     }

@@ -15,8 +15,8 @@ use super::words::{
     faces_up_or_down,
 };
 use super::{
-    Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, notation, watch,
+    Config, FolderStoreConfig, MeasureConfig, ScannerConfig, StationConfig, StoreConfig, capture,
+    notation, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -83,8 +83,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let example = Nothing("^(?<patient>P?[0-9]+)_");
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
-    let pattern =
-        reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
+    let capture = capture::capture(reader);
+    let patient = capture::patient(reader);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
@@ -124,7 +124,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             watch: watch?,
             file_name: file_name.map(|found| found.value),
         },
-        patient: PatientConfig { pattern: pattern?.value },
+        capture: capture?,
+        patient: patient?,
         method: Method {
             scope: scope?.value,
             unit: unit?.value,

@@ -3,7 +3,9 @@
 use std::ops::{Range, RangeInclusive};
 
 use super::LogFormat;
+use super::capture::WithoutTrigger;
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
+use crate::flow::check_digit::CheckDigit;
 use crate::leg::Side;
 use crate::leg::method::{
     Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
@@ -23,6 +25,18 @@ pub type Words<T> = &'static [(&'static str, T)];
 
 /// `log.format`
 pub const LOG_FORMATS: Words<LogFormat> = &[("text", LogFormat::Text), ("json", LogFormat::Json)];
+
+/// `capture.without_trigger`
+pub const WITHOUT_TRIGGER: Words<WithoutTrigger> =
+    &[("process", WithoutTrigger::Process), ("hold", WithoutTrigger::Hold)];
+
+/// `patient.check_digit`
+pub const CHECK_DIGITS: Words<CheckDigit> = &[
+    ("none", CheckDigit::None),
+    ("luhn", CheckDigit::Luhn),
+    ("mod11-2", CheckDigit::Mod11Dash2),
+    ("mod97-10", CheckDigit::Mod97Dash10),
+];
 
 /// `scanner.scope`, `--scope`
 pub const SCOPES: Words<Scope> = &[

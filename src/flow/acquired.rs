@@ -10,8 +10,16 @@ const EARLIEST: i64 = 946_684_800;
 /// How far a scanner's clock may run ahead of ours before its time is not believed.
 const AHEAD: SignedDuration = SignedDuration::from_hours(24);
 
-/// The file's own time where it can be one, else the time at which the station first saw it.
-pub fn acquired(file_time: Option<Timestamp>, first_seen: Timestamp) -> Acquired {
+/// The time of the press that it answered; else the file's own time where it can be one; else the time
+/// at which the station first saw it.
+pub fn acquired(
+    pressed_at: Option<Timestamp>,
+    file_time: Option<Timestamp>,
+    first_seen: Timestamp,
+) -> Acquired {
+    if let Some(at) = pressed_at {
+        return Acquired { at, from: AcquiredFrom::Press };
+    }
     let plausible =
         |at: &Timestamp| at.as_second() >= EARLIEST && at.duration_since(first_seen) <= AHEAD;
     match file_time.filter(plausible) {
@@ -33,7 +41,7 @@ mod tests {
         let seen = at("2026-11-21T09:15:00Z");
         let file = at("2026-11-21T09:14:58Z");
         let expected = Acquired { at: file, from: AcquiredFrom::FileTime };
-        assert_eq!(acquired(Some(file), seen), expected);
+        assert_eq!(acquired(None, Some(file), seen), expected);
     }
 
     #[test]
@@ -41,7 +49,14 @@ mod tests {
         let seen = at("2026-11-21T09:15:00Z");
         let expected = Acquired { at: seen, from: AcquiredFrom::Unknown };
         for file in [None, Some(at("1970-01-01T00:00:00Z")), Some(at("2026-11-22T09:15:01Z"))] {
-            assert_eq!(acquired(file, seen), expected);
+            assert_eq!(acquired(None, file, seen), expected);
         }
+    }
+
+    #[test]
+    fn the_press_is_the_best_that_is_known() {
+        let (press, seen) = (at("2026-11-21T09:14:00Z"), at("2026-11-21T09:15:00Z"));
+        let expected = Acquired { at: press, from: AcquiredFrom::Press };
+        assert_eq!(acquired(Some(press), Some(seen), seen), expected);
     }
 }

@@ -170,6 +170,8 @@ pub struct Passed {
     pub expired: Vec<i64>,
     /// The patient's name was not used in time.
     pub name_expired: bool,
+    /// Captures whose exports nobody waits for any more.
+    pub over: Vec<i64>,
 }
 
 /// What was called off.
@@ -364,11 +366,12 @@ impl Captures {
             }
         }
         let late = self.rules.late;
-        self.waiting.retain(|capture| {
+        let over = |capture: &mut Capture| {
             let end = capture.until + late;
             let is_coming = |seen: &Duration| capture.opened < *seen && *seen <= end;
-            capture.state == CaptureState::Open || now <= end || coming.iter().any(is_coming)
-        });
+            capture.state != CaptureState::Open && now > end && !coming.iter().any(is_coming)
+        };
+        passed.over = self.waiting.extract_if(.., over).map(|capture| capture.number).collect();
         passed
     }
 

@@ -1,7 +1,12 @@
-//! Whose scan it is: what a file name says, and what the same bytes seen again mean.
+//! Whose scan it is: what a file name and the scanner's own measures say, what that makes with the
+//! patient who was named before, and what the same bytes seen again mean.
+
+use std::collections::BTreeSet;
 
 use regex::Regex;
 
+use super::capture::Named;
+use super::check_digit::CheckDigit;
 use crate::record::{Patient, Source, SourceKind};
 
 /// The named group of the file-name expression that holds the id.
@@ -16,14 +21,35 @@ pub const ID_NOT_ALLOWED: &str = "patient-id-not-allowed";
 /// Finding: bytes that are known already were seen for another patient.
 pub const SAME_SCAN_OTHER_PATIENT: &str = "same-scan-other-patient";
 
-/// The rules by which file names say whose scan it is.
+/// Finding: two sources name different patients.
+pub const PATIENTS_DIFFER: &str = "patients-differ";
+
+/// Finding: nobody pressed the button for this export, and the configuration wants such held.
+pub const NO_PRESS: &str = "no-press";
+
+/// The rules by which scans say whose they are.
 #[derive(Debug, Clone)]
 pub struct Identity {
     file_name: Option<Regex>,
+    sidecar: Option<Regex>,
     whole_id: Regex,
+    check_digit: CheckDigit,
 }
 
-/// What a file name says about the patient.
+/// Whose scan it is, by everything that says so.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Whose {
+    /// The one patient whom it names, with every source that does.
+    pub patient: Option<Patient>,
+    /// Why a person must decide; none where nobody need.
+    pub held: Option<&'static str>,
+    /// A source named something that is not allowed as an id.
+    pub not_an_id: bool,
+    /// Every source with its id where they differ.
+    pub claims: Vec<Patient>,
+}
+
+/// What a file name, or the scanner's own measures, say about the patient.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NameSays {
     /// Nothing.
@@ -41,39 +67,56 @@ pub enum Verdict {
     New,
     /// This scan is known for this patient, or the sighting names nobody: nothing to do.
     Already,
-    /// The same bytes for another patient: a person decides.
-    Held,
+    /// A person decides, for this reason: these bytes are known for another patient, or it is not
+    /// clear whose they are.
+    Held(&'static str),
 }
 
 impl Identity {
-    /// The rules of the configuration: the expression on the file name, and the pattern that a
-    /// whole id must match.
+    /// The rules of the configuration: the expressions on the file name and on the scanner's own
+    /// measures, the pattern that a whole id must match, and its check digit.
     ///
     /// # Errors
     /// Where the pattern cannot be applied to the whole id.
-    pub fn new(file_name: Option<Regex>, pattern: &Regex) -> Result<Identity, regex::Error> {
+    pub fn new(
+        file_name: Option<Regex>,
+        sidecar: Option<Regex>,
+        pattern: &Regex,
+        check_digit: CheckDigit,
+    ) -> Result<Identity, regex::Error> {
         // Asking whether a match happens to span the id would miss `a|ab` on "ab".
         let whole_id = Regex::new(&format!(r"\A(?:{})\z", pattern.as_str()))?;
-        Ok(Identity { file_name, whole_id })
+        Ok(Identity { file_name, sidecar, whole_id, check_digit })
     }
 
     /// What a file name says. Bytes that are no UTF-8 come in as U+FFFD; two different names may
     /// look alike then, so no id may hold one.
     pub fn of_file_name(&self, name: &str) -> NameSays {
-        let found = self.file_name.as_ref().and_then(|expression| expression.captures(name));
+        self.says(self.file_name.as_ref(), name, SourceKind::FileName)
+    }
+
+    /// What the scanner's own measures beside a scan say, by their first line that matches.
+    pub fn of_sidecar(&self, text: &str) -> NameSays {
+        let found = text
+            .lines()
+            .map(|line| self.says(self.sidecar.as_ref(), line.trim_end(), SourceKind::Sidecar));
+        found.into_iter().find(|says| *says != NameSays::Nothing).unwrap_or(NameSays::Nothing)
+    }
+
+    fn says(&self, expression: Option<&Regex>, text: &str, kind: SourceKind) -> NameSays {
+        let found = expression.and_then(|expression| expression.captures(text));
         let Some(id) = found.as_ref().and_then(|groups| groups.name(GROUP)) else {
             return NameSays::Nothing;
         };
-        if !self.allows(id.as_str()) {
-            return NameSays::NotAnId;
+        match self.patient(id.as_str(), kind) {
+            Some(patient) => NameSays::Patient(patient),
+            None => NameSays::NotAnId,
         }
-        let sources = vec![Source { kind: SourceKind::FileName }];
-        NameSays::Patient(Patient { id: id.as_str().to_owned(), sources })
     }
 
-    /// The patient of an id that a person gave; none where it is not allowed as an id.
-    pub fn of_operator(&self, id: &str) -> Option<Patient> {
-        let sources = vec![Source { kind: SourceKind::Operator }];
+    /// The patient of an id that a source gave; none where it is not allowed as an id.
+    pub fn patient(&self, id: &str, kind: SourceKind) -> Option<Patient> {
+        let sources = vec![Source::of(kind)];
         self.allows(id).then(|| Patient { id: id.to_owned(), sources })
     }
 
@@ -82,7 +125,29 @@ impl Identity {
             && id.len() <= LONGEST_ID
             && !id.contains(char::REPLACEMENT_CHARACTER)
             && self.whole_id.is_match(id)
+            && self.check_digit.holds(id)
     }
+}
+
+/// Whose scan it is: the patient who was named before, what the scan's file name says, and what lies
+/// beside it, in this order. `held` is why the capture it came in by holds it.
+pub fn whose(named: Option<&Named>, held: Option<&'static str>, says: [NameSays; 2]) -> Whose {
+    let not_an_id = says.contains(&NameSays::NotAnId);
+    let named =
+        named.map(|named| Patient { id: named.id.clone(), sources: vec![Source::of(named.by)] });
+    let said = says.into_iter().filter_map(|says| match says {
+        NameSays::Patient(patient) => Some(patient),
+        NameSays::Nothing | NameSays::NotAnId => None,
+    });
+    let claims: Vec<Patient> = named.into_iter().chain(said).collect();
+    let ids: BTreeSet<&str> = claims.iter().map(|claim| claim.id.as_str()).collect();
+    if ids.len() > 1 {
+        // That sources differ says more than what the capture found.
+        return Whose { patient: None, held: Some(PATIENTS_DIFFER), not_an_id, claims };
+    }
+    let sources = claims.iter().flat_map(|claim| claim.sources.clone()).collect();
+    let patient = claims.first().map(|claim| Patient { id: claim.id.clone(), sources });
+    Whose { patient, held, not_an_id, claims: Vec::new() }
 }
 
 /// What it means to see bytes for `sighted` that are known for the patients in `known`, held ones
@@ -99,7 +164,7 @@ pub fn judge<'a>(
     if sighted.is_none() || known.any(|patient| patient == sighted) {
         return Verdict::Already;
     }
-    Verdict::Held
+    Verdict::Held(SAME_SCAN_OTHER_PATIENT)
 }
 
 #[cfg(test)]
@@ -108,7 +173,9 @@ mod tests {
 
     fn says(expression: &str, pattern: &str, name: &str) -> NameSays {
         let expression = Some(Regex::new(expression).unwrap());
-        Identity::new(expression, &Regex::new(pattern).unwrap()).unwrap().of_file_name(name)
+        let pattern = Regex::new(pattern).unwrap();
+        let identity = Identity::new(expression, None, &pattern, CheckDigit::None).unwrap();
+        identity.of_file_name(name)
     }
 
     fn shipped(name: &str) -> NameSays {
@@ -116,8 +183,11 @@ mod tests {
     }
 
     fn patient(id: &str) -> NameSays {
-        let sources = vec![Source { kind: SourceKind::FileName }];
-        NameSays::Patient(Patient { id: id.to_owned(), sources })
+        NameSays::Patient(from(SourceKind::FileName, id))
+    }
+
+    fn from(kind: SourceKind, id: &str) -> Patient {
+        Patient { id: id.to_owned(), sources: vec![Source::of(kind)] }
     }
 
     #[test]
@@ -129,8 +199,10 @@ mod tests {
     #[test]
     fn a_name_that_does_not_match_says_nothing() {
         assert_eq!(shipped("scan001.obj"), NameSays::Nothing);
-        let silent = Identity::new(None, &Regex::new(".*").unwrap()).unwrap();
+        let pattern = Regex::new(".*").unwrap();
+        let silent = Identity::new(None, None, &pattern, CheckDigit::None).unwrap();
         assert_eq!(silent.of_file_name("4711_.obj"), NameSays::Nothing);
+        assert_eq!(silent.of_sidecar("4711_"), NameSays::Nothing);
     }
 
     #[test]
@@ -155,7 +227,7 @@ mod tests {
         assert_eq!(judge([], a), Verdict::New);
         assert_eq!(judge([], None), Verdict::New);
         assert_eq!(judge([a], a), Verdict::Already);
-        assert_eq!(judge([a], b), Verdict::Held);
+        assert_eq!(judge([a], b), Verdict::Held(SAME_SCAN_OTHER_PATIENT));
         assert_eq!(judge([a, b], b), Verdict::Already, "held once is enough");
     }
 
@@ -163,6 +235,44 @@ mod tests {
     fn naming_nobody_adds_nothing_and_a_name_after_nobody_is_held() {
         assert_eq!(judge([Some("4711")], None), Verdict::Already);
         assert_eq!(judge([None], None), Verdict::Already);
-        assert_eq!(judge([None], Some("4711")), Verdict::Held);
+        assert_eq!(judge([None], Some("4711")), Verdict::Held(SAME_SCAN_OTHER_PATIENT));
+    }
+
+    #[test]
+    fn the_measures_beside_a_scan_name_the_patient_by_their_first_line_that_matches() {
+        let line = Some(Regex::new("^PATIENT=(?<patient>.*)$").unwrap());
+        let pattern = Regex::new("[0-9]+").unwrap();
+        let identity = Identity::new(None, line, &pattern, CheckDigit::None).unwrap();
+        let says = |text| identity.of_sidecar(text);
+        let named = NameSays::Patient(from(SourceKind::Sidecar, "4711"));
+        assert_eq!(says("MEASURE Calf=1\r\nPATIENT=4711\r\nPATIENT=0815\r\n"), named);
+        assert_eq!(says("MEASURE Calf=1\n"), NameSays::Nothing);
+        assert_eq!(says("PATIENT=Meier\n"), NameSays::NotAnId);
+    }
+
+    #[test]
+    fn sources_that_agree_are_all_kept_and_sources_that_differ_hold_the_scan() {
+        let named = |id: &str| Named { id: id.to_owned(), by: SourceKind::Reader };
+        let (nothing, file) = (NameSays::Nothing, patient("4711"));
+        let whose = |named: Option<&Named>, file: &NameSays| {
+            super::whose(named, None, [file.clone(), nothing.clone()])
+        };
+        assert_eq!(whose(None, &nothing), Whose::default());
+        let agreed = whose(Some(&named("4711")), &file);
+        let sources = vec![Source::of(SourceKind::Reader), Source::of(SourceKind::FileName)];
+        let both = Patient { id: "4711".into(), sources };
+        assert_eq!(agreed, Whose { patient: Some(both), ..Whose::default() });
+        let differ = whose(Some(&named("0815")), &file);
+        assert_eq!((differ.patient, differ.held), (None, Some(PATIENTS_DIFFER)));
+        let claims = vec![from(SourceKind::Reader, "0815"), from(SourceKind::FileName, "4711")];
+        assert_eq!(differ.claims, claims);
+    }
+
+    #[test]
+    fn what_is_not_an_id_says_nothing_and_does_not_contradict() {
+        let named = Named { id: "4711".into(), by: SourceKind::Order };
+        let whose = whose(Some(&named), None, [NameSays::NotAnId, NameSays::Nothing]);
+        assert_eq!(whose.patient, Some(from(SourceKind::Order, "4711")));
+        assert!(whose.not_an_id && whose.held.is_none());
     }
 }

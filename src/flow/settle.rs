@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::backoff;
+use super::capture::Appeared;
 use super::companions::{Companion, Done, Group};
 use super::stamp::Stamp;
 pub use wait::{Wait, Waiting};
@@ -49,6 +50,8 @@ pub struct Settled {
     pub companions: Vec<Companion>,
     /// Its rest has been awaited long enough: it is to be taken even if it is cut short.
     pub awaited: bool,
+    /// When it appeared, on the clock of the looks.
+    pub appeared: Appeared,
 }
 
 /// The files of one folder on their way to being settled.
@@ -58,6 +61,8 @@ pub struct Settling {
     short_wait: Duration,
     overdue: Duration,
     files: BTreeMap<PathBuf, Watched>,
+    /// When the last look at the folder began that could be believed.
+    last_look: Option<Duration>,
     /// How many files have had their turn; see [`turns`].
     turns: usize,
 }
@@ -65,8 +70,9 @@ pub struct Settling {
 #[derive(Debug, Clone)]
 struct Watched {
     group: Group,
-    /// Since when it waits to be taken, however often it changed.
-    waiting_since: Duration,
+    /// When it appeared, or changed after it was taken: it waits to be taken since then, however often
+    /// it changes.
+    appeared: Appeared,
     /// Since when the scan itself has not changed.
     unchanged_since: Duration,
     /// Since when neither it nor what belongs to it has changed.
@@ -92,10 +98,10 @@ enum Next {
 }
 
 impl Watched {
-    fn new(group: Group, waiting_since: Duration, now: Duration) -> Watched {
+    fn new(group: Group, appeared: Appeared, now: Duration) -> Watched {
         Watched {
             group,
-            waiting_since,
+            appeared,
             unchanged_since: now,
             quiet_since: now,
             failures: 0,
@@ -105,13 +111,13 @@ impl Watched {
         }
     }
 
-    /// The file as it is after a look that found it like this.
-    fn seen(mut self, group: Group, now: Duration) -> Watched {
-        let is_taken = self.next == Next::Taken;
+    /// The file as it is after a look that found it like this; `appeared` is for one that is new.
+    fn seen(mut self, group: Group, appeared: Appeared) -> Watched {
+        let (is_taken, now) = (self.next == Next::Taken, appeared.seen);
         if self.group.stamp != group.stamp || self.is_lost {
-            let since = if is_taken { now } else { self.waiting_since };
+            let appeared = if is_taken { appeared } else { self.appeared };
             let is_overdue = self.is_overdue && !is_taken;
-            return Watched { is_overdue, ..Watched::new(group, since, now) };
+            return Watched { is_overdue, ..Watched::new(group, appeared, now) };
         }
         // What comes to a scan that has been taken comes too late.
         if self.group != group && !is_taken {
@@ -127,7 +133,8 @@ impl Settling {
     /// since its last change; one that is kept from being taken for `overdue` is worth an alarm.
     pub fn new(quiet: Duration, short_wait: Duration, overdue: Duration) -> Settling {
         let short_wait = short_wait.max(quiet);
-        Settling { quiet, short_wait, overdue, files: BTreeMap::new(), turns: 0 }
+        let files = BTreeMap::new();
+        Settling { quiet, short_wait, overdue, files, last_look: None, turns: 0 }
     }
 
     /// Takes in a look; returns the files to be taken now, each in its turn: fresh files first, and of every few one that waits long.
@@ -140,13 +147,15 @@ impl Settling {
             return Vec::new();
         };
         let mut before = std::mem::take(&mut self.files);
+        let appeared = Appeared { absent: self.last_look, seen: when.ended };
         for (path, group) in seen {
             let file = match before.remove(&path) {
-                Some(known) => known.seen(group, when.ended),
-                None => Watched::new(group, when.ended, when.ended),
+                Some(known) => known.seen(group, appeared),
+                None => Watched::new(group, appeared, when.ended),
             };
             self.files.insert(path, file);
         }
+        self.last_look = Some(when.began);
         self.due(when.began)
     }
 
@@ -158,6 +167,7 @@ impl Settling {
                 stamp: file.group.stamp,
                 companions: file.group.companions.clone(),
                 awaited: now.saturating_sub(file.unchanged_since) >= self.short_wait,
+                appeared: file.appeared,
             };
             (file.unchanged_since, settled)
         });
@@ -229,6 +239,12 @@ impl Settling {
     pub fn waiting(&self, now: Duration) -> impl Iterator<Item = (&Path, Waiting)> {
         let untaken = self.files.iter().filter(|(_, file)| file.next != Next::Taken);
         untaken.map(move |(path, file)| (path.as_path(), self.wait(file, now)))
+    }
+
+    /// When the files appeared that are not taken yet.
+    pub fn coming(&self) -> impl Iterator<Item = Duration> {
+        let untaken = self.files.values().filter(|file| file.next != Next::Taken);
+        untaken.map(|file| file.appeared.seen)
     }
 
     /// How many files have become overdue since this was asked last.

@@ -14,5 +14,5 @@ pub mod surface;
 
 pub use compose::record;
 pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
-pub use provenance::{Acquired, AcquiredFrom, Patient, Provenance, Source, SourceKind};
+pub use provenance::{Acquired, AcquiredFrom, Confidence, Patient, Provenance, Source, SourceKind};
 pub use schema::Record;

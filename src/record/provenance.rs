@@ -30,6 +30,34 @@ pub struct Patient {
 pub struct Source {
     /// What kind of source.
     pub kind: SourceKind,
+    /// How far it is to be relied upon; older records do not say.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<Confidence>,
+}
+
+/// How far a source of a patient's id is to be relied upon.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Confidence {
+    /// A machine read or sent it, and it was bound to the press of this scan.
+    High,
+    /// A person typed it, here or at the scanner.
+    Medium,
+    /// It was found beside the scan, by an expression.
+    Low,
+}
+
+impl Source {
+    /// A source of this kind, with the confidence that the kind has.
+    pub fn of(kind: SourceKind) -> Source {
+        let confidence = match kind {
+            SourceKind::Reader | SourceKind::Order => Some(Confidence::High),
+            SourceKind::Operator | SourceKind::FileName => Some(Confidence::Medium),
+            SourceKind::Sidecar => Some(Confidence::Low),
+            SourceKind::Record => None,
+        };
+        Source { kind, confidence }
+    }
 }
 
 /// The kinds of sources of a patient id.

@@ -4,11 +4,14 @@ use jiff::Timestamp;
 use tracing::info;
 
 use super::assembly::Station;
+use super::booth::NameFault;
 use super::custody::{Acted, CustodyFault};
 use super::error::chain;
 use super::event::short;
 use super::journal::{JournalError, ScanRow};
+use crate::flow::capture::NamedNext;
 use crate::flow::{DeliveryState, ScanId};
+use crate::record::SourceKind;
 use crate::store::{StoreFault, StoredScan};
 
 /// A decision.
@@ -18,8 +21,14 @@ pub enum Act {
     Retry,
     /// A held scan is the patient's for whom it was sighted.
     Release,
-    /// A scan that came in for nobody is the patient's of this id.
+    /// A scan that came in for nobody, or is held, is the patient's of this id.
     Assign(String),
+    /// A scan is not its patient's: it is nobody's again.
+    Unassign,
+    /// The next scan is of the patient of this id.
+    NameNext(String),
+    /// Whoever was named for the next scan is not, and no press awaits its export.
+    CallOff,
     /// No scan is to be taken or delivered until somebody resumes.
     Pause,
     /// Go on.
@@ -42,7 +51,7 @@ pub enum ActFault {
     #[error("its bytes are not at the station any more: let the scanner export it again")]
     NoBytes,
     /// The id is against `patient.pattern`.
-    #[error("this is no patient id that patient.pattern allows")]
+    #[error("this is no patient id that patient.pattern and patient.check_digit allow")]
     NotAnId,
     /// The scan is somebody's.
     #[error("the scan is a named patient's already; nothing was changed")]
@@ -86,6 +95,9 @@ pub fn act(station: &Station, scan: Option<&ScanId>, act: &Act) -> Result<String
         Act::Retry => retry(station, known(station, scan)?),
         Act::Release => release(station, known(station, scan)?),
         Act::Assign(id) => assign(station, known(station, scan)?, id),
+        Act::Unassign => unassign(station, known(station, scan)?),
+        Act::NameNext(id) => return name_next(station, id),
+        Act::CallOff => return call_off(station),
     };
     if let Err(ActFault::Custody(fault)) = &said {
         station.mind(fault);
@@ -132,14 +144,13 @@ fn release(station: &Station, row: ScanRow) -> Result<String, ActFault> {
 }
 
 fn assign(station: &Station, row: ScanRow, id: &str) -> Result<String, ActFault> {
-    let patient = station.identity.of_operator(id).ok_or(ActFault::NotAnId)?;
-    let patients = station.custody.journal().patients(&row.scan)?;
-    if patients.iter().any(Option::is_some) {
+    let patient = station.identity.patient(id, SourceKind::Operator).ok_or(ActFault::NotAnId)?;
+    if !station.custody.journal().owners(&row.scan)?.is_empty() {
         return Err(ActFault::Somebodys);
     }
     let stored = match station.custody.holds(&row.scan) {
         true => None,
-        false => from_a_store(station, &row.scan)?,
+        false => from_a_store(station, &row.scan, None)?,
     };
     let scan = short(&row.scan);
     match station.custody.assign(&row, &patient, stored)? {
@@ -151,11 +162,61 @@ fn assign(station: &Station, row: ScanRow, id: &str) -> Result<String, ActFault>
     }
 }
 
-/// A scan from its record for nobody.
-fn from_a_store(station: &Station, scan: &ScanId) -> Result<Option<StoredScan>, ActFault> {
+fn unassign(station: &Station, row: ScanRow) -> Result<String, ActFault> {
+    let owners = station.custody.journal().owners(&row.scan)?;
+    let owner = match owners.as_slice() {
+        [] => return Err(ActFault::NoOccasion("it is nobody's; there is nothing to take back")),
+        [owner] => owner,
+        _ => {
+            let why = "it is more than one patient's: take the wrong record away by hand";
+            return Err(ActFault::NoOccasion(why));
+        }
+    };
+    let stored = match station.custody.holds(&row.scan) {
+        true => None,
+        false => from_a_store(station, &row.scan, Some(owner))?,
+    };
+    let scan = short(&row.scan);
+    match station.custody.unassign(&row, stored)? {
+        Acted::Done(_) => {
+            info!(event = "scan-unassigned", scan);
+            Ok(format!("scan {scan} is nobody's again; its record goes to _unassigned"))
+        }
+        Acted::NoBytes | Acted::Nothing => Err(ActFault::NoBytes),
+    }
+}
+
+fn name_next(station: &Station, id: &str) -> Result<String, ActFault> {
+    let next = station.name_patient(id, SourceKind::Operator).map_err(|fault| match fault {
+        NameFault::NotAnId => ActFault::NotAnId,
+        NameFault::Journal(error) => ActFault::Journal(error),
+    })?;
+    Ok(match next {
+        NamedNext::Waits { replaced: false } => "the next press of the button is this patient's",
+        NamedNext::Waits { replaced: true } => {
+            "the next press of the button is this patient's, and not of the one who was named before"
+        }
+        NamedNext::Opened(_) => "the next export is this patient's",
+        NamedNext::Prolonged(_) => "the next export is this patient's already; it is awaited longer",
+    }
+    .to_owned())
+}
+
+fn call_off(station: &Station) -> Result<String, ActFault> {
+    let any = station.call_off()?;
+    let said = if any { "called off: nobody's export is awaited" } else { "nothing was awaited" };
+    Ok(said.to_owned())
+}
+
+/// A scan from its record for this patient, or for nobody.
+fn from_a_store(
+    station: &Station,
+    scan: &ScanId,
+    patient: Option<&str>,
+) -> Result<Option<StoredScan>, ActFault> {
     let mut away = None;
     for store in &station.stores {
-        match store.stored_scan(scan, None) {
+        match store.stored_scan(scan, patient) {
             Ok(Some(stored)) => return Ok(Some(stored)),
             Ok(None) => {}
             // The path holds nothing here but the folder of scans for nobody; the cause is enough.

@@ -66,7 +66,13 @@ impl Station {
         observer: Observer,
         first_start: bool,
     ) -> Result<Station, StationError> {
-        let identity = Identity::new(config.scanner.file_name.clone(), &config.patient.pattern)?;
+        let (scanner, patient) = (&config.scanner, &config.patient);
+        let identity = Identity::new(
+            scanner.file_name.clone(),
+            patient.sidecar.clone(),
+            &patient.pattern,
+            patient.check_digit,
+        )?;
         let state_dir = &config.station.state_dir;
         let state = |source| StationError::State { path: state_dir.clone(), source };
         let stores = stores(&config);
@@ -102,6 +108,9 @@ impl Station {
         if paused {
             facts.intake = IntakeState::Paused;
         }
+        let (folders, ports) = (config.scanner.export_dirs.len(), config.ports());
+        let booth = Booth::open(custody.journal(), config.capture.rules(&ports), folders, ports);
+        let booth = booth.map_err(CustodyFault::from).map_err(StationError::Recovery)?;
         info!(event = "station-open", adopted, first_start);
         let of = &config.station;
         let gate = Gate::new(of.state_dir.clone(), of.disk_floor_bytes);
@@ -111,7 +120,7 @@ impl Station {
             custody,
             stores,
             board: Board::new(facts),
-            booth: Booth::new(),
+            booth,
             gate,
             observer,
             work: Notify::new(),

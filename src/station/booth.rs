@@ -1,32 +1,396 @@
-//! The station's side of the booth: takes what the ports hear, and tells them what the light shows.
+//! The station's side of the booth: takes what the ports hear, keeps the captures, and says what
+//! the light shows. What a capture means is decided by [`crate::flow::capture`]; every step stands in
+//! the journal before anything is done by it.
 
-use tokio::sync::watch;
-use tracing::info;
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
 
-use crate::flow::booth::{Heard, Signal};
+use jiff::Timestamp;
+use rustix::time::{ClockId, clock_gettime};
+use tokio::sync::{Notify, watch};
+use tokio::task::{JoinError, spawn_blocking};
+use tokio::time::sleep;
+use tracing::{info, warn};
 
-/// Where ports tell what they hear and read what the light shows.
+use super::assembly::Station;
+use super::beat::Beat;
+use super::error::chain;
+use super::event::StationEvent;
+use super::journal::{CaptureRow, Journal, JournalError};
+use super::overview::Overview;
+use super::stop::Stop;
+use crate::flow::ScanId;
+use crate::flow::booth::{Heard, Press, Signal};
+use crate::flow::capture::{Appeared, Captures, Judged, Named, NamedNext, Rules};
+use crate::flow::facts::Alarm;
+use crate::flow::identity::ID_NOT_ALLOWED;
+use crate::flow::light::{Light, Outcome, Scene};
+use crate::record::{Patient, SourceKind};
+
+/// How often the light is looked after: a person sees no shorter delay.
+const LIGHT: Duration = Duration::from_millis(200);
+
+/// How often the whole station is asked whether it is ready, which reads the journal.
+const READY: Duration = Duration::from_secs(5);
+
+/// The alarm for an export that did not come.
+const NO_EXPORT: &str = "no-export";
+
+/// The booth of a station.
 #[derive(Debug)]
 pub struct Booth {
+    inner: Mutex<Inner>,
     signal: watch::Sender<Signal>,
+    /// Told at each press: what lies in the export folders now was there before it.
+    looks: Vec<Arc<Notify>>,
+    boot: String,
+    /// The machine's clock when the station's began.
+    offset: Duration,
+}
+
+#[derive(Debug)]
+struct Inner {
+    captures: Captures,
+    next_number: i64,
+    /// The ports that are not open.
+    away: BTreeSet<String>,
+    /// When the files appeared that are coming in, by export folder.
+    coming: BTreeMap<usize, Vec<Duration>>,
+    /// Scans that came in and whose records are not all delivered.
+    in_work: BTreeSet<ScanId>,
+    missed: bool,
+    last: Option<(Outcome, Duration)>,
+}
+
+/// The captures, held while an export is taken: no press or other export comes in between.
+#[derive(Debug)]
+pub struct Held<'a> {
+    booth: &'a Booth,
+    inner: MutexGuard<'a, Inner>,
+}
+
+/// Why a patient was not named.
+#[derive(Debug, thiserror::Error)]
+pub enum NameFault {
+    /// The id is against the configuration's pattern or its own check digit.
+    #[error("this is no patient id that patient.pattern and patient.check_digit allow")]
+    NotAnId,
+    /// The journal failed.
+    #[error("the journal could not be written")]
+    Journal(#[from] JournalError),
 }
 
 impl Booth {
-    /// A booth whose light shows that the station is ready.
-    pub fn new() -> Booth {
-        Booth { signal: watch::Sender::new(Signal::Ready) }
+    /// The booth as the journal has it. `ports` are the triggers that the configuration names.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn open(
+        journal: &Journal,
+        rules: Rules,
+        folders: usize,
+        ports: BTreeSet<String>,
+    ) -> Result<Booth, JournalError> {
+        let offset = since_boot();
+        let boot = boot_id();
+        let is_ours = |row: &CaptureRow| row.boot == boot && !boot.is_empty();
+        let (ours, others): (Vec<CaptureRow>, Vec<CaptureRow>) =
+            journal.captures_waiting()?.into_iter().partition(is_ours);
+        // The machine was off: whatever a press had begun is over.
+        let others: Vec<i64> = others.iter().map(|row| row.capture.number).collect();
+        let next = journal.next_named()?;
+        let name_is_over = next.as_ref().is_some_and(|(_, of, _)| *of != boot);
+        if !others.is_empty() || name_is_over {
+            journal.expired(&others, name_is_over)?;
+            journal.captures_over(&others)?;
+        }
+        let next = next.filter(|_| !name_is_over).map(|(named, _, at)| (named, at));
+        let waiting = ours.into_iter().map(|row| row.capture).collect();
+        let mut captures = Captures::new(rules, waiting, next);
+        if ports.is_empty() {
+            captures.hears(Duration::ZERO);
+        }
+        let inner = Inner {
+            captures,
+            next_number: journal.next_capture()?,
+            away: ports,
+            coming: BTreeMap::new(),
+            in_work: BTreeSet::new(),
+            missed: !others.is_empty(),
+            last: None,
+        };
+        let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
+        let signal = watch::Sender::new(Signal::Ready);
+        Ok(Booth { inner: Mutex::new(inner), signal, looks, boot, offset })
     }
 
-    /// Takes what a port has heard. Blocks for a write to the journal.
-    pub fn hear(&self, heard: &Heard) {
-        match heard {
-            Heard::Press(_) => info!(event = "pressed"),
-            Heard::Named { .. } => info!(event = "patient-named"),
-        }
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What the light shows, now and whenever it changes.
     pub fn signal(&self) -> watch::Receiver<Signal> {
         self.signal.subscribe()
     }
+
+    /// What tells the export folder of this place to look at once.
+    pub fn look(&self, place: usize) -> Arc<Notify> {
+        self.looks.get(place).cloned().unwrap_or_default()
+    }
+
+    /// Holds the captures while an export is taken.
+    pub fn hold(&self) -> Held<'_> {
+        Held { booth: self, inner: self.inner() }
+    }
+
+    /// Notes when the files of an export folder appeared that are coming in.
+    pub fn coming(&self, place: usize, seen: impl Iterator<Item = Duration>) {
+        let seen = seen.map(|at| self.offset + at).collect();
+        self.inner().coming.insert(place, seen);
+    }
+
+    /// A scan ended, or needs a person; `now` is of the station's clock.
+    pub fn ended(&self, scan: &ScanId, outcome: Outcome, now: Duration) {
+        let mut inner = self.inner();
+        if inner.in_work.remove(scan) || outcome == Outcome::NeedsPerson {
+            inner.last = Some((outcome, now));
+        }
+    }
+
+    /// How many presses or names await their export, and until when the waiting name lasts, on the
+    /// station's clock.
+    pub fn awaited(&self) -> (usize, Option<Duration>) {
+        let inner = self.inner();
+        let open = inner
+            .captures
+            .waiting()
+            .iter()
+            .filter(|capture| capture.state == crate::flow::capture::CaptureState::Open);
+        let next = inner.captures.next().map(|(_, until)| until.saturating_sub(self.offset));
+        (open.count(), next)
+    }
+
+    /// The name that waits for a press.
+    pub fn next_named(&self) -> Option<String> {
+        self.inner().captures.next().map(|(named, _)| named.id.clone())
+    }
+
+    fn scene(&self, not_ready: bool) -> Scene {
+        let inner = self.inner();
+        let coming = inner.coming.values().any(|files| !files.is_empty());
+        Scene {
+            not_ready,
+            missed: inner.missed,
+            armed: inner.captures.is_armed(),
+            busy: coming || !inner.in_work.is_empty(),
+            last: inner.last,
+        }
+    }
+}
+
+impl Held<'_> {
+    /// Which capture an export belongs to; its times are of the station's clock.
+    pub fn judge(&self, appeared: Appeared) -> Judged {
+        let offset = self.booth.offset;
+        let absent = appeared.absent.map(|at| offset + at);
+        self.inner.captures.judge(Appeared { absent, seen: offset + appeared.seen })
+    }
+
+    /// The export was taken as a new scan, or held.
+    pub fn answer(&mut self, judged: &Judged, scan: &ScanId, held: bool) {
+        self.inner.captures.answer(judged);
+        if *judged != Judged::Unpressed {
+            self.inner.missed = false;
+        }
+        if !held {
+            self.inner.in_work.insert(scan.clone());
+        }
+    }
+}
+
+impl Station {
+    /// The machine's clock since its start.
+    fn machine_now(&self) -> Duration {
+        self.booth.offset + self.now()
+    }
+
+    /// Takes what a port has heard. Blocks for a write to the journal.
+    pub fn hear(&self, heard: &Heard) {
+        let now = self.machine_now();
+        let done = match heard {
+            Heard::Press(Press::Short) => self.pressed(now),
+            Heard::Press(Press::Long) => self.call_off().map(drop),
+            Heard::Named { id, by } => match self.name_patient(id, *by) {
+                Ok(_) => Ok(()),
+                Err(NameFault::NotAnId) => {
+                    warn!(event = "finding", code = ID_NOT_ALLOWED);
+                    self.booth.inner().last = Some((Outcome::NeedsPerson, self.now()));
+                    Ok(())
+                }
+                Err(NameFault::Journal(error)) => Err(error),
+            },
+        };
+        if let Err(error) = done {
+            self.mind(&error);
+            warn!(event = "journal-failed", error = chain(&error));
+        }
+    }
+
+    fn pressed(&self, now: Duration) -> Result<(), JournalError> {
+        let mut inner = self.booth.inner();
+        let number = inner.next_number;
+        inner.next_number += 1;
+        (inner.missed, inner.last) = (false, None);
+        let capture = inner.captures.pressed(number, now).clone();
+        let has_patient = capture.patient.is_some();
+        let (at, boot) = (Timestamp::now(), self.booth.boot.clone());
+        let journaled = self.custody.journal().captured(&CaptureRow { capture, at, boot });
+        drop(inner);
+        self.booth.looks.iter().for_each(|look| look.notify_one());
+        info!(event = "pressed", capture = number, has_patient);
+        self.observer.tell(StationEvent::Pressed { capture: number });
+        journaled
+    }
+
+    /// Somebody names the patient of the next scan. Blocks.
+    ///
+    /// # Errors
+    /// See [`NameFault`].
+    pub fn name_patient(&self, id: &str, by: SourceKind) -> Result<NamedNext, NameFault> {
+        let Patient { id, .. } = self.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
+        let now = self.machine_now();
+        let mut inner = self.booth.inner();
+        let named = Named { id, by };
+        let number = inner.next_number;
+        let next = inner.captures.named(named.clone(), number, now);
+        let (journal, boot) = (self.custody.journal(), &self.booth.boot);
+        match &next {
+            NamedNext::Waits { .. } => journal.named_next(&named, boot, now)?,
+            NamedNext::Opened(capture) | NamedNext::Prolonged(capture) => {
+                inner.next_number = inner.next_number.max(capture.number + 1);
+                let (capture, at, boot) = (capture.clone(), Timestamp::now(), boot.clone());
+                journal.captured(&CaptureRow { capture, at, boot })?;
+                self.booth.looks.iter().for_each(|look| look.notify_one());
+            }
+        }
+        info!(event = "patient-named", by = ?by);
+        Ok(next)
+    }
+
+    /// A person calls off what waits; says whether anything did. Blocks.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn call_off(&self) -> Result<bool, JournalError> {
+        let mut inner = self.booth.inner();
+        let called_off = inner.captures.call_off();
+        let any = called_off.name || !called_off.captures.is_empty() || inner.missed;
+        (inner.missed, inner.last) = (false, None);
+        self.clear_missed();
+        if any {
+            self.custody.journal().called_off(&called_off)?;
+            info!(event = "called-off", captures = called_off.captures.len());
+        }
+        Ok(any)
+    }
+
+    /// A port is open, or is not any more: presses may go unheard.
+    pub fn port(&self, name: &str, is_open: bool) {
+        let now = self.machine_now();
+        let mut inner = self.booth.inner();
+        match is_open {
+            true => inner.away.remove(name),
+            false => inner.away.insert(name.to_owned()),
+        };
+        match inner.away.is_empty() {
+            true => inner.captures.hears(now),
+            false => inner.captures.deaf(),
+        }
+    }
+
+    /// Time has passed. Blocks where something expires.
+    fn pass(&self) -> Result<(), JournalError> {
+        let now = self.machine_now();
+        let mut inner = self.booth.inner();
+        let coming: Vec<Duration> = inner.coming.values().flatten().copied().collect();
+        let passed = inner.captures.pass(now, &coming);
+        if !inner.missed && inner.captures.is_armed() {
+            self.clear_missed();
+        }
+        let journal = self.custody.journal();
+        if !passed.expired.is_empty() || passed.name_expired {
+            inner.missed |= !passed.expired.is_empty();
+            journal.expired(&passed.expired, passed.name_expired)?;
+            for capture in &passed.expired {
+                warn!(event = NO_EXPORT, capture);
+                self.observer.tell(StationEvent::NoExport { capture: *capture });
+            }
+            if passed.name_expired {
+                warn!(event = "patient-name-expired");
+            }
+        }
+        if inner.missed {
+            let message = "no export came after the last press of the button".to_owned();
+            self.board.note(|facts| {
+                let alarm = Alarm { message, since: Timestamp::now() };
+                facts.alarms.entry(NO_EXPORT).or_insert(alarm);
+            });
+        }
+        if passed.over.is_empty() { Ok(()) } else { journal.captures_over(&passed.over) }
+    }
+
+    fn clear_missed(&self) {
+        self.board.note(|facts| {
+            facts.alarms.remove(NO_EXPORT);
+        });
+    }
+}
+
+/// Looks after captures and the light until it is asked to stop.
+///
+/// # Errors
+/// Where a step panicked.
+pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
+    let mut light = Light::new(station.now());
+    let (mut not_ready, mut next_ready) = (false, station.now());
+    while !stop.is_requested() {
+        beat.beat(station.now());
+        let (looked, asks) = (Arc::clone(&station), station.now() >= next_ready);
+        let step = spawn_blocking(move || {
+            let passed = looked.pass();
+            let not_ready = asks.then(|| !Overview::take(&looked).complaints.is_empty());
+            (passed, not_ready)
+        });
+        let (passed, asked) = step.await?;
+        if let Err(error) = passed {
+            station.mind(&error);
+            warn!(event = "journal-failed", error = chain(&error));
+        }
+        if let Some(asked) = asked {
+            (not_ready, next_ready) = (asked, station.now() + READY);
+        }
+        let shown = light.show(&station.booth.scene(not_ready), station.now());
+        station.booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);
+        tokio::select! {
+            () = stop.requested() => break,
+            () = sleep(LIGHT) => {}
+        }
+    }
+    Ok(())
+}
+
+/// The machine's clock since its start, its sleeps included.
+fn since_boot() -> Duration {
+    let time = clock_gettime(ClockId::Boottime);
+    let nanoseconds = u32::try_from(time.tv_nsec).unwrap_or(0);
+    Duration::new(time.tv_sec.unsigned_abs(), nanoseconds)
+}
+
+/// What tells one start of the machine from another; empty where the system does not say, and then
+/// no capture outlives the station's process.
+fn boot_id() -> String {
+    let id = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
+    id.trim().to_owned()
 }

@@ -13,11 +13,14 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
-use super::journal::{Due, Journal, JournalError, ScanRow};
+use super::journal::{Due, Entry, Journal, JournalError, ScanRow};
 use super::quarantine::{Quarantine, Reason};
 use super::spool::{Companion, Intake, Spool};
-use crate::flow::identity::{self, ID_NOT_ALLOWED, SAME_SCAN_OTHER_PATIENT};
-use crate::flow::{DeliveryState, NameSays, ScanId, ScanState, Verdict};
+use crate::flow::capture::{AMBIGUOUS, Judged, LATE, UNCLEAR, UNHEARD};
+use crate::flow::identity::{
+    self, ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT,
+};
+use crate::flow::{ScanId, ScanState, Verdict, Whose};
 use crate::record::Patient;
 use crate::scan::Format;
 
@@ -48,8 +51,12 @@ pub struct Arrival<'a> {
     pub format: Format,
     /// The file's own time.
     pub file_time: Option<Timestamp>,
-    /// What the file's name says about the patient.
-    pub says: NameSays,
+    /// Whose scan it is, by everything that says so.
+    pub whose: Whose,
+    /// The press it answers.
+    pub judged: Judged,
+    /// When the button was pressed for it.
+    pub pressed_at: Option<Timestamp>,
     /// What the scanner wrote beside it.
     pub companions: &'a [Companion],
 }
@@ -108,29 +115,31 @@ impl Custody {
             self.adopt(scan)?;
         }
         let known = self.journal.scan(scan)?;
-        let patient = match &arrival.says {
-            NameSays::Patient(patient) => Some(patient),
-            NameSays::Nothing | NameSays::NotAnId => None,
-        };
+        let patient = arrival.whose.patient.as_ref();
         let patients = self.journal.patients(scan)?;
         let sighted = patient.map(|patient| patient.id.as_str());
-        let verdict = identity::judge(patients.iter().map(Option::as_deref), sighted);
-        let held = match verdict {
-            Verdict::Already => return Ok(verdict),
-            Verdict::New => false,
-            Verdict::Held => true,
+        let verdict = match identity::judge(patients.iter().map(Option::as_deref), sighted) {
+            Verdict::Already => return Ok(Verdict::Already),
+            Verdict::New => arrival.whose.held.map_or(Verdict::New, Verdict::Held),
+            held @ Verdict::Held(_) => held,
         };
-        let intake = intake(arrival, known.as_ref(), patient, held);
+        let held = match verdict {
+            Verdict::Held(code) => Some(code),
+            Verdict::New | Verdict::Already => None,
+        };
+        let intake = intake(arrival, known.as_ref(), held);
         let row = row(&intake, scan);
         // A held scan that was refused before has its bytes in quarantine already.
-        let kept = self.spool.holds(scan) || (held && self.quarantine.holds(scan));
+        let kept = self.spool.holds(scan) || (held.is_some() && self.quarantine.holds(scan));
         if !kept {
             let (bytes, beside) = (arrival.bytes, arrival.companions);
             let kept = self.spool.keep(scan, intake, bytes, beside);
             self.untidy.fetch_or(kept.is_err(), Ordering::Relaxed);
             io("keeping a scan", kept)?;
         }
-        self.enter(&row, patient, held)?;
+        let (claims, judged) = (arrival.whose.claims.as_slice(), &arrival.judged);
+        let entry = Entry { row: &row, patient, held, claims, judged };
+        self.journal.enter(&entry, &self.stores)?;
         Ok(verdict)
     }
 
@@ -250,45 +259,32 @@ impl Custody {
         self.quarantine.take(&self.spool.entry(scan), scan, reason)?;
         self.spool.sync()
     }
-
-    fn enter(
-        &self,
-        row: &ScanRow,
-        patient: Option<&Patient>,
-        held: bool,
-    ) -> Result<(), CustodyFault> {
-        let (state, code) = match held {
-            true => (DeliveryState::Held, Some(SAME_SCAN_OTHER_PATIENT)),
-            false => (DeliveryState::Pending, None),
-        };
-        Ok(self.journal.enter(row, patient, &self.stores, state, code)?)
-    }
 }
 
 /// What is known of bytes that have come in. The time of first sight is fixed once.
-fn intake(
-    arrival: &Arrival<'_>,
-    known: Option<&ScanRow>,
-    patient: Option<&Patient>,
-    held: bool,
-) -> Intake {
+fn intake(arrival: &Arrival<'_>, known: Option<&ScanRow>, held: Option<&str>) -> Intake {
     let now = Timestamp::now();
     let now = Timestamp::from_second(now.as_second()).unwrap_or(now);
-    let findings = match (&arrival.says, held) {
-        (_, true) => vec![SAME_SCAN_OTHER_PATIENT.to_owned()],
-        (NameSays::NotAnId, false) => vec![ID_NOT_ALLOWED.to_owned()],
-        (_, false) => Vec::new(),
-    };
+    let not_an_id = arrival.whose.not_an_id.then_some(ID_NOT_ALLOWED);
+    let findings = held.into_iter().chain(not_an_id).map(str::to_owned).collect();
     Intake {
         sha256: arrival.scan.to_string(),
         format: arrival.format.ending().to_owned(),
         size: u64::try_from(arrival.bytes.len()).unwrap_or(u64::MAX),
         first_seen: known.map_or(now, |row| row.first_seen),
         file_time: known.map_or(arrival.file_time, |row| row.file_time),
-        patient: patient.cloned(),
-        held,
+        pressed_at: known.map_or(arrival.pressed_at, |row| row.pressed_at),
+        patient: arrival.whose.patient.clone(),
+        held: held.is_some(),
         findings,
     }
+}
+
+/// Why a scan of the spool is held; an older intake does not say.
+fn held_code(intake: &Intake) -> Option<&'static str> {
+    let codes = [AMBIGUOUS, UNCLEAR, LATE, UNHEARD, NO_PRESS, PATIENTS_DIFFER];
+    let found = codes.into_iter().find(|code| intake.findings.iter().any(|found| found == code));
+    intake.held.then_some(found.unwrap_or(SAME_SCAN_OTHER_PATIENT))
 }
 
 /// What was known of a scan whose bytes come back into the spool.
@@ -299,6 +295,7 @@ fn intake_of(row: &ScanRow, patient: Option<&Patient>) -> Intake {
         size: row.size,
         first_seen: row.first_seen,
         file_time: row.file_time,
+        pressed_at: row.pressed_at,
         patient: patient.cloned(),
         held: false,
         findings: Vec::new(),
@@ -313,6 +310,7 @@ fn row(intake: &Intake, scan: &ScanId) -> ScanRow {
         size: intake.size,
         first_seen: intake.first_seen,
         file_time: intake.file_time,
+        pressed_at: intake.pressed_at,
         state: if intake.held { ScanState::Delivered } else { ScanState::Spooled },
     }
 }

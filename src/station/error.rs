@@ -85,6 +85,8 @@ pub enum Worker {
     },
     /// Measures scans and makes deliveries.
     Delivery,
+    /// Keeps captures and the light.
+    Booth,
     /// Lets go what has served.
     Housekeeping,
     /// Answers on the control socket.
@@ -98,6 +100,7 @@ impl fmt::Display for Worker {
         match self {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
             Worker::Delivery => f.write_str("the delivery"),
+            Worker::Booth => f.write_str("the booth"),
             Worker::Housekeeping => f.write_str("the housekeeping"),
             Worker::Http => f.write_str("the metrics and health"),
             Worker::Control => f.write_str("the control socket"),

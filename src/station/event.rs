@@ -13,6 +13,16 @@ use crate::flow::ScanId;
 pub enum StationEvent {
     /// The journal is open and every folder in reach has been looked at.
     Ready,
+    /// The button was pressed.
+    Pressed {
+        /// The number of its capture.
+        capture: i64,
+    },
+    /// No export came for a press.
+    NoExport {
+        /// The number of its capture.
+        capture: i64,
+    },
     /// A file has been unchanged for the quiet time.
     Settled {
         /// Its name.

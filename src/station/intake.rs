@@ -83,6 +83,7 @@ pub async fn worker(
     let settling = Settling::new(scanner.quiet, scanner.short_wait, scanner.watch.overdue);
     let guard = MountGuard::new(scanner.watch.expected.clone());
     let hint = Arc::new(Notify::new());
+    let pressed = station.booth.look(place);
     let mut watch = Watch::new(folder.clone(), scanner.watch.subfolders, Arc::clone(&hint));
     let notes = Notes::new(Arc::clone(&station), place, &folder);
     let mut looked = Some(looked);
@@ -104,6 +105,7 @@ pub async fn worker(
         tokio::select! {
             () = stop.requested() => break,
             () = hint.notified() => {}
+            () = pressed.notified() => {}
             () = pause => {}
         }
     }

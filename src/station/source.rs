@@ -89,13 +89,16 @@ fn in_state(file: &File, stamp: Stamp) -> io::Result<bool> {
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::time::Duration;
 
     use super::*;
     use crate::flow;
+    use crate::flow::capture::Appeared;
 
     fn settled(path: &Path) -> Settled {
         let stamp = look::stamp(&path.symlink_metadata().unwrap());
-        Settled { path: path.to_owned(), stamp, companions: Vec::new(), awaited: false }
+        let appeared = Appeared { absent: None, seen: Duration::ZERO };
+        Settled { path: path.to_owned(), stamp, companions: Vec::new(), awaited: false, appeared }
     }
 
     fn read(settled: &Settled) -> Option<Export> {

@@ -36,6 +36,9 @@ pub struct Intake {
     pub first_seen: Timestamp,
     /// The file's own time.
     pub file_time: Option<Timestamp>,
+    /// When the button was pressed for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressed_at: Option<Timestamp>,
     /// Whose scan it is said to be.
     pub patient: Option<Patient>,
     /// The bytes are kept because a person must decide; nothing is to be delivered by itself.

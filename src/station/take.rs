@@ -14,9 +14,12 @@ use super::event::{StationEvent, short};
 use super::journal::JournalError;
 use super::quarantine::{self, Reason, Stage};
 use super::source::Export;
+use crate::config::WithoutTrigger;
+use crate::flow::capture::{Judged, Opener};
 use crate::flow::facts::IntakeState;
-use crate::flow::identity::{ID_NOT_ALLOWED, SAME_SCAN_OTHER_PATIENT};
-use crate::flow::{NameSays, Settled, Verdict};
+use crate::flow::identity::{self, ID_NOT_ALLOWED, NO_PRESS};
+use crate::flow::light::Outcome;
+use crate::flow::{NameSays, Settled, Verdict, Whose};
 use crate::scan::{self, Format};
 use crate::store::sums;
 
@@ -97,16 +100,32 @@ pub fn take(station: &Station, settled: &Settled, export: &Export) -> Result<Tak
         station.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
         return Ok(Taken::CutShort);
     }
-    let says = station.identity.of_file_name(&name);
-    let not_an_id = says == NameSays::NotAnId;
+    let says = [station.identity.of_file_name(&name), beside(station, export)];
+    // No press and no other export may come between the judgement and what is done by it.
+    let mut booth = station.booth.hold();
+    let judged = booth.judge(settled.appeared);
+    let whose = whose(station, &judged, says);
+    let not_an_id = whose.not_an_id;
     let verdict = station.custody.admit(&Arrival {
         scan: &export.scan,
         bytes: &export.bytes,
         format,
         file_time: export.file_time,
-        says,
+        whose,
+        pressed_at: pressed_at(station, &judged)?,
+        judged: judged.clone(),
         companions: &export.companions,
     })?;
+    match verdict {
+        Verdict::New => booth.answer(&judged, &export.scan, false),
+        Verdict::Held(_) => booth.answer(&judged, &export.scan, true),
+        // It is not the export that a press awaits.
+        Verdict::Already => {}
+    }
+    drop(booth);
+    if let Verdict::Held(_) = verdict {
+        station.booth.ended(&export.scan, Outcome::NeedsPerson, station.now());
+    }
     let scan = export.scan.short();
     if not_an_id {
         warn!(event = "finding", scan, code = ID_NOT_ALLOWED);
@@ -119,6 +138,38 @@ pub fn take(station: &Station, settled: &Settled, export: &Export) -> Result<Tak
     let journal = station.custody.journal();
     journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
     Ok(Taken::Done)
+}
+
+/// What the scanner's own measures beside a scan say; those of two such files say nothing.
+fn beside(station: &Station, export: &Export) -> NameSays {
+    let mut measures = export.companions.iter().filter(|file| file.name_ending.ends_with("ord"));
+    match (measures.next(), measures.next()) {
+        (Some(file), None) => station.identity.of_sidecar(&String::from_utf8_lossy(&file.bytes)),
+        _ => NameSays::Nothing,
+    }
+}
+
+/// Whose scan it is.
+fn whose(station: &Station, judged: &Judged, says: [NameSays; 2]) -> Whose {
+    let (named, held) = match judged {
+        Judged::Of(capture) => (capture.patient.as_ref(), None),
+        Judged::Held { code, patient, .. } => (patient.as_ref(), Some(*code)),
+        Judged::Unpressed => match station.config.capture.without_trigger {
+            WithoutTrigger::Process => (None, None),
+            WithoutTrigger::Hold => (None, Some(NO_PRESS)),
+        },
+    };
+    identity::whose(named, held, says)
+}
+
+/// When the button was pressed for an export that is certainly its own.
+fn pressed_at(station: &Station, judged: &Judged) -> Result<Option<Timestamp>, JournalError> {
+    match judged {
+        Judged::Of(capture) if capture.by == Opener::Press => {
+            station.custody.journal().captured_at(capture.number)
+        }
+        _ => Ok(None),
+    }
 }
 
 /// Whether the format shows that more is to come. A reader that panics shows nothing: the scan
@@ -141,8 +192,8 @@ fn announce(station: &Station, settled: &Settled, export: &Export, verdict: Verd
             info!(event = "scan-known", scan);
             station.observer.tell(StationEvent::Known { file, scan });
         }
-        Verdict::Held => {
-            warn!(event = "scan-held", scan, code = SAME_SCAN_OTHER_PATIENT);
+        Verdict::Held(code) => {
+            warn!(event = "scan-held", scan, code);
             station.observer.tell(StationEvent::Held { scan });
         }
     }

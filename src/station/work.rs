@@ -13,7 +13,9 @@ use super::event::{StationEvent, short};
 use super::journal::{Due, JournalError, ScanRow};
 use super::measure::{self, Answer, Job, Limits, Measured};
 use super::quarantine::{Reason, Stage};
+use crate::flow::ScanState;
 use crate::flow::acquired::acquired;
+use crate::flow::light::Outcome;
 use crate::flow::outbox::Ended;
 use crate::record::{Provenance, RecordFile};
 use crate::store::{Delivery, StoreFault};
@@ -65,7 +67,7 @@ fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setba
         provenance: Provenance {
             station: Some(config.station.id.clone()),
             patient: due.patient.clone(),
-            acquired: Some(acquired(row.file_time, row.first_seen)),
+            acquired: Some(acquired(row.pressed_at, row.file_time, row.first_seen)),
             sha256: row.scan.to_string(),
         },
         ending: row.format.clone(),
@@ -139,6 +141,10 @@ pub fn put(station: &Station, due: &Due, ready: &Ready) -> Ended {
             .map_err(|fault| of_store(fault, row))?;
         station.note_store(&due.store, None);
         station.custody.delivered(due, &receipt.folder)?;
+        let state = station.custody.journal().scan(&due.scan)?.map(|row| row.state);
+        if state == Some(ScanState::Delivered) {
+            station.booth.ended(&due.scan, Outcome::Delivered, station.now());
+        }
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
         station.observer.tell(StationEvent::Delivered { scan, folder: receipt.folder });
@@ -150,25 +156,27 @@ pub fn put(station: &Station, due: &Due, ready: &Ready) -> Ended {
     }
 }
 
-/// Takes back the record for nobody of a scan whose record the patient has.
+/// Takes back the record of a scan that somebody else has now.
 pub fn withdraw(station: &Station, due: &Due) -> Ended {
     let withdraw = || -> Result<(), Setback> {
         let row = row(station, due)?;
         let journal = station.custody.journal();
         let store = station.store(&due.store).ok_or_else(|| no_store(due))?;
-        let Some(patient) = journal.patient_with_record(&due.scan, &due.store)? else {
-            let error = "no patient has the record yet".to_owned();
+        let from = due.patient.as_ref().map(|patient| patient.id.as_str());
+        let keeper = journal.keeper(&due.scan, &due.store)?;
+        let Some(keeper) = keeper.filter(|keeper| keeper.as_deref() != from) else {
+            let error = "nobody else has the record yet".to_owned();
             return Err(Setback::PutOff { code: "withdrawal-early", error });
         };
-        match store.withdraw(&due.scan, &patient) {
+        match store.withdraw(&due.scan, from, keeper.as_deref()) {
             Err(StoreFault::Permanent(_)) => {
                 // Somebody worked on it by hand: it stays where it is.
-                warn!(event = "unassigned-record-kept", scan = short(&due.scan));
+                warn!(event = "withdrawn-record-kept", scan = short(&due.scan));
             }
             other => other.map_err(|fault| of_store(fault, &row))?,
         }
         journal.withdrawn(due)?;
-        info!(event = "unassigned-record-withdrawn", scan = short(&due.scan), store = due.store);
+        info!(event = "record-withdrawn", scan = short(&due.scan), store = due.store);
         Ok(())
     };
     match withdraw() {
@@ -194,6 +202,7 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
             Ok(Reason { code, message, .. }) => {
                 warn!(event = "scan-refused", scan, code);
                 let scan = Some(scan);
+                station.booth.ended(&due.scan, Outcome::NeedsPerson, station.now());
                 station.observer.tell(StationEvent::Refused { scan, code, message });
                 return Ended::ForGood;
             }

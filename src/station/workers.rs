@@ -12,7 +12,7 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::error::{StationError, Worker};
 use super::stop::Stop;
-use super::{control, delivery, housekeeping, http, intake};
+use super::{booth, control, delivery, housekeeping, http, intake};
 
 /// The workers, their names and their beats.
 pub struct Workers {
@@ -38,6 +38,8 @@ impl Workers {
         let beat = workers.beat(Worker::Housekeeping, station);
         let task = housekeeping::worker(Arc::clone(station), beat, stop.clone());
         workers.spawn(Worker::Housekeeping, task);
+        let beat = workers.beat(Worker::Booth, station);
+        workers.spawn(Worker::Booth, booth::worker(Arc::clone(station), beat, stop.clone()));
         // These wait for people and monitors, and have no beat: nothing hangs on them.
         workers.spawn(Worker::Http, http::worker(Arc::clone(station), stop.clone()));
         workers.spawn(Worker::Control, control::worker(Arc::clone(station), stop.clone()));

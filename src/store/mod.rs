@@ -198,14 +198,19 @@ impl RecordStore {
         }
     }
 
-    /// Takes back the record for nobody of a scan whose record the patient has now. What a person
-    /// added to it goes to the patient's record. Done again, this does nothing.
+    /// Takes back the record of a scan from a patient, or from nobody's folder, now that `keeper` has
+    /// it. What a person added to it goes to the keeper's record. Done again, this does nothing.
     ///
     /// # Errors
     /// See [`StoreFault`]; a permanent one where the record was changed and so is left as it is.
-    pub fn withdraw(&self, scan: &ScanId, patient: &str) -> Result<(), StoreFault> {
+    pub fn withdraw(
+        &self,
+        scan: &ScanId,
+        from: Option<&str>,
+        keeper: Option<&str>,
+    ) -> Result<(), StoreFault> {
         match self {
-            RecordStore::Folder(store) => store.withdraw(scan, patient),
+            RecordStore::Folder(store) => store.withdraw(scan, from, keeper),
         }
     }
 

@@ -37,13 +37,14 @@ pub(super) fn in_turn(files: Vec<(Duration, Settled)>, turns: usize) -> Vec<Sett
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::Stamp;
+    use super::super::{Appeared, Stamp};
     use super::*;
 
     fn file(changed_s: u64, name: &str) -> (Duration, Settled) {
         let stamp = Stamp { dev: 1, ino: 1, size: 1, mtime_ns: 0, ctime_ns: 0 };
         let path = name.into();
-        let settled = Settled { path, stamp, companions: Vec::new(), awaited: false };
+        let appeared = Appeared { absent: None, seen: Duration::ZERO };
+        let settled = Settled { path, stamp, companions: Vec::new(), awaited: false, appeared };
         (Duration::from_secs(changed_s), settled)
     }
 

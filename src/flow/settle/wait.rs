@@ -84,7 +84,7 @@ impl Settling {
             Wait::Folder
         } else if unchanged < self.quiet && file.quiet_since > file.unchanged_since {
             Wait::CompanionChanging
-        } else if unchanged.is_zero() && file.quiet_since > file.waiting_since {
+        } else if unchanged.is_zero() && file.quiet_since > file.appeared.seen {
             Wait::Changing
         } else if unchanged < self.quiet {
             Wait::Quiet { unchanged, quiet: self.quiet }
@@ -97,9 +97,9 @@ impl Settling {
                 Next::Rest | Next::Quiet | Next::Taken => Wait::Turn,
             }
         };
-        let is_late = now.saturating_sub(file.waiting_since) >= self.overdue;
+        let is_late = now.saturating_sub(file.appeared.seen) >= self.overdue;
         // Of a queue and of a folder out of reach others tell; they are not the file's fault.
         let is_its_own = !matches!(wait, Wait::Turn | Wait::Folder);
-        Waiting { wait, since: file.waiting_since, overdue: is_late && is_its_own }
+        Waiting { wait, since: file.appeared.seen, overdue: is_late && is_its_own }
     }
 }

@@ -48,6 +48,10 @@ pub fn answer(station: &Station, request: &Request) -> Answer {
         Request::Assign { scan, patient } => {
             acted(station, Some(scan), &Act::Assign(patient.clone()))
         }
+        Request::Unassign { scan } => acted(station, Some(scan), &Act::Unassign),
+        Request::NameNext { patient } => acted(station, None, &Act::NameNext(patient.clone())),
+        Request::CallOff => acted(station, None, &Act::CallOff),
+        Request::Next => Ok(Answer::Sentence(next(station))),
         Request::Pause => acted(station, None, &Act::Pause),
         Request::Resume => acted(station, None, &Act::Resume),
     };
@@ -102,6 +106,20 @@ fn known(station: &Station, path: &Path) -> Result<Option<Known>, Fault> {
     let at = last.and_then(|last| last.at.parse().ok());
     let state = account::in_words(&whole.summary, held);
     Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()) }))
+}
+
+/// Who is named for the next scan; the id is for the person who asks.
+fn next(station: &Station) -> String {
+    let (awaited, _) = station.booth.awaited();
+    let named = match station.booth.next_named() {
+        Some(id) => format!("patient {id} is named for the next press of the button"),
+        None => "nobody is named for the next press of the button".to_owned(),
+    };
+    match awaited {
+        0 => format!("{named}; no export is awaited"),
+        1 => format!("{named}; one export is awaited"),
+        count => format!("{named}; {count} exports are awaited"),
+    }
 }
 
 /// Carries out what a person decided.

@@ -64,6 +64,20 @@ pub enum Request {
         /// The patient's id.
         patient: String,
     },
+    /// A scan is not its patient's: it is nobody's again.
+    Unassign {
+        /// The beginning of its id.
+        scan: String,
+    },
+    /// The next scan is this patient's.
+    NameNext {
+        /// The patient's id.
+        patient: String,
+    },
+    /// Nobody is named for the next scan, and no press awaits its export.
+    CallOff,
+    /// Who is named for the next scan.
+    Next,
     /// No scan is to be taken until somebody resumes.
     Pause,
     /// Go on.

@@ -56,7 +56,44 @@ impl Custody {
         Ok(Acted::Done(deliveries.len()))
     }
 
-    /// A scan that came in for nobody is this patient's. `stored` is the scan as it lies in a store,
+    /// A scan is taken back from its patient and is nobody's again. `stored` as in
+    /// [`Custody::assign`].
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn unassign(
+        &self,
+        row: &ScanRow,
+        stored: Option<StoredScan>,
+    ) -> Result<Acted, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        if !self.bring_back(row, None, stored)? {
+            return Ok(Acted::NoBytes);
+        }
+        self.journal.unassigned(&row.scan, &self.stores)?;
+        Ok(Acted::Done(self.stores.len()))
+    }
+
+    /// Keeps the bytes of a scan that a store gave back; says whether they are here.
+    fn bring_back(
+        &self,
+        row: &ScanRow,
+        patient: Option<&Patient>,
+        stored: Option<StoredScan>,
+    ) -> Result<bool, CustodyFault> {
+        let scan = &row.scan;
+        if self.spool.holds(scan) || self.quarantine.holds(scan) {
+            return Ok(true);
+        }
+        let Some(StoredScan { bytes, ord }) = stored else { return Ok(false) };
+        let intake = intake_of(row, patient);
+        let ord = ord.map(|bytes| Companion { name_ending: "ord".to_owned(), bytes });
+        let companions: Vec<Companion> = ord.into_iter().collect();
+        io("keeping a scan", self.spool.keep(scan, intake, &bytes, &companions))?;
+        Ok(true)
+    }
+
+    /// A scan that came in for nobody, or is held, is this patient's. `stored` is the scan as it lies in a store,
     /// where the spool has given it up.
     ///
     /// # Errors
@@ -68,19 +105,10 @@ impl Custody {
         stored: Option<StoredScan>,
     ) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        let scan = &row.scan;
-        let kept = self.spool.holds(scan) || self.quarantine.holds(scan);
-        match stored {
-            _ if kept => {}
-            Some(StoredScan { bytes, ord }) => {
-                let intake = intake_of(row, Some(patient));
-                let ord = ord.map(|bytes| Companion { name_ending: "ord".to_owned(), bytes });
-                let companions: Vec<Companion> = ord.into_iter().collect();
-                io("keeping a scan", self.spool.keep(scan, intake, &bytes, &companions))?;
-            }
-            None => return Ok(Acted::NoBytes),
+        if !self.bring_back(row, Some(patient), stored)? {
+            return Ok(Acted::NoBytes);
         }
-        self.journal.assigned(scan, patient, &self.stores)?;
+        self.journal.assigned(&row.scan, patient, &self.stores)?;
         Ok(Acted::Done(self.stores.len()))
     }
 

@@ -6,11 +6,13 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
-use super::{Custody, CustodyFault, io, row};
-use crate::flow::{DeliveryState, ScanId, ScanState};
+use super::{Custody, CustodyFault, held_code, io, row};
+use crate::flow::capture::Judged;
+use crate::flow::{ScanId, ScanState};
 use crate::record::{Patient, Source, SourceKind};
-use crate::station::journal::ScanRow;
+use crate::station::journal::{Entry, ScanRow};
 use crate::station::quarantine::{Reason, Stage};
+use crate::station::spool::Intake;
 use crate::store::FoundRecord;
 
 impl Custody {
@@ -74,7 +76,19 @@ impl Custody {
     /// Enters a scan of the spool that the journal does not know.
     pub(super) fn adopt(&self, scan: &ScanId) -> Result<(), CustodyFault> {
         let intake = io("reading an intake", self.spool.intake(scan))?;
-        self.enter(&row(&intake, scan), intake.patient.as_ref(), intake.held)
+        self.adopt_as(&intake, held_code(&intake), &row(&intake, scan))
+    }
+
+    /// Enters what an intake says. Which press it answered is not known any more.
+    fn adopt_as(
+        &self,
+        intake: &Intake,
+        held: Option<&'static str>,
+        row: &ScanRow,
+    ) -> Result<(), CustodyFault> {
+        let patient = intake.patient.as_ref();
+        let entry = Entry { row, patient, held, claims: &[], judged: &Judged::Unpressed };
+        Ok(self.journal.enter(&entry, &self.stores)?)
     }
 
     /// As [`Custody::adopt`]; an entry whose intake cannot be read must not stop every start.
@@ -107,8 +121,7 @@ impl Custody {
             let intake = self.quarantine.intake(&scan);
             let (Some(reason), Ok(intake)) = (reason, intake) else { continue };
             let row = ScanRow { state: ScanState::Spooled, ..row(&intake, &scan) };
-            let (patient, pending) = (intake.patient.as_ref(), DeliveryState::Pending);
-            self.journal.enter(&row, patient, &self.stores, pending, None)?;
+            self.adopt_as(&intake, None, &row)?;
             self.journal.refused(&scan, &reason.code, &reason.message)?;
             adopted += 1;
         }
@@ -127,9 +140,10 @@ impl Custody {
             size: record.size,
             first_seen: record.first_seen,
             file_time: None,
+            pressed_at: None,
             state: ScanState::Delivered,
         };
-        let sources = vec![Source { kind: SourceKind::Record }];
+        let sources = vec![Source::of(SourceKind::Record)];
         let patient = record.patient.clone().map(|id| Patient { id, sources });
         self.journal.found(&row, patient.as_ref(), store, &record.folder.to_string_lossy())?;
         self.give_up_served(&record.scan)

@@ -18,7 +18,7 @@ fn open(dir: &Path) -> Custody {
 }
 
 fn says(id: &str) -> NameSays {
-    let sources = vec![Source { kind: SourceKind::FileName }];
+    let sources = vec![Source::of(SourceKind::FileName)];
     NameSays::Patient(Patient { id: id.to_owned(), sources })
 }
 

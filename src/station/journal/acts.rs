@@ -3,7 +3,7 @@
 use rusqlite::{Transaction, params};
 use serde_json::json;
 
-use super::deliveries::{count, step};
+use super::deliveries::{UNASSIGNED, count, step};
 use super::scans::{insert_delivery, insert_scan, set_state, state_of};
 use super::{Due, Event, Journal, JournalError, ScanRow, Task, cell, history};
 use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
@@ -66,9 +66,9 @@ impl Journal {
         })
     }
 
-    /// A person says whose scan it is that came in for nobody. Deliveries for nobody that are still
-    /// to be made are made for the patient instead; those that were made are followed by one for
-    /// the patient, after which they are taken back.
+    /// A person says whose scan it is that came in for nobody, or is held. Deliveries for nobody that
+    /// are still to be made, and held ones, are made for the patient instead; those for nobody that
+    /// were made are followed by one for the patient, after which they are taken back.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -79,24 +79,54 @@ impl Journal {
         stores: &[&str],
     ) -> Result<(), JournalError> {
         self.change(|transaction| {
+            let [pending, refused, held] =
+                [DeliveryState::Pending, DeliveryState::Refused, DeliveryState::Held];
             transaction.execute(
-                "DELETE FROM deliveries WHERE sha256 = ?1 AND patient = '' AND state IN (?2, ?3)",
-                [scan.as_str(), DeliveryState::Pending.word(), DeliveryState::Refused.word()],
+                "DELETE FROM deliveries
+                 WHERE sha256 = ?1 AND (state = ?4 OR (patient = '' AND state IN (?2, ?3)))",
+                [scan.as_str(), pending.word(), refused.word(), held.word()],
             )?;
-            let state = state_of(transaction, scan)?;
-            let delivery = match state {
-                // It stays refused until somebody retries it, now for this patient.
-                ScanState::Refused => DeliveryState::Refused,
-                ScanState::Spooled | ScanState::Delivered => DeliveryState::Pending,
-            };
-            for store in stores {
-                insert_delivery(transaction, scan, Some(patient), store, delivery, None)?;
-            }
-            if state == ScanState::Delivered {
-                reopen(transaction, scan)?;
-            }
+            // Where it was just being taken back from this very patient it stays.
+            transaction.execute(
+                "UPDATE deliveries SET code = NULL
+                 WHERE sha256 = ?1 AND patient = ?2 AND code = ?3",
+                [scan.as_str(), &patient.id, UNASSIGNED],
+            )?;
+            for_whom(transaction, scan, Some(patient), stores)?;
             let detail = json!({ "patient": patient.id, "by": "operator" });
             history::append(transaction, Some(scan), Event::Assigned, &detail)
+        })
+    }
+
+    /// A person takes a scan back from whoever has it: it is nobody's again. Records that were
+    /// delivered go when the one for nobody lies in their store.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn unassigned(&self, scan: &ScanId, stores: &[&str]) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            let delivered = DeliveryState::Delivered.word();
+            let taken: Vec<String> = {
+                let mut query = transaction.prepare_cached(
+                    "SELECT DISTINCT patient FROM deliveries
+                     WHERE sha256 = ?1 AND patient <> '' AND state <> 'withdrawn'",
+                )?;
+                let rows = query.query_map([scan.as_str()], |row| row.get(0))?;
+                rows.collect::<rusqlite::Result<_>>()?
+            };
+            transaction.execute(
+                "UPDATE deliveries SET code = ?3
+                 WHERE sha256 = ?1 AND patient <> '' AND state = ?2",
+                [scan.as_str(), delivered, UNASSIGNED],
+            )?;
+            transaction.execute(
+                "DELETE FROM deliveries WHERE sha256 = ?1 AND patient <> ''
+                 AND state IN ('pending', 'refused', 'held')",
+                [scan.as_str()],
+            )?;
+            for_whom(transaction, scan, None, stores)?;
+            let detail = json!({ "patients": taken, "by": "operator" });
+            history::append(transaction, Some(scan), Event::Unassigned, &detail)
         })
     }
 
@@ -172,6 +202,28 @@ impl Journal {
             + count(&connection, scan, DeliveryState::Refused)?;
         Ok(open == 0)
     }
+}
+
+/// The deliveries of a scan to whom a person says it belongs.
+fn for_whom(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+    patient: Option<&Patient>,
+    stores: &[&str],
+) -> Result<(), JournalError> {
+    let state = state_of(transaction, scan)?;
+    let delivery = match state {
+        // It stays refused until somebody retries it, now for this patient.
+        ScanState::Refused => DeliveryState::Refused,
+        ScanState::Spooled | ScanState::Delivered => DeliveryState::Pending,
+    };
+    for store in stores {
+        insert_delivery(transaction, scan, patient, store, delivery, None)?;
+    }
+    if state == ScanState::Delivered && count(transaction, scan, DeliveryState::Pending)? > 0 {
+        reopen(transaction, scan)?;
+    }
+    finish_if_done(transaction, scan)
 }
 
 /// A scan of which nothing is pending any more is delivered.

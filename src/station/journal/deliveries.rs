@@ -86,8 +86,9 @@ impl Journal {
         Ok(pending)
     }
 
-    /// The store has given its receipt. With the last pending delivery the scan is delivered; where
-    /// the patient is named, a record of the same scan for nobody is to be taken back.
+    /// The store has given its receipt. With the last pending delivery the scan is delivered. A record
+    /// of the same scan for nobody is to be taken back where the patient is named, and one of a patient
+    /// from whom it was taken.
     /// Says whether the spooled bytes have served: nothing is pending, held or refused.
     ///
     /// # Errors
@@ -98,12 +99,7 @@ impl Journal {
             let place = folder.to_string_lossy();
             step(transaction, due, DeliveryStep::Deliver, Some(&place))?;
             history::append(transaction, Some(scan), Event::Delivered, &detail(due))?;
-            if due.patient.is_some() {
-                let nobody = Due { patient: None, ..due.clone() };
-                if delivery_state(transaction, &nobody)? == Some(DeliveryState::Delivered) {
-                    step(transaction, &nobody, DeliveryStep::Withdraw, None)?;
-                }
-            }
+            withdraw_others(transaction, due)?;
             let pending = count(transaction, scan, DeliveryState::Pending)?;
             let kept_for = count(transaction, scan, DeliveryState::Held)?
                 + count(transaction, scan, DeliveryState::Refused)?;
@@ -161,23 +157,43 @@ impl Journal {
         Ok(())
     }
 
-    /// The patient who has the record of a scan in a store; none while nobody has.
+    /// Who keeps the record of a scan in a store when another one's is taken back; none while nobody
+    /// has it, and inner none for the folder of scans for nobody.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn patient_with_record(
+    pub fn keeper(
         &self,
         scan: &ScanId,
         store: &str,
-    ) -> Result<Option<String>, JournalError> {
+    ) -> Result<Option<Option<String>>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
             "SELECT patient FROM deliveries
-             WHERE sha256 = ?1 AND store = ?2 AND patient <> '' AND state = ?3
-             ORDER BY changed_at LIMIT 1",
+             WHERE sha256 = ?1 AND store = ?2 AND state = ?3 AND code IS NOT ?4
+             ORDER BY patient = '', changed_at LIMIT 1",
         )?;
-        let delivered = DeliveryState::Delivered.word();
-        Ok(query.query_row([scan.as_str(), store, delivered], |row| row.get(0)).optional()?)
+        let cells = [scan.as_str(), store, DeliveryState::Delivered.word(), UNASSIGNED];
+        let found: Option<String> = query.query_row(cells, |row| row.get(0)).optional()?;
+        Ok(found.map(|id| Some(id).filter(|id| !id.is_empty())))
+    }
+
+    /// The patients whose scan it is: neither held for them nor taken back from them.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn owners(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT DISTINCT patient FROM deliveries
+             WHERE sha256 = ?1 AND patient <> '' AND state NOT IN (?2, ?3, ?4)
+                   AND code IS NOT ?5",
+        )?;
+        let [held, withdrawing, withdrawn] =
+            [DeliveryState::Held, DeliveryState::Withdrawing, DeliveryState::Withdrawn];
+        let cells = [scan.as_str(), held.word(), withdrawing.word(), withdrawn.word(), UNASSIGNED];
+        let rows = query.query_map(cells, |row| row.get(0))?;
+        Ok(rows.collect::<rusqlite::Result<_>>()?)
     }
 
     /// Whether a delivery of the scan waits for a person.
@@ -187,6 +203,35 @@ impl Journal {
     pub fn is_held(&self, scan: &ScanId) -> Result<bool, JournalError> {
         Ok(count(&self.connection(), scan, DeliveryState::Held)? > 0)
     }
+}
+
+/// The code of a delivered record that a person takes back from its patient.
+pub(super) const UNASSIGNED: &str = "unassigned";
+
+/// What is to be taken back from a store now that a record has reached it.
+pub(super) fn withdraw_others(
+    transaction: &Transaction<'_>,
+    kept: &Due,
+) -> Result<(), JournalError> {
+    let mut query = transaction.prepare_cached(
+        "SELECT patient FROM deliveries
+         WHERE sha256 = ?1 AND store = ?2 AND state = ?3 AND patient <> ?4
+               AND (code IS ?5 OR patient = '')",
+    )?;
+    let cells = [
+        kept.scan.as_str(),
+        &kept.store,
+        DeliveryState::Delivered.word(),
+        kept.patient_cell(),
+        UNASSIGNED,
+    ];
+    let others = query.query_map(cells, |row| row.get(0))?;
+    let others: Vec<String> = others.collect::<rusqlite::Result<_>>()?;
+    for id in others {
+        let patient = (!id.is_empty()).then_some(Patient { id, sources: Vec::new() });
+        step(transaction, &Due { patient, ..kept.clone() }, DeliveryStep::Withdraw, None)?;
+    }
+    Ok(())
 }
 
 /// What the history says of a delivery.

@@ -41,6 +41,18 @@ pub enum Event {
     Assigned,
     /// The record for nobody was taken back.
     Withdrawn,
+    /// A person took a record back from a patient.
+    Unassigned,
+    /// The button was pressed.
+    Pressed,
+    /// Somebody named the patient of the next scan.
+    Named,
+    /// An export came for a press.
+    Answered,
+    /// No export came for a press, or nobody pressed for a name.
+    Expired,
+    /// A person called off what waited.
+    CalledOff,
     /// A person paused the station.
     Paused,
     /// A person resumed it.
@@ -65,6 +77,12 @@ impl Event {
             Event::Released => "released",
             Event::Assigned => "assigned",
             Event::Withdrawn => "withdrawn",
+            Event::Unassigned => "unassigned",
+            Event::Pressed => "pressed",
+            Event::Named => "named",
+            Event::Answered => "answered",
+            Event::Expired => "expired",
+            Event::CalledOff => "called-off",
             Event::Paused => "paused",
             Event::Resumed => "resumed",
             Event::Rebuilt => "rebuilt",

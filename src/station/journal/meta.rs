@@ -99,7 +99,7 @@ impl Journal {
         Ok(())
     }
 
-    fn fact(&self, name: &str) -> Result<Option<String>, JournalError> {
+    pub(super) fn fact(&self, name: &str) -> Result<Option<String>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached("SELECT value FROM meta WHERE name = ?1")?;
         Ok(query.query_row([name], |row| row.get(0)).optional()?)

@@ -6,6 +6,7 @@
 //! thread. Text columns hold words, RFC 3339 times and JSON, so that `sqlite3` shows them as is.
 
 mod acts;
+mod captures;
 mod deliveries;
 mod history;
 mod listing;
@@ -26,12 +27,13 @@ use rusqlite::{Connection, Transaction};
 
 use crate::flow::IllegalStep;
 use crate::store::durable;
+pub use captures::CaptureRow;
 pub use deliveries::{Due, Task};
 use history::HeadFile;
 pub use history::{Event, HistoryRow};
 pub use listing::Tally;
 pub use lock::{LockError, StateLock};
-pub use scans::ScanRow;
+pub use scans::{Entry, ScanRow};
 
 /// How long a statement waits for another process that reads the journal.
 const BUSY: Duration = Duration::from_secs(5);

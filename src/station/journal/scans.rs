@@ -5,7 +5,8 @@ use rusqlite::{OptionalExtension, Transaction, params};
 
 use serde_json::json;
 
-use super::{Event, Journal, JournalError, cell, history, seal};
+use super::{Event, Journal, JournalError, captures, cell, history, seal};
+use crate::flow::capture::Judged;
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use crate::record::Patient;
 
@@ -22,8 +23,25 @@ pub struct ScanRow {
     pub first_seen: Timestamp,
     /// Its file's own time.
     pub file_time: Option<Timestamp>,
+    /// When the button was pressed for it; none where it answered no press.
+    pub pressed_at: Option<Timestamp>,
     /// Where it is.
     pub state: ScanState,
+}
+
+/// A scan that comes in.
+#[derive(Debug, Clone, Copy)]
+pub struct Entry<'a> {
+    /// The scan itself.
+    pub row: &'a ScanRow,
+    /// Whose it is; none while nobody said so.
+    pub patient: Option<&'a Patient>,
+    /// Why a person must decide; none where its records are to be made.
+    pub held: Option<&'static str>,
+    /// What each source says where they differ.
+    pub claims: &'a [Patient],
+    /// The captures that it answers.
+    pub judged: &'a Judged,
 }
 
 impl Journal {
@@ -32,20 +50,21 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`].
     pub fn scan(&self, scan: &ScanId) -> Result<Option<ScanRow>, JournalError> {
-        type Cells = (String, i64, String, Option<String>, String, String);
+        type Cells = (String, i64, String, Option<String>, String, String, Option<String>);
         let found: Option<Cells> = self
             .connection()
             .query_row(
-                "SELECT format, size, first_seen, file_time, state, seal
+                "SELECT format, size, first_seen, file_time, state, seal, pressed_at
                  FROM scans WHERE sha256 = ?1",
                 [scan.as_str()],
                 |row| {
                     let (format, size, first_seen) = (row.get(0)?, row.get(1)?, row.get(2)?);
-                    Ok((format, size, first_seen, row.get(3)?, row.get(4)?, row.get(5)?))
+                    let (file_time, state, seal) = (row.get(3)?, row.get(4)?, row.get(5)?);
+                    Ok((format, size, first_seen, file_time, state, seal, row.get(6)?))
                 },
             )
             .optional()?;
-        let Some((format, size, first_seen, file_time, state, found)) = found else {
+        let Some((format, size, first_seen, file_time, state, found, pressed_at)) = found else {
             return Ok(None);
         };
         let due = seal::of_scan(scan.as_str(), &format, size, &first_seen, file_time.as_deref());
@@ -59,6 +78,7 @@ impl Journal {
             size: size.cast_unsigned(),
             first_seen: cell("first_seen", first_seen, time)?,
             file_time: file_time.map(|text| cell("file_time", text, time)).transpose()?,
+            pressed_at: pressed_at.map(|text| cell("pressed_at", text, time)).transpose()?,
             state: cell("state", state, ScanState::of_word)?,
         }))
     }
@@ -87,27 +107,28 @@ impl Journal {
         rows.map(|row| Ok(Some(row?).filter(|id: &String| !id.is_empty()))).collect()
     }
 
-    /// Enters a new scan and its deliveries, one for each store. A scan that comes in as spooled has
-    /// them pending; one that comes in as delivered is known by its spooled bytes only, and held.
+    /// Enters a new scan and its deliveries, one for each store, and what it means for captures.
     ///
     /// # Errors
     /// See [`JournalError`]; nothing is entered then.
-    pub fn enter(
-        &self,
-        row: &ScanRow,
-        patient: Option<&Patient>,
-        stores: &[&str],
-        delivery: DeliveryState,
-        code: Option<&str>,
-    ) -> Result<(), JournalError> {
+    pub fn enter(&self, entry: &Entry<'_>, stores: &[&str]) -> Result<(), JournalError> {
+        let Entry { row, patient, held, claims, judged } = *entry;
         self.change(|transaction| {
             insert_scan(transaction, row)?;
+            let state = if held.is_some() { DeliveryState::Held } else { DeliveryState::Pending };
             for store in stores {
-                insert_delivery(transaction, &row.scan, patient, store, delivery, code)?;
+                insert_delivery(transaction, &row.scan, patient, store, state, held)?;
             }
-            let event = if delivery == DeliveryState::Held { Event::Held } else { Event::Entered };
+            captures::answer(transaction, &row.scan, judged)?;
+            let event = if held.is_some() { Event::Held } else { Event::Entered };
             let id = patient.map_or("", |patient| &patient.id);
-            let detail = json!({ "patient": id, "state": delivery.word() });
+            let mut detail = json!({ "patient": id, "state": state.word() });
+            if let Some(code) = held {
+                detail["code"] = json!(code);
+            }
+            if !claims.is_empty() {
+                detail["claims"] = json!(claims);
+            }
             history::append(transaction, Some(&row.scan), event, &detail)
         })
     }
@@ -164,8 +185,9 @@ pub(super) fn insert_scan(
     let file_time = row.file_time.map(|time| time.to_string());
     let seal = seal::of_scan(scan, &row.format, size, &first_seen, file_time.as_deref());
     transaction.execute(
-        "INSERT INTO scans (sha256, format, size, first_seen, file_time, state, changed_at, seal)
-         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)
+        "INSERT INTO scans (sha256, format, size, first_seen, file_time, state, changed_at, seal,
+                            pressed_at)
+         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9)
          ON CONFLICT (sha256) DO NOTHING",
         params![
             scan,
@@ -175,13 +197,14 @@ pub(super) fn insert_scan(
             file_time,
             row.state.word(),
             Timestamp::now().to_string(),
-            seal
+            seal,
+            row.pressed_at.map(|time| time.to_string())
         ],
     )?;
     Ok(())
 }
 
-/// Puts a delivery into the table; it must be new.
+/// Puts a delivery into the table; it must be new, or have been taken back.
 pub(super) fn insert_delivery(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -197,7 +220,11 @@ pub(super) fn insert_delivery(
     let seal = seal::of_delivery(scan.as_str(), id, store, &sources);
     transaction.execute(
         "INSERT INTO deliveries (sha256, patient, store, sources, state, code, changed_at, seal)
-         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)",
+         VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8)
+         ON CONFLICT (sha256, patient, store) DO UPDATE
+         SET sources = ?4, state = ?5, code = ?6, changed_at = ?7, seal = ?8, attempts = 0,
+             next_at = NULL, folder = NULL
+         WHERE state = 'withdrawn'",
         params![
             scan.as_str(),
             id,

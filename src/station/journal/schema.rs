@@ -11,13 +11,14 @@ pub(super) const KNOWN: i64 = STEPS.len() as i64;
 type Step = fn(&Transaction<'_>) -> Result<(), JournalError>;
 
 /// From an empty file to the present schema. A step that was released is never changed.
-const STEPS: [Step; 2] = [
+const STEPS: [Step; 3] = [
     |transaction| Ok(transaction.execute_batch(FIRST)?),
     |transaction| {
         transaction.execute_batch(SECOND)?;
         transaction.execute_batch(history::NOT_CUT)?;
         seal::seal_all(transaction)
     },
+    |transaction| Ok(transaction.execute_batch(THIRD)?),
 ];
 
 /// `patient` is '' while nobody named the patient. `sources` is JSON. `next_at` tells people when
@@ -79,6 +80,29 @@ CREATE TABLE history (
 CREATE INDEX history_by_scan ON history (scan);
 CREATE TRIGGER history_is_not_changed BEFORE UPDATE ON history
 BEGIN SELECT RAISE(ABORT, 'the history is append-only'); END;
+";
+
+/// `captures` are the presses of the button, and without a button the names that were said. `boot` is
+/// the start of the machine on whose clock `opened_ms` and `until_ms` are. `patient` and `source` are
+/// '' where nobody was named. `seal` guards whose scan it is. `pressed_at` of a scan is the press it
+/// answered.
+const THIRD: &str = "
+ALTER TABLE scans ADD COLUMN pressed_at TEXT;
+CREATE TABLE captures (
+    number    INTEGER PRIMARY KEY,
+    at        TEXT NOT NULL,
+    boot      TEXT NOT NULL,
+    opened_ms INTEGER NOT NULL,
+    until_ms  INTEGER NOT NULL,
+    opener    TEXT NOT NULL,
+    patient   TEXT NOT NULL,
+    source    TEXT NOT NULL,
+    state     TEXT NOT NULL,
+    shared    INTEGER NOT NULL DEFAULT 0,
+    scan      TEXT NOT NULL DEFAULT '',
+    seal      TEXT NOT NULL
+) STRICT;
+CREATE INDEX captures_by_state ON captures (state);
 ";
 
 /// Makes the tables in a new journal, and brings an older one to our schema.

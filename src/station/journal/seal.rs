@@ -25,6 +25,11 @@ pub(super) fn of_delivery(scan: &str, patient: &str, store: &str, sources: &str)
     seal(&[scan, patient, store, sources])
 }
 
+/// The seal of a capture's cells that say whose scan its export is.
+pub(super) fn of_capture(number: i64, patient: &str, source: &str) -> String {
+    seal(&["capture", &number.to_string(), patient, source])
+}
+
 fn seal(cells: &[&str]) -> String {
     let mut digest = sha256(cells.join("\0").as_bytes());
     digest.truncate(DIGITS);
@@ -48,7 +53,8 @@ pub(super) fn check_all(connection: &Connection) -> Result<(), JournalError> {
     let scans = scans(connection)?.into_iter().map(|(_, due, found)| ("scans", due, found));
     let deliveries =
         deliveries(connection)?.into_iter().map(|(_, due, found)| ("deliveries", due, found));
-    for (table, due, found) in scans.chain(deliveries) {
+    let captures = captures(connection)?.into_iter().map(|(due, found)| ("captures", due, found));
+    for (table, due, found) in scans.chain(deliveries).chain(captures) {
         if due != found {
             return Err(JournalError::Seal { table });
         }
@@ -76,6 +82,16 @@ fn deliveries(connection: &Connection) -> Result<Vec<(i64, String, String)>, Jou
     let rows = query.query_map([], |row| {
         let cell = |at| row.get::<_, String>(at);
         Ok((row.get(0)?, of_delivery(&cell(1)?, &cell(2)?, &cell(3)?, &cell(4)?), row.get(5)?))
+    })?;
+    Ok(rows.collect::<rusqlite::Result<_>>()?)
+}
+
+/// Every capture's seal as it should be and as it is.
+fn captures(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
+    let mut query = connection.prepare("SELECT number, patient, source, seal FROM captures")?;
+    let rows = query.query_map([], |row| {
+        let (patient, source): (String, String) = (row.get(1)?, row.get(2)?);
+        Ok((of_capture(row.get(0)?, &patient, &source), row.get(3)?))
     })?;
     Ok(rows.collect::<rusqlite::Result<_>>()?)
 }

@@ -24,7 +24,7 @@ fn row(digit: char) -> ScanRow {
 }
 
 fn patient(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source { kind: SourceKind::FileName }] }
+    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::FileName)] }
 }
 
 fn enter(journal: &Journal, row: &ScanRow, id: Option<&str>, state: DeliveryState) {

@@ -73,19 +73,28 @@ impl FolderStore {
         Ok(Some(StoredScan { bytes: read(&name)?, ord }))
     }
 
-    /// Takes back the record for nobody of a scan that lies whole in the patient's folder.
+    /// Takes back the record of a scan from one patient, or from the folder of scans for nobody; it
+    /// must lie whole in the other's folder.
     ///
     /// # Errors
     /// See [`StoreFault`]: a permanent one where the record was changed by hand.
-    pub fn withdraw(&self, scan: &ScanId, patient: &str) -> Result<(), StoreFault> {
+    pub fn withdraw(
+        &self,
+        scan: &ScanId,
+        from: Option<&str>,
+        keeper: Option<&str>,
+    ) -> Result<(), StoreFault> {
         self.reach()?;
-        let nobody = self.root.join(naming::patient_folder(None));
-        let theirs = self.root.join(naming::patient_folder(Some(patient)));
-        let gone = nobody.join(format!("{}withdrawn_{}", self.staging, scan.short()));
+        let theirs = self.root.join(naming::patient_folder(keeper));
+        let from = self.root.join(naming::patient_folder(from));
+        if tried("looking for", &from, fs::exists(&from)).is_ok_and(|there| !there) {
+            return Ok(());
+        }
+        let gone = from.join(format!("{}withdrawn_{}", self.staging, scan.short()));
         if tried("looking for", &gone, fs::exists(&gone))? {
             tried("removing", &gone, durable::remove_folder(&gone))?;
         }
-        for place in candidates(&nobody, scan)? {
+        for place in candidates(&from, scan)? {
             let whole = tried("checking", &place, sums::check(&place, scan))?;
             match whole {
                 Ok(()) => {}
@@ -98,7 +107,7 @@ impl FolderStore {
             };
             tried("moving notes from", &place, move_unlisted(&place, &kept))?;
             tried("renaming", &place, durable::rename_new(&place, &gone))?;
-            tried("syncing", &nobody, durable::sync_folder(&nobody))?;
+            tried("syncing", &from, durable::sync_folder(&from))?;
             tried("removing", &gone, durable::remove_folder(&gone))?;
         }
         Ok(())

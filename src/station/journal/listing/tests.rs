@@ -10,7 +10,7 @@ fn scan(digits: &str) -> ScanId {
 }
 
 fn patient(id: &str) -> Patient {
-    Patient { id: id.to_owned(), sources: vec![Source { kind: SourceKind::FileName }] }
+    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::FileName)] }
 }
 
 /// Enters a delivery of a scan first seen at this second.

@@ -1,0 +1,84 @@
+//! `[capture]` and `[patient]`: which export belongs to which press, and to whom.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use regex::Regex;
+
+use super::parse::{self, Bounds};
+use super::reader::{Absent, Reader};
+use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER};
+use crate::flow::capture::Rules;
+use crate::flow::check_digit::CheckDigit;
+
+/// `[capture]`: how the export of a press is awaited.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CaptureConfig {
+    /// How long it is awaited.
+    pub window: Duration,
+    /// How long after that it may still come, and is held.
+    pub late: Duration,
+    /// What becomes of an export without a press.
+    pub without_trigger: WithoutTrigger,
+    /// How long the name of the next patient waits.
+    pub name_lasts: Duration,
+}
+
+/// What becomes of an export that nobody pressed the button for, or named a patient for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WithoutTrigger {
+    /// It is taken as its file name says.
+    Process,
+    /// It is held until a person decides.
+    Hold,
+}
+
+/// `[patient]`: what an id may be and how it becomes known.
+#[derive(Debug, Clone)]
+pub struct PatientConfig {
+    /// What a patient id may be, from any source; matched against the whole id.
+    pub pattern: Regex,
+    /// How an id checks itself.
+    pub check_digit: CheckDigit,
+    /// The expression on a line of the scanner's own measures that holds the id.
+    pub sidecar: Option<Regex>,
+}
+
+impl CaptureConfig {
+    /// The rules of captures, for a station with these ports for buttons.
+    pub fn rules(&self, ports: &BTreeSet<String>) -> Rules {
+        let CaptureConfig { window, late, name_lasts, .. } = *self;
+        Rules { by_press: !ports.is_empty(), window, late, name_lasts }
+    }
+}
+
+/// Asks for the keys of `[capture]` and of the waiting name.
+pub(super) fn capture(reader: &mut Reader) -> Option<CaptureConfig> {
+    use Absent::Default;
+    let bounds = Bounds { least: "5s", most: "1h" };
+    let window = reader.text("capture.window", Default("90s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "0s", most: "1h" };
+    let late = reader.text("capture.late", Default("90s"), parse::duration_in(bounds));
+    let words = parse::word(WITHOUT_TRIGGER);
+    let without = reader.text("capture.without_trigger", Default("process"), words);
+    let bounds = Bounds { least: "10s", most: "24h" };
+    let lasts = reader.text("patient.expires", Default("15m"), parse::duration_in(bounds));
+    Some(CaptureConfig {
+        window: window?.value,
+        late: late?.value,
+        without_trigger: without?.value,
+        name_lasts: lasts?.value,
+    })
+}
+
+/// Asks for the other keys of `[patient]`.
+pub(super) fn patient(reader: &mut Reader) -> Option<PatientConfig> {
+    use Absent::{Default, Nothing};
+    let pattern = Default("^P?[0-9]{1,12}$");
+    let pattern = reader.text("patient.pattern", pattern, parse::patient_pattern);
+    let check = reader.text("patient.check_digit", Default("none"), parse::word(CHECK_DIGITS));
+    let example = Nothing("^PATIENT=(?<patient>.+)$");
+    let sidecar = reader.text("patient.sidecar", example, parse::file_name);
+    let sidecar = sidecar.map(|found| found.value);
+    Some(PatientConfig { pattern: pattern?.value, check_digit: check?.value, sidecar })
+}

@@ -1,0 +1,144 @@
+//! What the light at the booth shows. It is bound to delivery, not to receipt: it says "done" when
+//! the record lies in every store. It does not flicker: each signal stands for a while, but a press
+//! is answered at once.
+
+use std::time::Duration;
+
+use super::booth::Signal;
+
+/// How long a signal stands at least; a shorter one is not seen.
+const STANDS: Duration = Duration::from_secs(1);
+
+/// How long "done" stands: the operator is helping the patient out of the booth.
+const DONE_STANDS: Duration = Duration::from_secs(30);
+
+/// How the last scan ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// Its record lies in every store.
+    Delivered,
+    /// It was refused, or a person must say whose it is.
+    NeedsPerson,
+}
+
+/// What is so at the station.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Scene {
+    /// The station is not ready, and has said so.
+    pub not_ready: bool,
+    /// No export came after the last press.
+    pub missed: bool,
+    /// The export of a press is awaited.
+    pub armed: bool,
+    /// A file is coming in, or a scan that came in is on its way to its record.
+    pub busy: bool,
+    /// How the last scan ended since the last press, and when.
+    pub last: Option<(Outcome, Duration)>,
+}
+
+/// The light and since when it shows what it shows.
+#[derive(Debug, Clone, Copy)]
+pub struct Light {
+    shown: Signal,
+    since: Duration,
+}
+
+impl Light {
+    /// A light that has just been switched on.
+    pub fn new(now: Duration) -> Light {
+        Light { shown: Signal::Ready, since: now }
+    }
+
+    /// What it shows now.
+    pub fn show(&mut self, scene: &Scene, now: Duration) -> Signal {
+        let wanted = wanted(scene, now);
+        let at_once = wanted == Signal::Armed;
+        if wanted != self.shown && (at_once || now.saturating_sub(self.since) >= STANDS) {
+            (self.shown, self.since) = (wanted, now);
+        }
+        self.shown
+    }
+}
+
+/// What matters most comes first. A fresh press is answered even where a person should have looked
+/// at an earlier scan; where the station is not ready nothing else counts.
+fn wanted(scene: &Scene, now: Duration) -> Signal {
+    match scene {
+        Scene { not_ready: true, .. } => Signal::Attention,
+        Scene { busy: true, .. } => Signal::Receiving,
+        Scene { armed: true, .. } => Signal::Armed,
+        Scene { missed: true, .. } => Signal::NoExport,
+        Scene { last: Some((Outcome::NeedsPerson, _)), .. } => Signal::Attention,
+        Scene { last: Some((Outcome::Delivered, at)), .. }
+            if now.saturating_sub(*at) < DONE_STANDS =>
+        {
+            Signal::Done
+        }
+        _ => Signal::Ready,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: Duration = Duration::from_secs(1);
+
+    fn at(tenths: u32) -> Duration {
+        Duration::from_millis(100) * (1000 + tenths)
+    }
+
+    #[test]
+    fn a_scan_goes_from_ready_to_done_and_back() {
+        let mut light = Light::new(at(0));
+        let mut scene = Scene::default();
+        assert_eq!(light.show(&scene, at(20)), Signal::Ready);
+        scene.armed = true;
+        assert_eq!(light.show(&scene, at(21)), Signal::Armed);
+        scene.busy = true;
+        assert_eq!(light.show(&scene, at(40)), Signal::Receiving);
+        let delivered = Some((Outcome::Delivered, at(60)));
+        scene = Scene { last: delivered, ..Scene::default() };
+        assert_eq!(light.show(&scene, at(60)), Signal::Done);
+        assert_eq!(light.show(&scene, at(60) + DONE_STANDS), Signal::Ready);
+    }
+
+    #[test]
+    fn done_is_never_shown_while_a_record_is_still_to_be_delivered() {
+        let last = Some((Outcome::Delivered, at(0)));
+        let mut light = Light::new(at(0));
+        let scene = Scene { busy: true, last, ..Scene::default() };
+        for tenths in 0..100 {
+            assert_ne!(light.show(&scene, at(tenths)), Signal::Done);
+        }
+    }
+
+    #[test]
+    fn a_state_that_comes_and_goes_does_not_flicker_and_a_press_is_answered_at_once() {
+        let mut light = Light::new(at(0));
+        let mut changes = 0;
+        let mut before = Signal::Ready;
+        for tenths in 0..100 {
+            let scene = Scene { not_ready: tenths % 2 == 0, ..Scene::default() };
+            let shown = light.show(&scene, at(tenths));
+            changes += u32::from(shown != before);
+            before = shown;
+        }
+        assert!(changes <= 10, "{changes} changes in 10 s");
+        let armed = Scene { armed: true, ..Scene::default() };
+        assert_eq!(light.show(&armed, at(100)), Signal::Armed);
+        assert_eq!(light.show(&armed, at(100) + SECOND), Signal::Armed);
+    }
+
+    #[test]
+    fn what_a_person_must_see_stays_until_the_next_press() {
+        let mut light = Light::new(at(0));
+        let held = Scene { last: Some((Outcome::NeedsPerson, at(10))), ..Scene::default() };
+        assert_eq!(light.show(&held, at(20)), Signal::Attention);
+        assert_eq!(light.show(&held, at(20) + 3600 * SECOND), Signal::Attention);
+        let missed = Scene { missed: true, ..Scene::default() };
+        assert_eq!(light.show(&missed, at(20) + 3700 * SECOND), Signal::NoExport);
+        let armed = Scene { armed: true, ..missed };
+        assert_eq!(light.show(&armed, at(20) + 3701 * SECOND), Signal::Armed);
+    }
+}
