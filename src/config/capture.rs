@@ -52,8 +52,8 @@ impl CaptureConfig {
     }
 }
 
-/// Asks for the keys of `[capture]` and of the waiting name.
-pub(super) fn capture(reader: &mut Reader) -> Option<CaptureConfig> {
+/// Asks for the keys of both sections.
+pub(super) fn config(reader: &mut Reader) -> Option<(CaptureConfig, PatientConfig)> {
     use Absent::Default;
     let bounds = Bounds { least: "5s", most: "1h" };
     let window = reader.text("capture.window", Default("90s"), parse::duration_in(bounds));
@@ -61,24 +61,18 @@ pub(super) fn capture(reader: &mut Reader) -> Option<CaptureConfig> {
     let late = reader.text("capture.late", Default("90s"), parse::duration_in(bounds));
     let words = parse::word(WITHOUT_TRIGGER);
     let without = reader.text("capture.without_trigger", Default("process"), words);
+    let pattern = Default("^P?[0-9]{1,12}$");
+    let pattern = reader.text("patient.pattern", pattern, parse::patient_pattern);
+    let check = reader.text("patient.check_digit", Default("none"), parse::word(CHECK_DIGITS));
+    let sidecar = reader.text("patient.sidecar", Default(""), parse::or_none(parse::file_name));
     let bounds = Bounds { least: "10s", most: "24h" };
     let lasts = reader.text("patient.expires", Default("15m"), parse::duration_in(bounds));
-    Some(CaptureConfig {
+    let capture = CaptureConfig {
         window: window?.value,
         late: late?.value,
         without_trigger: without?.value,
         name_lasts: lasts?.value,
-    })
-}
-
-/// Asks for the other keys of `[patient]`.
-pub(super) fn patient(reader: &mut Reader) -> Option<PatientConfig> {
-    use Absent::{Default, Nothing};
-    let pattern = Default("^P?[0-9]{1,12}$");
-    let pattern = reader.text("patient.pattern", pattern, parse::patient_pattern);
-    let check = reader.text("patient.check_digit", Default("none"), parse::word(CHECK_DIGITS));
-    let example = Nothing("^PATIENT=(?<patient>.+)$");
-    let sidecar = reader.text("patient.sidecar", example, parse::file_name);
-    let sidecar = sidecar.map(|found| found.value);
-    Some(PatientConfig { pattern: pattern?.value, check_digit: check?.value, sidecar })
+    };
+    let (pattern, check_digit) = (pattern?.value, check?.value);
+    Some((capture, PatientConfig { pattern, check_digit, sidecar: sidecar?.value }))
 }

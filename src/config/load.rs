@@ -83,8 +83,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let example = Nothing("^(?<patient>P?[0-9]+)_");
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
-    let capture = capture::capture(reader);
-    let patient = capture::patient(reader);
+    let whose = capture::config(reader);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
@@ -109,6 +108,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         reader.note(facing.at.clone(), "scanner.facing", what);
     }
 
+    let (capture, patient) = whose?;
     Some(Config {
         station: StationConfig {
             id: id?.value,
@@ -124,8 +124,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             watch: watch?,
             file_name: file_name.map(|found| found.value),
         },
-        capture: capture?,
-        patient: patient?,
+        capture,
+        patient,
         method: Method {
             scope: scope?.value,
             unit: unit?.value,

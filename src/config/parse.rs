@@ -166,6 +166,13 @@ fn regex(text: &str) -> Result<Regex, What> {
     })
 }
 
+/// An empty text chooses nothing.
+pub(super) fn or_none<T>(
+    parse: impl Fn(&str) -> Result<T, What>,
+) -> impl Fn(&str) -> Result<Option<T>, What> {
+    move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
+}
+
 /// An expression on file names that says which part is the patient's id.
 pub(super) fn file_name(text: &str) -> Result<Regex, What> {
     let expression = regex(text)?;

@@ -30,12 +30,13 @@ pub struct WatchConfig {
 pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
     use Absent::Default;
     let subfolders = reader.flag("scanner.subfolders", "false");
-    let done_file = reader.text("scanner.done_file", Default(""), or_none(done_file));
+    let done_file = reader.text("scanner.done_file", Default(""), parse::or_none(done_file));
     let bounds = Bounds { least: "1s", most: "24h" };
     let overdue = reader.text("scanner.overdue", Default("10m"), parse::duration_in(bounds));
-    let marker = reader.text("scanner.marker", Default(""), or_none(marker));
+    let marker = reader.text("scanner.marker", Default(""), parse::or_none(marker));
     let file_systems = reader.list("scanner.file_system", Default(""), file_system);
-    let mount_point = reader.text("scanner.mount_point", Default(""), or_none(parse::full_path));
+    let mount_point =
+        reader.text("scanner.mount_point", Default(""), parse::or_none(parse::full_path));
     let file_systems = file_systems.into_iter().map(|kind| kind.value).collect();
     Some(WatchConfig {
         subfolders: subfolders?.value,
@@ -44,11 +45,6 @@ pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
         expected: Expected { marker: marker?.value, file_systems },
         mount_point: mount_point?.value,
     })
-}
-
-/// An empty text chooses nothing.
-fn or_none<T>(parse: impl Fn(&str) -> Result<T, What>) -> impl Fn(&str) -> Result<Option<T>, What> {
-    move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
 }
 
 fn done_file(text: &str) -> Result<DoneFile, What> {

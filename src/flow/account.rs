@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+use super::capture;
 use super::facts::StoreFacts;
 use super::health::{age, words};
-use super::identity::SAME_SCAN_OTHER_PATIENT;
+use super::identity::{NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use super::{DeliveryState, ScanState};
 
 /// A scan, when it was first seen, and where it is.
@@ -129,13 +130,26 @@ pub struct Delivered {
     pub folder: Option<String>,
 }
 
-/// What became of a scan, in words that follow "it".
-pub fn in_words(summary: &Summary, held: bool) -> String {
+/// Why a scan is held, in words, by its code.
+pub fn why_held(code: &str) -> &'static str {
+    match code {
+        capture::AMBIGUOUS => "it could be of more than one of those who were named or scanned",
+        capture::UNCLEAR => "it may have lain there before the button was pressed or a name said",
+        capture::LATE => "it came after the time in which the export of the press is awaited",
+        capture::UNHEARD => "a press of the button may have gone unheard",
+        NO_PRESS => "nobody pressed the button for it",
+        PATIENTS_DIFFER => "two sources name different patients",
+        _ => "its bytes came in for a second patient",
+    }
+}
+
+/// What became of a scan, in words that follow "it"; `held` is why it is held, if it is.
+pub fn in_words(summary: &Summary, held: Option<&str>) -> String {
+    if let Some(code) = held {
+        return format!("is held, for {}, and a person decides", why_held(code));
+    }
     let refused = summary.state == ScanState::Refused.word();
     match &summary.code {
-        _ if held => {
-            "is held: the same bytes came in for another patient, and a person decides".into()
-        }
         Some(code) if refused => format!("was refused ({code}) and lies in quarantine"),
         None if refused => "was refused and lies in quarantine".into(),
         _ if summary.state == ScanState::Delivered.word() => "was delivered".into(),
@@ -183,12 +197,11 @@ pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestam
         };
     }
     if let Some(held) = in_state(DeliveryState::Held) {
-        let why = match held.code.as_deref() {
-            Some(SAME_SCAN_OTHER_PATIENT) | None => "its bytes came in for a second patient",
-            Some(code) => code,
-        };
+        let code = held.code.as_deref().unwrap_or(SAME_SCAN_OTHER_PATIENT);
+        let why = why_held(code);
         return format!(
-            "Scan {scan} is held: {why}; a person must look (gaiter show {scan}) and decide."
+            "Scan {scan} is held [{code}]: {why}; a person must look (gaiter show {scan}) and decide \
+             (gaiter release or gaiter assign)."
         );
     }
     let done = in_state(DeliveryState::Delivered);

@@ -227,6 +227,7 @@ mod tests {
             size: 3,
             first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
             file_time: None,
+            pressed_at: None,
             patient: None,
             held: false,
             findings: Vec::new(),

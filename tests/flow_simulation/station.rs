@@ -103,7 +103,7 @@ impl Station {
         let came = match verdict {
             Verdict::New => Came::New,
             Verdict::Already => Came::Known,
-            Verdict::Held => Came::Held,
+            Verdict::Held(_) => Came::Held,
         };
         (came, false)
     }
@@ -182,7 +182,7 @@ fn admit(disk: &mut Disk, bytes: Bytes, patient: Patient, dies: bool) -> Verdict
     let delivery = match verdict {
         Verdict::Already => return verdict,
         Verdict::New => DeliveryState::Pending,
-        Verdict::Held => DeliveryState::Held,
+        Verdict::Held(_) => DeliveryState::Held,
     };
     if !disk.quarantine.contains(&bytes) || verdict == Verdict::New {
         disk.spool.entry(bytes).or_insert(patient);

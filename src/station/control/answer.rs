@@ -101,10 +101,10 @@ fn known(station: &Station, path: &Path) -> Result<Option<Known>, Fault> {
         return Ok(Some(Known { state, at: None, scan: None }));
     };
     let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
-    let held = journal.is_held(&scan)?;
+    let held = journal.held_for(&scan)?;
     let last = journal.history(&scan)?.pop();
     let at = last.and_then(|last| last.at.parse().ok());
-    let state = account::in_words(&whole.summary, held);
+    let state = account::in_words(&whole.summary, held.as_deref());
     Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()) }))
 }
 

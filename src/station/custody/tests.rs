@@ -17,16 +17,29 @@ fn open(dir: &Path) -> Custody {
     Custody::new(journal, spool, Quarantine::open(dir).unwrap(), vec!["folder"], Duration::ZERO)
 }
 
-fn says(id: &str) -> NameSays {
-    let sources = vec![Source::of(SourceKind::FileName)];
-    NameSays::Patient(Patient { id: id.to_owned(), sources })
+fn patient(id: &str) -> Patient {
+    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::FileName)] }
 }
 
-fn admit(custody: &Custody, says: NameSays) -> Verdict {
-    let scan = sums::scan_id(BYTES);
-    let (format, file_time, companions) = (Format::Obj, None, &[][..]);
-    let arrival = Arrival { scan: &scan, bytes: BYTES, format, file_time, says, companions };
-    custody.admit(&arrival).unwrap()
+fn says(id: &str) -> Whose {
+    Whose { patient: Some(patient(id)), ..Whose::default() }
+}
+
+fn arrival(scan: &ScanId, whose: Whose) -> Arrival<'_> {
+    Arrival {
+        scan,
+        bytes: BYTES,
+        format: Format::Obj,
+        file_time: None,
+        whose,
+        judged: Judged::Unpressed,
+        pressed_at: None,
+        companions: &[],
+    }
+}
+
+fn admit(custody: &Custody, whose: Whose) -> Verdict {
+    custody.admit(&arrival(&sums::scan_id(BYTES), whose)).unwrap()
 }
 
 /// The scan as a store has it.
@@ -77,7 +90,7 @@ fn held_bytes_are_kept_and_never_delivered_by_themselves() {
     custody.delivered(&due[0], Path::new("/r/x")).unwrap();
     let first_seen = custody.journal.scan(&scan).unwrap().unwrap().first_seen;
 
-    assert_eq!(admit(&custody, says("0815")), Verdict::Held);
+    assert_eq!(admit(&custody, says("0815")), Verdict::Held(SAME_SCAN_OTHER_PATIENT));
     assert!(custody.journal.pending().unwrap().is_empty());
     let intake = custody.spool.intake(&scan).unwrap();
     assert_eq!((intake.held, intake.first_seen), (true, first_seen));
@@ -100,8 +113,8 @@ fn held_bytes_are_kept_and_never_delivered_by_themselves() {
 fn a_delivery_made_while_another_is_held_leaves_the_bytes() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
-    admit(&custody, NameSays::Nothing);
-    assert_eq!(admit(&custody, says("4711")), Verdict::Held);
+    admit(&custody, Whose::default());
+    assert_eq!(admit(&custody, says("4711")), Verdict::Held(SAME_SCAN_OTHER_PATIENT));
     let due = custody.journal.pending().unwrap();
     custody.delivered(&due[0], Path::new("/r/x")).unwrap();
     assert!(custody.spool.holds(&sums::scan_id(BYTES)));
@@ -112,12 +125,9 @@ fn spooled_bytes_that_the_journal_does_not_know_are_adopted_with_their_first_sig
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
-    let says = says("4711");
-    let (format, file_time, companions) = (Format::Obj, None, &[][..]);
-    let arrival = Arrival { scan: &scan, bytes: BYTES, format, file_time, says, companions };
-    let NameSays::Patient(patient) = &arrival.says else { panic!() };
+    let arrival = arrival(&scan, says("4711"));
     let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
-    let kept = Intake { first_seen, ..intake(&arrival, None, Some(patient), false) };
+    let kept = Intake { first_seen, ..intake(&arrival, None, None) };
     custody.spool.keep(&scan, kept, BYTES, &[]).unwrap();
     // The crash was here. Either the start adopts it, or the file is seen again first.
     assert_eq!(custody.admit(&arrival).unwrap(), Verdict::Already);
@@ -131,14 +141,14 @@ fn a_refused_scan_lies_in_quarantine_with_its_reason_and_bytes() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
-    admit(&custody, NameSays::Nothing);
+    admit(&custody, Whose::default());
     custody.refuse(&scan, reason()).unwrap();
     assert!(!custody.spool.holds(&scan));
     assert_eq!(custody.quarantine.reason(&scan).unwrap(), Some(reason()));
     let place = dir.path().join("quarantine").join(scan.as_str());
     assert_eq!(fs::read(place.join("scan.obj")).unwrap(), BYTES);
     assert!(custody.journal.pending().unwrap().is_empty());
-    assert_eq!(admit(&custody, NameSays::Nothing), Verdict::Already);
+    assert_eq!(admit(&custody, Whose::default()), Verdict::Already);
 }
 
 #[test]
@@ -146,7 +156,7 @@ fn a_crash_between_quarantine_and_journal_is_made_good() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
-    admit(&custody, NameSays::Nothing);
+    admit(&custody, Whose::default());
     custody.quarantined(&scan, &reason()).unwrap();
     custody.recover().unwrap();
     assert!(custody.journal.pending().unwrap().is_empty());
@@ -158,7 +168,7 @@ fn a_crash_between_journal_and_spool_after_delivery_is_made_good() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
-    admit(&custody, NameSays::Nothing);
+    admit(&custody, Whose::default());
     let due = custody.journal.pending().unwrap();
     custody.journal.delivered(&due[0], Path::new("/r/x")).unwrap();
     custody.recover().unwrap();
@@ -170,7 +180,7 @@ fn bytes_removed_from_outside_end_in_a_named_refusal() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
-    admit(&custody, NameSays::Nothing);
+    admit(&custody, Whose::default());
     fs::remove_dir_all(custody.spool.entry(&scan)).unwrap();
     custody.recover().unwrap();
     assert!(custody.journal.pending().unwrap().is_empty());
@@ -258,11 +268,11 @@ fn a_scan_for_nobody_that_is_assigned_is_delivered_to_the_patient_and_then_taken
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
-    admit(&custody, NameSays::Nothing);
+    admit(&custody, Whose::default());
     let due = custody.journal.pending().unwrap();
     custody.delivered(&due[0], Path::new("/r/_unassigned/x")).unwrap();
     let row = custody.journal.scan(&scan).unwrap().unwrap();
-    let NameSays::Patient(patient) = says("4711") else { unreachable!() };
+    let patient = patient("4711");
     assert_eq!(custody.assign(&row, &patient, None).unwrap(), Acted::NoBytes);
     assert_eq!(custody.assign(&row, &patient, Some(stored())).unwrap(), Acted::Done(1));
 
@@ -271,11 +281,15 @@ fn a_scan_for_nobody_that_is_assigned_is_delivered_to_the_patient_and_then_taken
     custody.delivered(&due[0], Path::new("/r/4711/x")).unwrap();
     let due = custody.journal.pending().unwrap();
     assert_eq!((due.len(), due[0].patient_cell(), due[0].task), (1, "", Task::Withdraw));
-    let has = custody.journal.patient_with_record(&scan, "folder").unwrap();
-    assert_eq!(has.as_deref(), Some("4711"));
+    let has = custody.journal.keeper(&scan, "folder").unwrap();
+    assert_eq!(has, Some(Some("4711".to_owned())));
     custody.journal.withdrawn(&due[0]).unwrap();
     assert!(custody.journal.pending().unwrap().is_empty());
-    assert_eq!(admit(&custody, says("0815")), Verdict::Held, "it is 4711's");
+    assert_eq!(
+        admit(&custody, says("0815")),
+        Verdict::Held(SAME_SCAN_OTHER_PATIENT),
+        "it is 4711's"
+    );
 }
 
 #[test]
@@ -288,7 +302,7 @@ fn a_rebuilt_journal_learns_from_the_store_and_holds_what_it_would_have_held() {
     let record = found_record();
     custody.found(&record, "folder").unwrap();
     assert!(custody.journal.pending().unwrap().is_empty(), "held, not delivered to 0815");
-    assert!(custody.journal.is_held(&scan).unwrap());
+    assert!(custody.journal.held_for(&scan).unwrap().is_some());
     assert!(custody.spool.holds(&scan), "a person may still release it");
     custody.found(&record, "folder").unwrap();
     assert_eq!(custody.journal.patients(&scan).unwrap().len(), 2);
@@ -299,7 +313,7 @@ fn a_record_found_in_the_store_is_not_delivered_again() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
-    admit(&custody, NameSays::Nothing);
+    admit(&custody, Whose::default());
     let record = found_record();
     custody.found(&record, "folder").unwrap();
     assert!(custody.journal.pending().unwrap().is_empty(), "naming nobody adds nothing");

@@ -8,6 +8,7 @@ use serde_json::json;
 
 use super::scans::{set_state, state_of};
 use super::{Event, Journal, JournalError, cell, history, seal};
+use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanStep};
 use crate::record::Patient;
 
@@ -196,12 +197,17 @@ impl Journal {
         Ok(rows.collect::<rusqlite::Result<_>>()?)
     }
 
-    /// Whether a delivery of the scan waits for a person.
+    /// Why a delivery of the scan waits for a person; none where none does.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn is_held(&self, scan: &ScanId) -> Result<bool, JournalError> {
-        Ok(count(&self.connection(), scan, DeliveryState::Held)? > 0)
+    pub fn held_for(&self, scan: &ScanId) -> Result<Option<String>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT coalesce(code, ?3) FROM deliveries WHERE sha256 = ?1 AND state = ?2 LIMIT 1",
+        )?;
+        let cells = [scan.as_str(), DeliveryState::Held.word(), SAME_SCAN_OTHER_PATIENT];
+        Ok(query.query_row(cells, |row| row.get(0)).optional()?)
     }
 }
 

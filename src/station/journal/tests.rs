@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::*;
+use crate::flow::capture::Judged;
 use crate::flow::{DeliveryState, ScanId, ScanState, Stamp};
 use crate::record::{Patient, Source, SourceKind};
 
@@ -19,6 +20,7 @@ fn row(digit: char) -> ScanRow {
         size: 12,
         first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
         file_time: None,
+        pressed_at: None,
         state: ScanState::Spooled,
     }
 }
@@ -28,8 +30,10 @@ fn patient(id: &str) -> Patient {
 }
 
 fn enter(journal: &Journal, row: &ScanRow, id: Option<&str>, state: DeliveryState) {
-    let patient = id.map(patient);
-    journal.enter(row, patient.as_ref(), &["folder"], state, None).unwrap();
+    let (patient, held) = (id.map(patient), (state == DeliveryState::Held).then_some("held"));
+    let (patient, judged) = (patient.as_ref(), &Judged::Unpressed);
+    let entry = Entry { row, patient, held, claims: &[], judged };
+    journal.enter(&entry, &["folder"]).unwrap();
 }
 
 #[test]
@@ -73,7 +77,7 @@ fn spooled_bytes_have_served_with_the_last_delivery_unless_one_is_held() {
     let due = journal.pending().unwrap();
     assert!(journal.delivered(&due[0], folder).unwrap());
     assert!(!journal.delivered(&due[1], folder).unwrap());
-    assert!(journal.is_held(&row('b').scan).unwrap());
+    assert!(journal.held_for(&row('b').scan).unwrap().is_some());
     assert_eq!(journal.scans_in(ScanState::Delivered).unwrap(), [row('a').scan, row('b').scan]);
     assert!(journal.pending().unwrap().is_empty());
     let again = journal.delivered(&due[0], folder);
@@ -216,7 +220,10 @@ fn an_older_journal_is_brought_to_this_schema_with_what_it_knows() {
     let journal = Journal::open(&path).unwrap();
     let pending = journal.pending().unwrap();
     assert_eq!(pending.len(), 1);
-    assert_eq!(pending[0].patient, Some(patient("4711")));
+    // What it was sure of was not said then.
+    let source = Source { confidence: None, ..Source::of(SourceKind::FileName) };
+    let expected = Patient { id: "4711".to_owned(), sources: vec![source] };
+    assert_eq!(pending[0].patient, Some(expected));
     drop(journal);
     Journal::open(&path).unwrap();
 }

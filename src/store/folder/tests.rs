@@ -207,12 +207,12 @@ fn a_record_for_nobody_is_taken_back_with_its_notes_once_the_patient_has_it() {
     fs::write(old.join("note.txt"), "left leg in a cast").unwrap();
     let stored = case.store().stored_scan(&case.scan, None).unwrap().unwrap();
     assert_eq!(stored, StoredScan { bytes: b"v 0 0 0\n".to_vec(), ord: None });
-    let early = case.store().withdraw(&case.scan, "4711");
+    let early = case.store().withdraw(&case.scan, None, Some("4711"));
     assert!(early.is_err() && old.exists(), "nobody has it yet");
 
     let new = case.store().put(&case.delivery()).unwrap().folder;
     for _ in 0..2 {
-        case.store().withdraw(&case.scan, "4711").unwrap();
+        case.store().withdraw(&case.scan, None, Some("4711")).unwrap();
         assert!(!old.exists());
         assert_eq!(fs::read_to_string(new.join("note.txt")).unwrap(), "left leg in a cast");
     }
@@ -225,7 +225,7 @@ fn a_record_for_nobody_that_somebody_changed_is_left_as_it_is() {
     let old = case.store().put(&Delivery { patient: None, ..case.delivery() }).unwrap().folder;
     case.store().put(&case.delivery()).unwrap();
     fs::write(old.join("record.json"), "changed by hand").unwrap();
-    let fault = case.store().withdraw(&case.scan, "4711").unwrap_err();
+    let fault = case.store().withdraw(&case.scan, None, Some("4711")).unwrap_err();
     assert_eq!(fault.code(), "store-place-occupied");
     assert_eq!(fs::read(old.join("record.json")).unwrap(), b"changed by hand");
 }

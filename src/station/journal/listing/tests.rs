@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::flow::DeliveryState::{Delivered as Done, Held, Pending};
+use crate::flow::capture::Judged;
 use crate::record::{Patient, Source, SourceKind};
-use crate::station::journal::ScanRow;
+use crate::station::journal::{Entry, ScanRow};
 
 fn scan(digits: &str) -> ScanId {
     ScanId::parse(&format!("{digits:0<64}")).unwrap()
@@ -15,17 +16,24 @@ fn patient(id: &str) -> Patient {
 
 /// Enters a delivery of a scan first seen at this second.
 fn enter(journal: &Journal, digits: &str, second: i64, id: Option<&str>, state: DeliveryState) {
-    let scanned = if state == Pending { ScanState::Spooled } else { ScanState::Delivered };
+    let scanned = if state == Held { ScanState::Delivered } else { ScanState::Spooled };
     let row = ScanRow {
         scan: scan(digits),
         format: "obj".to_owned(),
         size: 12,
         first_seen: Timestamp::from_second(second).unwrap(),
         file_time: None,
+        pressed_at: None,
         state: scanned,
     };
-    let code = (state == Held).then_some("same-scan-other-patient");
-    journal.enter(&row, id.map(patient).as_ref(), &["folder"], state, code).unwrap();
+    let held = (state == Held).then_some("same-scan-other-patient");
+    let (row, patient, judged) = (&row, id.map(patient), &Judged::Unpressed);
+    let entry = Entry { row, patient: patient.as_ref(), held, claims: &[], judged };
+    journal.enter(&entry, &["folder"]).unwrap();
+    if state == Done {
+        let due = journal.pending().unwrap().into_iter().find(|due| due.scan == row.scan).unwrap();
+        journal.delivered(&due, "/r".as_ref()).unwrap();
+    }
 }
 
 /// A scan in each state: abcd waits, abce is refused, 1111 is delivered and held for another.
