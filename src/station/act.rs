@@ -148,12 +148,9 @@ fn assign(station: &Station, row: ScanRow, id: &str) -> Result<String, ActFault>
     if !station.custody.journal().owners(&row.scan)?.is_empty() {
         return Err(ActFault::Somebodys);
     }
-    let stored = match station.custody.holds(&row.scan) {
-        true => None,
-        false => from_a_store(station, &row.scan, None)?,
-    };
     let scan = short(&row.scan);
-    match station.custody.assign(&row, &patient, stored)? {
+    let assign = |stored| station.custody.assign(&row, &patient, stored);
+    match with_bytes(station, &row.scan, None, assign)? {
         Acted::Done(count) => {
             info!(event = "scan-assigned", scan);
             Ok(format!("scan {scan} is assigned; {} to be made", deliveries(count)))
@@ -172,12 +169,9 @@ fn unassign(station: &Station, row: ScanRow) -> Result<String, ActFault> {
             return Err(ActFault::NoOccasion(why));
         }
     };
-    let stored = match station.custody.holds(&row.scan) {
-        true => None,
-        false => from_a_store(station, &row.scan, Some(owner))?,
-    };
     let scan = short(&row.scan);
-    match station.custody.unassign(&row, stored)? {
+    let unassign = |stored| station.custody.unassign(&row, stored);
+    match with_bytes(station, &row.scan, Some(owner), unassign)? {
         Acted::Done(_) => {
             info!(event = "scan-unassigned", scan);
             Ok(format!("scan {scan} is nobody's again; its record goes to _unassigned"))
@@ -206,6 +200,23 @@ fn call_off(station: &Station) -> Result<String, ActFault> {
     let any = station.call_off()?;
     let said = if any { "called off: nobody's export is awaited" } else { "nothing was awaited" };
     Ok(said.to_owned())
+}
+
+/// Acts on a scan whose bytes the station has, or its record for this patient or for nobody.
+fn with_bytes(
+    station: &Station,
+    scan: &ScanId,
+    patient: Option<&str>,
+    act: impl Fn(Option<StoredScan>) -> Result<Acted, CustodyFault>,
+) -> Result<Acted, ActFault> {
+    if station.custody.holds(scan) {
+        match act(None)? {
+            // They have just been given up, for the record has reached its store.
+            Acted::NoBytes => {}
+            acted => return Ok(acted),
+        }
+    }
+    Ok(act(from_a_store(station, scan, patient)?)?)
 }
 
 /// A scan from its record for this patient, or for nobody.
