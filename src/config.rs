@@ -8,10 +8,12 @@ mod nearest;
 mod notation;
 mod parse;
 mod place;
+pub mod port;
 mod reader;
 mod seeing;
 #[cfg(test)]
 mod tests;
+pub mod trigger;
 mod watch;
 pub mod words;
 
@@ -28,6 +30,7 @@ use crate::leg::Method;
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
 pub use seeing::{control_path, state_dir};
+pub use trigger::TriggerConfig;
 pub use watch::WatchConfig;
 
 /// The whole configuration of a station, checked.
@@ -39,6 +42,8 @@ pub struct Config {
     pub scanner: ScannerConfig,
     /// `[patient]`
     pub patient: PatientConfig,
+    /// `[trigger]` and `[patient.reader]`: what hangs on the ports of the booth.
+    pub trigger: TriggerConfig,
     /// `[method]` and the export's declarations of `[scanner]`: unit, up, facing.
     pub method: Method,
     /// `[output]`: which CAD files and meshes are made of each leg.

@@ -16,7 +16,7 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, notation, watch,
+    StoreConfig, notation, trigger, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -85,6 +85,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
 
     let pattern =
         reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
+    let trigger = trigger::config(reader);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
@@ -125,6 +126,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             file_name: file_name.map(|found| found.value),
         },
         patient: PatientConfig { pattern: pattern?.value },
+        trigger: trigger?,
         method: Method {
             scope: scope?.value,
             unit: unit?.value,

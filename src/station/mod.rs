@@ -30,6 +30,7 @@ pub mod quarantine;
 pub mod run;
 pub mod simulated_scanner;
 pub mod spool;
+pub mod trigger;
 
 mod beat;
 mod caught;
