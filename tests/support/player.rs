@@ -58,7 +58,9 @@ impl Player {
         self.heard.extend(heard);
         let told = self.attendant.life().tell(self.stage.now());
         self.lines += usize::from(told.is_some());
-        self.stage.pass(pause);
+        if !pause.is_zero() {
+            self.stage.pass(pause);
+        }
         self.turns += 1;
     }
 

@@ -59,7 +59,7 @@ pub fn of_config(config: &TriggerConfig) -> Vec<Attended> {
             name: "usb",
             ear: Ear::for_button(shows, config.hearing),
             manner: Manner { say: usb.say.clone(), ..silent.clone() },
-            door: Box::new(UsbDoor::new(usb.clone())),
+            door: Box::new(UsbDoor(usb.clone())),
         });
     }
     if let Some(keys) = &config.keys {

@@ -23,36 +23,18 @@ const OUTPUT_REPORT: u16 = 0x0200;
 
 /// Where a USB device is looked for.
 #[derive(Debug)]
-pub struct UsbDoor {
-    trigger: UsbTrigger,
-    /// Made once a USB bus is there; a machine may have none.
-    context: Option<Context>,
-}
-
-impl UsbDoor {
-    /// Looks for the device of this trigger.
-    pub fn new(trigger: UsbTrigger) -> UsbDoor {
-        UsbDoor { trigger, context: None }
-    }
-
-    fn context(&mut self) -> Result<Context, PortFault> {
-        if let Some(context) = &self.context {
-            return Ok(context.clone());
-        }
-        // Never the crate's global context, which panics where there is no bus.
-        let context = Context::new().map_err(|error| {
-            fault(FaultKind::Absent, format!("this machine has no USB bus: {error}"))
-        })?;
-        self.context = Some(context.clone());
-        Ok(context)
-    }
-}
+pub struct UsbDoor(pub UsbTrigger);
 
 impl Door for UsbDoor {
     fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
-        let context = self.context()?;
-        let handle = find(&context, &self.trigger.device)?;
-        let UsbTrigger { interface, endpoint, .. } = self.trigger;
+        // A new context each time: libusb lists what was there when its context was made, and hears
+        // of what comes later over a socket that a service without a network does not have. Never
+        // the crate's global context, which panics where there is no bus.
+        let context = Context::new().map_err(|error| {
+            fault(FaultKind::Absent, format!("this machine shows no USB bus: {error}"))
+        })?;
+        let handle = find(&context, &self.0.device)?;
+        let UsbTrigger { interface, endpoint, .. } = self.0;
         // The kernel's driver is given the interface back when it is released.
         match handle.set_auto_detach_kernel_driver(true) {
             Ok(()) | Err(Error::NotSupported) => {}
