@@ -122,19 +122,16 @@ fn of_triggers(registry: &mut Registry, overview: &Overview) {
         })
     });
     family(registry, "trigger", "1 for the state of each port of the booth", states);
-    let help = ["Presses in this run", "Ids read in this run", "Bytes or keys that meant nothing"];
-    let counts: [(&str, &str, fn(&TriggerFacts) -> u64); 3] = [
-        ("trigger_presses", help[0], |trigger| trigger.presses),
-        ("trigger_ids", help[1], |trigger| trigger.ids),
-        ("trigger_garbage", help[2], |trigger| trigger.garbage),
-    ];
-    for (name, help, count) in counts {
+    let mut count = |name: &str, help: &str, count: fn(&TriggerFacts) -> u64| {
         let family = Family::<Labels<1>, Counter>::default();
         for (port, trigger) in ports() {
             family.get_or_create(&[("port", (*port).to_owned())]).inc_by(count(trigger));
         }
         registry.register(name, help, family);
-    }
+    };
+    count("trigger_presses", "Presses in this run", |trigger| trigger.presses);
+    count("trigger_ids", "Ids read in this run", |trigger| trigger.ids);
+    count("trigger_garbage", "Bytes or keys that meant nothing", |trigger| trigger.garbage);
 }
 
 fn gauge(registry: &mut Registry, name: &str, help: &str, value: f64) {
