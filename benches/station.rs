@@ -2,8 +2,9 @@
 //!
 //! Idle: share of a core and memory over a minute. The way of a scan from its last byte to its
 //! record, against quiet time and extraction, alone and among 20 000 files that are known. A backlog
-//! of 500 scans. All on the real program with folders below `TMPDIR`; with a word behind `--` (idle,
-//! way, crowd, backlog) only that part.
+//! of 500 scans. All on the real program with folders below `TMPDIR`. What a port of the booth costs
+//! and how soon a press is seen. With a word behind `--` (idle, way, crowd, backlog, trigger) only
+//! that part.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
@@ -12,6 +13,8 @@
 mod process;
 #[path = "../tests/support/station.rs"]
 mod support;
+#[path = "station/trigger.rs"]
+mod trigger;
 
 use std::env;
 use std::fs;
@@ -73,6 +76,9 @@ fn main() {
     }
     if is_wanted("backlog") {
         BODIES.into_iter().for_each(|(name, bodies)| backlog(name, bodies));
+    }
+    if is_wanted("trigger") {
+        trigger::measure();
     }
     println!("load after: {}", load());
 }

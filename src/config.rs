@@ -9,10 +9,12 @@ mod nearest;
 mod notation;
 mod parse;
 mod place;
+pub mod port;
 mod reader;
 mod seeing;
 #[cfg(test)]
 mod tests;
+pub mod trigger;
 mod watch;
 pub mod words;
 
@@ -31,6 +33,7 @@ pub use capture::{CaptureConfig, PatientConfig, WithoutTrigger};
 pub use fault::{ConfigFault, What};
 pub use load::{load, nested};
 pub use seeing::{control_path, state_dir};
+pub use trigger::TriggerConfig;
 pub use watch::WatchConfig;
 
 /// The whole configuration of a station, checked.
@@ -44,6 +47,8 @@ pub struct Config {
     pub capture: CaptureConfig,
     /// `[patient]`
     pub patient: PatientConfig,
+    /// `[trigger]` and `[patient.reader]`: what hangs on the ports of the booth.
+    pub trigger: TriggerConfig,
     /// `[method]` and the export's declarations of `[scanner]`: unit, up, facing.
     pub method: Method,
     /// `[output]`: which CAD files and meshes are made of each leg.
@@ -63,9 +68,11 @@ pub struct Config {
 }
 
 impl Config {
-    /// The names of the ports that buttons are on.
-    pub fn ports(&self) -> BTreeSet<String> {
-        BTreeSet::new()
+    /// The names of the ports that buttons are on, as the trigger's workers call them.
+    pub fn buttons(&self) -> BTreeSet<&'static str> {
+        let TriggerConfig { serial, usb, keys, .. } = &self.trigger;
+        let ports = [("serial", serial.is_some()), ("usb", usb.is_some()), ("keys", keys.is_some())];
+        ports.into_iter().filter(|(_, there)| *there).map(|(name, _)| name).collect()
     }
 }
 

@@ -91,6 +91,19 @@ fn rows(status: &Status) -> Vec<(String, String)> {
         };
         ("store".to_owned(), format!("{name}: {state}"))
     }));
+    rows.extend(status.triggers.iter().map(|(port, trigger)| {
+        let since = words(age(trigger.since, now));
+        let state = trigger.state.replace('_', " ");
+        let why = trigger.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
+        let heard = match (trigger.presses, trigger.ids) {
+            (presses, 0) => format!("{presses} presses"),
+            (_, ids) => format!("{ids} ids"),
+        };
+        let garbage = trigger.garbage;
+        let text =
+            format!("{port}: {state} since {since}{why}, {heard}, {garbage} bytes of garbage");
+        ("trigger".to_owned(), text)
+    }));
     let disk = match (status.disk_free_bytes, status.disk_bytes) {
         (Some(free), Some(size)) => format!("{} free of {}", bytes(free), bytes(size)),
         _ => "unknown".to_owned(),

@@ -45,10 +45,10 @@ pub struct PatientConfig {
 }
 
 impl CaptureConfig {
-    /// The rules of captures, for a station with these ports for buttons.
-    pub fn rules(&self, ports: &BTreeSet<String>) -> Rules {
+    /// The rules of captures, for a station with buttons on these ports.
+    pub fn rules(&self, buttons: &BTreeSet<&str>) -> Rules {
         let CaptureConfig { window, late, name_lasts, .. } = *self;
-        Rules { by_press: !ports.is_empty(), window, late, name_lasts }
+        Rules { by_press: !buttons.is_empty(), window, late, name_lasts }
     }
 }
 

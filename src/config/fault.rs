@@ -165,6 +165,28 @@ pub enum What {
     /// Not a file name.
     #[error("\"{0}\" is not the name of a file")]
     NotAMarker(String),
+    /// Not what a port, or what is said on it, is written like.
+    #[error("\"{text}\" is no {thing}")]
+    Misspelt {
+        /// As written.
+        text: String,
+        /// What it should be.
+        thing: &'static str,
+        /// How that is written.
+        example: &'static str,
+    },
+    /// A port at which neither a line nor a contact is a press.
+    #[error("has neither tokens nor a contact: nothing would ever be a press")]
+    NothingToHear,
+    /// One port for the button and the reader of ids.
+    #[error("is the port of patient.reader too")]
+    SamePort,
+    /// A reader of ids at two ports.
+    #[error("is set, and patient.reader.port too")]
+    TwoPorts,
+    /// A value of a report that its mask can never give.
+    #[error("is longer or shorter than trigger.usb.mask, or has bits that it leaves out")]
+    OutsideMask,
     /// The toes cannot point along the axis that points up.
     #[error("\"{facing}\" lies along the axis that points up, scanner.up = \"{up}\"")]
     FacesUpOrDown {
@@ -242,6 +264,12 @@ impl What {
                 "use {name} or {stem}, no folder, and no ending of a scan: \"{name}.done\"".into()
             }
             What::NotAMarker(_) => "a bare name, without a folder: \".mounted\"".into(),
+            What::Misspelt { example, .. } => format!("write {example}"),
+            What::NothingToHear => r#"write tokens = ["PRESS"] or contact = "cts""#.into(),
+            What::SamePort | What::TwoPorts => "each port is one thing: leave one out".into(),
+            What::OutsideMask => {
+                r#"write as many bytes in both: mask = "00 01", value = "00 01""#.into()
+            }
             What::FacesUpOrDown { .. } => {
                 "name a level axis, or \"auto\" to find it from the feet".into()
             }

@@ -16,7 +16,7 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, ScannerConfig, StationConfig, StoreConfig, capture,
-    notation, watch,
+    notation, trigger, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -84,6 +84,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
     let whose = capture::config(reader);
+    let trigger = trigger::config(reader);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
@@ -126,6 +127,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         },
         capture,
         patient,
+        trigger: trigger?,
         method: Method {
             scope: scope?.value,
             unit: unit?.value,

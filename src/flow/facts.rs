@@ -7,6 +7,8 @@ use std::path::PathBuf;
 use jiff::Timestamp;
 use serde::Serialize;
 
+use super::trigger::PortState;
+
 /// Everything that is known of a running station besides its journal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Facts {
@@ -16,6 +18,8 @@ pub struct Facts {
     pub sources: Vec<SourceFacts>,
     /// The record stores by their name in the journal.
     pub stores: BTreeMap<&'static str, StoreFacts>,
+    /// The ports of the booth by their names: serial, usb, keys, reader.
+    pub triggers: BTreeMap<&'static str, TriggerFacts>,
     /// Whether scans are taken in.
     pub intake: IntakeState,
     /// What a person must know and nothing else shows, by code; kept until the station restarts.
@@ -88,6 +92,40 @@ pub struct StoreFacts {
     pub since: Timestamp,
 }
 
+/// One port of the booth.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct TriggerFacts {
+    /// How it is.
+    pub state: PortState,
+    /// Why it is not listened to, without its path.
+    pub why: Option<String>,
+    /// Since when it is so.
+    pub since: Timestamp,
+    /// Since when it has not been listened to for a while without a break; none where it has.
+    pub unsound_since: Option<Timestamp>,
+    /// Presses in this run.
+    pub presses: u64,
+    /// Ids read in this run.
+    pub ids: u64,
+    /// Bytes or keys in this run that meant nothing.
+    pub garbage: u64,
+}
+
+impl TriggerFacts {
+    /// A port that has not been looked for.
+    pub fn new(now: Timestamp) -> TriggerFacts {
+        TriggerFacts {
+            state: PortState::NotLooked,
+            why: None,
+            since: now,
+            unsound_since: Some(now),
+            presses: 0,
+            ids: 0,
+            garbage: 0,
+        }
+    }
+}
+
 /// Whether scans are taken in.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "is")]
@@ -131,6 +169,7 @@ impl Facts {
             started,
             sources: vec![source; sources],
             stores: BTreeMap::new(),
+            triggers: BTreeMap::new(),
             intake: IntakeState::Open,
             alarms: BTreeMap::new(),
             refused_reload: None,

@@ -10,11 +10,15 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use super::Facts;
-use super::facts::{IntakeState, SourceFacts, SourceState};
+use super::facts::{IntakeState, SourceFacts, SourceState, TriggerFacts};
+use super::trigger::PortState;
 
 /// How long a source or a store may be out of order without a complaint: longer than a look that
 /// fell into a short break of the network, shorter than a person's patience.
 pub const BLIP: Duration = Duration::from_secs(5);
+
+/// How long a port may be out of order without a complaint: long enough to plug it in elsewhere.
+pub const REPLUG: Duration = Duration::from_secs(60);
 
 /// Something that keeps the station from being ready.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -61,6 +65,8 @@ pub fn complaints(
     complaints.extend(
         facts.sources.iter().enumerate().flat_map(|(place, source)| of_source(place, source, now)),
     );
+    complaints
+        .extend(facts.triggers.iter().filter_map(|(port, facts)| of_trigger(port, facts, now)));
     complaints.extend(late(backlog, overdue, now));
     complaints.extend(facts.alarms.iter().map(|(code, alarm)| {
         Complaint::new(code, alarm.message.clone(), "see the README at this code, then restart")
@@ -129,6 +135,36 @@ fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complain
         Complaint::new("export-not-taken", message, remedy)
     });
     state.into_iter().chain(files).collect()
+}
+
+fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Complaint> {
+    let since = trigger.unsound_since.map(|since| age(since, now)).filter(|age| *age >= REPLUG)?;
+    let (code, what, remedy) = match trigger.state {
+        PortState::Absent => {
+            ("trigger-absent", "is not there", "plug it in; see the README for its port")
+        }
+        PortState::Busy => {
+            ("trigger-busy", "belongs to another program", "end that program; see fuser -v PORT")
+        }
+        PortState::Denied => (
+            "trigger-denied",
+            "may not be opened",
+            "give the station's user the port: see 70-gaiter.rules",
+        ),
+        PortState::Failed => ("trigger-failed", "does not work", "see its cable and its adapter"),
+        PortState::Stuck => {
+            ("trigger-stuck", "has a contact that sticks closed", "see the button and its cable")
+        }
+        PortState::Hung => {
+            ("trigger-hung", "does not come back from its driver", "unplug it and plug it in again")
+        }
+        PortState::NotLooked | PortState::Settling | PortState::Open => {
+            ("trigger-unsteady", "comes and goes", "see its cable and its plug")
+        }
+    };
+    let why = trigger.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
+    let message = format!("the {port} port of the booth {what}, for {}{why}", words(since));
+    Some(Complaint::new(code, message, remedy))
 }
 
 fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complaint> {

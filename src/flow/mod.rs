@@ -27,6 +27,7 @@ pub mod scan_id;
 pub mod settle;
 pub mod space;
 pub mod stamp;
+pub mod trigger;
 
 pub use companions::{Companion, DoneFile, Group};
 pub use facts::Facts;

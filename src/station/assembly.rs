@@ -108,8 +108,9 @@ impl Station {
         if paused {
             facts.intake = IntakeState::Paused;
         }
-        let (folders, ports) = (config.scanner.export_dirs.len(), config.ports());
-        let booth = Booth::open(custody.journal(), config.capture.rules(&ports), folders, ports);
+        let (folders, buttons) = (config.scanner.export_dirs.len(), config.buttons());
+        let rules = config.capture.rules(&buttons);
+        let booth = Booth::open(custody.journal(), rules, folders, buttons);
         let booth = booth.map_err(CustodyFault::from).map_err(StationError::Recovery)?;
         info!(event = "station-open", adopted, first_start);
         let of = &config.station;

@@ -55,7 +55,7 @@ struct Inner {
     captures: Captures,
     next_number: i64,
     /// The ports that are not open.
-    away: BTreeSet<String>,
+    away: BTreeSet<&'static str>,
     /// When the files appeared that are coming in, by export folder.
     coming: BTreeMap<usize, Vec<Duration>>,
     /// Scans that came in and whose records are not all delivered.
@@ -83,7 +83,7 @@ pub enum NameFault {
 }
 
 impl Booth {
-    /// The booth as the journal has it. `ports` are the triggers that the configuration names.
+    /// The booth as the journal has it. `buttons` are the ports that buttons are on.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -91,7 +91,7 @@ impl Booth {
         journal: &Journal,
         rules: Rules,
         folders: usize,
-        ports: BTreeSet<String>,
+        buttons: BTreeSet<&'static str>,
     ) -> Result<Booth, JournalError> {
         let offset = since_boot();
         let boot = boot_id();
@@ -109,13 +109,13 @@ impl Booth {
         let next = next.filter(|_| !name_is_over).map(|(named, _, at)| (named, at));
         let waiting = ours.into_iter().map(|row| row.capture).collect();
         let mut captures = Captures::new(rules, waiting, next);
-        if ports.is_empty() {
+        if buttons.is_empty() {
             captures.hears(Duration::ZERO);
         }
         let inner = Inner {
             captures,
             next_number: journal.next_capture()?,
-            away: ports,
+            away: buttons,
             coming: BTreeMap::new(),
             in_work: BTreeSet::new(),
             missed: !others.is_empty(),
@@ -296,13 +296,13 @@ impl Station {
         Ok(any)
     }
 
-    /// A port is open, or is not any more: presses may go unheard.
-    pub fn port(&self, name: &str, is_open: bool) {
+    /// The port of a button is open, or is not any more: presses may go unheard.
+    pub fn port(&self, name: &'static str, is_open: bool) {
         let now = self.machine_now();
         let mut inner = self.booth.inner();
         match is_open {
             true => inner.away.remove(name),
-            false => inner.away.insert(name.to_owned()),
+            false => inner.away.insert(name),
         };
         match inner.away.is_empty() {
             true => inner.captures.hears(now),

@@ -93,6 +93,11 @@ pub enum Worker {
     Control,
     /// Gives metrics and health.
     Http,
+    /// Attends a port of the booth.
+    Trigger {
+        /// The port's name.
+        port: &'static str,
+    },
 }
 
 impl fmt::Display for Worker {
@@ -103,6 +108,7 @@ impl fmt::Display for Worker {
             Worker::Booth => f.write_str("the booth"),
             Worker::Housekeeping => f.write_str("the housekeeping"),
             Worker::Http => f.write_str("the metrics and health"),
+            Worker::Trigger { port } => write!(f, "the {port} port"),
             Worker::Control => f.write_str("the control socket"),
         }
     }

@@ -12,8 +12,9 @@ use prometheus_client::registry::Registry;
 
 use super::control::protocol::state_words;
 use super::overview::Overview;
-use crate::flow::facts::{IntakeState, SourceState};
+use crate::flow::facts::{IntakeState, SourceState, TriggerFacts};
 use crate::flow::health::age;
+use crate::flow::trigger::PortState;
 
 /// The type of the text, for HTTP.
 pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
@@ -29,6 +30,7 @@ pub fn text(overview: &Overview) -> Result<String, fmt::Error> {
     of_station(&mut registry, overview);
     of_scans(&mut registry, overview);
     of_sources(&mut registry, overview);
+    of_triggers(&mut registry, overview);
     let mut text = String::new();
     encode(&mut text, &registry)?;
     Ok(text)
@@ -111,6 +113,27 @@ fn of_sources(registry: &mut Registry, overview: &Overview) {
     family(registry, "store_takes_records", "1 while the last delivery went well", stores);
 }
 
+fn of_triggers(registry: &mut Registry, overview: &Overview) {
+    let ports = || overview.facts.triggers.iter();
+    let states = ports().flat_map(|(port, trigger)| {
+        PortState::ALL.map(|state| {
+            let labels = [("port", (*port).to_owned()), ("state", state.word().to_owned())];
+            (labels, f64::from(u8::from(state == trigger.state)))
+        })
+    });
+    family(registry, "trigger", "1 for the state of each port of the booth", states);
+    let mut count = |name: &str, help: &str, count: fn(&TriggerFacts) -> u64| {
+        let family = Family::<Labels<1>, Counter>::default();
+        for (port, trigger) in ports() {
+            family.get_or_create(&[("port", (*port).to_owned())]).inc_by(count(trigger));
+        }
+        registry.register(name, help, family);
+    };
+    count("trigger_presses", "Presses in this run", |trigger| trigger.presses);
+    count("trigger_ids", "Ids read in this run", |trigger| trigger.ids);
+    count("trigger_garbage", "Bytes or keys that meant nothing", |trigger| trigger.garbage);
+}
+
 fn gauge(registry: &mut Registry, name: &str, help: &str, value: f64) {
     let gauge = Gauge::<f64, AtomicU64>::default();
     gauge.set(value);
@@ -148,6 +171,8 @@ mod tests {
         let file = WaitingFile { why: "Mustermann".into(), since: now, overdue: false };
         facts.sources[0].waiting.insert(PathBuf::from("/export/4711_Mustermann.obj"), file);
         facts.measured = 7;
+        let port = TriggerFacts { presses: 3, garbage: 12, ..TriggerFacts::new(now) };
+        facts.triggers.insert("serial", port);
         let overview = Overview { facts, tally: None, disk: None, complaints: Vec::new(), now };
         let text = text(&overview).unwrap();
         for line in [
@@ -157,6 +182,9 @@ mod tests {
             "gaiter_source{export_dir=\"0\",state=\"out_of_reach\"} 1.0",
             "gaiter_source{export_dir=\"0\",state=\"watched\"} 0.0",
             "gaiter_source_waiting_files{export_dir=\"0\"} 1.0",
+            "gaiter_trigger{port=\"serial\",state=\"not_looked\"} 1.0",
+            "gaiter_trigger_presses_total{port=\"serial\"} 3",
+            "gaiter_trigger_garbage_total{port=\"serial\"} 12",
             "# EOF",
         ] {
             assert!(text.lines().any(|found| found == line), "no {line} in\n{text}");

@@ -28,8 +28,10 @@ pub mod measure;
 pub mod overview;
 pub mod quarantine;
 pub mod run;
+pub mod simulated_button;
 pub mod simulated_scanner;
 pub mod spool;
+pub mod trigger;
 
 mod beat;
 mod caught;

@@ -12,7 +12,7 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::error::{StationError, Worker};
 use super::stop::Stop;
-use super::{booth, control, delivery, housekeeping, http, intake};
+use super::{booth, control, delivery, housekeeping, http, intake, trigger};
 
 /// The workers, their names and their beats.
 pub struct Workers {
@@ -40,6 +40,11 @@ impl Workers {
         workers.spawn(Worker::Housekeeping, task);
         let beat = workers.beat(Worker::Booth, station);
         workers.spawn(Worker::Booth, booth::worker(Arc::clone(station), beat, stop.clone()));
+        for port in trigger::of_config(&station.config.trigger) {
+            let worker = Worker::Trigger { port: port.name };
+            let beat = workers.beat(worker, station);
+            workers.spawn(worker, trigger::worker(Arc::clone(station), port, beat, stop.clone()));
+        }
         // These wait for people and monitors, and have no beat: nothing hangs on them.
         workers.spawn(Worker::Http, http::worker(Arc::clone(station), stop.clone()));
         workers.spawn(Worker::Control, control::worker(Arc::clone(station), stop.clone()));

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::flow::account::Seen;
 use crate::flow::health::Complaint;
-use crate::station::control::protocol::StoreStatus;
+use crate::station::control::protocol::{StoreStatus, TriggerStatus};
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()
@@ -14,6 +14,14 @@ fn at(second: i64) -> Timestamp {
 fn status() -> Status {
     let seen = Seen { scan: "abcd1234".into(), first_seen: at(0), state: "spooled".into() };
     let counts = [("spooled", 1), ("delivered", 20), ("refused", 2), ("held", 0)];
+    let port = TriggerStatus {
+        state: "open".into(),
+        why: None,
+        since: at(0),
+        presses: 21,
+        ids: 0,
+        garbage: 3,
+    };
     Status {
         schema: "gaiter.status/1".into(),
         ready: true,
@@ -41,6 +49,7 @@ fn status() -> Status {
             ignored: 0,
         }],
         stores: BTreeMap::from([("folder".into(), StoreStatus { fault: None, since: at(0) })]),
+        triggers: BTreeMap::from([("serial".into(), port)]),
         disk_free_bytes: Some(12_000_000_000),
         disk_bytes: Some(100_000_000_000),
         measured: 22,
@@ -60,6 +69,7 @@ scans      1 spooled, 20 delivered, 2 refused, 0 held
 intake     scans are taken in
 export 0   looked through, last 5 seconds ago, SMB (polled), 2 waiting (1 for too long)
 store      folder: takes records since 3 minutes
+trigger    serial: open since 3 minutes, 21 presses, 3 bytes of garbage
 disk       12.0 GB free of 100.0 GB
 measured   22 in this run, the last in 2.1 s
 ";

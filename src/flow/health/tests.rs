@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use proptest::prelude::*;
 
 use super::*;
-use crate::flow::facts::{Alarm, StoreFacts, WaitingFile};
+use crate::flow::facts::{Alarm, StoreFacts, TriggerFacts, WaitingFile};
+use crate::flow::trigger::PortState;
 
 const OVERDUE: Duration = Duration::from_secs(600);
 const EMPTY: Backlog = Backlog { pending: 0, oldest: None };
@@ -118,5 +119,28 @@ proptest! {
         let backlog = Backlog { pending: 1, oldest: Some(at(seen)) };
         let late = |now: i64| !codes(&facts(), &backlog, at(seen + now)).is_empty();
         prop_assert!(!late(a.min(b)) || late(a.max(b)));
+    }
+}
+
+#[test]
+fn a_port_that_is_not_sound_for_a_minute_has_the_code_of_its_state() {
+    let at_port = |state, unsound_since| {
+        let port = TriggerFacts { state, unsound_since, ..TriggerFacts::new(at(0)) };
+        Facts { triggers: BTreeMap::from([("serial", port)]), ..facts() }
+    };
+    let cases = [
+        (PortState::Absent, "trigger-absent"),
+        (PortState::Busy, "trigger-busy"),
+        (PortState::Denied, "trigger-denied"),
+        (PortState::Failed, "trigger-failed"),
+        (PortState::Stuck, "trigger-stuck"),
+        (PortState::Hung, "trigger-hung"),
+        (PortState::Open, "trigger-unsteady"),
+    ];
+    for (state, code) in cases {
+        let facts = at_port(state, Some(at(0)));
+        assert_eq!(codes(&facts, &EMPTY, at(59)), Vec::<String>::new());
+        assert_eq!(codes(&facts, &EMPTY, at(60)), [code]);
+        assert_eq!(codes(&at_port(state, None), &EMPTY, at(600)), Vec::<String>::new());
     }
 }

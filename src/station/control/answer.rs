@@ -143,6 +143,7 @@ fn status(station: &Station) -> Status {
     let (oldest, last) = tally.map_or((None, None), |tally| (tally.oldest, tally.last));
     let places = facts.sources.iter().enumerate();
     let stores = facts.stores.iter();
+    let triggers = facts.triggers.iter();
     let alarms = facts.alarms.iter();
     Status {
         schema: "gaiter.status/1".to_owned(),
@@ -160,6 +161,7 @@ fn status(station: &Station) -> Status {
         scans,
         sources: places.map(|(place, source)| SourceStatus::of(place, source)).collect(),
         stores: stores.map(|(name, store)| ((*name).to_owned(), store.into())).collect(),
+        triggers: triggers.map(|(name, port)| ((*name).to_owned(), port.into())).collect(),
         disk_free_bytes: disk.map(|disk| disk.free),
         disk_bytes: disk.map(|disk| disk.size),
         measured: facts.measured,

@@ -7,7 +7,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::flow::account::{Filter, Listed, Seen, Whole};
-use crate::flow::facts::{Alarm, SourceFacts, SourceState, StoreFacts};
+use crate::flow::facts::{Alarm, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use crate::flow::health::Complaint;
 
 /// The longest request, bytes: a path and a patient's id fit many times over.
@@ -157,6 +157,8 @@ pub struct Status {
     pub sources: Vec<SourceStatus>,
     /// The record stores by name; none before the first delivery.
     pub stores: BTreeMap<String, StoreStatus>,
+    /// The ports of the booth by name; none that the configuration does not name.
+    pub triggers: BTreeMap<String, TriggerStatus>,
     /// Room on the disk of the state folder, bytes.
     pub disk_free_bytes: Option<u64>,
     /// Size of that disk, bytes.
@@ -203,6 +205,23 @@ pub struct StoreStatus {
     pub fault: Option<String>,
     /// Since when.
     pub since: Timestamp,
+}
+
+/// A port of the booth in a status.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TriggerStatus {
+    /// `not_looked`, `absent`, `busy`, `denied`, `failed`, `settling`, `open`, `stuck` or `hung`.
+    pub state: String,
+    /// Why it is not listened to.
+    pub why: Option<String>,
+    /// Since when it is so.
+    pub since: Timestamp,
+    /// Presses in this run.
+    pub presses: u64,
+    /// Ids read in this run.
+    pub ids: u64,
+    /// Bytes or keys in this run that meant nothing.
+    pub garbage: u64,
 }
 
 /// An alarm in a status.
@@ -254,6 +273,19 @@ pub fn state_words(state: &SourceState) -> (&'static str, Option<&String>) {
 impl From<&StoreFacts> for StoreStatus {
     fn from(facts: &StoreFacts) -> StoreStatus {
         StoreStatus { fault: facts.fault.clone(), since: facts.since }
+    }
+}
+
+impl From<&TriggerFacts> for TriggerStatus {
+    fn from(facts: &TriggerFacts) -> TriggerStatus {
+        TriggerStatus {
+            state: facts.state.word().to_owned(),
+            why: facts.why.clone(),
+            since: facts.since,
+            presses: facts.presses,
+            ids: facts.ids,
+            garbage: facts.garbage,
+        }
     }
 }
 

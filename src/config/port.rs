@@ -1,0 +1,319 @@
+//! What is written of a port in the configuration: its name, its line, what is said on it.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use super::fault::What;
+use super::parse;
+use super::words::Words;
+use crate::flow::trigger::lines::LINE_MOST;
+
+/// A USB device by what it says of itself.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct UsbName {
+    /// Vendor.
+    pub vendor: u16,
+    /// Product.
+    pub product: u16,
+    /// Serial number; any device of the product where none is named.
+    pub serial: Option<String>,
+}
+
+impl fmt::Display for UsbName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:04x}:{:04x}", self.vendor, self.product)?;
+        self.serial.as_ref().map_or(Ok(()), |serial| write!(f, ":{serial}"))
+    }
+}
+
+/// Where a serial port is found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum SerialPlace {
+    /// Under this path, mostly a link that keeps its name.
+    Path(PathBuf),
+    /// At this USB adapter.
+    Usb(UsbName),
+}
+
+/// Where an input device is found.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum InputPlace {
+    /// Under this path.
+    Path(PathBuf),
+    /// By the name that it gives itself.
+    Name(String),
+}
+
+/// Whether a parity bit is sent, and which.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parity {
+    /// None is.
+    None,
+    /// The bits are made even.
+    Even,
+    /// The bits are made odd.
+    Odd,
+}
+
+/// How bytes go over a serial line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Settings {
+    /// Bits a second.
+    pub baud: u32,
+    /// 7 or 8.
+    pub data_bits: u8,
+    /// The parity bit.
+    pub parity: Parity,
+    /// 1 or 2.
+    pub stop_bits: u8,
+}
+
+/// Who may stop whom on a serial line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Flow {
+    /// Nobody.
+    None,
+    /// RTS and CTS.
+    Hardware,
+    /// XON and XOFF.
+    Software,
+}
+
+/// `trigger.serial.flow`
+pub const FLOWS: Words<Flow> =
+    &[("none", Flow::None), ("hardware", Flow::Hardware), ("software", Flow::Software)];
+
+/// A modem line that a contact may pull.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum ModemLine {
+    /// Clear to send.
+    Cts,
+    /// Data set ready.
+    Dsr,
+    /// Data carrier detect.
+    Dcd,
+    /// Ring indicator.
+    Ri,
+}
+
+/// `trigger.serial.contact`
+pub const CONTACTS: Words<Option<ModemLine>> = &[
+    ("none", None),
+    ("cts", Some(ModemLine::Cts)),
+    ("dsr", Some(ModemLine::Dsr)),
+    ("dcd", Some(ModemLine::Dcd)),
+    ("ri", Some(ModemLine::Ri)),
+];
+
+/// `trigger.serial.active`: whether the line is high while the contact is closed.
+pub const ACTIVES: Words<bool> = &[("high", true), ("low", false)];
+
+/// `trigger.serial.dtr` and `rts`: none leaves the wire as the system sets it.
+pub const WIRES: Words<Option<bool>> = &[("leave", None), ("on", Some(true)), ("off", Some(false))];
+
+/// Speeds that serial adapters have, bits a second.
+const BAUDS: std::ops::RangeInclusive<u32> = 300..=921_600;
+
+fn misspelt(text: &str, thing: &'static str, example: &'static str) -> What {
+    What::Misspelt { text: text.into(), thing, example }
+}
+
+/// `"vendor:product"` or `"vendor:product:serial"`, the numbers with four hexadecimal digits.
+pub(super) fn usb_name(text: &str) -> Result<UsbName, What> {
+    let mut parts = text.splitn(3, ':');
+    let mut id = || {
+        let digits = parts.next().filter(|digits| digits.len() == 4)?;
+        digits.bytes().all(|digit| digit.is_ascii_hexdigit()).then_some(())?;
+        u16::from_str_radix(digits, 16).ok()
+    };
+    let ids = id().zip(id());
+    let serial = parts.next().map(str::to_owned);
+    let plain = serial.as_ref().is_none_or(|serial| {
+        !serial.is_empty() && serial.bytes().all(|byte| byte.is_ascii_graphic())
+    });
+    ids.filter(|_| plain).map(|(vendor, product)| UsbName { vendor, product, serial }).ok_or_else(
+        || misspelt(text, "name of a USB device", r#""0403:6001" or "0403:6001:A50285BI""#),
+    )
+}
+
+/// A full path, or `"usb:…"`.
+pub(super) fn serial_place(text: &str) -> Result<SerialPlace, What> {
+    match text.strip_prefix("usb:") {
+        Some(name) => usb_name(name).map(SerialPlace::Usb),
+        None => parse::full_path(text).map(SerialPlace::Path),
+    }
+}
+
+/// A full path, or `"name:…"`.
+pub(super) fn input_place(text: &str) -> Result<InputPlace, What> {
+    match text.strip_prefix("name:") {
+        Some("") => Err(misspelt(text, "name of an input device", r#""name:PCsensor FootSwitch""#)),
+        Some(name) => Ok(InputPlace::Name(name.to_owned())),
+        None => parse::full_path(text).map(InputPlace::Path),
+    }
+}
+
+/// `"9600 8N1"`.
+pub(super) fn settings(text: &str) -> Result<Settings, What> {
+    let wrong = || misspelt(text, "setting of a serial line", r#""9600 8N1", "115200 7E2""#);
+    let (baud, frame) = text.split_once(' ').ok_or_else(wrong)?;
+    let baud: u32 = baud.parse().ok().filter(|baud| BAUDS.contains(baud)).ok_or_else(wrong)?;
+    let &[data, parity, stop] = frame.as_bytes() else { return Err(wrong()) };
+    let parity = match parity {
+        b'N' => Parity::None,
+        b'E' => Parity::Even,
+        b'O' => Parity::Odd,
+        _ => return Err(wrong()),
+    };
+    match (data, stop) {
+        (b'7' | b'8', b'1' | b'2') => {
+            Ok(Settings { baud, data_bits: data - b'0', parity, stop_bits: stop - b'0' })
+        }
+        _ => Err(wrong()),
+    }
+}
+
+/// A line by which a button tells that it was pressed.
+pub(super) fn token(text: &str) -> Result<String, What> {
+    let plain = text.bytes().all(|byte| byte.is_ascii_graphic() || byte == b' ');
+    if plain && (1..=LINE_MOST).contains(&text.len()) {
+        Ok(text.to_owned())
+    } else {
+        Err(misspelt(
+            text,
+            "line of a button",
+            r#"1 to 64 plain characters, without the line end: "PRESS""#,
+        ))
+    }
+}
+
+/// What stands around an id.
+pub(super) fn affix(text: &str) -> Result<String, What> {
+    if text.is_empty() { Ok(String::new()) } else { token(text) }
+}
+
+/// Bytes to be said, with `\r`, `\n`, `\t`, `\\` and `\xNN` for those that are no characters.
+pub(super) fn bytes(text: &str) -> Result<Vec<u8>, What> {
+    let bytes = escaped(text).filter(|bytes| bytes.len() <= LINE_MOST);
+    bytes.ok_or_else(|| misspelt(text, "text for a port", r#"'OK\r\n'; \xNN is the byte NN"#))
+}
+
+/// The bytes of a text with escapes; none where one of them is none.
+pub fn escaped(text: &str) -> Option<Vec<u8>> {
+    let (mut bytes, mut rest) = (Vec::new(), text.chars());
+    while let Some(character) = rest.next() {
+        if character != '\\' {
+            bytes.extend(character.encode_utf8(&mut [0; 4]).bytes());
+            continue;
+        }
+        bytes.push(match rest.next() {
+            Some('r') => b'\r',
+            Some('n') => b'\n',
+            Some('t') => b'\t',
+            Some('\\') => b'\\',
+            Some('x') => {
+                let digits: String = rest.by_ref().take(2).collect();
+                hex_byte(&digits)?
+            }
+            _ => return None,
+        });
+    }
+    Some(bytes)
+}
+
+/// `"00 01"`: bytes of a report, 1 to 64.
+pub(super) fn report(text: &str) -> Result<Vec<u8>, What> {
+    let bytes: Option<Vec<u8>> = text.split(' ').map(hex_byte).collect();
+    let bytes = bytes.filter(|bytes| (1..=LINE_MOST).contains(&bytes.len()));
+    bytes.ok_or_else(|| {
+        misspelt(text, "part of a report", r#"bytes with two hexadecimal digits each: "00 01""#)
+    })
+}
+
+fn hex_byte(digits: &str) -> Option<u8> {
+    let two = digits.len() == 2 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    two.then(|| u8::from_str_radix(digits, 16).ok()).flatten()
+}
+
+/// The number of an interface.
+pub(super) fn interface(text: &str) -> Result<u8, What> {
+    text.parse()
+        .ok()
+        .filter(|number| *number < 32)
+        .ok_or_else(|| misspelt(text, "interface", r#""0""#))
+}
+
+/// The address of an endpoint into the computer.
+pub(super) fn endpoint(text: &str) -> Result<u8, What> {
+    let address = text.strip_prefix("0x").and_then(hex_byte);
+    let inward = address.filter(|address| address & 0x80 != 0 && address & 0x0f != 0);
+    inward.ok_or_else(|| misspelt(text, "endpoint into the computer", r#""0x81""#))
+}
+
+/// A key by the name that Linux gives it, or by its number.
+pub(super) fn key(text: &str) -> Result<u16, What> {
+    let number = text.parse::<evdev::KeyCode>().map(|key| key.0).or_else(|_| text.parse());
+    number.map_err(|_| misspelt(text, "key", r#""KEY_B" or "BTN_LEFT", as evtest shows it"#))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_usb_device_is_two_numbers_and_perhaps_a_serial() {
+        let name = usb_name("0403:6001:A5:B").unwrap();
+        assert_eq!(
+            (name.vendor, name.product, name.serial.as_deref()),
+            (0x403, 0x6001, Some("A5:B"))
+        );
+        assert_eq!(
+            (name.to_string(), usb_name("0403:6001").unwrap().serial),
+            ("0403:6001:A5:B".into(), None)
+        );
+        for text in ["", "403:6001", "0403", "0403:", "0403:60010", "0403:6001:", "+403:6001"] {
+            assert!(usb_name(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_line_is_its_speed_and_its_frame() {
+        let line = settings("115200 7E2").unwrap();
+        assert_eq!(
+            (line.baud, line.data_bits, line.parity, line.stop_bits),
+            (115_200, 7, Parity::Even, 2)
+        );
+        for text in [
+            "",
+            "9600",
+            "9600 8",
+            "9600 8N",
+            "9600 9N1",
+            "9600 8M1",
+            "9600 8N3",
+            "1 8N1",
+            "9600  8N1",
+        ] {
+            assert!(settings(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn bytes_are_written_with_the_usual_escapes() {
+        assert_eq!(bytes(r"OK\r\n\x00\xfF\\\t").unwrap(), b"OK\r\n\x00\xff\\\t");
+        assert_eq!(bytes("\r\n").unwrap(), b"\r\n", "double quotes have made them already");
+        for text in [r"\", r"\q", r"\x", r"\x1", r"\xg0", r"\x+1"] {
+            assert!(bytes(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn reports_endpoints_and_keys() {
+        assert_eq!(report("00 fF").unwrap(), [0, 255]);
+        assert!(["", "0", "00  01", "001", "+1"].iter().all(|text| report(text).is_err()));
+        assert_eq!(endpoint("0x82").unwrap(), 0x82);
+        assert!(["82", "0x02", "0x80", ""].iter().all(|text| endpoint(text).is_err()));
+        assert_eq!((key("KEY_B").unwrap(), key("48").unwrap()), (48, 48));
+        assert!(key("KEY_FOOT").is_err());
+    }
+}

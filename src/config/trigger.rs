@@ -1,0 +1,295 @@
+//! The keys of `[patient.reader]` and `[trigger]`: what hangs on the ports of the booth.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use super::fault::What;
+use super::parse::{self, Bounds};
+use super::port::{
+    self, ACTIVES, CONTACTS, FLOWS, Flow, InputPlace, ModemLine, SerialPlace, Settings, UsbName,
+    WIRES,
+};
+use super::reader::{Absent, Found, Reader};
+use crate::flow::booth::Signal;
+use crate::flow::trigger::button::Times;
+use crate::flow::trigger::code::Codes;
+use crate::flow::trigger::ear::Hearing;
+use crate::flow::trigger::report::Pattern;
+use crate::flow::trigger::token::Tokens;
+
+/// What hangs on the ports of the booth; nothing unless the configuration names it.
+#[derive(Debug, Clone)]
+pub struct TriggerConfig {
+    /// How a button is listened to.
+    pub hearing: Hearing,
+    /// What comes so soon after a port was opened is not believed.
+    pub settle: Duration,
+    /// A button at a serial port.
+    pub serial: Option<SerialTrigger>,
+    /// A button that is a USB device of its own.
+    pub usb: Option<UsbTrigger>,
+    /// A button that shows as a keyboard.
+    pub keys: Option<KeysTrigger>,
+    /// A reader of ids.
+    pub reader: Option<ReaderConfig>,
+}
+
+/// A serial line and what is to be set on it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SerialLine {
+    /// Where the port is.
+    pub place: SerialPlace,
+    /// Speed and frame.
+    pub settings: Settings,
+    /// Who may stop whom.
+    pub flow: Flow,
+    /// What DTR is set to.
+    pub dtr: Option<bool>,
+    /// What RTS is set to.
+    pub rts: Option<bool>,
+    /// The modem line that is sampled, and whether it is high while the contact is closed.
+    pub contact: Option<(ModemLine, bool)>,
+}
+
+/// What is said at the booth, by what its light shows.
+pub type Say = BTreeMap<Signal, Vec<u8>>;
+
+/// `[trigger.serial]`
+#[derive(Debug, Clone)]
+pub struct SerialTrigger {
+    /// The line.
+    pub line: SerialLine,
+    /// The lines of text that are presses.
+    pub tokens: Tokens,
+    /// What is written back.
+    pub say: Say,
+}
+
+/// `[trigger.usb]`
+#[derive(Debug, Clone)]
+pub struct UsbTrigger {
+    /// The device.
+    pub device: UsbName,
+    /// Its interface.
+    pub interface: u8,
+    /// Its interrupt endpoint into the computer.
+    pub endpoint: u8,
+    /// What its reports say while the button is down.
+    pub pattern: Pattern,
+    /// The output reports that are sent back.
+    pub say: Say,
+}
+
+/// `[trigger.keys]`
+#[derive(Debug, Clone)]
+pub struct KeysTrigger {
+    /// The device.
+    pub device: InputPlace,
+    /// The key that is the button.
+    pub key: u16,
+}
+
+/// `[patient.reader]`
+#[derive(Debug, Clone)]
+pub struct ReaderConfig {
+    /// Where it is.
+    pub at: ReaderPlace,
+    /// What it puts around an id.
+    pub codes: Codes,
+}
+
+/// What a reader shows as.
+#[derive(Debug, Clone)]
+pub enum ReaderPlace {
+    /// A serial port.
+    Serial(SerialLine),
+    /// A keyboard.
+    Keys(InputPlace),
+}
+
+const SERIAL_SAY: [&str; 6] = [
+    "trigger.serial.say.ready",
+    "trigger.serial.say.armed",
+    "trigger.serial.say.receiving",
+    "trigger.serial.say.done",
+    "trigger.serial.say.attention",
+    "trigger.serial.say.no_export",
+];
+
+const USB_SAY: [&str; 6] = [
+    "trigger.usb.say.ready",
+    "trigger.usb.say.armed",
+    "trigger.usb.say.receiving",
+    "trigger.usb.say.done",
+    "trigger.usb.say.attention",
+    "trigger.usb.say.no_export",
+];
+
+/// A place that may be left out.
+type Optional<T> = Option<Found<Option<T>>>;
+
+/// Asks for the keys.
+pub(super) fn config(reader: &mut Reader) -> Option<TriggerConfig> {
+    use Absent::Default;
+    let (ids, ids_at) = reader_config(reader);
+    let bounds = Bounds { least: "0ms", most: "1s" };
+    let debounce = reader.text("trigger.debounce", Default("30ms"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "0s", most: "1m" };
+    let lock_out = reader.text("trigger.lock_out", Default("1s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "500ms", most: "10s" };
+    let long_press = reader.text("trigger.long_press", Default("3s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "15s", most: "1h" };
+    let stuck = reader.text("trigger.stuck", Default("30s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "0s", most: "10s" };
+    let settle = reader.text("trigger.settle", Default("500ms"), parse::duration_in(bounds));
+    let (serial, serial_at) = serial(reader);
+    let usb = usb(reader);
+    let (keys, keys_at) = keys(reader);
+    let [(ids_port, ids_keys), (port, device)] = [ids_at, (serial_at, keys_at)];
+    twice(reader, "trigger.serial.port", port, ids_port);
+    twice(reader, "trigger.keys.device", device, ids_keys);
+    let times = Times { lock_out: lock_out?.value, long_press: long_press?.value };
+    Some(TriggerConfig {
+        hearing: Hearing { debounce: debounce?.value, times, stuck: stuck?.value },
+        settle: settle?.value,
+        serial: serial?,
+        usb: usb?,
+        keys: keys?,
+        reader: ids?,
+    })
+}
+
+/// An empty text chooses nothing.
+fn or_none<T>(parse: impl Fn(&str) -> Result<T, What>) -> impl Fn(&str) -> Result<Option<T>, What> {
+    move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
+}
+
+/// One port cannot be two things.
+fn twice<T: PartialEq + std::fmt::Debug>(
+    reader: &mut Reader,
+    key: &'static str,
+    trigger: Optional<T>,
+    ids: Optional<T>,
+) {
+    let (Some(trigger), Some(ids)) = (trigger, ids) else { return };
+    if trigger.value.is_some() && trigger.value == ids.value {
+        reader.note(trigger.at, key, What::SamePort);
+    }
+}
+
+type Reads<T> = (Option<Option<T>>, (Optional<SerialPlace>, Optional<InputPlace>));
+
+fn reader_config(reader: &mut Reader) -> Reads<ReaderConfig> {
+    use Absent::Default;
+    let port = reader.text("patient.reader.port", Default(""), or_none(port::serial_place));
+    let settings = reader.text("patient.reader.settings", Default("9600 8N1"), port::settings);
+    let keys = reader.text("patient.reader.keys", Default(""), or_none(port::input_place));
+    let prefix = reader.text("patient.reader.prefix", Default(""), port::affix);
+    let suffix = reader.text("patient.reader.suffix", Default(""), port::affix);
+    if let (Some(Found { value: Some(_), .. }), Some(Found { value: Some(_), at })) = (&port, &keys)
+    {
+        reader.note(at.clone(), "patient.reader.keys", What::TwoPorts);
+    }
+    let made = || {
+        let codes = Codes { prefix: prefix?.value, suffix: suffix?.value };
+        let (place, keys) = (port.clone()?.value, keys.clone()?.value);
+        let settings = settings?.value;
+        let at = place.map(|place| {
+            let line = SerialLine {
+                place,
+                settings,
+                flow: Flow::None,
+                dtr: None,
+                rts: None,
+                contact: None,
+            };
+            ReaderPlace::Serial(line)
+        });
+        let at = at.or_else(|| keys.map(ReaderPlace::Keys));
+        Some(at.map(|at| ReaderConfig { at, codes }))
+    };
+    let made = made();
+    (made, (port, keys))
+}
+
+fn serial(reader: &mut Reader) -> (Option<Option<SerialTrigger>>, Optional<SerialPlace>) {
+    use Absent::Default;
+    let key = "trigger.serial.port";
+    let place = reader.text(key, Default(""), or_none(port::serial_place));
+    let settings = reader.text("trigger.serial.settings", Default("9600 8N1"), port::settings);
+    let flow = reader.text("trigger.serial.flow", Default("none"), parse::word(FLOWS));
+    let short = reader.list("trigger.serial.tokens", Default(""), port::token);
+    let long = reader.list("trigger.serial.long_tokens", Default(""), port::token);
+    let contact = reader.text("trigger.serial.contact", Default("none"), parse::word(CONTACTS));
+    let active = reader.text("trigger.serial.active", Default("high"), parse::word(ACTIVES));
+    let dtr = reader.text("trigger.serial.dtr", Default("leave"), parse::word(WIRES));
+    let rts = reader.text("trigger.serial.rts", Default("leave"), parse::word(WIRES));
+    let say = say(reader, SERIAL_SAY);
+    let deaf = short.is_empty() && matches!(&contact, Some(Found { value: None, .. }));
+    if let Some(Found { value: Some(_), at }) = &place
+        && deaf
+    {
+        reader.note(at.clone(), key, What::NothingToHear);
+    }
+    let texts = |tokens: Vec<Found<String>>| tokens.into_iter().map(|token| token.value).collect();
+    let tokens = Tokens { short: texts(short), long: texts(long) };
+    let made = || {
+        let (settings, flow) = (settings?.value, flow?.value);
+        let (dtr, rts, active) = (dtr?.value, rts?.value, active?.value);
+        let contact = contact?.value.map(|line| (line, active));
+        let (place, say) = (place.clone()?.value, say?);
+        Some(place.map(|place| {
+            let line = SerialLine { place, settings, flow, dtr, rts, contact };
+            SerialTrigger { line, tokens, say }
+        }))
+    };
+    let made = made();
+    (made, place)
+}
+
+fn usb(reader: &mut Reader) -> Option<Option<UsbTrigger>> {
+    use Absent::Default;
+    let device = reader.text("trigger.usb.device", Default(""), or_none(port::usb_name));
+    let interface = reader.text("trigger.usb.interface", Default("0"), port::interface);
+    let endpoint = reader.text("trigger.usb.endpoint", Default("0x81"), port::endpoint);
+    let mask = reader.text("trigger.usb.mask", Default("01"), port::report);
+    let key = "trigger.usb.value";
+    let value = reader.text(key, Default("01"), port::report);
+    let say = say(reader, USB_SAY);
+    let (mask, value) = (mask?.value, value?);
+    let fits = mask.len() == value.value.len()
+        && value.value.iter().zip(&mask).all(|(value, mask)| value & !mask == 0);
+    if !fits {
+        reader.note(value.at, key, What::OutsideMask);
+        return None;
+    }
+    let pattern = Pattern { mask, value: value.value };
+    let (interface, endpoint, say) = (interface?.value, endpoint?.value, say?);
+    let made = |device| UsbTrigger { device, interface, endpoint, pattern, say };
+    Some(device?.value.map(made))
+}
+
+fn keys(reader: &mut Reader) -> (Option<Option<KeysTrigger>>, Optional<InputPlace>) {
+    use Absent::Default;
+    let device = reader.text("trigger.keys.device", Default(""), or_none(port::input_place));
+    let key = reader.text("trigger.keys.key", Default("KEY_B"), port::key);
+    let made = || {
+        let (device, key) = (device.clone()?.value, key?.value);
+        Some(device.map(|device| KeysTrigger { device, key }))
+    };
+    (made(), device)
+}
+
+/// What is said for each signal; nothing for those that say nothing.
+fn say(reader: &mut Reader, keys: [&'static str; 6]) -> Option<Say> {
+    let mut ask = |key| reader.text(key, Absent::Default(""), port::bytes);
+    let said = keys.map(&mut ask);
+    let mut say = Say::new();
+    for (signal, said) in Signal::ALL.into_iter().zip(said) {
+        let bytes = said?.value;
+        if !bytes.is_empty() {
+            say.insert(signal, bytes);
+        }
+    }
+    Some(say)
+}

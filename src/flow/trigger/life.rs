@@ -1,0 +1,325 @@
+//! The life of a port: looked for, opened, settling, listened to, lost and looked for again, for
+//! ever; and how much of that is said.
+
+use std::time::Duration;
+
+use serde::Serialize;
+
+/// How a port is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PortState {
+    /// It has not been looked for yet.
+    NotLooked,
+    /// It is not there.
+    Absent,
+    /// Another program has it.
+    Busy,
+    /// The station's user may not open it.
+    Denied,
+    /// It is there and does not work.
+    Failed,
+    /// It has just been opened, and what comes is not believed yet.
+    Settling,
+    /// It is listened to.
+    Open,
+    /// It is listened to, but its contact is closed for longer than anybody presses a button.
+    Stuck,
+    /// Its driver does not come back.
+    Hung,
+}
+
+impl PortState {
+    /// All of them.
+    pub const ALL: [PortState; 9] = [
+        PortState::NotLooked,
+        PortState::Absent,
+        PortState::Busy,
+        PortState::Denied,
+        PortState::Failed,
+        PortState::Settling,
+        PortState::Open,
+        PortState::Stuck,
+        PortState::Hung,
+    ];
+
+    /// Its stable word in `status` and metrics.
+    pub const fn word(self) -> &'static str {
+        match self {
+            PortState::NotLooked => "not_looked",
+            PortState::Absent => "absent",
+            PortState::Busy => "busy",
+            PortState::Denied => "denied",
+            PortState::Failed => "failed",
+            PortState::Settling => "settling",
+            PortState::Open => "open",
+            PortState::Stuck => "stuck",
+            PortState::Hung => "hung",
+        }
+    }
+}
+
+/// Why a port cannot be opened or listened to.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{why}")]
+pub struct PortFault {
+    /// What kind of fault.
+    pub kind: FaultKind,
+    /// In words, without the port's path.
+    pub why: String,
+}
+
+/// The kinds of faults, each with a state of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaultKind {
+    /// There is no such port, or not any more.
+    Absent,
+    /// Another program has it.
+    Busy,
+    /// The station's user may not open it.
+    Denied,
+    /// Anything else.
+    Failed,
+}
+
+impl FaultKind {
+    const fn state(self) -> PortState {
+        match self {
+            FaultKind::Absent => PortState::Absent,
+            FaultKind::Busy => PortState::Busy,
+            FaultKind::Denied => PortState::Denied,
+            FaultKind::Failed => PortState::Failed,
+        }
+    }
+}
+
+/// The first pause before a port is tried again. A port that was just plugged in belongs to its
+/// group some 100 ms later; until then opening it is denied.
+const FIRST_PAUSE: Duration = Duration::from_millis(50);
+
+/// The longest pause: a cable that is put back works by the time its owner has stood up.
+const LONGEST_PAUSE: Duration = Duration::from_secs(3);
+
+/// A port that was open for so long was sound: when it is lost, it is looked for at once again.
+const SOUND: Duration = Duration::from_secs(10);
+
+/// At most one line of the log in so long, however often a port comes and goes.
+const LINE_EVERY: Duration = Duration::from_secs(60);
+
+/// What is to be done with a port.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Want {
+    /// Open it.
+    Open,
+    /// Leave it for so long.
+    Wait(Duration),
+    /// Listen; what comes is not believed yet, for so long.
+    Settle(Duration),
+    /// Listen.
+    Listen,
+}
+
+/// The life of one port.
+#[derive(Debug, Clone)]
+pub struct Life {
+    settle: Duration,
+    state: PortState,
+    why: Option<String>,
+    /// Openings in a row that came to nothing.
+    failures: u32,
+    next_try: Duration,
+    opened: Duration,
+    /// Since when it has not been sound.
+    unsound_since: Option<Duration>,
+    told: Option<(PortState, Duration)>,
+}
+
+impl Life {
+    /// A port that is to be looked for from `now` on and settles so long once it is open.
+    pub fn new(settle: Duration, now: Duration) -> Life {
+        Life {
+            settle,
+            state: PortState::NotLooked,
+            why: None,
+            failures: 0,
+            next_try: now,
+            opened: now,
+            unsound_since: Some(now),
+            told: None,
+        }
+    }
+
+    /// How the port is.
+    pub fn state(&self) -> PortState {
+        self.state
+    }
+
+    /// Why it is not listened to.
+    pub fn why(&self) -> Option<&str> {
+        self.why.as_deref()
+    }
+
+    /// Since when it has not been listened to for a while without a break.
+    pub fn unsound_since(&self) -> Option<Duration> {
+        self.unsound_since
+    }
+
+    /// What is to be done at `now`.
+    pub fn wants(&self, now: Duration) -> Want {
+        match self.state {
+            PortState::Open | PortState::Stuck | PortState::Hung => Want::Listen,
+            PortState::Settling => match (self.opened + self.settle).saturating_sub(now) {
+                Duration::ZERO => Want::Listen,
+                rest => Want::Settle(rest),
+            },
+            _ => match self.next_try.saturating_sub(now) {
+                Duration::ZERO => Want::Open,
+                rest => Want::Wait(rest),
+            },
+        }
+    }
+
+    /// It was opened at `now`.
+    pub fn opened(&mut self, now: Duration) {
+        self.state = PortState::Settling;
+        self.why = None;
+        self.opened = now;
+    }
+
+    /// It was listened to at `now`, and its contact sticks or not.
+    pub fn listened(&mut self, stuck: bool, now: Duration) {
+        self.state = if stuck { PortState::Stuck } else { PortState::Open };
+        if stuck {
+            self.unsound_since.get_or_insert(now);
+        } else if now.saturating_sub(self.opened) >= SOUND {
+            self.unsound_since = None;
+            self.failures = 0;
+        }
+    }
+
+    /// It could not be opened, or was lost.
+    pub fn failed(&mut self, fault: &PortFault, now: Duration) {
+        self.state = fault.kind.state();
+        self.why = Some(fault.why.clone());
+        self.unsound_since.get_or_insert(now);
+        self.next_try = now + pause(self.failures);
+        self.failures = self.failures.saturating_add(1);
+    }
+
+    /// The state to be told in the log now, if there is one: each once, and seldom enough.
+    pub fn tell(&mut self, now: Duration) -> Option<PortState> {
+        if matches!(self.state, PortState::NotLooked | PortState::Settling) {
+            return None;
+        }
+        if let Some((told, at)) = self.told
+            && (told == self.state || now.saturating_sub(at) < LINE_EVERY)
+        {
+            return None;
+        }
+        self.told = Some((self.state, now));
+        Some(self.state)
+    }
+}
+
+/// The pause after so many failures in a row.
+fn pause(failures: u32) -> Duration {
+    FIRST_PAUSE.saturating_mul(1 << failures.min(16)).min(LONGEST_PAUSE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SETTLE: Duration = Duration::from_millis(500);
+
+    fn fault(kind: FaultKind) -> PortFault {
+        PortFault { kind, why: "No such file or directory".into() }
+    }
+
+    fn ms(time: u64) -> Duration {
+        Duration::from_millis(time)
+    }
+
+    #[test]
+    fn an_unplugged_port_is_tried_for_ever_and_told_of_once() {
+        let mut life = Life::new(SETTLE, ms(0));
+        let (mut now, mut tries, mut lines) = (ms(0), 0, 0);
+        while now < ms(3_600_000) {
+            match life.wants(now) {
+                Want::Open => {
+                    life.failed(&fault(FaultKind::Absent), now);
+                    tries += 1;
+                }
+                Want::Wait(pause) => now += pause,
+                want => panic!("{want:?}"),
+            }
+            lines += usize::from(life.tell(now).is_some());
+        }
+        assert_eq!((life.state(), lines), (PortState::Absent, 1));
+        // 50, 100, … 1600 ms in six pauses, then every 3 s.
+        assert_eq!(tries, 7 + (3_600_000 - 3150) / 3000);
+        assert_eq!(life.unsound_since(), Some(ms(0)));
+    }
+
+    #[test]
+    fn a_loose_cable_says_one_line_a_minute_and_is_not_tried_without_a_pause() {
+        let mut life = Life::new(ms(0), ms(0));
+        let (mut now, mut opened, mut lines) = (ms(0), 0, 0);
+        while now < ms(3_600_000) {
+            match life.wants(now) {
+                Want::Open => {
+                    opened += 1;
+                    life.opened(now);
+                }
+                Want::Wait(pause) => now += pause,
+                _ => {
+                    life.listened(false, now);
+                    lines += usize::from(life.tell(now).is_some());
+                    now += ms(20);
+                    life.failed(&fault(FaultKind::Failed), now);
+                }
+            }
+            lines += usize::from(life.tell(now).is_some());
+        }
+        assert!(lines <= 60, "{lines} lines");
+        assert!(opened < 1300, "opened {opened} times");
+        assert!(life.unsound_since().is_some(), "it never was sound");
+    }
+
+    #[test]
+    fn a_port_that_was_sound_is_looked_for_at_once() {
+        let mut life = Life::new(SETTLE, ms(0));
+        (0..9).for_each(|_| life.failed(&fault(FaultKind::Busy), ms(0)));
+        assert_eq!((life.state(), life.wants(ms(0))), (PortState::Busy, Want::Wait(LONGEST_PAUSE)));
+        life.opened(ms(3000));
+        assert_eq!(life.wants(ms(3100)), Want::Settle(ms(400)));
+        assert_eq!(life.wants(ms(3500)), Want::Listen);
+        life.listened(false, ms(3500));
+        assert!(life.unsound_since().is_some());
+        life.listened(false, ms(13_000));
+        assert_eq!(life.unsound_since(), None);
+        life.failed(&fault(FaultKind::Absent), ms(20_000));
+        assert_eq!(life.wants(ms(20_000)), Want::Wait(FIRST_PAUSE));
+        assert_eq!(life.unsound_since(), Some(ms(20_000)));
+    }
+
+    #[test]
+    fn what_is_told_last_is_how_it_is() {
+        let mut life = Life::new(SETTLE, ms(0));
+        life.failed(&fault(FaultKind::Denied), ms(0));
+        assert_eq!(life.tell(ms(0)), Some(PortState::Denied));
+        life.opened(ms(100));
+        life.listened(false, ms(600));
+        assert_eq!(life.tell(ms(59_999)), None);
+        assert_eq!(life.tell(ms(60_000)), Some(PortState::Open));
+        assert_eq!(life.tell(ms(600_000)), None);
+    }
+
+    #[test]
+    fn every_state_has_a_word_of_its_own() {
+        let mut words = PortState::ALL.map(PortState::word).to_vec();
+        words.sort_unstable();
+        words.dedup();
+        assert_eq!(words.len(), PortState::ALL.len());
+    }
+}

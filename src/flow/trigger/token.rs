@@ -1,0 +1,39 @@
+//! The lines that are presses: exactly these, letter by letter, and no others.
+
+use crate::flow::booth::Press;
+
+/// The lines by which a button says that it was pressed.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Tokens {
+    /// Those of a short press.
+    pub short: Vec<String>,
+    /// Those of a long press.
+    pub long: Vec<String>,
+}
+
+impl Tokens {
+    /// The press a line means; none for any other line.
+    pub fn press(&self, line: &[u8]) -> Option<Press> {
+        let among = |tokens: &[String]| tokens.iter().any(|token| token.as_bytes() == line);
+        if among(&self.short) {
+            Some(Press::Short)
+        } else {
+            among(&self.long).then_some(Press::Long)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_the_exact_line_is_a_press() {
+        let tokens = Tokens { short: vec!["PRESS".into()], long: vec!["HOLD".into()] };
+        assert_eq!(tokens.press(b"PRESS"), Some(Press::Short));
+        assert_eq!(tokens.press(b"HOLD"), Some(Press::Long));
+        for line in ["", "press", "PRESS ", " PRESS", "PRESSPRESS", "PRES", "AT", "\0PRESS"] {
+            assert_eq!(tokens.press(line.as_bytes()), None, "{line:?}");
+        }
+    }
+}

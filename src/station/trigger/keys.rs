@@ -1,0 +1,88 @@
+//! A button, pedal or reader that shows as a keyboard, taken for the station alone.
+
+use std::collections::VecDeque;
+use std::io;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use evdev::{Device, EventSummary};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+
+use super::port::{Door, Port, fault, of_io};
+use crate::config::port::InputPlace;
+use crate::flow::trigger::{FaultKind, Input, PortFault};
+
+/// What a key event says: up, down; 2 is a key that repeats while it is held.
+const UP: i32 = 0;
+const DOWN: i32 = 1;
+
+/// Where an input device is looked for.
+#[derive(Debug)]
+pub struct KeysDoor(pub InputPlace);
+
+impl Door for KeysDoor {
+    fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
+        let path = match &self.0 {
+            InputPlace::Path(path) => path.clone(),
+            InputPlace::Name(name) => named(name)?,
+        };
+        let mut device = Device::open(&path).map_err(|error| of_io(&error))?;
+        device.set_nonblocking(true).map_err(|error| of_io(&error))?;
+        // Whoever has grabbed it before has it: the pedal must not type into a console too.
+        device.grab().map_err(|error| of_io(&error))?;
+        Ok(Box::new(OpenKeys { device, events: VecDeque::new() }))
+    }
+}
+
+/// The path of the device that gives itself this name.
+fn named(name: &str) -> Result<PathBuf, PortFault> {
+    let found = evdev::enumerate().find(|(_, device)| device.name() == Some(name));
+    found.map(|(path, _)| path).ok_or_else(|| {
+        // Devices that may not be opened are not listed.
+        fault(FaultKind::Absent, "no input device that the station may open has this name")
+    })
+}
+
+/// An input device that is grabbed.
+struct OpenKeys {
+    device: Device,
+    /// Keys that were read and not given yet.
+    events: VecDeque<Input>,
+}
+
+impl Port for OpenKeys {
+    fn read(&mut self, timeout: Duration) -> Result<Input, PortFault> {
+        if let Some(event) = self.events.pop_front() {
+            return Ok(event);
+        }
+        let timeout = Timespec::try_from(timeout).ok();
+        let mut waits = [PollFd::new(&self.device, PollFlags::IN)];
+        match poll(&mut waits, timeout.as_ref()) {
+            Ok(0) | Err(rustix::io::Errno::INTR) => return Ok(Input::Nothing),
+            Ok(_) => {}
+            Err(error) => return Err(of_io(&error.into())),
+        }
+        let events = match self.device.fetch_events() {
+            Ok(events) => events,
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => return Ok(Input::Nothing),
+            Err(error) => return Err(of_io(&error)),
+        };
+        self.events.extend(events.filter_map(|event| match event.destructure() {
+            EventSummary::Key(_, code, value @ (UP | DOWN)) => {
+                Some(Input::Key { code: code.0, down: value == DOWN })
+            }
+            _ => None,
+        }));
+        Ok(self.events.pop_front().unwrap_or(Input::Nothing))
+    }
+
+    fn write(&mut self, _: &[u8]) -> Result<(), PortFault> {
+        // A keyboard's lights are not the station's.
+        Ok(())
+    }
+
+    fn is_in_place(&mut self) -> Result<(), PortFault> {
+        // Reading fails with ENODEV as soon as it is pulled out.
+        Ok(())
+    }
+}

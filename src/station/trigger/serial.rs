@@ -1,0 +1,170 @@
+//! A serial port by its path or its USB adapter: lines of text, and a contact on a modem line.
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Read, Write};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rustix::fs::OFlags;
+use rustix::termios::{ControlModes, OptionalActions, tcgetattr, tcsetattr};
+use serialport::{
+    ClearBuffer, DataBits, ErrorKind, FlowControl, Parity, SerialPort, SerialPortType, StopBits,
+    TTYPort, available_ports,
+};
+
+use super::port::{Door, Port, fault, of_io};
+use crate::config::port::{self as written, ModemLine, SerialPlace, UsbName};
+use crate::config::trigger::SerialLine;
+use crate::flow::trigger::{FaultKind, Input, PortFault};
+
+/// Bytes that are taken at one time.
+const PIECE: usize = 256;
+
+/// How long something said may take to go out. A USB adapter takes it at once.
+const WRITING: Duration = Duration::from_millis(200);
+
+/// Where a serial port is looked for.
+#[derive(Debug)]
+pub struct SerialDoor(pub SerialLine);
+
+impl Door for SerialDoor {
+    fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
+        let name = match &self.0.place {
+            SerialPlace::Path(path) => path.clone(),
+            SerialPlace::Usb(usb) => of_adapter(usb)?,
+        };
+        let device = fs::canonicalize(&name).map_err(|error| of_io(&error))?;
+        let port = open(&device, &self.0)?;
+        let contact = self.0.contact;
+        Ok(Box::new(OpenSerial { port, name, device, contact, sample_next: true }))
+    }
+}
+
+/// The path of the port at a USB adapter.
+fn of_adapter(usb: &UsbName) -> Result<PathBuf, PortFault> {
+    let ports = available_ports().map_err(|error| of_serial(&error))?;
+    let found = ports.into_iter().find(|port| match &port.port_type {
+        SerialPortType::UsbPort(info) => {
+            let serial = usb.serial.is_none() || info.serial_number == usb.serial;
+            (info.vid, info.pid) == (usb.vendor, usb.product) && serial
+        }
+        _ => false,
+    });
+    let absent = || fault(FaultKind::Absent, "no such USB adapter is plugged in");
+    found.map(|port| PathBuf::from(port.port_name)).ok_or_else(absent)
+}
+
+fn open(device: &Path, line: &SerialLine) -> Result<TTYPort, PortFault> {
+    let flags = OFlags::NOCTTY | OFlags::NONBLOCK;
+    let flags = flags.bits().cast_signed();
+    // A file of our own beside the port's: through it the line can be told to stay up when the port
+    // is closed, which the crate does not offer.
+    let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(device);
+    let file = file.map_err(|error| of_io(&error))?;
+    let settings = line.settings;
+    let builder = serialport::new(device.to_string_lossy(), settings.baud)
+        .data_bits(if settings.data_bits == 7 { DataBits::Seven } else { DataBits::Eight })
+        .parity(match settings.parity {
+            written::Parity::None => Parity::None,
+            written::Parity::Even => Parity::Even,
+            written::Parity::Odd => Parity::Odd,
+        })
+        .stop_bits(if settings.stop_bits == 2 { StopBits::Two } else { StopBits::One })
+        .flow_control(match line.flow {
+            written::Flow::None => FlowControl::None,
+            written::Flow::Hardware => FlowControl::Hardware,
+            written::Flow::Software => FlowControl::Software,
+        })
+        .timeout(WRITING);
+    let mut port = TTYPort::open(&builder).map_err(|error| of_serial(&error))?;
+    // All best effort: a pseudo-terminal has no such wires.
+    let _ = stay_up(&file);
+    let _ = line.dtr.map(|on| port.write_data_terminal_ready(on));
+    let _ = line.rts.map(|on| port.write_request_to_send(on));
+    let _ = port.clear(ClearBuffer::Input);
+    Ok(port)
+}
+
+/// DTR does not fall when the port is closed, which would reset some boxes.
+fn stay_up(file: &File) -> io::Result<()> {
+    let mut settings = tcgetattr(file)?;
+    settings.control_modes.remove(ControlModes::HUPCL);
+    Ok(tcsetattr(file, OptionalActions::Now, &settings)?)
+}
+
+/// An open serial port.
+#[derive(Debug)]
+struct OpenSerial {
+    port: TTYPort,
+    /// The path by which it was found.
+    name: PathBuf,
+    /// What that path led to.
+    device: PathBuf,
+    contact: Option<(ModemLine, bool)>,
+    /// The contact is looked at before the next bytes: a flood of bytes must not hide it.
+    sample_next: bool,
+}
+
+impl Port for OpenSerial {
+    fn read(&mut self, timeout: Duration) -> Result<Input, PortFault> {
+        if let Some((line, high)) = self.contact
+            && self.sample_next
+        {
+            self.sample_next = false;
+            return self.level(line).map(|level| Input::Closed(level == high));
+        }
+        self.sample_next = true;
+        self.port.set_timeout(timeout).map_err(|error| of_serial(&error))?;
+        let mut piece = [0; PIECE];
+        match self.port.read(&mut piece) {
+            // A port that was pulled out is at its end.
+            Ok(0) => Err(fault(FaultKind::Absent, "the line was hung up")),
+            Ok(count) => Ok(Input::Bytes(piece[..count].to_vec())),
+            Err(error) => match error.kind() {
+                io::ErrorKind::TimedOut | io::ErrorKind::Interrupted => Ok(Input::Nothing),
+                // A device that is gone gives EIO, which has no kind of its own.
+                _ => Err(fault(FaultKind::Absent, error.to_string())),
+            },
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), PortFault> {
+        let written = self.port.set_timeout(WRITING).map_err(io::Error::from);
+        written.and_then(|()| self.port.write_all(bytes)).map_err(|error| of_io(&error))
+    }
+
+    fn is_in_place(&mut self) -> Result<(), PortFault> {
+        let leads_to = fs::canonicalize(&self.name).map_err(|error| of_io(&error))?;
+        if leads_to == self.device {
+            Ok(())
+        } else {
+            Err(fault(FaultKind::Absent, "its name means another port by now"))
+        }
+    }
+}
+
+impl OpenSerial {
+    fn level(&mut self, line: ModemLine) -> Result<bool, PortFault> {
+        let level = match line {
+            ModemLine::Cts => self.port.read_clear_to_send(),
+            ModemLine::Dsr => self.port.read_data_set_ready(),
+            ModemLine::Dcd => self.port.read_carrier_detect(),
+            ModemLine::Ri => self.port.read_ring_indicator(),
+        };
+        level.map_err(|error| {
+            fault(FaultKind::Failed, format!("its modem lines cannot be read: {error}"))
+        })
+    }
+}
+
+/// A fault as the crate tells it: `NoDevice` is its word for a port that another program has.
+fn of_serial(error: &serialport::Error) -> PortFault {
+    match error.kind() {
+        ErrorKind::NoDevice => fault(FaultKind::Busy, "another program has it"),
+        ErrorKind::Io(kind) => {
+            PortFault { why: error.to_string(), ..of_io(&io::Error::from(kind)) }
+        }
+        ErrorKind::InvalidInput | ErrorKind::Unknown => fault(FaultKind::Failed, error.to_string()),
+    }
+}

@@ -1,0 +1,122 @@
+//! A USB device with a button of its own: input reports from its interrupt endpoint.
+
+use std::time::Duration;
+
+use rusb::{Context, DeviceHandle, Direction, Error, Recipient, RequestType, UsbContext};
+
+use super::port::{Door, Port, fault};
+use crate::config::port::UsbName;
+use crate::config::trigger::UsbTrigger;
+use crate::flow::trigger::{FaultKind, Input, PortFault};
+
+/// The longest input report, bytes: that of an interrupt endpoint at full speed.
+const REPORT_MOST: usize = 64;
+
+/// How long a device may take to answer.
+const ANSWER: Duration = Duration::from_millis(200);
+
+/// The request by which a human interface device is sent a report (HID 1.11, section 7.2.2), …
+const SET_REPORT: u8 = 0x09;
+
+/// … and the kind of report that is meant for its lights.
+const OUTPUT_REPORT: u16 = 0x0200;
+
+/// Where a USB device is looked for.
+#[derive(Debug)]
+pub struct UsbDoor(pub UsbTrigger);
+
+impl Door for UsbDoor {
+    fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
+        // A new context each time: libusb lists what was there when its context was made, and hears
+        // of what comes later over a socket that a service without a network does not have. Never
+        // the crate's global context, which panics where there is no bus.
+        let context = Context::new().map_err(|error| {
+            fault(FaultKind::Absent, format!("this machine shows no USB bus: {error}"))
+        })?;
+        let handle = find(&context, &self.0.device)?;
+        let UsbTrigger { interface, endpoint, .. } = self.0;
+        // The kernel's driver is given the interface back when it is released.
+        match handle.set_auto_detach_kernel_driver(true) {
+            Ok(()) | Err(Error::NotSupported) => {}
+            Err(error) => return Err(of_usb(error)),
+        }
+        handle.claim_interface(interface).map_err(of_usb)?;
+        Ok(Box::new(OpenUsb { handle, interface, endpoint }))
+    }
+}
+
+fn find(context: &Context, name: &UsbName) -> Result<DeviceHandle<Context>, PortFault> {
+    let mut refused = None;
+    for device in context.devices().map_err(of_usb)?.iter() {
+        let Ok(descriptor) = device.device_descriptor() else { continue };
+        if (descriptor.vendor_id(), descriptor.product_id()) != (name.vendor, name.product) {
+            continue;
+        }
+        match device.open() {
+            Ok(handle) => {
+                let Some(serial) = &name.serial else { return Ok(handle) };
+                match handle.read_serial_number_string_ascii(&descriptor) {
+                    Ok(found) if found == *serial => return Ok(handle),
+                    Ok(_) | Err(Error::InvalidParam | Error::NotFound) => {}
+                    Err(error) => refused = Some(of_usb(error)),
+                }
+            }
+            Err(error) => refused = Some(of_usb(error)),
+        }
+    }
+    let absent = || fault(FaultKind::Absent, "no such USB device is plugged in");
+    Err(refused.unwrap_or_else(absent))
+}
+
+/// An open device with its interface claimed.
+struct OpenUsb {
+    handle: DeviceHandle<Context>,
+    interface: u8,
+    endpoint: u8,
+}
+
+impl Port for OpenUsb {
+    fn read(&mut self, timeout: Duration) -> Result<Input, PortFault> {
+        let mut report = [0; REPORT_MOST];
+        // Less than a millisecond means for ever to libusb.
+        let timeout = timeout.max(Duration::from_millis(1));
+        match self.handle.read_interrupt(self.endpoint, &mut report, timeout) {
+            Ok(count) => Ok(Input::Report(report[..count.min(REPORT_MOST)].to_vec())),
+            Err(Error::Timeout | Error::Interrupted) => Ok(Input::Nothing),
+            Err(error) => Err(of_usb(error)),
+        }
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> Result<(), PortFault> {
+        let Some((number, data)) = bytes.split_first() else { return Ok(()) };
+        // As with /dev/hidraw: a device without numbered reports is sent none.
+        let report = if *number == 0 { data } else { bytes };
+        let to = rusb::request_type(Direction::Out, RequestType::Class, Recipient::Interface);
+        let (kind, interface) = (OUTPUT_REPORT | u16::from(*number), u16::from(self.interface));
+        let sent = self.handle.write_control(to, SET_REPORT, kind, interface, report, ANSWER);
+        sent.map(|_| ()).map_err(of_usb)
+    }
+
+    fn is_in_place(&mut self) -> Result<(), PortFault> {
+        // Its transfers fail as soon as it is pulled out.
+        Ok(())
+    }
+}
+
+impl Drop for OpenUsb {
+    fn drop(&mut self) {
+        // It gives the interface back to the kernel's driver; a device that is gone needs none.
+        let _ = self.handle.release_interface(self.interface);
+    }
+}
+
+/// A fault of libusb.
+fn of_usb(error: Error) -> PortFault {
+    let kind = match error {
+        Error::NoDevice | Error::NotFound => FaultKind::Absent,
+        Error::Access => FaultKind::Denied,
+        Error::Busy => FaultKind::Busy,
+        _ => FaultKind::Failed,
+    };
+    fault(kind, error.to_string())
+}
