@@ -71,7 +71,8 @@ impl Config {
     /// The names of the ports that buttons are on, as the trigger's workers call them.
     pub fn buttons(&self) -> BTreeSet<&'static str> {
         let TriggerConfig { serial, usb, keys, .. } = &self.trigger;
-        let ports = [("serial", serial.is_some()), ("usb", usb.is_some()), ("keys", keys.is_some())];
+        let ports =
+            [("serial", serial.is_some()), ("usb", usb.is_some()), ("keys", keys.is_some())];
         ports.into_iter().filter(|(_, there)| *there).map(|(name, _)| name).collect()
     }
 }

@@ -91,6 +91,7 @@ fn rows(status: &Status) -> Vec<(String, String)> {
         };
         ("store".to_owned(), format!("{name}: {state}"))
     }));
+    rows.push(row("booth", at_booth(status)));
     rows.extend(status.triggers.iter().map(|(port, trigger)| {
         let since = words(age(trigger.since, now));
         let state = trigger.state.replace('_', " ");
@@ -113,6 +114,30 @@ fn rows(status: &Status) -> Vec<(String, String)> {
         status.last_measurement_s.map_or(String::new(), |s| format!(", the last in {s:.1} s"));
     rows.push(row("measured", format!("{} in this run{last}", status.measured)));
     rows
+}
+
+/// What the light shows and what is awaited, in words.
+fn at_booth(status: &Status) -> String {
+    let booth = &status.booth;
+    let mut text = match booth.light.as_str() {
+        "ready" => "ready for the next scan",
+        "armed" => "waits for the export of a press",
+        "receiving" => "a scan is on its way to its record",
+        "done" => "the last scan has its record",
+        "no_export" => "no export came after the last press",
+        _ => "a person must look",
+    }
+    .to_owned();
+    if booth.awaited > 1 {
+        let _ = write!(text, ", {} exports are awaited", booth.awaited);
+    }
+    if booth.named {
+        text.push_str(", a patient is named for the next press");
+    }
+    if booth.in_doubt {
+        text.push_str(", a press may have gone unheard: scans of named patients are held");
+    }
+    text
 }
 
 /// One export folder in words.

@@ -242,6 +242,14 @@ impl Captures {
         self.waiting.iter().any(|capture| capture.state == CaptureState::Open)
     }
 
+    /// Whether a press at this time would be in doubt, for one before it may have gone unheard.
+    pub fn is_in_doubt(&self, now: Duration) -> bool {
+        // The export of a press that was not heard may still come for as long as any other.
+        let still = self.rules.window + self.rules.late;
+        let heard_long = matches!(self.hearing, Hearing::Since(at) if now >= at + still);
+        self.rules.by_press && !heard_long
+    }
+
     /// The button was pressed: a capture with this number, with the patient whose name waited.
     pub fn pressed(&mut self, number: i64, now: Duration) -> &Capture {
         self.drop_old_name(now);
@@ -281,10 +289,7 @@ impl Captures {
         patient: Option<Named>,
     ) -> &Capture {
         let (state, until) = (CaptureState::Open, now + lasts);
-        // The export of a press that was not heard may still come for as long as any other.
-        let still = self.rules.window + self.rules.late;
-        let heard_long = matches!(self.hearing, Hearing::Since(at) if now >= at + still);
-        let doubt = (by == Opener::Press && !heard_long).then_some(Doubt::Unheard);
+        let doubt = self.is_in_doubt(now).then_some(Doubt::Unheard);
         self.waiting.push(Capture { number, opened: now, until, by, patient, state, doubt });
         let last = self.waiting.len() - 1;
         &self.waiting[last]

@@ -23,7 +23,9 @@ use super::overview::Overview;
 use super::stop::Stop;
 use crate::flow::ScanId;
 use crate::flow::booth::{Heard, Press, Signal};
-use crate::flow::capture::{Appeared, Captures, Judged, Named, NamedNext, Rules};
+use crate::flow::capture::{
+    Appeared, Capture, CaptureState, Captures, Judged, Named, NamedNext, Rules,
+};
 use crate::flow::facts::Alarm;
 use crate::flow::identity::ID_NOT_ALLOWED;
 use crate::flow::light::{Light, Outcome, Scene};
@@ -69,6 +71,19 @@ struct Inner {
 pub struct Held<'a> {
     booth: &'a Booth,
     inner: MutexGuard<'a, Inner>,
+}
+
+/// How the booth is at one moment.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct BoothState {
+    /// What the light shows.
+    pub signal: Signal,
+    /// How many exports are awaited.
+    pub awaited: usize,
+    /// Somebody is named for the next press.
+    pub is_named: bool,
+    /// A press may have gone unheard a short while ago.
+    pub is_in_doubt: bool,
 }
 
 /// Why a patient was not named.
@@ -159,17 +174,16 @@ impl Booth {
         }
     }
 
-    /// How many presses or names await their export, and until when the waiting name lasts, on the
-    /// station's clock.
-    pub fn awaited(&self) -> (usize, Option<Duration>) {
+    /// How the booth is; `now` is of the station's clock.
+    pub fn state(&self, now: Duration) -> BoothState {
         let inner = self.inner();
-        let open = inner
-            .captures
-            .waiting()
-            .iter()
-            .filter(|capture| capture.state == crate::flow::capture::CaptureState::Open);
-        let next = inner.captures.next().map(|(_, until)| until.saturating_sub(self.offset));
-        (open.count(), next)
+        let is_open = |capture: &&Capture| capture.state == CaptureState::Open;
+        BoothState {
+            signal: *self.signal.borrow(),
+            awaited: inner.captures.waiting().iter().filter(is_open).count(),
+            is_named: inner.captures.next().is_some(),
+            is_in_doubt: inner.captures.is_in_doubt(self.offset + now),
+        }
     }
 
     /// The name that waits for a press.

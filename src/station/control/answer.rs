@@ -110,7 +110,7 @@ fn known(station: &Station, path: &Path) -> Result<Option<Known>, Fault> {
 
 /// Who is named for the next scan; the id is for the person who asks.
 fn next(station: &Station) -> String {
-    let (awaited, _) = station.booth.awaited();
+    let awaited = station.booth.state(station.now()).awaited;
     let named = match station.booth.next_named() {
         Some(id) => format!("patient {id} is named for the next press of the button"),
         None => "nobody is named for the next press of the button".to_owned(),
@@ -162,6 +162,7 @@ fn status(station: &Station) -> Status {
         sources: places.map(|(place, source)| SourceStatus::of(place, source)).collect(),
         stores: stores.map(|(name, store)| ((*name).to_owned(), store.into())).collect(),
         triggers: triggers.map(|(name, port)| ((*name).to_owned(), port.into())).collect(),
+        booth: station.booth.state(station.now()).into(),
         disk_free_bytes: disk.map(|disk| disk.free),
         disk_bytes: disk.map(|disk| disk.size),
         measured: facts.measured,

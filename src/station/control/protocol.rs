@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::flow::account::{Filter, Listed, Seen, Whole};
 use crate::flow::facts::{Alarm, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use crate::flow::health::Complaint;
+use crate::station::booth::BoothState;
 
 /// The longest request, bytes: a path and a patient's id fit many times over.
 pub const REQUEST_MOST: u64 = 64 * 1024;
@@ -159,6 +160,8 @@ pub struct Status {
     pub stores: BTreeMap<String, StoreStatus>,
     /// The ports of the booth by name; none that the configuration does not name.
     pub triggers: BTreeMap<String, TriggerStatus>,
+    /// The booth: its light, and what is awaited there.
+    pub booth: BoothStatus,
     /// Room on the disk of the state folder, bytes.
     pub disk_free_bytes: Option<u64>,
     /// Size of that disk, bytes.
@@ -196,6 +199,27 @@ pub struct SourceStatus {
     pub overdue: usize,
     /// Files passed over.
     pub ignored: usize,
+}
+
+/// The booth in a status; names nobody.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BoothStatus {
+    /// What its light shows: `ready`, `armed`, `receiving`, `done`, `attention` or `no_export`.
+    pub light: String,
+    /// How many exports are awaited.
+    pub awaited: usize,
+    /// A patient is named for the next press.
+    pub named: bool,
+    /// A press may have gone unheard: scans of named patients are held.
+    pub in_doubt: bool,
+}
+
+impl From<BoothState> for BoothStatus {
+    fn from(state: BoothState) -> BoothStatus {
+        let BoothState { signal, awaited, is_named, is_in_doubt } = state;
+        let light = signal.word().to_owned();
+        BoothStatus { light, awaited, named: is_named, in_doubt: is_in_doubt }
+    }
 }
 
 /// A record store in a status.
