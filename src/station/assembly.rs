@@ -279,6 +279,7 @@ fn stores(config: &Config) -> Vec<RecordStore> {
 fn of_store(fault: &StoreFault) -> String {
     match fault {
         StoreFault::Transient { what, source, .. } => format!("{what} failed: {source}"),
+        StoreFault::NotFetched => fault.to_string(),
         StoreFault::Permanent(misfit) => misfit.to_string(),
     }
 }
