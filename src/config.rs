@@ -3,6 +3,7 @@
 //! [`load`] is pure, text in; [`read`] is the thin layer that takes the text from a file.
 
 mod fault;
+mod gdt;
 mod load;
 mod nearest;
 mod notation;
@@ -26,6 +27,7 @@ use crate::cad::Output;
 use crate::flow::retention::Retention;
 use crate::leg::Method;
 pub use fault::{ConfigFault, What};
+pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
 pub use load::{load, nested};
 pub use seeing::{control_path, state_dir};
 pub use watch::WatchConfig;
@@ -103,6 +105,8 @@ pub struct ScannerConfig {
 pub struct PatientConfig {
     /// What a patient id may be, from any source; matched against the whole id.
     pub pattern: Regex,
+    /// `[patient.orders]`: where orders of practice software come in, if anywhere.
+    pub orders: Option<OrdersConfig>,
 }
 
 /// `[store]`: where records go.
@@ -112,6 +116,8 @@ pub struct StoreConfig {
     pub folder: FolderStoreConfig,
     /// `[store.copy]`: a second folder that receives every record too, if anybody wants one.
     pub copy: Option<FolderStoreConfig>,
+    /// `[store.gdt]`: practice software that is told of every named record, if there is any.
+    pub gdt: Option<GdtStoreConfig>,
 }
 
 /// `[store.folder]`: records as folders.

@@ -9,6 +9,7 @@ pub mod exit;
 pub mod extract;
 pub mod measure;
 pub mod ord;
+pub mod order;
 pub mod run;
 pub mod scans;
 pub mod status;
@@ -47,6 +48,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Retry(args) => act::retry(&args),
         Verb::Release(args) => act::release(&args),
         Verb::Assign(args) => act::assign(&args),
+        Verb::GdtOrder(args) => order::order(&args),
         Verb::Pause(args) => act::pause(&args),
         Verb::Resume(args) => act::resume(&args),
     }

@@ -165,6 +165,16 @@ pub enum What {
     /// Not a file name.
     #[error("\"{0}\" is not the name of a file")]
     NotAMarker(String),
+    /// Nothing that GDT, or the exchange with practice software, knows in this place.
+    #[error("\"{text}\" is no {what}")]
+    NotGdt {
+        /// As written.
+        text: String,
+        /// What it should be.
+        what: &'static str,
+        /// What to write.
+        hint: &'static str,
+    },
     /// The toes cannot point along the axis that points up.
     #[error("\"{facing}\" lies along the axis that points up, scanner.up = \"{up}\"")]
     FacesUpOrDown {
@@ -242,6 +252,7 @@ impl What {
                 "use {name} or {stem}, no folder, and no ending of a scan: \"{name}.done\"".into()
             }
             What::NotAMarker(_) => "a bare name, without a folder: \".mounted\"".into(),
+            What::NotGdt { hint, .. } => (*hint).into(),
             What::FacesUpOrDown { .. } => {
                 "name a level axis, or \"auto\" to find it from the feet".into()
             }

@@ -16,7 +16,7 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, notation, watch,
+    StoreConfig, gdt, notation, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -95,12 +95,16 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
+    let (gdt_path, gdt) = gdt::store(reader);
+    let (orders_path, orders) = gdt::orders(reader);
     let retention = retention(reader);
     let (status, log) = (seeing::status(reader), seeing::log(reader));
 
     seeing::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
+    let exchange = [("store.gdt.path", gdt_path), ("patient.orders.path", orders_path)];
+    exchange_apart(reader, &exchange, state_dir.as_ref(), &exports, store.as_ref());
     if let (Some(up), Some(facing)) = (&up, &facing)
         && faces_up_or_down(up.value, facing.value)
     {
@@ -124,7 +128,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             watch: watch?,
             file_name: file_name.map(|found| found.value),
         },
-        patient: PatientConfig { pattern: pattern?.value },
+        patient: PatientConfig { pattern: pattern?.value, orders: orders? },
         method: Method {
             scope: scope?.value,
             unit: unit?.value,
@@ -141,6 +145,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         store: StoreConfig {
             folder: FolderStoreConfig { path: store?.value },
             copy: copy.map(|found| FolderStoreConfig { path: found.value }),
+            gdt: gdt?,
         },
         retention: retention?,
         status: status?,
@@ -248,6 +253,26 @@ fn overlaps(
     for (a, b) in [(store, state), (copy, state), (copy, store)] {
         if let (Some(a), Some(b)) = (a, b) {
             apart(reader, a, b);
+        }
+    }
+}
+
+/// The folders that practice software shares with the station lie apart from its own; from each
+/// other they need not.
+fn exchange_apart(
+    reader: &mut Reader,
+    exchange: &[(&'static str, Option<Found<PathBuf>>)],
+    state_dir: Option<&Found<PathBuf>>,
+    exports: &[Found<PathBuf>],
+    store: Option<&Found<PathBuf>>,
+) {
+    let own = [("station.state_dir", state_dir), ("store.folder.path", store)];
+    let own = own.into_iter().filter_map(|(key, folder)| Some((key, folder?)));
+    let others: Vec<Named> =
+        own.chain(exports.iter().map(|export| ("scanner.export_dirs", export))).collect();
+    for (key, folder) in exchange {
+        for other in folder.iter().flat_map(|_| &others) {
+            folder.iter().for_each(|folder| apart(reader, (key, folder), *other));
         }
     }
 }

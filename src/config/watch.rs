@@ -47,7 +47,9 @@ pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
 }
 
 /// An empty text chooses nothing.
-fn or_none<T>(parse: impl Fn(&str) -> Result<T, What>) -> impl Fn(&str) -> Result<Option<T>, What> {
+pub(super) fn or_none<T>(
+    parse: impl Fn(&str) -> Result<T, What>,
+) -> impl Fn(&str) -> Result<Option<T>, What> {
     move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
 }
 

@@ -29,6 +29,8 @@ pub struct Custody {
     quarantine: Quarantine,
     /// The stores' names in the journal.
     stores: Vec<&'static str>,
+    /// Those among them that take no record for nobody.
+    named_only: Vec<&'static str>,
     /// How long spooled bytes are kept that have served.
     kept: Duration,
     /// Held over each change of more than one of the three.
@@ -82,7 +84,19 @@ impl Custody {
         kept: Duration,
     ) -> Custody {
         let (change, untidy) = (Mutex::new(()), AtomicBool::new(false));
-        Custody { journal, spool, quarantine, stores, kept, change, untidy }
+        let named_only = Vec::new();
+        Custody { journal, spool, quarantine, stores, named_only, kept, change, untidy }
+    }
+
+    /// The same, where stores of these names take no record for nobody.
+    pub fn with_named_only(self, named_only: Vec<&'static str>) -> Custody {
+        Custody { named_only, ..self }
+    }
+
+    /// The stores that take a record for this patient.
+    fn stores_for(&self, patient: Option<&Patient>) -> Vec<&'static str> {
+        let takes = |store: &&&'static str| patient.is_some() || !self.named_only.contains(store);
+        self.stores.iter().filter(takes).copied().collect()
     }
 
     /// The journal, to be asked.
@@ -261,7 +275,7 @@ impl Custody {
             true => (DeliveryState::Held, Some(SAME_SCAN_OTHER_PATIENT)),
             false => (DeliveryState::Pending, None),
         };
-        Ok(self.journal.enter(row, patient, &self.stores, state, code)?)
+        Ok(self.journal.enter(row, patient, &self.stores_for(patient), state, code)?)
     }
 }
 

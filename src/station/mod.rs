@@ -41,6 +41,7 @@ mod http;
 mod intake;
 mod look;
 mod metrics;
+mod orders;
 mod patience;
 mod rebuild;
 mod service;

@@ -7,6 +7,9 @@ use super::line::{self, KIND, Line, LineFault, TOTAL};
 /// The kind of message that orders an examination.
 const ORDER: &[u8] = b"6302";
 
+/// The patient's id.
+const PATIENT: u16 = 3000;
+
 /// The largest order, bytes: real ones have a few hundred.
 pub const ORDER_MOST: u64 = 12 * 1024;
 
@@ -68,6 +71,9 @@ pub enum OrderFault {
         /// Which byte.
         why: Unreadable,
     },
+    /// The patient's line is the last and has no end.
+    #[error("its last line, the patient's, has no end: the id may be cut short")]
+    PatientCut,
     /// It names no patient.
     #[error("it names no patient: field 3000 is missing or empty")]
     NoPatient,
@@ -92,6 +98,7 @@ impl OrderFault {
             OrderFault::OtherKind { .. } => "order-other-kind",
             OrderFault::NoTotal | OrderFault::Total { .. } => "order-length-wrong",
             OrderFault::Charset | OrderFault::Text { .. } => "order-charset",
+            OrderFault::PatientCut => "order-cut-short",
             OrderFault::NoPatient => "order-without-patient",
             OrderFault::TwoPatients { .. } => "order-two-patients",
         }
@@ -119,6 +126,9 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
     }
     if !lenient {
         total(&lines, bytes)?;
+    } else if lines.last().is_some_and(|line| line.field == PATIENT) && !bytes.ends_with(b"\n") {
+        // Half an id may be another patient's, and no length shows it here.
+        return Err(OrderFault::PatientCut);
     }
     let charset = charset_of(&lines, charset)?;
     let text = |field: u16| text(&lines, field, charset);
@@ -176,7 +186,7 @@ fn text(lines: &[Line<'_>], field: u16, charset: Charset) -> Result<Option<Strin
 /// The one patient whom all fields 3000 name.
 fn patient(lines: &[Line<'_>], charset: Charset) -> Result<String, OrderFault> {
     let mut named: Option<(usize, String)> = None;
-    for line in lines.iter().filter(|line| line.field == 3000) {
+    for line in lines.iter().filter(|line| line.field == PATIENT) {
         let id = decoded(line, charset)?;
         match &named {
             _ if id.is_empty() => {}

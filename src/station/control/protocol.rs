@@ -64,6 +64,11 @@ pub enum Request {
         /// The patient's id.
         patient: String,
     },
+    /// An order of the practice software names the patient of the next scan.
+    Order {
+        /// The bytes of the order's file.
+        bytes: Vec<u8>,
+    },
     /// No scan is to be taken until somebody resumes.
     Pause,
     /// Go on.

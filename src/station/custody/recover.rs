@@ -108,7 +108,8 @@ impl Custody {
             let (Some(reason), Ok(intake)) = (reason, intake) else { continue };
             let row = ScanRow { state: ScanState::Spooled, ..row(&intake, &scan) };
             let (patient, pending) = (intake.patient.as_ref(), DeliveryState::Pending);
-            self.journal.enter(&row, patient, &self.stores, pending, None)?;
+            let stores = self.stores_for(patient);
+            self.journal.enter(&row, patient, &stores, pending, None)?;
             self.journal.refused(&scan, &reason.code, &reason.message)?;
             adopted += 1;
         }
