@@ -111,16 +111,23 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
     let place = reader.text("store.gdt.attachment_path", Default("6305"), or_none(field));
     let time = reader.text("store.gdt.time", Default("local"), parse::word(TIMES));
 
+    let file_name = file_name.and_then(|found| {
+        // What is wrong with a short name is told at its own key.
+        let short = |name: &Option<Found<String>>| {
+            name.as_ref().map_or("X".to_owned(), |name| name.value.clone())
+        };
+        let name = FileName::new(&found.value, &short(&receiver), &short(&sender));
+        if name.is_none() {
+            let what = "name of a file that GDT exchanges";
+            let hint = "write \"{receiver}{sender}.GDT\" or \"{receiver}{sender}.{counter}\"";
+            reader.note(found.at, key, not_gdt(&found.value, what, hint));
+        }
+        name
+    });
     let config = (|| {
         let Some(path) = path.as_ref()?.value.clone() else { return Some(None) };
         let (product, receiver, sender) = (profile?.value, receiver?.value, sender?.value);
-        let named = file_name?;
-        let Some(file_name) = FileName::new(&named.value, &receiver, &sender) else {
-            let what = "name of a file that GDT exchanges";
-            let hint = "write \"{receiver}{sender}.GDT\" or \"{receiver}{sender}.{counter}\"";
-            reader.note(named.at, key, What::NotGdt { text: named.value, what, hint });
-            return None;
-        };
+        let file_name = file_name?;
         let attachment_fields = AttachmentFields {
             name: name?.value,
             format: format?.value,

@@ -32,6 +32,9 @@ use crate::record::SourceKind;
 use crate::record::gdt::order::{self, ORDER_MOST};
 use crate::record::gdt::{Charset, Order, OrderFault};
 
+/// The alarm of a station that had lost its journal.
+const JOURNAL_REBUILT: &str = "journal-rebuilt";
+
 /// Alarm: the folder of orders cannot be listed.
 const OUT_OF_REACH: &str = "orders-out-of-reach";
 
@@ -79,6 +82,7 @@ pub async fn worker(
     let config = Arc::new(config);
     let mut settling = Settling::new(config.quiet, config.quiet, config.max_age);
     let mut in_reach = true;
+    let mut forgotten = station.board.facts().alarms.contains_key(JOURNAL_REBUILT);
     while !stop.is_requested() {
         let alive = || beat.beat(station.now());
         let stalled = || out_of_reach(&station, "it does not answer");
@@ -86,10 +90,14 @@ pub async fn worker(
         let look = move |pulse: &Pulse| {
             let began = of.now();
             let found = look::look(&theirs.path, &theirs.files, pulse);
+            if forgotten && let Ok(orders) = &found {
+                pass_over(&of, orders);
+            }
             (found, LookTime { began, ended: of.now() })
         };
         let looked = patiently(DEADLINE, &mut stop, look, alive, stalled).await?;
         let Some((found, when)) = looked else { break };
+        forgotten &= found.is_err();
         let look = told(&station, found, &mut in_reach);
         let mut due = settling.observe(look, when);
         // Of two that came at once, the later one names the patient.
@@ -116,6 +124,17 @@ pub async fn worker(
         rest(&config, &station, &beat, &mut stop).await;
     }
     Ok(())
+}
+
+/// A journal that was lost knew which of these had been heard. To hear one twice may give one patient
+/// another's scan; so none of them is.
+fn pass_over(station: &Station, orders: &look::Orders) {
+    for (path, order) in orders {
+        if let Err(error) = station.custody.journal().sighted(path, order.stamp, None) {
+            station.mind(&error);
+        }
+    }
+    warn!(event = "orders-passed-over", count = orders.len());
 }
 
 /// Waits for the next look, and beats meanwhile.
