@@ -293,7 +293,8 @@ fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> RecordStore {
     let station = (config.station.id.as_str(), config.station.state_dir.clone());
     let zone = if gdt.utc { TimeZone::UTC } else { TimeZone::system() };
     let names = gdt.file_name.clone();
-    RecordStore::Gdt(GdtStore::new(gdt.path.clone(), names, rules, station, zone))
+    let store = GdtStore::new(gdt.path.clone(), names, rules, station, zone);
+    RecordStore::Gdt(Box::new(store))
 }
 
 /// A store's fault without its path.

@@ -23,7 +23,7 @@ pub enum RecordStore {
     /// A folder per patient, a folder per record.
     Folder(FolderStore),
     /// Results for a practice's software.
-    Gdt(GdtStore),
+    Gdt(Box<GdtStore>),
 }
 
 /// One record on its way to a store.
