@@ -330,3 +330,20 @@ fn no_file_or_folder_is_called_after_the_patient() {
         assert!(!name.contains("987654"), "{name}");
     }
 }
+
+#[test]
+fn nothing_is_seen_of_a_result_that_could_not_be_registered() {
+    let case = Case::new(FIXED);
+    let key = key(&sums::scan_id(b"a"), "4711");
+    let hindrance = case.dir.path().join(format!("state/handed-over/.{key}.json"));
+    fs::create_dir_all(&hindrance).unwrap();
+    let store = case.store();
+    for _ in 0..2 {
+        let fault = case.put_by(&store, Some("4711"), b"a").unwrap_err();
+        assert_eq!(fault.code(), "store-unavailable");
+        assert_eq!(visible(&case.exchange()), [""; 0]);
+    }
+    fs::remove_dir(&hindrance).unwrap();
+    assert!(!case.put_by(&store, Some("4711"), b"a").unwrap().already_there);
+    assert_eq!(case.fetch().len(), 1);
+}
