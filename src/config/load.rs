@@ -85,6 +85,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
 
     let pattern =
         reader.text("patient.pattern", Default("^P?[0-9]{1,12}$"), parse::patient_pattern);
+    let (orders_path, orders) = gdt::orders(reader);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
@@ -96,7 +97,6 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
     let (gdt_path, gdt) = gdt::store(reader);
-    let (orders_path, orders) = gdt::orders(reader);
     let retention = retention(reader);
     let (status, log) = (seeing::status(reader), seeing::log(reader));
 
