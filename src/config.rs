@@ -4,6 +4,7 @@
 
 mod capture;
 mod fault;
+mod gdt;
 mod load;
 mod nearest;
 mod notation;
@@ -31,6 +32,7 @@ use crate::flow::retention::Retention;
 use crate::leg::Method;
 pub use capture::{CaptureConfig, PatientConfig, WithoutTrigger};
 pub use fault::{ConfigFault, What};
+pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
 pub use load::{load, nested};
 pub use seeing::{control_path, state_dir};
 pub use trigger::TriggerConfig;
@@ -125,6 +127,8 @@ pub struct StoreConfig {
     pub folder: FolderStoreConfig,
     /// `[store.copy]`: a second folder that receives every record too, if anybody wants one.
     pub copy: Option<FolderStoreConfig>,
+    /// `[store.gdt]`: practice software that is told of every named record, if there is any.
+    pub gdt: Option<GdtStoreConfig>,
 }
 
 /// `[store.folder]`: records as folders.

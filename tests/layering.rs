@@ -21,7 +21,7 @@ const PURE: [Rule; 6] = [
     Rule {
         layer: "record",
         layers: &["scan", "spline", "leg", "cad"],
-        crates: &["jiff", "nalgebra", "serde", "serde_json", "sha2", "thiserror"],
+        crates: &["encoding_rs", "jiff", "nalgebra", "serde", "serde_json", "sha2", "thiserror"],
     },
     Rule {
         layer: "flow",
@@ -38,7 +38,7 @@ const EFFECTS: [Rule; 3] = [
         layers: &["scan", "leg", "record", "flow", "store", "config"],
         crates: &[],
     },
-    Rule { layer: "config", layers: &["leg", "cad", "flow"], crates: &[] },
+    Rule { layer: "config", layers: &["leg", "cad", "record", "flow"], crates: &[] },
 ];
 
 /// What no pure layer may name.

@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 /// Files whose `code` functions give codes to records, `reason.json` or standard error.
-const SOURCES: [&str; 9] = [
+const SOURCES: [&str; 10] = [
     "src/scan/fault.rs",
     "src/leg/mod.rs",
     "src/leg/body_fault.rs",
@@ -17,6 +17,7 @@ const SOURCES: [&str; 9] = [
     "src/leg/opinion.rs",
     "src/store/mod.rs",
     "src/cad/kind.rs",
+    "src/record/gdt/order.rs",
 ];
 
 /// Codes that a source hands out: what stands in quotes behind an arrow.

@@ -12,7 +12,7 @@ use crate::cad::FileKind;
 use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 use crate::station::measure::VERB;
-pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, ScansArgs};
+pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs};
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -93,6 +93,11 @@ pub enum Verb {
     /// Say whose the next scan is
     #[command(subcommand)]
     Patient(PatientVerb),
+    /// Hand an order of the practice software (GDT 6302) to the running station
+    ///
+    /// For practice software that starts a program with the order's file. The order names the patient
+    /// of the next scan. The file is only read: the practice software removes it.
+    GdtOrder(OrderArgs),
     /// Let no scan be taken or delivered until `gaiter resume`; outlasts a restart
     Pause(AskArgs),
     /// Go on after `gaiter pause`

@@ -9,6 +9,7 @@ pub mod exit;
 pub mod extract;
 pub mod measure;
 pub mod ord;
+pub mod order;
 pub mod run;
 pub mod scans;
 pub mod status;
@@ -49,6 +50,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Assign(args) => act::assign(&args),
         Verb::Unassign(args) => act::unassign(&args),
         Verb::Patient(verb) => act::patient(&verb),
+        Verb::GdtOrder(args) => order::order(&args),
         Verb::Pause(args) => act::pause(&args),
         Verb::Resume(args) => act::resume(&args),
     }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use regex::Regex;
 
+use super::OrdersConfig;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
 use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER};
@@ -42,6 +43,8 @@ pub struct PatientConfig {
     pub check_digit: CheckDigit,
     /// The expression on a line of the scanner's own measures that holds the id.
     pub sidecar: Option<Regex>,
+    /// `[patient.orders]`: where orders of practice software come in, if anywhere.
+    pub orders: Option<OrdersConfig>,
 }
 
 impl CaptureConfig {
@@ -74,5 +77,5 @@ pub(super) fn config(reader: &mut Reader) -> Option<(CaptureConfig, PatientConfi
         name_lasts: lasts?.value,
     };
     let (pattern, check_digit) = (pattern?.value, check?.value);
-    Some((capture, PatientConfig { pattern, check_digit, sidecar: sidecar?.value }))
+    Some((capture, PatientConfig { pattern, check_digit, sidecar: sidecar?.value, orders: None }))
 }

@@ -187,6 +187,16 @@ pub enum What {
     /// A value of a report that its mask can never give.
     #[error("is longer or shorter than trigger.usb.mask, or has bits that it leaves out")]
     OutsideMask,
+    /// Nothing that GDT, or the exchange with practice software, knows in this place.
+    #[error("\"{text}\" is no {what}")]
+    NotGdt {
+        /// As written.
+        text: String,
+        /// What it should be.
+        what: &'static str,
+        /// What to write.
+        hint: &'static str,
+    },
     /// The toes cannot point along the axis that points up.
     #[error("\"{facing}\" lies along the axis that points up, scanner.up = \"{up}\"")]
     FacesUpOrDown {
@@ -270,6 +280,7 @@ impl What {
             What::OutsideMask => {
                 r#"write as many bytes in both: mask = "00 01", value = "00 01""#.into()
             }
+            What::NotGdt { hint, .. } => (*hint).into(),
             What::FacesUpOrDown { .. } => {
                 "name a level axis, or \"auto\" to find it from the feet".into()
             }

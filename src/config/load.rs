@@ -15,8 +15,8 @@ use super::words::{
     faces_up_or_down,
 };
 use super::{
-    Config, FolderStoreConfig, MeasureConfig, ScannerConfig, StationConfig, StoreConfig, capture,
-    notation, trigger, watch,
+    Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
+    StoreConfig, capture, gdt, notation, trigger, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -84,6 +84,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
     let whose = capture::config(reader);
+    let (orders_path, orders) = gdt::orders(reader);
     let trigger = trigger::config(reader);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
@@ -95,12 +96,15 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
+    let (gdt_path, gdt) = gdt::store(reader);
     let retention = retention(reader);
     let (status, log) = (seeing::status(reader), seeing::log(reader));
 
     seeing::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
+    let exchange = [("store.gdt.path", gdt_path), ("patient.orders.path", orders_path)];
+    exchange_apart(reader, &exchange, state_dir.as_ref(), &exports, store.as_ref());
     if let (Some(up), Some(facing)) = (&up, &facing)
         && faces_up_or_down(up.value, facing.value)
     {
@@ -126,7 +130,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             file_name: file_name.map(|found| found.value),
         },
         capture,
-        patient,
+        patient: PatientConfig { orders: orders?, ..patient },
         trigger: trigger?,
         method: Method {
             scope: scope?.value,
@@ -144,6 +148,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         store: StoreConfig {
             folder: FolderStoreConfig { path: store?.value },
             copy: copy.map(|found| FolderStoreConfig { path: found.value }),
+            gdt: gdt?,
         },
         retention: retention?,
         status: status?,
@@ -251,6 +256,26 @@ fn overlaps(
     for (a, b) in [(store, state), (copy, state), (copy, store)] {
         if let (Some(a), Some(b)) = (a, b) {
             apart(reader, a, b);
+        }
+    }
+}
+
+/// The folders that practice software shares with the station lie apart from its own; from each
+/// other they need not.
+fn exchange_apart(
+    reader: &mut Reader,
+    exchange: &[(&'static str, Option<Found<PathBuf>>)],
+    state_dir: Option<&Found<PathBuf>>,
+    exports: &[Found<PathBuf>],
+    store: Option<&Found<PathBuf>>,
+) {
+    let own = [("station.state_dir", state_dir), ("store.folder.path", store)];
+    let own = own.into_iter().filter_map(|(key, folder)| Some((key, folder?)));
+    let others: Vec<Named> =
+        own.chain(exports.iter().map(|export| ("scanner.export_dirs", export))).collect();
+    for (key, folder) in exchange {
+        for other in folder.iter().flat_map(|_| &others) {
+            folder.iter().for_each(|folder| apart(reader, (key, folder), *other));
         }
     }
 }

@@ -7,6 +7,7 @@ mod compose;
 mod csv;
 mod drawing;
 mod files;
+pub mod gdt;
 mod provenance;
 mod rounding;
 pub mod schema;

@@ -6,6 +6,11 @@ pub fn mm(value: f64) -> f64 {
     to_places(value, 3)
 }
 
+/// Lengths in mm as cm, to 1 mm: what a tape shows, for practice software.
+pub fn cm(value_mm: f64) -> f64 {
+    to_places(value_mm / 10.0, 1)
+}
+
 /// Volumes in mL, to 1 mm³.
 pub fn ml(value: f64) -> f64 {
     to_places(value, 3)
@@ -50,6 +55,7 @@ mod tests {
     fn figures_are_rounded_half_away_from_zero_and_never_to_minus_zero() {
         assert_eq!(mm(178.4325), 178.433);
         assert_eq!(degrees(-9.125), -9.13);
+        assert_eq!((cm(223.5), cm(223.499), cm(0.4)), (22.4, 22.3, 0.0));
         assert!(mm(-0.0001).is_sign_positive());
     }
 }

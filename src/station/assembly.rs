@@ -9,6 +9,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
+use jiff::tz::TimeZone;
 use tokio::sync::Notify;
 use tracing::{error, info, warn};
 
@@ -22,10 +23,11 @@ use super::journal::{JournalError, StateLock};
 use super::quarantine::Quarantine;
 use super::rebuild;
 use super::spool::Spool;
-use crate::config::Config;
+use crate::config::{Config, GdtStoreConfig};
 use crate::flow::facts::{Alarm, IntakeState, StoreFacts};
 use crate::flow::{Facts, Identity, ScanId};
-use crate::store::{FolderStore, RecordStore, StoreFault, durable};
+use crate::store::gdt::Attach;
+use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault, durable};
 
 /// The parts of a station that its workers share.
 #[derive(Debug)]
@@ -77,6 +79,8 @@ impl Station {
         let state = |source| StationError::State { path: state_dir.clone(), source };
         let stores = stores(&config);
         let names: Vec<&'static str> = stores.iter().map(RecordStore::name).collect();
+        let nameless = stores.iter().filter(|store| !store.takes_nobodys());
+        let named_only: Vec<&'static str> = nameless.map(RecordStore::name).collect();
         let journal = journal_file(&config);
         let opened = rebuild::open(&journal, &names, first_start)?;
         // After the journal: where there is a spool there was one, and where it is missing it was lost.
@@ -85,7 +89,8 @@ impl Station {
         let paused = opened.journal.is_paused().map_err(CustodyFault::from);
         let paused = paused.map_err(StationError::Recovery)?;
         let custody =
-            Custody::new(opened.journal, spool, quarantine, names, config.retention.spool);
+            Custody::new(opened.journal, spool, quarantine, names, config.retention.spool)
+                .with_named_only(named_only);
         let adopted = match custody.recover() {
             Err(fault) if rebuild::is_ruin(&fault) => {
                 rebuild::give_up(&journal, custody.journal())?;
@@ -282,13 +287,31 @@ fn stores(config: &Config) -> Vec<RecordStore> {
     let first = FolderStore::new("folder", config.store.folder.path.clone(), station);
     let copy = config.store.copy.as_ref();
     let copy = copy.map(|copy| FolderStore::new("copy", copy.path.clone(), station));
-    [Some(first), copy].into_iter().flatten().map(RecordStore::Folder).collect()
+    let folders = [Some(first), copy].into_iter().flatten().map(RecordStore::Folder);
+    folders.chain(config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt))).collect()
+}
+
+/// The store of practice software.
+fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> RecordStore {
+    let attach = Attach {
+        files: gdt.attach.clone(),
+        folder: gdt.attach_folder.clone(),
+        reference: gdt.attach_as,
+        root: gdt.attach_root.clone(),
+    };
+    let rules = (gdt.rules.clone(), attach);
+    let station = (config.station.id.as_str(), config.station.state_dir.clone());
+    let zone = if gdt.utc { TimeZone::UTC } else { TimeZone::system() };
+    let names = gdt.file_name.clone();
+    let store = GdtStore::new(gdt.path.clone(), names, rules, station, zone);
+    RecordStore::Gdt(Box::new(store))
 }
 
 /// A store's fault without its path.
 fn of_store(fault: &StoreFault) -> String {
     match fault {
         StoreFault::Transient { what, source, .. } => format!("{what} failed: {source}"),
+        StoreFault::NotFetched => fault.to_string(),
         StoreFault::Permanent(misfit) => misfit.to_string(),
     }
 }

@@ -32,6 +32,8 @@ pub struct Custody {
     quarantine: Quarantine,
     /// The stores' names in the journal.
     stores: Vec<&'static str>,
+    /// Those among them that take no record for nobody.
+    named_only: Vec<&'static str>,
     /// How long spooled bytes are kept that have served.
     kept: Duration,
     /// Held over each change of more than one of the three.
@@ -89,7 +91,19 @@ impl Custody {
         kept: Duration,
     ) -> Custody {
         let (change, untidy) = (Mutex::new(()), AtomicBool::new(false));
-        Custody { journal, spool, quarantine, stores, kept, change, untidy }
+        let named_only = Vec::new();
+        Custody { journal, spool, quarantine, stores, named_only, kept, change, untidy }
+    }
+
+    /// The same, where stores of these names take no record for nobody.
+    pub fn with_named_only(self, named_only: Vec<&'static str>) -> Custody {
+        Custody { named_only, ..self }
+    }
+
+    /// The stores that take a record for this patient.
+    fn stores_for(&self, patient: Option<&Patient>) -> Vec<&'static str> {
+        let takes = |store: &&&'static str| patient.is_some() || !self.named_only.contains(store);
+        self.stores.iter().filter(takes).copied().collect()
     }
 
     /// The journal, to be asked.
@@ -139,7 +153,7 @@ impl Custody {
         }
         let (claims, judged) = (arrival.whose.claims.as_slice(), &arrival.judged);
         let entry = Entry { row: &row, patient, held, claims, judged };
-        self.journal.enter(&entry, &self.stores)?;
+        self.journal.enter(&entry, &self.stores_for(patient))?;
         Ok(verdict)
     }
 

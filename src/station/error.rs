@@ -83,6 +83,8 @@ pub enum Worker {
         /// The folder's place in the configuration, from 0.
         folder: usize,
     },
+    /// Looks for orders of practice software.
+    Orders,
     /// Measures scans and makes deliveries.
     Delivery,
     /// Keeps captures and the light.
@@ -104,6 +106,7 @@ impl fmt::Display for Worker {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
+            Worker::Orders => f.write_str("the orders"),
             Worker::Delivery => f.write_str("the delivery"),
             Worker::Booth => f.write_str("the booth"),
             Worker::Housekeeping => f.write_str("the housekeeping"),

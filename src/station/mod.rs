@@ -43,6 +43,7 @@ mod http;
 mod intake;
 mod look;
 mod metrics;
+mod orders;
 mod patience;
 mod rebuild;
 mod service;

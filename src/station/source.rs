@@ -60,7 +60,11 @@ pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
     Ok(Some(Export { scan, bytes, file_time, companions, left_out }))
 }
 
-fn bytes(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Vec<u8>>> {
+/// The bytes of a file, if it is in this state before and after; else none.
+///
+/// # Errors
+/// Any other I/O error.
+pub fn bytes(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Vec<u8>>> {
     // A link or a pipe may have taken the file's place: neither follow nor wait.
     let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
     let mut file = match rustix::fs::open(path, flags, Mode::empty()) {

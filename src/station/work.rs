@@ -234,6 +234,7 @@ fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
         StoreFault::Transient { what, source, .. } => {
             Setback::StoreFailed { code, error: format!("{what} failed: {source}") }
         }
+        StoreFault::NotFetched => Setback::StoreFailed { code, error: fault.to_string() },
         StoreFault::Permanent(misfit) => {
             let message = misfit.to_string();
             Setback::Refused(Reason::new(code, message, Stage::Store, row.first_seen))

@@ -12,7 +12,7 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::error::{StationError, Worker};
 use super::stop::Stop;
-use super::{booth, control, delivery, housekeeping, http, intake, trigger};
+use super::{booth, control, delivery, housekeeping, http, intake, orders, trigger};
 
 /// The workers, their names and their beats.
 pub struct Workers {
@@ -32,6 +32,11 @@ impl Workers {
             let (beat, station) = (workers.beat(worker, station), Arc::clone(station));
             let task = intake::worker(station, folder, path.clone(), beat, stop, looked.clone());
             workers.spawn(worker, task);
+        }
+        if let Some(config) = station.config.patient.orders.clone() {
+            let beat = workers.beat(Worker::Orders, station);
+            let task = orders::worker(Arc::clone(station), config, beat, stop.clone());
+            workers.spawn(Worker::Orders, task);
         }
         let beat = workers.beat(Worker::Delivery, station);
         workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), beat, stop.clone()));

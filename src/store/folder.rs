@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 use self::search::find;
 use super::sums::{self, SUMS};
-use super::{Delivery, Misfit, Receipt, StoreFault, durable};
+use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
 use crate::flow::{ScanId, naming};
 use crate::record::RecordFile;
 
@@ -202,11 +202,6 @@ fn folders(within: &Path) -> Result<Vec<PathBuf>, StoreFault> {
         Ok(folders)
     };
     tried("listing", within, list())
-}
-
-/// Every I/O error of a store may pass: disks fill and empty, shares go and come back.
-fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, StoreFault> {
-    result.map_err(|source| StoreFault::Transient { what, path: path.to_owned(), source })
 }
 
 #[cfg(test)]

@@ -3,6 +3,7 @@
 
 pub mod durable;
 pub mod folder;
+pub mod gdt;
 pub mod sums;
 
 use std::io;
@@ -12,13 +13,17 @@ use jiff::Timestamp;
 
 use crate::flow::ScanId;
 use crate::record::RecordFile;
+use crate::record::gdt::ResultFault;
 pub use folder::FolderStore;
+pub use gdt::GdtStore;
 
 /// A store of records, one of the kinds that gaiter knows.
 #[derive(Debug, Clone)]
 pub enum RecordStore {
     /// A folder per patient, a folder per record.
     Folder(FolderStore),
+    /// Results for a practice's software.
+    Gdt(Box<GdtStore>),
 }
 
 /// One record on its way to a store.
@@ -88,6 +93,12 @@ pub enum StoreFault {
         #[source]
         source: io::Error,
     },
+    /// The practice software has not fetched what was handed over before.
+    #[error(
+        "the practice software has not fetched the last result; the next one waits, for none is \
+         ever overwritten"
+    )]
+    NotFetched,
     /// The store will never take this record.
     #[error("the store cannot take this record: {0}")]
     Permanent(Misfit),
@@ -111,6 +122,24 @@ pub enum Misfit {
     /// The record's place is taken by something that is not this scan's whole record.
     #[error("its folder exists and is not this scan's whole record: {0}")]
     Occupied(sums::SumsFault),
+    /// A record for nobody, and practice software takes none.
+    #[error("it names no patient, and practice software takes none without")]
+    Nobodys,
+    /// It holds no `record.json` that can be read.
+    #[error("it holds no readable record.json")]
+    NoRecord,
+    /// Its `record.json` is another patient's.
+    #[error("its record.json names another patient than the delivery")]
+    OtherPatient,
+    /// There is no GDT message of it.
+    #[error("it cannot be written as GDT: {0}")]
+    Gdt(ResultFault),
+    /// It was handed over to people who keep their own records.
+    #[error(
+        "it was handed over to the practice software and cannot be taken back from there: a person \
+         must delete it in the practice"
+    )]
+    HandedOver,
 }
 
 impl StoreFault {
@@ -118,7 +147,9 @@ impl StoreFault {
     pub fn code(&self) -> &'static str {
         match self {
             StoreFault::Transient { .. } => "store-unavailable",
+            StoreFault::NotFetched => "result-not-fetched",
             StoreFault::Permanent(Misfit::Occupied(_)) => "store-place-occupied",
+            StoreFault::Permanent(Misfit::HandedOver) => "result-handed-over",
             StoreFault::Permanent(_) => "store-misfit",
         }
     }
@@ -129,6 +160,15 @@ impl RecordStore {
     pub fn name(&self) -> &'static str {
         match self {
             RecordStore::Folder(store) => store.name(),
+            RecordStore::Gdt(_) => GdtStore::NAME,
+        }
+    }
+
+    /// Whether it takes records for nobody.
+    pub fn takes_nobodys(&self) -> bool {
+        match self {
+            RecordStore::Folder(_) => true,
+            RecordStore::Gdt(_) => false,
         }
     }
 
@@ -144,6 +184,7 @@ impl RecordStore {
                 }
                 store.mark()
             }
+            RecordStore::Gdt(store) => store.begin(make_folder),
         }
     }
 
@@ -151,6 +192,7 @@ impl RecordStore {
     pub fn place(&self) -> String {
         match self {
             RecordStore::Folder(store) => store.place(),
+            RecordStore::Gdt(store) => store.place(),
         }
     }
 
@@ -161,6 +203,7 @@ impl RecordStore {
     pub fn open(&self) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => store.clear_staging(),
+            RecordStore::Gdt(store) => store.open(),
         }
     }
 
@@ -171,6 +214,7 @@ impl RecordStore {
     pub fn reach(&self) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => store.reach(),
+            RecordStore::Gdt(store) => store.reach(),
         }
     }
 
@@ -181,6 +225,7 @@ impl RecordStore {
     pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
         match self {
             RecordStore::Folder(store) => store.records(),
+            RecordStore::Gdt(store) => store.records(),
         }
     }
 
@@ -195,6 +240,7 @@ impl RecordStore {
     ) -> Result<Option<StoredScan>, StoreFault> {
         match self {
             RecordStore::Folder(store) => store.stored_scan(scan, patient),
+            RecordStore::Gdt(_) => Ok(None),
         }
     }
 
@@ -211,6 +257,7 @@ impl RecordStore {
     ) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => store.withdraw(scan, from, keeper),
+            RecordStore::Gdt(_) => Err(StoreFault::Permanent(Misfit::HandedOver)),
         }
     }
 
@@ -221,6 +268,12 @@ impl RecordStore {
     pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         match self {
             RecordStore::Folder(store) => store.put(delivery),
+            RecordStore::Gdt(store) => store.put(delivery),
         }
     }
+}
+
+/// Every I/O error of a store may pass: disks fill and empty, shares go and come back.
+fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, StoreFault> {
+    result.map_err(|source| StoreFault::Transient { what, path: path.to_owned(), source })
 }

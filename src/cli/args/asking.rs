@@ -57,6 +57,17 @@ pub struct ExplainArgs {
     pub ask: AskArgs,
 }
 
+/// `gaiter gdt-order`
+#[derive(Debug, clap::Args)]
+pub struct OrderArgs {
+    /// The order's file
+    #[arg(value_name = "FILE")]
+    pub file: PathBuf,
+    /// What is asked, and how.
+    #[command(flatten)]
+    pub ask: AskArgs,
+}
+
 /// What `gaiter explain` was given.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Named {

@@ -76,6 +76,10 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
         rows.push(Row::of(check, folder, writable(folder)));
         rows.push(room(folder, config.scanner.max_scan_bytes));
     }
+    let gdt = config.store.gdt.as_ref().map(|gdt| &gdt.path);
+    rows.extend(gdt.map(|folder| Row::of("exchange folder", folder, writable(folder))));
+    let orders = config.patient.orders.as_ref().map(|orders| &orders.path);
+    rows.extend(orders.map(|folder| Row::of("order folder", folder, readable(folder))));
     rows.push(local(state));
     rows.extend(linked_into_one_another(exports, state, store));
     rows.extend(slow_rescan(config));

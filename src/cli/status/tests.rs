@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::flow::account::Seen;
 use crate::flow::health::Complaint;
-use crate::station::control::protocol::{StoreStatus, TriggerStatus};
+use crate::station::control::protocol::{BoothStatus, StoreStatus, TriggerStatus};
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()
@@ -50,6 +50,7 @@ fn status() -> Status {
         }],
         stores: BTreeMap::from([("folder".into(), StoreStatus { fault: None, since: at(0) })]),
         triggers: BTreeMap::from([("serial".into(), port)]),
+        booth: BoothStatus { light: "armed".into(), awaited: 2, named: true, in_doubt: false },
         disk_free_bytes: Some(12_000_000_000),
         disk_bytes: Some(100_000_000_000),
         measured: 22,
@@ -69,6 +70,7 @@ scans      1 spooled, 20 delivered, 2 refused, 0 held
 intake     scans are taken in
 export 0   looked through, last 5 seconds ago, SMB (polled), 2 waiting (1 for too long)
 store      folder: takes records since 3 minutes
+booth      waits for the export of a press, 2 exports are awaited, a patient is named for the next press
 trigger    serial: open since 3 minutes, 21 presses, 3 bytes of garbage
 disk       12.0 GB free of 100.0 GB
 measured   22 in this run, the last in 2.1 s

@@ -13,10 +13,12 @@ use crate::flow::explain::{Known, of_file};
 use crate::flow::facts::IntakeState;
 use crate::flow::health::age;
 use crate::flow::{ScanId, account};
+use crate::record::gdt::OrderFault;
 use crate::station::act::{Act, ActFault, act};
 use crate::station::assembly::Station;
 use crate::station::error::chain;
 use crate::station::journal::{HistoryRow, JournalError};
+use crate::station::orders;
 use crate::station::overview::Overview;
 
 /// Answers a request.
@@ -52,6 +54,7 @@ pub fn answer(station: &Station, request: &Request) -> Answer {
         Request::NameNext { patient } => acted(station, None, &Act::NameNext(patient.clone())),
         Request::CallOff => acted(station, None, &Act::CallOff),
         Request::Next => Ok(Answer::Sentence(next(station))),
+        Request::Order { bytes } => ordered(station, bytes),
         Request::Pause => acted(station, None, &Act::Pause),
         Request::Resume => acted(station, None, &Act::Resume),
     };
@@ -126,6 +129,16 @@ fn next(station: &Station) -> String {
 fn acted(station: &Station, digits: Option<&str>, decided: &Act) -> Result<Answer, Fault> {
     let scan = digits.map(|digits| named(station, digits)).transpose()?;
     Ok(Answer::Sentence(act(station, scan.as_ref(), decided)?))
+}
+
+/// Hears an order that somebody brings.
+fn ordered(station: &Station, bytes: &[u8]) -> Result<Answer, Fault> {
+    let brought = orders::bring(station, bytes);
+    let refused = |fault: OrderFault| {
+        Fault::new(FaultKind::Request, fault.code(), format!("this is no order: {fault}"))
+    };
+    brought.map_err(refused)?;
+    Ok(Answer::Sentence("the order is taken: it names the patient of the next scan".to_owned()))
 }
 
 fn status(station: &Station) -> Status {

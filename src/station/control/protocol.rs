@@ -79,6 +79,11 @@ pub enum Request {
     CallOff,
     /// Who is named for the next scan.
     Next,
+    /// An order of the practice software names the patient of the next scan.
+    Order {
+        /// The bytes of the order's file.
+        bytes: Vec<u8>,
+    },
     /// No scan is to be taken until somebody resumes.
     Pause,
     /// Go on.

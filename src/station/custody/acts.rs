@@ -70,8 +70,9 @@ impl Custody {
         if !self.bring_back(row, None, stored)? {
             return Ok(Acted::NoBytes);
         }
-        self.journal.unassigned(&row.scan, &self.stores)?;
-        Ok(Acted::Done(self.stores.len()))
+        let stores = self.stores_for(None);
+        self.journal.unassigned(&row.scan, &stores)?;
+        Ok(Acted::Done(stores.len()))
     }
 
     /// Keeps the bytes of a scan that a store gave back; says whether they are here.
@@ -108,8 +109,9 @@ impl Custody {
         if !self.bring_back(row, Some(patient), stored)? {
             return Ok(Acted::NoBytes);
         }
-        self.journal.assigned(&row.scan, patient, &self.stores)?;
-        Ok(Acted::Done(self.stores.len()))
+        let stores = self.stores_for(Some(patient));
+        self.journal.assigned(&row.scan, patient, &stores)?;
+        Ok(Acted::Done(stores.len()))
     }
 
     /// Whether the state folder holds the bytes of a scan.

@@ -88,7 +88,7 @@ impl Custody {
     ) -> Result<(), CustodyFault> {
         let patient = intake.patient.as_ref();
         let entry = Entry { row, patient, held, claims: &[], judged: &Judged::Unpressed };
-        Ok(self.journal.enter(&entry, &self.stores)?)
+        Ok(self.journal.enter(&entry, &self.stores_for(patient))?)
     }
 
     /// As [`Custody::adopt`]; an entry whose intake cannot be read must not stop every start.

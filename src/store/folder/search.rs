@@ -4,11 +4,11 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{FolderStore, folders, tried};
+use super::{FolderStore, folders};
 use crate::flow::{ScanId, naming};
 use crate::record::ORD;
 use crate::store::sums::{self, SUMS};
-use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable};
+use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
 
 /// The whole record of a scan in a patient's folder, under whatever time.
 pub(super) fn find(patient: &Path, scan: &ScanId) -> Result<Option<PathBuf>, StoreFault> {

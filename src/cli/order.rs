@@ -1,0 +1,27 @@
+//! `gaiter gdt-order`: practice software starts a program with the order's file.
+
+use std::fs::File;
+use std::io::{self, Read};
+
+use super::args::OrderArgs;
+use super::{Exit, ask, complain, shown};
+use crate::record::gdt::order::ORDER_MOST;
+use crate::station::control::protocol::Request;
+
+/// Hands an order to the running station.
+pub fn order(args: &OrderArgs) -> Exit {
+    let mut bytes = Vec::new();
+    // One byte more than an order has shows the station that it is none.
+    let read =
+        File::open(&args.file).and_then(|file| file.take(ORDER_MOST + 1).read_to_end(&mut bytes));
+    match read {
+        Ok(_) => ask::sentence(&args.ask, &Request::Order { bytes }),
+        Err(error) => {
+            complain(format_args!("gaiter: {}: {error}", shown(args.file.display())));
+            match error.kind() {
+                io::ErrorKind::NotFound => Exit::NoFile,
+                _ => Exit::Io,
+            }
+        }
+    }
+}

@@ -1,0 +1,241 @@
+//! `[store.gdt]` and `[patient.orders]`: practice software that speaks GDT.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::fault::What;
+use super::parse::{self, Bounds, or_none};
+use super::reader::{Absent, Found, Reader};
+use super::words::Words;
+use crate::flow::Mask;
+use crate::record::gdt::rules::FileName;
+use crate::record::gdt::{AttachmentFields, Charset, GdtRules, Product, Reference};
+
+/// `[store.gdt]`: practice software that is told of every named record.
+#[derive(Debug, Clone)]
+pub struct GdtStoreConfig {
+    /// The exchange folder.
+    pub path: PathBuf,
+    /// How results are written.
+    pub rules: GdtRules,
+    /// How their files are called.
+    pub file_name: FileName,
+    /// Files of the record that go with each.
+    pub attach: Vec<String>,
+    /// The folder for them in the exchange folder; none if empty.
+    pub attach_folder: String,
+    /// How a result says where they lie.
+    pub attach_as: Reference,
+    /// The exchange folder as the practice software sees it; as the station does if empty.
+    pub attach_root: String,
+    /// Times are told in UTC, not by the machine's clock on the wall.
+    pub utc: bool,
+}
+
+/// `[patient.orders]`: where orders of practice software come in.
+#[derive(Debug, Clone)]
+pub struct OrdersConfig {
+    /// The folder.
+    pub path: PathBuf,
+    /// Which files are orders.
+    pub files: Mask,
+    /// What becomes of an order that was read.
+    pub after: AfterOrder,
+    /// The character set of an order that names none.
+    pub charset: Charset,
+    /// Lengths are not looked at.
+    pub lenient: bool,
+    /// How often the folder is looked through.
+    pub rescan: Duration,
+    /// A file unchanged this long is complete.
+    pub quiet: Duration,
+    /// An older order names nobody any more.
+    pub max_age: Duration,
+}
+
+/// What becomes of an order that was read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum AfterOrder {
+    /// It is deleted.
+    Delete,
+    /// It stays, and is remembered.
+    Keep,
+}
+
+const PROFILES: Words<Product> = &[
+    ("default", Product::Default),
+    ("medistar", Product::Medistar),
+    ("turbomed", Product::Turbomed),
+    ("tomedo", Product::Tomedo),
+];
+
+const CHARSETS: Words<Charset> = &[
+    ("7bit", Charset::Ascii),
+    ("cp437", Charset::Cp437),
+    ("cp1252", Charset::Cp1252),
+    ("utf-8", Charset::Utf8),
+];
+
+const REFERENCES: Words<Reference> =
+    &[("full", Reference::Full), ("relative", Reference::Relative), ("name", Reference::Name)];
+
+const AFTERS: Words<AfterOrder> = &[("delete", AfterOrder::Delete), ("keep", AfterOrder::Keep)];
+
+/// `store.gdt.time`: whether times are told in UTC.
+const TIMES: Words<bool> = &[("local", false), ("utc", true)];
+
+/// A folder as it was named, and what its section says. Without a folder the section is off.
+type Section<T> = (Option<Found<PathBuf>>, Option<Option<T>>);
+
+/// Asks for the keys of `[store.gdt]`.
+pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
+    use Absent::Default;
+    let path = reader.text("store.gdt.path", Default(""), parse::full_path_or_none);
+    let profile = reader.text("store.gdt.profile", Default("default"), parse::word(PROFILES));
+    let receiver = reader.text("store.gdt.receiver", Default("PRAX_EDV"), short_name);
+    let sender = reader.text("store.gdt.sender", Default("LEGSCAN1"), short_name);
+    let procedure = reader.text("store.gdt.procedure", Default("ALLG00"), short_name);
+    let key = "store.gdt.file_name";
+    let file_name = reader.text(key, Default("{receiver}{sender}.GDT"), |text| Ok(text.to_owned()));
+    let version = reader.text("store.gdt.version", Default(""), or_none(version));
+    let charset = reader.text("store.gdt.charset", Default(""), or_none(parse::word(CHARSETS)));
+    let attach = reader.list("store.gdt.attach", Default(""), plain_name);
+    let folder = reader.text("store.gdt.attach_folder", Default(""), or_none(plain_name));
+    let attach_as = reader.text("store.gdt.attach_as", Default("full"), parse::word(REFERENCES));
+    let root = reader.text("store.gdt.attach_root", Default(""), printable);
+    let name = reader.text("store.gdt.attachment_name", Default("6302"), or_none(field));
+    let format = reader.text("store.gdt.attachment_format", Default("6303"), or_none(field));
+    let key_of_text = "store.gdt.attachment_description";
+    let description = reader.text(key_of_text, Default("6304"), or_none(field));
+    let place = reader.text("store.gdt.attachment_path", Default("6305"), or_none(field));
+    let time = reader.text("store.gdt.time", Default("local"), parse::word(TIMES));
+
+    let file_name = file_name.and_then(|found| {
+        // What is wrong with a short name is told at its own key.
+        let short = |name: &Option<Found<String>>| {
+            name.as_ref().map_or("X".to_owned(), |name| name.value.clone())
+        };
+        let name = FileName::new(&found.value, &short(&receiver), &short(&sender));
+        if name.is_none() {
+            let what = "name of a file that GDT exchanges";
+            let hint = "write \"{receiver}{sender}.GDT\" or \"{receiver}{sender}.{counter}\"";
+            reader.note(found.at, key, not_gdt(&found.value, what, hint));
+        }
+        name
+    });
+    let config = (|| {
+        let Some(path) = path.as_ref()?.value.clone() else { return Some(None) };
+        let (product, receiver, sender) = (profile?.value, receiver?.value, sender?.value);
+        let file_name = file_name?;
+        let attachment_fields = AttachmentFields {
+            name: name?.value,
+            format: format?.value,
+            description: description?.value,
+            path: place?.value,
+        };
+        let rules = GdtRules {
+            receiver,
+            sender,
+            version: version?.value.unwrap_or_else(|| product.version().to_owned()),
+            charset: charset?.value.unwrap_or(product.charset()),
+            procedure: procedure?.value,
+            attachment_fields,
+        };
+        Some(Some(GdtStoreConfig {
+            path,
+            rules,
+            file_name,
+            attach: attach.into_iter().map(|found| found.value).collect(),
+            attach_folder: folder?.value.unwrap_or_default(),
+            attach_as: attach_as?.value,
+            attach_root: root?.value,
+            utc: time?.value,
+        }))
+    })();
+    (path.and_then(named), config)
+}
+
+/// Asks for the keys of `[patient.orders]`.
+pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
+    use Absent::Default;
+    let path = reader.text("patient.orders.path", Default(""), parse::full_path_or_none);
+    let files = reader.text("patient.orders.files", Default("*.gdt"), mask);
+    let after = reader.text("patient.orders.after", Default("delete"), parse::word(AFTERS));
+    let charset = reader.text("patient.orders.charset", Default("cp1252"), parse::word(CHARSETS));
+    let lenient = reader.flag("patient.orders.lenient", "false");
+    let bounds = Bounds { least: "100ms", most: "10m" };
+    let rescan = reader.text("patient.orders.rescan", Default("2s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "50ms", most: "1m" };
+    let quiet = reader.text("patient.orders.quiet", Default("1s"), parse::duration_in(bounds));
+    let bounds = Bounds { least: "1m", most: "168h" };
+    let max_age = reader.text("patient.orders.max_age", Default("12h"), parse::duration_in(bounds));
+    let config = (|| {
+        let Some(path) = path.as_ref()?.value.clone() else { return Some(None) };
+        Some(Some(OrdersConfig {
+            path,
+            files: files?.value,
+            after: after?.value,
+            charset: charset?.value,
+            lenient: lenient?.value,
+            rescan: rescan?.value,
+            quiet: quiet?.value,
+            max_age: max_age?.value,
+        }))
+    })();
+    (path.and_then(named), config)
+}
+
+fn named(found: Found<Option<PathBuf>>) -> Option<Found<PathBuf>> {
+    Some(Found { value: found.value?, at: found.at })
+}
+
+fn not_gdt(text: &str, what: &'static str, hint: &'static str) -> What {
+    What::NotGdt { text: text.into(), what, hint }
+}
+
+/// Short names of programs and examinations: what every character set and file system takes.
+fn short_name(text: &str) -> Result<String, What> {
+    let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
+    if plain && (1..=8).contains(&text.len()) {
+        return Ok(text.into());
+    }
+    Err(not_gdt(text, "short name of GDT", "1 to 8 letters (a-z, A-Z), digits, - and _"))
+}
+
+fn version(text: &str) -> Result<String, What> {
+    let is_one = text.len() == 5
+        && text.bytes().enumerate().all(|(at, b)| match at {
+            2 => b == b'.',
+            _ => b.is_ascii_digit(),
+        });
+    let hint = "write \"02.10\", or \"02.00\" for programs that know GDT 2.0 only";
+    if is_one { Ok(text.into()) } else { Err(not_gdt(text, "version of GDT", hint)) }
+}
+
+fn field(text: &str) -> Result<u16, What> {
+    let is_one = text.len() == 4 && text.bytes().all(|b| b.is_ascii_digit());
+    let hint = "four digits, \"6305\" say, or \"\" to leave it out";
+    let field = text.parse().ok().filter(|_| is_one);
+    field.ok_or_else(|| not_gdt(text, "field of GDT", hint))
+}
+
+/// The bare name of a file or folder.
+fn plain_name(text: &str) -> Result<String, What> {
+    let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || "-_.".contains(c));
+    if plain && !text.is_empty() && !text.starts_with('.') {
+        return Ok(text.into());
+    }
+    Err(not_gdt(text, "bare name", "letters, digits, -, _ and ., as in \"legs.svg\""))
+}
+
+fn printable(text: &str) -> Result<String, What> {
+    if text.contains(char::is_control) {
+        return Err(What::ControlInPath(text.into()));
+    }
+    Ok(text.into())
+}
+
+fn mask(text: &str) -> Result<Mask, What> {
+    let hint = "a file name in which * stands for anything and ? for one character: \"*.gdt\"";
+    Mask::new(text).ok_or_else(|| not_gdt(text, "mask of file names", hint))
+}

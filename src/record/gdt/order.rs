@@ -1,0 +1,201 @@
+//! An order for an examination (6302): whom the next scan is of. Names and birth dates are read
+//! over and not kept.
+
+use super::charset::{Charset, Unreadable};
+use super::line::{self, KIND, Line, LineFault, TOTAL};
+
+/// The kind of message that orders an examination.
+const ORDER: &[u8] = b"6302";
+
+/// The patient's id.
+const PATIENT: u16 = 3000;
+
+/// The largest order, bytes: real ones have a few hundred.
+pub const ORDER_MOST: u64 = 12 * 1024;
+
+/// What an order says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Order {
+    /// The patient's id in the practice software (3000).
+    pub patient: String,
+    /// Its own number (8310), where it has one.
+    pub request: Option<String>,
+    /// What is to be done (8402), where it says so.
+    pub procedure: Option<String>,
+    /// To whom it is sent (8315).
+    pub receiver: Option<String>,
+    /// Who sent it (8316).
+    pub sender: Option<String>,
+}
+
+/// Why bytes are no order. No text quotes what stands in them but digits of GDT itself.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum OrderFault {
+    /// It is too large to be one.
+    #[error("it has {bytes} bytes; an order has at most {ORDER_MOST}")]
+    TooLarge {
+        /// Its size, bytes.
+        bytes: u64,
+    },
+    /// Its lines are wrong.
+    #[error(transparent)]
+    Lines(#[from] LineFault),
+    /// It does not begin as a GDT message does.
+    #[error("its first line is not 8000, the kind of message")]
+    NotGdt,
+    /// It is another kind of message.
+    #[error("it is a message {found}, not an order (6302)")]
+    OtherKind {
+        /// The kind, four digits.
+        found: String,
+    },
+    /// The length of the whole is not told.
+    #[error("its second line is not 8100, the length of the whole")]
+    NoTotal,
+    /// The length of the whole is another.
+    #[error("it says it has {said} bytes in all and has {found}: it is cut short, or wrongly made")]
+    Total {
+        /// What it says, bytes.
+        said: u64,
+        /// What it has, bytes.
+        found: u64,
+    },
+    /// It is in a character set that gaiter does not know.
+    #[error("its 9206 names no character set of GDT 2.1 (1, 2 or 3)")]
+    Charset,
+    /// A field that is needed is no text.
+    #[error("line {line}: {why}")]
+    Text {
+        /// Which line.
+        line: usize,
+        /// Which byte.
+        why: Unreadable,
+    },
+    /// The patient's line is the last and has no end.
+    #[error("its last line, the patient's, has no end: the id may be cut short")]
+    PatientCut,
+    /// It names no patient.
+    #[error("it names no patient: field 3000 is missing or empty")]
+    NoPatient,
+    /// It names two.
+    #[error("its lines {first} and {second} name different patients")]
+    TwoPatients {
+        /// Which line.
+        first: usize,
+        /// Which line.
+        second: usize,
+    },
+}
+
+impl OrderFault {
+    /// The stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            OrderFault::TooLarge { .. } => "order-too-large",
+            OrderFault::Lines(LineFault::Empty) => "order-empty",
+            OrderFault::Lines(_) => "order-line-malformed",
+            OrderFault::NotGdt => "order-not-gdt",
+            OrderFault::OtherKind { .. } => "order-other-kind",
+            OrderFault::NoTotal | OrderFault::Total { .. } => "order-length-wrong",
+            OrderFault::Charset | OrderFault::Text { .. } => "order-charset",
+            OrderFault::PatientCut => "order-cut-short",
+            OrderFault::NoPatient => "order-without-patient",
+            OrderFault::TwoPatients { .. } => "order-two-patients",
+        }
+    }
+}
+
+/// Reads an order. `charset` is that of an order that names none. A lenient reader does not look at
+/// lengths, for programs that count characters or forget them.
+///
+/// # Errors
+/// See [`OrderFault`].
+pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, OrderFault> {
+    let size = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
+    if size > ORDER_MOST {
+        return Err(OrderFault::TooLarge { bytes: size });
+    }
+    // First of all: what is no order of ours may be another program's, and is left alone.
+    if let Some(found) = kind(bytes).filter(|kind| *kind != ORDER) {
+        let found = String::from_utf8_lossy(found).into_owned();
+        return Err(OrderFault::OtherKind { found });
+    }
+    let lines = line::read(bytes, !lenient)?;
+    if lines.first().is_none_or(|line| line.field != KIND || line.content != ORDER) {
+        return Err(OrderFault::NotGdt);
+    }
+    if !lenient {
+        total(&lines, bytes)?;
+    } else if lines.last().is_some_and(|line| line.field == PATIENT) && !bytes.ends_with(b"\n") {
+        // Half an id may be another patient's, and no length shows it here.
+        return Err(OrderFault::PatientCut);
+    }
+    let charset = charset_of(&lines, charset)?;
+    let text = |field: u16| text(&lines, field, charset);
+    Ok(Order {
+        patient: patient(&lines, charset)?,
+        request: text(8310)?,
+        procedure: text(8402)?,
+        receiver: text(8315)?,
+        sender: text(8316)?,
+    })
+}
+
+/// The four digits of the kind of message; none where the bytes do not begin like one.
+fn kind(bytes: &[u8]) -> Option<&[u8]> {
+    let kind = bytes.strip_prefix(b"0138000")?.get(..4)?;
+    kind.iter().all(u8::is_ascii_digit).then_some(kind)
+}
+
+fn total(lines: &[Line<'_>], bytes: &[u8]) -> Result<(), OrderFault> {
+    let line = lines.get(1).filter(|line| line.field == TOTAL).ok_or(OrderFault::NoTotal)?;
+    let digits = std::str::from_utf8(line.content).ok();
+    let said = digits.and_then(|digits| digits.trim().parse::<u64>().ok());
+    let said = said.ok_or(OrderFault::NoTotal)?;
+    // Without a DOS end mark; an end that the last line lacks may be counted or not.
+    let bytes = bytes.strip_suffix(&[0x1a]).unwrap_or(bytes);
+    let found = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
+    let with_end = found + if bytes.ends_with(b"\r\n") { 0 } else { 2 };
+    if said == found || said == with_end {
+        return Ok(());
+    }
+    Err(OrderFault::Total { said, found })
+}
+
+fn charset_of(lines: &[Line<'_>], configured: Charset) -> Result<Charset, OrderFault> {
+    let Some(named) = lines.iter().find(|line| line.field == 9206) else { return Ok(configured) };
+    // Programs that write UTF-8 have no number for it and may write any.
+    if configured == Charset::Utf8 {
+        return Ok(configured);
+    }
+    Charset::of_number(named.content.trim_ascii()).ok_or(OrderFault::Charset)
+}
+
+fn decoded(line: &Line<'_>, charset: Charset) -> Result<String, OrderFault> {
+    let text = charset.decode(line.content.trim_ascii());
+    text.map_err(|why| OrderFault::Text { line: line.number, why })
+}
+
+/// The text of a field; none where it is missing or empty.
+fn text(lines: &[Line<'_>], field: u16, charset: Charset) -> Result<Option<String>, OrderFault> {
+    let line = lines.iter().find(|line| line.field == field);
+    let text = line.map(|line| decoded(line, charset)).transpose()?;
+    Ok(text.filter(|text| !text.is_empty()))
+}
+
+/// The one patient whom all fields 3000 name.
+fn patient(lines: &[Line<'_>], charset: Charset) -> Result<String, OrderFault> {
+    let mut named: Option<(usize, String)> = None;
+    for line in lines.iter().filter(|line| line.field == PATIENT) {
+        let id = decoded(line, charset)?;
+        match &named {
+            _ if id.is_empty() => {}
+            Some((_, known)) if *known == id => {}
+            Some((first, _)) => {
+                return Err(OrderFault::TwoPatients { first: *first, second: line.number });
+            }
+            None => named = Some((line.number, id)),
+        }
+    }
+    named.map(|(_, id)| id).ok_or(OrderFault::NoPatient)
+}

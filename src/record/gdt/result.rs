@@ -1,0 +1,197 @@
+//! A record as a result (6310): girths and heights of both legs as test blocks, a table for people,
+//! and where the record's files lie.
+//!
+//! Lengths are centimetres with one decimal, as tapes are read; girths are those of a tape.
+
+use jiff::civil::DateTime;
+
+use super::line::{WriteFault, message};
+use super::rules::{AttachmentFields, GdtRules};
+use super::words;
+use crate::leg::{Level, Side};
+use crate::record::rounding::cm;
+use crate::record::schema::{LandmarkFigures, LegFigures, Record};
+
+/// The kind of message that tells of an examination.
+const RESULT: u16 = 6310;
+
+/// The longest line of free text, characters.
+const TEXT_MOST: usize = 60;
+
+/// A file that a result speaks of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attachment {
+    /// Its name or number in an archive.
+    pub name: String,
+    /// Its format, `SVG` say.
+    pub format: String,
+    /// What it is.
+    pub description: String,
+    /// Where it lies, as the practice software is to look for it.
+    pub path: String,
+}
+
+/// Why there is no message of a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum ResultFault {
+    /// The record is nobody's.
+    #[error("the record names no patient, and practice software takes none without")]
+    NoPatient,
+    /// It cannot be written.
+    #[error(transparent)]
+    Write(#[from] WriteFault),
+}
+
+type Fields = Vec<(u16, String)>;
+
+/// The message of a record whose scan was `taken` then, by the clock on the wall.
+///
+/// # Errors
+/// See [`ResultFault`].
+pub fn result(
+    record: &Record,
+    rules: &GdtRules,
+    taken: DateTime,
+    attachments: &[Attachment],
+) -> Result<Vec<u8>, ResultFault> {
+    let patient = record.patient.as_ref().ok_or(ResultFault::NoPatient)?;
+    let (date, time) = (taken.strftime("%d%m%Y").to_string(), taken.strftime("%H%M%S").to_string());
+    let mut fields = header(rules, record);
+    fields.push((3000, patient.id.clone()));
+    fields.extend([(6200, date.clone()), (6201, time.clone()), (8402, rules.procedure.clone())]);
+    for (leg, side) in sides(record) {
+        for level in Level::ALL.map(Level::name) {
+            let Some(found) = leg.landmarks.get(level) else { continue };
+            let block = Block { level, side, found, date: &date, time: &time, rules };
+            block.write(&mut fields);
+        }
+    }
+    fields.extend(table(record, rules).into_iter().map(|line| (6228, line)));
+    fields.extend(comments(record, rules).into_iter().map(|line| (6227, line)));
+    for attachment in attachments {
+        fields.extend(of_attachment(attachment, &rules.attachment_fields));
+    }
+    Ok(message(RESULT, rules.charset, &fields)?)
+}
+
+fn header(rules: &GdtRules, record: &Record) -> Fields {
+    let mut fields = vec![(8315, rules.receiver.clone()), (8316, rules.sender.clone())];
+    fields.extend(rules.charset.number().map(|number| (9206, number.to_owned())));
+    fields.extend([
+        (9218, rules.version.clone()),
+        (103, "gaiter".to_owned()),
+        (132, record.made_by.gaiter.clone()),
+    ]);
+    fields
+}
+
+/// The legs of a record, each with its side.
+fn sides(record: &Record) -> impl Iterator<Item = (&LegFigures, Side)> {
+    let side = |leg: &LegFigures| {
+        [Side::Left, Side::Right].into_iter().find(|side| side.word() == leg.side)
+    };
+    record.legs.iter().filter_map(move |leg| Some((leg, side(leg)?)))
+}
+
+/// The two test blocks of a level: its girth and its height above the floor.
+struct Block<'a> {
+    level: &'a str,
+    side: Side,
+    found: &'a LandmarkFigures,
+    date: &'a str,
+    time: &'a str,
+    rules: &'a GdtRules,
+}
+
+impl Block<'_> {
+    fn write(&self, fields: &mut Fields) {
+        let height = words::height(self.rules.charset);
+        let figures =
+            [("L", "Umfang", self.found.girth_tape_mm), ("H", height, self.found.height_mm)];
+        let letter = match self.side {
+            Side::Left => "L",
+            Side::Right => "R",
+        };
+        for (kind, name, figure_mm) in figures {
+            let side = words::side(self.side);
+            fields.extend([
+                (8410, format!("{kind}{}_{letter}", self.level)),
+                (8411, format!("{name} {} {side}", self.level)),
+                (8420, in_cm(figure_mm)),
+                (8421, "cm".to_owned()),
+                (8432, self.date.to_owned()),
+                (8439, self.time.to_owned()),
+            ]);
+            let doubts = self.found.doubts.iter();
+            fields.extend(doubts.map(|code| (8470, words::doubt(code).to_owned())));
+        }
+    }
+}
+
+fn in_cm(figure_mm: f64) -> String {
+    format!("{:.1}", cm(figure_mm))
+}
+
+/// The figures for people, in columns of a fixed width.
+fn table(record: &Record, rules: &GdtRules) -> Vec<String> {
+    let legs: Vec<(&LegFigures, Side)> = sides(record).collect();
+    let cell = |level: &str, side: Side, figure: fn(&LandmarkFigures) -> f64| {
+        let leg = legs.iter().find(|(_, its)| *its == side);
+        let found = leg.and_then(|(leg, _)| leg.landmarks.get(level));
+        found.map_or("-".to_owned(), |found| in_cm(figure(found)))
+    };
+    let mut lines = vec![row("Messung [cm]", "links", "rechts")];
+    let height = words::height(rules.charset);
+    let girth: fn(&LandmarkFigures) -> f64 = |found| found.girth_tape_mm;
+    let above: fn(&LandmarkFigures) -> f64 = |found| found.height_mm;
+    for level in Level::ALL.map(Level::name) {
+        if !legs.iter().any(|(leg, _)| leg.landmarks.contains_key(level)) {
+            continue;
+        }
+        for (name, figure) in [("Umfang", girth), (height, above)] {
+            let [left, right] = [Side::Left, Side::Right].map(|side| cell(level, side, figure));
+            lines.push(row(&format!("{name} {level}"), &left, &right));
+        }
+    }
+    lines
+}
+
+fn row(name: &str, left: &str, right: &str) -> String {
+    format!("{name:<14}{left:>8}{right:>8}")
+}
+
+/// What must be known of the measurement. A sentence that the character set cannot write is told by
+/// its code.
+fn comments(record: &Record, rules: &GdtRules) -> Vec<String> {
+    let scan = record.scan.sha256.get(..8).unwrap_or_default();
+    let mut lines = vec![format!("gaiter {}, Scan {scan}", record.made_by.gaiter)];
+    for finding in record.findings.iter().filter(|finding| finding.severity != "info") {
+        let side = finding.leg.as_deref().map_or("", |leg| match leg {
+            "left" => "links: ",
+            _ => "rechts: ",
+        });
+        let told = format!("{side}{}", finding.message);
+        let can_be_written = wrapped(&told).iter().all(|line| rules.charset.encode(line).is_ok());
+        let told = if can_be_written { told } else { format!("{side}{}", finding.code) };
+        lines.extend(wrapped(&told));
+    }
+    lines
+}
+
+fn wrapped(text: &str) -> Vec<String> {
+    words::wrapped(text, TEXT_MOST)
+}
+
+/// The fields of an attachment in the order of their numbers, as practice software reads them.
+fn of_attachment(attachment: &Attachment, ids: &AttachmentFields) -> Fields {
+    let parts = [
+        (ids.name, &attachment.name),
+        (ids.format, &attachment.format),
+        (ids.description, &attachment.description),
+        (ids.path, &attachment.path),
+    ];
+    let told = parts.into_iter().filter_map(|(field, content)| Some((field?, content.clone())));
+    let mut told: Fields = told.collect();
+    told.sort_by_key(|(field, _)| *field);
+    told
+}

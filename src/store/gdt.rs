@@ -1,0 +1,196 @@
+//! Practice software as a store: each record is a result (GDT 6310) in an exchange folder, from
+//! which the practice software fetches and deletes it.
+//!
+//! A file that is gone has been fetched, so the folder does not tell what was handed over; a register
+//! in the station's state folder does. A result is staged beside the exchange folder's files, synced,
+//! then registered, then given its name. So each place where a crash can cut that off has one
+//! meaning:
+//!
+//! | staged file | register | what it means |
+//! |---|---|---|
+//! | there or not | nothing | not begun: it is made anew |
+//! | there | registered | it has no name yet: it is given one |
+//! | gone | registered | it had its name: it was handed over, and never is again |
+
+mod attach;
+mod place;
+mod register;
+#[cfg(test)]
+mod tests;
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use jiff::Timestamp;
+use jiff::tz::TimeZone;
+use sha2::{Digest, Sha256};
+
+use super::{Delivery, FoundRecord, Misfit, Receipt, StoreFault};
+use crate::flow::ScanId;
+use crate::record::Record;
+use crate::record::gdt::rules::FileName;
+use crate::record::gdt::{self, GdtRules};
+pub use attach::Attach;
+use place::Place;
+use register::{Entry, Register};
+
+/// Results for a practice's software.
+#[derive(Debug, Clone)]
+pub struct GdtStore {
+    rules: GdtRules,
+    attach: Attach,
+    place: Place,
+    register: Register,
+    zone: TimeZone,
+    /// One result at a time is given a name.
+    naming: Arc<Mutex<()>>,
+}
+
+impl GdtStore {
+    /// Its name in the journal.
+    pub const NAME: &str = "gdt";
+
+    /// Results in the exchange folder `folder` under names like `names`, written by the station
+    /// `station` whose register lies in `state_dir`. Times are told by the clock of `zone`.
+    pub fn new(
+        folder: PathBuf,
+        names: FileName,
+        (rules, attach): (GdtRules, Attach),
+        (station, state_dir): (&str, PathBuf),
+        zone: TimeZone,
+    ) -> GdtStore {
+        let register = Register::new(state_dir.join("handed-over"));
+        let place = Place::new(folder, names, station);
+        GdtStore { rules, attach, place, register, zone, naming: Arc::default() }
+    }
+
+    /// The exchange folder, as the configuration says.
+    pub fn place(&self) -> String {
+        self.place.folder().to_string_lossy().into_owned()
+    }
+
+    /// Begins the store: makes the folder in which results are staged, by which the exchange folder
+    /// is known again, and the exchange folder itself where that is wanted.
+    ///
+    /// # Errors
+    /// A transient fault where that is not possible now.
+    pub fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
+        self.place.begin(make_folder)
+    }
+
+    /// Removes what crashed deliveries left staged and not registered.
+    ///
+    /// # Errors
+    /// A transient fault where the folder is out of reach.
+    pub fn open(&self) -> Result<(), StoreFault> {
+        self.register.open()?;
+        for key in self.place.staged()? {
+            if self.register.entry(&key)?.is_none() {
+                self.place.unstage(&key)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the exchange folder is there and can take a result now.
+    ///
+    /// # Errors
+    /// A transient fault where it is not; [`StoreFault::NotFetched`] while the last result under a
+    /// fixed name, or 999 numbered ones, have not been fetched.
+    pub fn reach(&self) -> Result<(), StoreFault> {
+        self.place.reach()?;
+        self.place.free_name(self.register.last_number()).map(drop)
+    }
+
+    /// Every record that was handed over.
+    ///
+    /// # Errors
+    /// A transient fault where the register cannot be read or the exchange folder is out of reach.
+    pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
+        self.place.reach()?;
+        let mut found = Vec::new();
+        for (key, entry) in self.register.entries()? {
+            if !self.place.is_staged(&key)? {
+                found.extend(entry.found(self.place.folder()));
+            }
+        }
+        Ok(found)
+    }
+
+    /// Hands a record over, or finds that it was handed over before.
+    ///
+    /// # Errors
+    /// See [`StoreFault`].
+    pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
+        let Some(patient) = delivery.patient else {
+            return Err(StoreFault::Permanent(Misfit::Nobodys));
+        };
+        let _naming = self.naming.lock().unwrap_or_else(PoisonError::into_inner);
+        // Each time: the share may have gone since it was asked.
+        self.place.reach()?;
+        self.register.open()?;
+        let key = key(delivery.scan, patient);
+        if let Some(entry) = self.register.entry(&key)? {
+            if !self.place.is_staged(&key)? {
+                // The run that gave it its name may have ended before this.
+                self.place.sync()?;
+                let folder = self.place.folder().join(entry.name);
+                return Ok(Receipt { folder, already_there: true });
+            }
+        } else {
+            // Before anything is written: it may have to wait for long.
+            self.place.free_name(self.register.last_number())?;
+            self.stage(&key, delivery)?;
+        }
+        let folder = self.name(&key, delivery, patient)?;
+        Ok(Receipt { folder, already_there: false })
+    }
+
+    /// Writes attachments and message, synced, the message where nobody looks.
+    fn stage(&self, key: &str, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
+        let misfit = |misfit| StoreFault::Permanent(misfit);
+        let json = delivery.files.iter().find(|file| file.name == "record.json");
+        let record = json.and_then(|file| serde_json::from_slice::<Record>(&file.bytes).ok());
+        let record = record.ok_or(misfit(Misfit::NoRecord))?;
+        // The record is the delivery's: another patient's figures must never go out under this id.
+        if record.patient.as_ref().map(|patient| patient.id.as_str()) != delivery.patient {
+            return Err(misfit(Misfit::OtherPatient));
+        }
+        let acquired = record.acquired.as_ref().map_or(delivery.first_seen, |acquired| acquired.at);
+        let taken = self.zone.to_datetime(acquired);
+        let attachments = self.attach.attachments(key, delivery.files, self.place.folder());
+        let message = gdt::result(&record, &self.rules, taken, &attachments);
+        let message = message.map_err(|fault| misfit(Misfit::Gdt(fault)))?;
+        self.attach.write(key, delivery.files, &self.place)?;
+        self.place.stage(key, &message)
+    }
+
+    /// Registers a staged result under a free name, then gives it this name.
+    fn name(
+        &self,
+        key: &str,
+        delivery: &Delivery<'_>,
+        patient: &str,
+    ) -> Result<PathBuf, StoreFault> {
+        let (number, name) = self.place.free_name(self.register.last_number())?;
+        let entry = Entry {
+            scan: delivery.scan.to_string(),
+            patient: patient.to_owned(),
+            first_seen: delivery.first_seen,
+            format: delivery.ending.to_owned(),
+            size: std::fs::metadata(delivery.scan_file).map_or(0, |metadata| metadata.len()),
+            name: name.clone(),
+            number,
+            at: Timestamp::now(),
+        };
+        self.register.enter(key, &entry)?;
+        self.place.publish(key, &name)
+    }
+}
+
+/// By what a result is known: the scan and the patient, whose id it does not show.
+fn key(scan: &ScanId, patient: &str) -> String {
+    let digest = Sha256::digest(format!("{scan}\0{patient}"));
+    let digits: String = digest.iter().take(4).map(|byte| format!("{byte:02x}")).collect();
+    format!("{}-{digits}", scan.short())
+}

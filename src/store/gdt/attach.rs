@@ -1,0 +1,81 @@
+//! Files of a record that go to the practice with its result.
+
+use std::path::{Path, PathBuf};
+
+use super::super::StoreFault;
+use super::place::Place;
+use crate::record::RecordFile;
+use crate::record::gdt::{Attachment, Reference};
+
+/// What an attachment is, as the practice software shows it.
+const DESCRIPTION: &str = "Beinvermessung";
+
+/// Which files go with a result, where they are put and how the result speaks of them.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Attach {
+    /// Names of files of a record; one that a record lacks is left out.
+    pub files: Vec<String>,
+    /// A folder in the exchange folder for them; the exchange folder itself if empty.
+    pub folder: String,
+    /// How the result says where they lie.
+    pub reference: Reference,
+    /// The exchange folder as the practice software sees it; as the station does if empty.
+    pub root: String,
+}
+
+impl Attach {
+    /// What a result says of its attachments.
+    pub(super) fn attachments(
+        &self,
+        key: &str,
+        files: &[RecordFile],
+        folder: &Path,
+    ) -> Vec<Attachment> {
+        let attachment = |file: &RecordFile| Attachment {
+            name: key.to_owned(),
+            format: file.name.rsplit('.').next().unwrap_or_default().to_ascii_uppercase(),
+            description: DESCRIPTION.to_owned(),
+            path: self.reference(&file_name(key, file), folder),
+        };
+        self.of(files).map(attachment).collect()
+    }
+
+    /// Writes them, durable.
+    pub(super) fn write(
+        &self,
+        key: &str,
+        files: &[RecordFile],
+        place: &Place,
+    ) -> Result<(), StoreFault> {
+        for file in self.of(files) {
+            let path: PathBuf = place.folder().join(&self.folder).join(file_name(key, file));
+            place.write_attachment(&path, &file.bytes)?;
+        }
+        Ok(())
+    }
+
+    fn of<'a>(&'a self, files: &'a [RecordFile]) -> impl Iterator<Item = &'a RecordFile> {
+        let named = |name: &String| files.iter().find(|file| file.name == *name);
+        self.files.iter().filter_map(named)
+    }
+
+    fn reference(&self, name: &str, folder: &Path) -> String {
+        let root = match self.root.as_str() {
+            "" => folder.to_string_lossy().into_owned(),
+            root => root.trim_end_matches(['\\', '/']).to_owned(),
+        };
+        // Paths are read by a program that mostly runs on Windows; a root says whether it does.
+        let bar = if root.contains('\\') { '\\' } else { '/' };
+        let parts = match self.reference {
+            Reference::Full => vec![root.as_str(), &self.folder, name],
+            Reference::Relative => vec![self.folder.as_str(), name],
+            Reference::Name => vec![name],
+        };
+        let parts: Vec<&str> = parts.into_iter().filter(|part| !part.is_empty()).collect();
+        parts.join(&bar.to_string())
+    }
+}
+
+fn file_name(key: &str, file: &RecordFile) -> String {
+    format!("{key}_{}", file.name)
+}

@@ -1,0 +1,155 @@
+//! The register: which results were handed over or are about to be, a file each in the station's
+//! state folder. It outlasts the journal.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU16, Ordering};
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use super::super::{FoundRecord, StoreFault, durable, tried};
+use crate::flow::ScanId;
+
+/// The ending of an entry.
+const ENDING: &str = ".json";
+
+/// The schemas of an entry, told apart by their name.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "schema")]
+enum Versioned {
+    #[serde(rename = "gaiter.handed-over/1")]
+    V1(Entry),
+}
+
+/// What is known of a result.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Entry {
+    /// The scan's hash.
+    pub scan: String,
+    /// The patient's id.
+    pub patient: String,
+    /// When the station first saw the scan.
+    pub first_seen: Timestamp,
+    /// The ending of the scan's format.
+    pub format: String,
+    /// Size of the scan, bytes.
+    pub size: u64,
+    /// The name of the file that was handed over.
+    pub name: String,
+    /// The number in it.
+    pub number: u16,
+    /// When it was registered.
+    pub at: Timestamp,
+}
+
+impl Entry {
+    /// As a record that lies in the store; none for an entry that names no scan.
+    pub fn found(self, folder: &Path) -> Option<FoundRecord> {
+        Some(FoundRecord {
+            scan: ScanId::parse(&self.scan).ok()?,
+            patient: Some(self.patient),
+            first_seen: self.first_seen,
+            format: self.format,
+            size: self.size,
+            folder: folder.join(self.name),
+        })
+    }
+}
+
+/// The entries of a station.
+#[derive(Debug, Clone)]
+pub(super) struct Register {
+    folder: PathBuf,
+    /// The number used last; only so that files are fetched in their order.
+    last_number: Arc<AtomicU16>,
+}
+
+impl Register {
+    /// The register in a folder.
+    pub fn new(folder: PathBuf) -> Register {
+        Register { folder, last_number: Arc::default() }
+    }
+
+    /// Makes the folder where there is none, clears what a crash left half written, and finds the
+    /// number used last.
+    pub fn open(&self) -> Result<(), StoreFault> {
+        if self.folder.is_dir() && self.last_number() != 0 {
+            return Ok(());
+        }
+        let within = self.folder.parent().unwrap_or(Path::new("/"));
+        tried("making", &self.folder, durable::make_folder_once(&self.folder))?;
+        tried("syncing", within, durable::sync_folder(within))?;
+        let last = self.entries()?.into_iter().max_by_key(|(_, entry)| entry.at);
+        let number = last.map_or(0, |(_, entry)| entry.number);
+        self.last_number.store(number, Ordering::Relaxed);
+        Ok(())
+    }
+
+    /// The number used last, 0 for none.
+    pub fn last_number(&self) -> u16 {
+        self.last_number.load(Ordering::Relaxed)
+    }
+
+    /// An entry; none where the result was never registered.
+    pub fn entry(&self, key: &str) -> Result<Option<Entry>, StoreFault> {
+        let path = self.path(key);
+        match fs::read(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+            read => tried("reading", &path, read.and_then(|bytes| parse(&bytes))).map(Some),
+        }
+    }
+
+    /// All entries by key.
+    pub fn entries(&self) -> Result<Vec<(String, Entry)>, StoreFault> {
+        let keys = || -> io::Result<Vec<String>> {
+            let mut keys = Vec::new();
+            for entry in fs::read_dir(&self.folder)? {
+                let name = entry?.file_name();
+                let name = name.to_string_lossy();
+                let key = name.strip_suffix(ENDING).filter(|key| !key.starts_with('.'));
+                keys.extend(key.map(str::to_owned));
+            }
+            Ok(keys)
+        };
+        let keys = match keys() {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
+            keys => tried("listing", &self.folder, keys)?,
+        };
+        let mut entries = Vec::with_capacity(keys.len());
+        for key in keys {
+            entries.extend(self.entry(&key)?.map(|entry| (key, entry)));
+        }
+        Ok(entries)
+    }
+
+    /// Enters a result, durable when this returns; over an earlier entry of it, whose name it never
+    /// got.
+    pub fn enter(&self, key: &str, entry: &Entry) -> Result<(), StoreFault> {
+        let (path, number) = (self.path(key), entry.number);
+        let staged = self.folder.join(format!(".{key}{ENDING}"));
+        let write = || -> io::Result<()> {
+            let text = serde_json::to_vec_pretty(&Versioned::V1(entry.clone()))?;
+            if staged.exists() {
+                fs::remove_file(&staged)?;
+            }
+            durable::write_new(&staged, &text)?;
+            fs::rename(&staged, &path)?;
+            durable::sync_folder(&self.folder)
+        };
+        tried("registering", &path, write())?;
+        self.last_number.store(number, Ordering::Relaxed);
+        Ok(())
+    }
+
+    fn path(&self, key: &str) -> PathBuf {
+        self.folder.join(format!("{key}{ENDING}"))
+    }
+}
+
+fn parse(bytes: &[u8]) -> io::Result<Entry> {
+    let Versioned::V1(entry) = serde_json::from_slice(bytes)?;
+    Ok(entry)
+}
