@@ -34,7 +34,7 @@ pub fn measure() {
     idle("a port that is not there", absent);
     let mut contact = attended(button.port(), "contact = \"cts\"");
     contact.door = Box::new(WithoutWires(button.port().to_string_lossy().into_owned()));
-    idle("a contact, looked at every 20 ms, without the adapter's own transfers", contact);
+    idle("a contact, looked at every 50 ms, without the adapter's own transfers", contact);
     latency(&mut button);
 }
 

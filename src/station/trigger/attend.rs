@@ -15,9 +15,11 @@ use crate::flow::trigger::{Ear, FaultKind, Input, Life, PortFault, PortState};
 /// the station stops.
 const LISTEN: Duration = Duration::from_millis(200);
 
-/// How often a contact is looked at. With the time that its bouncing takes, a person notices
-/// nothing; more often costs more than a button should.
-pub const SAMPLE: Duration = Duration::from_millis(20);
+/// How often a contact is looked at while nothing happens; once it is seen otherwise, also when its
+/// bouncing should be over. A finger stays for 100 ms or more. Every 20 ms cost half a percent of a
+/// core on a busy machine, more than a button should; waiting for the edge itself (TIOCMIWAIT) is in
+/// no crate without unsafe code, and could not be ended.
+pub const SAMPLE: Duration = Duration::from_millis(50);
 
 /// How often it is looked whether the port is still the one that its name means.
 const IN_PLACE: Duration = Duration::from_secs(1);
