@@ -1,4 +1,4 @@
-//! `gaiter demo`: a real station, a simulated scanner, four exports, two records.
+//! `gaiter demo`: a real station, a simulated button and scanner, four exports, two records.
 //!
 //! The scans are recorded ones, compressed into the binary. One of the four exports is aborted
 //! half-way and one is no body: they must lead to no record.
@@ -8,6 +8,7 @@ mod exports;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use tokio::runtime::Runtime;
@@ -19,6 +20,7 @@ use super::args::DemoArgs;
 use super::{Exit, complain, explain_config, print, table};
 use crate::config::{self, Config};
 use crate::record::Record;
+use crate::station::simulated_button::{self, SimulatedButton};
 use crate::station::{self, Orders, StationEvent, simulated_scanner};
 use exports::{Expected, exports};
 
@@ -30,6 +32,9 @@ const MARK: &str = ".made-by-gaiter-demo";
 
 /// If nothing happens for this long the demo has failed.
 const PATIENCE: Duration = Duration::from_secs(45);
+
+/// From the press to the first byte of its export; a real scanner takes longer.
+const SCANNING: Duration = Duration::from_millis(500);
 
 /// Why the demo could not be shown.
 #[derive(Debug, thiserror::Error)]
@@ -50,7 +55,13 @@ enum DemoFault {
 
 /// Shows the station at work; ends as done only if exactly the whole scans led to records.
 pub fn demo(_args: &DemoArgs) -> Exit {
-    let config = match prepare() {
+    let button = SimulatedButton::new();
+    if let Err(error) = &button {
+        // The station works without one.
+        complain(format_args!("gaiter demo: there is no button: {error}"));
+    }
+    let mut button = button.ok();
+    let config = match prepare(button.as_ref()) {
         Ok(path) => match config::read(&path) {
             Ok(config) => config,
             Err(error) => return explain_config(&error),
@@ -58,7 +69,7 @@ pub fn demo(_args: &DemoArgs) -> Exit {
         Err(fault) => return failed(&fault),
     };
     let shown = Runtime::new().map_err(DemoFault::from).and_then(|runtime| {
-        let shown = runtime.block_on(show(config));
+        let shown = runtime.block_on(show(config, button.take()));
         runtime.shutdown_background();
         shown
     });
@@ -74,7 +85,7 @@ fn failed(fault: &DemoFault) -> Exit {
 }
 
 /// A fresh folder with a configuration in it; its path.
-fn prepare() -> Result<PathBuf, DemoFault> {
+fn prepare(button: Option<&SimulatedButton>) -> Result<PathBuf, DemoFault> {
     let folder = std::env::current_dir()?.join(FOLDER);
     if folder.exists() {
         if !folder.join(MARK).exists() {
@@ -88,13 +99,17 @@ fn prepare() -> Result<PathBuf, DemoFault> {
     fs::write(folder.join(MARK), "")?;
     let path = folder.join("station.toml");
     let place = |part: &str| toml::Value::from(folder.join(part).to_string_lossy().as_ref());
+    let trigger = button.map_or(String::new(), |button| {
+        let port = toml::Value::from(button.port().to_string_lossy().as_ref());
+        format!("[trigger.serial]\nport = {port}\ntokens = [\"{}\"]\n", simulated_button::PRESS)
+    });
     fs::write(
         &path,
         format!(
             "[station]\nid = \"demo\"\nstate_dir = {}\n\n\
              [scanner]\nexport_dirs = [{}]\nquiet = \"1s\"\nrescan = \"2s\"\nshort_wait = \"4s\"\n\
              file_name = '^(?<patient>P?[0-9]+)_'\n\n\
-             [store.folder]\npath = {}\n",
+             [store.folder]\npath = {}\n\n{trigger}",
             place("state"),
             place("export"),
             place("records")
@@ -104,7 +119,7 @@ fn prepare() -> Result<PathBuf, DemoFault> {
 }
 
 /// Runs the station, lets the scanner export, and shows what came of it.
-async fn show(config: Config) -> Result<(), DemoFault> {
+async fn show(config: Config, button: Option<SimulatedButton>) -> Result<(), DemoFault> {
     let export_dir = config.scanner.export_dirs[0].clone();
     let state_dir = config.station.state_dir.clone();
     let (tell, mut events) = unbounded_channel();
@@ -115,8 +130,10 @@ async fn show(config: Config) -> Result<(), DemoFault> {
     };
     let station = tokio::spawn(station::run(config, Orders::stop_only(asked), Some(tell)));
     let clock = Instant::now();
+    let button = Arc::new(Mutex::new(button));
+    let exports = exports(&export_dir)?.into_iter();
     let expected: Vec<Expected> =
-        exports(&export_dir)?.into_iter().map(|e| scan(e, clock)).collect();
+        exports.map(|export| scan(export, Arc::clone(&button), clock)).collect();
     let watched = timeout(PATIENCE, watch(&mut events, &expected, clock)).await;
     drop(stop);
     let ended = station.await.map_err(io::Error::other)?;
@@ -131,11 +148,17 @@ async fn show(config: Config) -> Result<(), DemoFault> {
     summary(&seen, &state_dir)
 }
 
-/// Lets the scanner export one scan in the background and says so.
-fn scan(export: (simulated_scanner::Export, Expected, Duration), clock: Instant) -> Expected {
+/// Presses the button, lets the scanner export one scan in the background, and says so.
+fn scan(
+    export: (simulated_scanner::Export, Expected, Duration),
+    button: Arc<Mutex<Option<SimulatedButton>>>,
+    clock: Instant,
+) -> Expected {
     let (export, expected, after) = export;
     tokio::spawn(async move {
         tokio::time::sleep(after).await;
+        press(&button, clock);
+        tokio::time::sleep(SCANNING).await;
         let name = name_of(&export.path);
         say(clock, &format!("scanner  exports {name}"));
         match simulated_scanner::write(export).await {
@@ -144,6 +167,15 @@ fn scan(export: (simulated_scanner::Export, Expected, Duration), clock: Instant)
         }
     });
     expected
+}
+
+fn press(button: &Mutex<Option<SimulatedButton>>, clock: Instant) {
+    let mut button = button.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(button) = button.as_mut() else { return };
+    match button.press() {
+        Ok(()) => say(clock, "operator presses the button"),
+        Err(error) => complain(format_args!("button: {error}")),
+    }
 }
 
 /// What the station did in the end.

@@ -5,7 +5,9 @@
 //! it may have lain there before the press, or where it comes after the window, it is held, and a
 //! person decides.
 //!
-//! A station without a button opens a capture when somebody names the next patient.
+//! A station without a button opens a capture when somebody names the next patient. Where no capture
+//! in question has a patient nothing can be mistaken, and nothing is held: what is not certainly the
+//! export of a press counts as one without.
 //!
 //! | what happens | what becomes of it |
 //! |---|---|
@@ -321,29 +323,32 @@ impl Captures {
         let named = ids.iter().flatten().count();
         let patient = all.iter().find_map(|capture| capture.patient.clone());
         let patient = patient.filter(|_| named == 1);
-        // Whose scan it is cannot be mistaken where no capture in question says it.
-        let doubt = all.iter().find_map(|capture| capture.doubt).filter(|_| named > 0);
-        let doubt = if ids.len() > 1 { Some(Doubt::Shared) } else { doubt };
-        if let Some(doubt) = doubt {
+        let is_after = |capture: &&&Capture| export.absent.is_some_and(|at| at >= capture.opened);
+        let after: Vec<&&Capture> = all.iter().filter(is_after).collect();
+        let in_time = |capture: &&&&Capture| {
+            capture.state == CaptureState::Open && export.seen <= capture.until
+        };
+        let its_own = after.iter().find(in_time).map(|capture| (**capture).clone());
+        if named == 0 {
+            // Whose scan it is cannot be mistaken where no capture in question says it.
+            return its_own.map_or(Judged::Unpressed, Judged::Of);
+        }
+        let shared = (ids.len() > 1).then_some(Doubt::Shared);
+        if let Some(doubt) = shared.or(all.iter().find_map(|capture| capture.doubt)) {
             let doubtful = all[1..].iter().map(|capture| capture.number).collect();
             let answered = Some(oldest.number);
             return Judged::Held { code: doubt.code(), patient, answered, doubtful };
         }
-        let is_after = |capture: &&&Capture| export.absent.is_some_and(|at| at >= capture.opened);
-        let after: Vec<&&Capture> = all.iter().filter(is_after).collect();
         let Some(oldest) = after.first() else {
             return Judged::Held { code: UNCLEAR, patient, answered: None, doubtful: Vec::new() };
         };
-        let in_time = |capture: &&&&Capture| {
-            capture.state == CaptureState::Open && export.seen <= capture.until
-        };
-        match after.iter().find(in_time) {
-            Some(capture) => Judged::Of((***capture).clone()),
-            None => {
+        its_own.map_or_else(
+            || {
                 let answered = Some(oldest.number);
                 Judged::Held { code: LATE, patient, answered, doubtful: Vec::new() }
-            }
-        }
+            },
+            Judged::Of,
+        )
     }
 
     /// The export was taken: what it answered waits no more.

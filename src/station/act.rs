@@ -174,7 +174,12 @@ fn unassign(station: &Station, row: ScanRow) -> Result<String, ActFault> {
     match with_bytes(station, &row.scan, Some(owner), unassign)? {
         Acted::Done(_) => {
             info!(event = "scan-unassigned", scan);
-            Ok(format!("scan {scan} is nobody's again; its record goes to _unassigned"))
+            let said = format!("scan {scan} is nobody's again; its record goes to _unassigned");
+            let of_practice = station.stores.iter().any(|store| !store.gives_back());
+            Ok(match of_practice {
+                true => format!("{said}; delete what the practice software was given there"),
+                false => said,
+            })
         }
         Acted::NoBytes | Acted::Nothing => Err(ActFault::NoBytes),
     }

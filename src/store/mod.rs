@@ -188,6 +188,14 @@ impl RecordStore {
         }
     }
 
+    /// Whether a record can be taken back; what practice software was handed is its own.
+    pub fn gives_back(&self) -> bool {
+        match self {
+            RecordStore::Folder(_) => true,
+            RecordStore::Gdt(_) => false,
+        }
+    }
+
     /// Where the store is, as the configuration says.
     pub fn place(&self) -> String {
         match self {

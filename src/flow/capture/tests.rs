@@ -284,4 +284,9 @@ fn where_no_capture_names_a_patient_nothing_can_be_mistaken() {
     captures.pressed(1, at(1));
     captures.deaf();
     assert_eq!(patient_of(&export(&mut captures, seen(5))), None);
+    captures.pressed(2, at(10));
+    let unclear = Appeared { absent: None, seen: at(11) };
+    assert_eq!(export(&mut captures, unclear), Judged::Unpressed);
+    assert_eq!(captures.pass(at(71), &[]).expired, [2]);
+    assert_eq!(export(&mut captures, seen(80)), Judged::Unpressed);
 }
