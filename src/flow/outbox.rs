@@ -97,6 +97,17 @@ impl Outbox {
             let same = |group: &&mut Vec<Key>| {
                 group.first().is_some_and(|k| k.scan == key.scan && k.patient == key.patient)
             };
+            // A person may have decided otherwise while a delivery was in hand: what replaces it comes
+            // after it.
+            let is_behind =
+                self.in_hand.iter().chain(plan.attempts.iter().flatten()).any(|other| {
+                    other.scan == key.scan
+                        && other.patient != key.patient
+                        && other.store == key.store
+                });
+            if is_behind {
+                continue;
+            }
             if let Some(group) = plan.attempts.iter_mut().find(same) {
                 group.push(key.clone());
             } else if free > 0 {
@@ -245,6 +256,17 @@ mod tests {
         outbox.ended(&key(2, "a"), Ended::ForGood, NOW, 0.5);
         let due = [key(1, "a"), key(1, "b"), key(3, "a")];
         assert_eq!(outbox.plan(&due, NOW, 2).attempts, [[key(3, "a")]]);
+    }
+
+    #[test]
+    fn deliveries_of_one_scan_to_two_are_made_one_after_the_other() {
+        let mut outbox = outbox(&["a"]);
+        let theirs = Key { patient: Some("4711".to_owned()), ..key(1, "a") };
+        let due = [key(1, "a"), theirs.clone()];
+        assert_eq!(outbox.plan(&due, NOW, 4).attempts, [[key(1, "a")]]);
+        assert_eq!(outbox.plan(&due[1..], NOW, 4), Plan::default());
+        outbox.ended(&key(1, "a"), Ended::ForGood, NOW, 0.5);
+        assert_eq!(outbox.plan(&due[1..], NOW, 4).attempts, [[theirs]]);
     }
 
     #[test]

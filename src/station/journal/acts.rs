@@ -3,7 +3,7 @@
 use rusqlite::{Transaction, params};
 use serde_json::json;
 
-use super::deliveries::{UNASSIGNED, count, step};
+use super::deliveries::{SUPERSEDED, UNASSIGNED, count, step};
 use super::scans::{insert_delivery, insert_scan, set_state, state_of};
 use super::{Due, Event, Journal, JournalError, ScanRow, Task, cell, history};
 use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
@@ -79,19 +79,7 @@ impl Journal {
         stores: &[&str],
     ) -> Result<(), JournalError> {
         self.change(|transaction| {
-            let [pending, refused, held] =
-                [DeliveryState::Pending, DeliveryState::Refused, DeliveryState::Held];
-            transaction.execute(
-                "DELETE FROM deliveries
-                 WHERE sha256 = ?1 AND (state = ?4 OR (patient = '' AND state IN (?2, ?3)))",
-                [scan.as_str(), pending.word(), refused.word(), held.word()],
-            )?;
-            // Where it was just being taken back from this very patient it stays.
-            transaction.execute(
-                "UPDATE deliveries SET code = NULL
-                 WHERE sha256 = ?1 AND patient = ?2 AND code = ?3",
-                [scan.as_str(), &patient.id, UNASSIGNED],
-            )?;
+            give_way(transaction, scan, "patient = '' OR state = 'held'")?;
             for_whom(transaction, scan, Some(patient), stores)?;
             let detail = json!({ "patient": patient.id, "by": "operator" });
             history::append(transaction, Some(scan), Event::Assigned, &detail)
@@ -105,7 +93,6 @@ impl Journal {
     /// See [`JournalError`].
     pub fn unassigned(&self, scan: &ScanId, stores: &[&str]) -> Result<(), JournalError> {
         self.change(|transaction| {
-            let delivered = DeliveryState::Delivered.word();
             let taken: Vec<String> = {
                 let mut query = transaction.prepare_cached(
                     "SELECT DISTINCT patient FROM deliveries
@@ -115,15 +102,11 @@ impl Journal {
                 rows.collect::<rusqlite::Result<_>>()?
             };
             transaction.execute(
-                "UPDATE deliveries SET code = ?3
-                 WHERE sha256 = ?1 AND patient <> '' AND state = ?2",
-                [scan.as_str(), delivered, UNASSIGNED],
+                "UPDATE deliveries SET code = ?2
+                 WHERE sha256 = ?1 AND patient <> '' AND state = 'delivered'",
+                [scan.as_str(), UNASSIGNED],
             )?;
-            transaction.execute(
-                "DELETE FROM deliveries WHERE sha256 = ?1 AND patient <> ''
-                 AND state IN ('pending', 'refused', 'held')",
-                [scan.as_str()],
-            )?;
+            give_way(transaction, scan, "patient <> ''")?;
             for_whom(transaction, scan, None, stores)?;
             let detail = json!({ "patients": taken, "by": "operator" });
             history::append(transaction, Some(scan), Event::Unassigned, &detail)
@@ -204,6 +187,26 @@ impl Journal {
     }
 }
 
+/// Deliveries that a person's word overtakes. Refused and held ones are not in hand and go; pending
+/// ones may be, and are taken back when the one that was wanted is made.
+fn give_way(transaction: &Transaction<'_>, scan: &ScanId, which: &str) -> Result<(), JournalError> {
+    transaction.execute(
+        &format!(
+            "DELETE FROM deliveries
+             WHERE sha256 = ?1 AND state IN ('refused', 'held') AND ({which})"
+        ),
+        [scan.as_str()],
+    )?;
+    transaction.execute(
+        &format!(
+            "UPDATE deliveries SET state = ?2, code = ?3, next_at = NULL
+             WHERE sha256 = ?1 AND state = ?4 AND ({which})"
+        ),
+        [scan.as_str(), DeliveryState::Delivered.word(), SUPERSEDED, DeliveryState::Pending.word()],
+    )?;
+    Ok(())
+}
+
 /// The deliveries of a scan to whom a person says it belongs.
 fn for_whom(
     transaction: &Transaction<'_>,
@@ -217,6 +220,11 @@ fn for_whom(
         ScanState::Refused => DeliveryState::Refused,
         ScanState::Spooled | ScanState::Delivered => DeliveryState::Pending,
     };
+    // What was to be taken back from this very one stays.
+    transaction.execute(
+        "UPDATE deliveries SET code = NULL WHERE sha256 = ?1 AND patient = ?2 AND code = ?3",
+        [scan.as_str(), patient.map_or("", |patient| &patient.id), UNASSIGNED],
+    )?;
     for store in stores {
         insert_delivery(transaction, scan, patient, store, delivery, None)?;
     }

@@ -98,6 +98,11 @@ impl Journal {
         let scan = &due.scan;
         self.change(|transaction| {
             let place = folder.to_string_lossy();
+            if is_superseded(transaction, due)? {
+                // Somebody decided otherwise while it was in hand: now it is there to be taken back.
+                set_code(transaction, due, UNASSIGNED)?;
+                return Ok(false);
+            }
             step(transaction, due, DeliveryStep::Deliver, Some(&place))?;
             history::append(transaction, Some(scan), Event::Delivered, &detail(due))?;
             withdraw_others(transaction, due)?;
@@ -123,11 +128,7 @@ impl Journal {
                 return Ok(false);
             }
             step(transaction, due, DeliveryStep::Refuse, None)?;
-            transaction.execute(
-                "UPDATE deliveries SET code = ?4
-                 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-                [due.scan.as_str(), due.patient_cell(), &due.store, code],
-            )?;
+            set_code(transaction, due, code)?;
             let detail = json!({ "code": code, "store": due.store });
             history::append(transaction, Some(&due.scan), Event::Refused, &detail)?;
             Ok(true)
@@ -140,6 +141,10 @@ impl Journal {
     /// See [`JournalError`].
     pub fn withdrawn(&self, due: &Due) -> Result<(), JournalError> {
         self.change(|transaction| {
+            if delivery_state(transaction, due)? != Some(DeliveryState::Withdrawing) {
+                // Somebody decided otherwise while it was in hand: it is to be made again.
+                return Ok(());
+            }
             step(transaction, due, DeliveryStep::Gone, None)?;
             history::append(transaction, Some(&due.scan), Event::Withdrawn, &detail(due))
         })
@@ -171,10 +176,11 @@ impl Journal {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
             "SELECT patient FROM deliveries
-             WHERE sha256 = ?1 AND store = ?2 AND state = ?3 AND code IS NOT ?4
+             WHERE sha256 = ?1 AND store = ?2 AND state = ?3
+                   AND coalesce(code, '') NOT IN (?4, ?5)
              ORDER BY patient = '', changed_at LIMIT 1",
         )?;
-        let cells = [scan.as_str(), store, DeliveryState::Delivered.word(), UNASSIGNED];
+        let cells = [scan.as_str(), store, DeliveryState::Delivered.word(), UNASSIGNED, SUPERSEDED];
         let found: Option<String> = query.query_row(cells, |row| row.get(0)).optional()?;
         Ok(found.map(|id| Some(id).filter(|id| !id.is_empty())))
     }
@@ -188,7 +194,7 @@ impl Journal {
         let mut query = connection.prepare_cached(
             "SELECT DISTINCT patient FROM deliveries
              WHERE sha256 = ?1 AND patient <> '' AND state NOT IN (?2, ?3, ?4)
-                   AND code IS NOT ?5",
+                   AND coalesce(code, '') NOT IN (?5, ?6)",
         )?;
         let [held, withdrawing, withdrawn] =
             [DeliveryState::Held, DeliveryState::Withdrawing, DeliveryState::Withdrawn];
@@ -214,6 +220,10 @@ impl Journal {
 /// The code of a delivered record that a person takes back from its patient.
 pub(super) const UNASSIGNED: &str = "unassigned";
 
+/// The code of a delivery that was to be made when a person decided otherwise. It may be in hand, so
+/// it counts as made, and is taken back like one.
+pub(super) const SUPERSEDED: &str = "superseded";
+
 /// What is to be taken back from a store now that a record has reached it.
 pub(super) fn withdraw_others(
     transaction: &Transaction<'_>,
@@ -222,7 +232,7 @@ pub(super) fn withdraw_others(
     let mut query = transaction.prepare_cached(
         "SELECT patient FROM deliveries
          WHERE sha256 = ?1 AND store = ?2 AND state = ?3 AND patient <> ?4
-               AND (code IS ?5 OR patient = '')",
+               AND (code IN (?5, ?6) OR patient = '')",
     )?;
     let cells = [
         kept.scan.as_str(),
@@ -230,6 +240,7 @@ pub(super) fn withdraw_others(
         DeliveryState::Delivered.word(),
         kept.patient_cell(),
         UNASSIGNED,
+        SUPERSEDED,
     ];
     let others = query.query_map(cells, |row| row.get(0))?;
     let others: Vec<String> = others.collect::<rusqlite::Result<_>>()?;
@@ -237,6 +248,23 @@ pub(super) fn withdraw_others(
         let patient = (!id.is_empty()).then_some(Patient { id, sources: Vec::new() });
         step(transaction, &Due { patient, ..kept.clone() }, DeliveryStep::Withdraw, None)?;
     }
+    Ok(())
+}
+
+fn is_superseded(transaction: &Transaction<'_>, due: &Due) -> Result<bool, JournalError> {
+    Ok(transaction.query_row(
+        "SELECT EXISTS (SELECT 1 FROM deliveries
+                        WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND code = ?4)",
+        [due.scan.as_str(), due.patient_cell(), &due.store, SUPERSEDED],
+        |row| row.get(0),
+    )?)
+}
+
+fn set_code(transaction: &Transaction<'_>, due: &Due, code: &str) -> Result<(), JournalError> {
+    transaction.execute(
+        "UPDATE deliveries SET code = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+        [due.scan.as_str(), due.patient_cell(), &due.store, code],
+    )?;
     Ok(())
 }
 

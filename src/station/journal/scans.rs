@@ -204,7 +204,8 @@ pub(super) fn insert_scan(
     Ok(())
 }
 
-/// Puts a delivery into the table; it must be new, or have been taken back.
+/// Puts a delivery into the table; one that was taken back, or is about to be, is to be made again,
+/// and one that was made stays.
 pub(super) fn insert_delivery(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -224,7 +225,7 @@ pub(super) fn insert_delivery(
          ON CONFLICT (sha256, patient, store) DO UPDATE
          SET sources = ?4, state = ?5, code = ?6, changed_at = ?7, seal = ?8, attempts = 0,
              next_at = NULL, folder = NULL
-         WHERE state = 'withdrawn'",
+         WHERE state IN ('withdrawn', 'withdrawing') OR deliveries.code = 'superseded'",
         params![
             scan.as_str(),
             id,
