@@ -198,7 +198,14 @@ impl Journal {
         )?;
         let [held, withdrawing, withdrawn] =
             [DeliveryState::Held, DeliveryState::Withdrawing, DeliveryState::Withdrawn];
-        let cells = [scan.as_str(), held.word(), withdrawing.word(), withdrawn.word(), UNASSIGNED];
+        let cells = [
+            scan.as_str(),
+            held.word(),
+            withdrawing.word(),
+            withdrawn.word(),
+            UNASSIGNED,
+            SUPERSEDED,
+        ];
         let rows = query.query_map(cells, |row| row.get(0))?;
         Ok(rows.collect::<rusqlite::Result<_>>()?)
     }
