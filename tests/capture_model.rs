@@ -166,8 +166,7 @@ impl Booth {
     /// The station comes back with what its journal holds.
     fn restart(&mut self) {
         let waiting = self.station.waiting().to_vec();
-        let next =
-            self.station.next().map(|(named, until)| (named.clone(), until - RULES.name_lasts));
+        let next = self.station.next().cloned();
         self.station = Captures::new(RULES, waiting, next);
         self.last_look = None;
         if self.is_plugged {

@@ -20,15 +20,19 @@
 //! | an export after the window | held: `export-late` |
 //! | an export that a look before the press cannot rule out | held: `capture-unclear` |
 //! | a press while another scan is measured | as any other: an export counts when it is first seen |
+//! | an order of the practice software names another patient before the press | held: `capture-ambiguous`, unless somebody at the booth says who it is |
 //! | the port was away at or shortly before the press, or since | held: `press-unheard`, where the capture has a patient |
 //! | the station restarts in between | likewise, for it heard nothing meanwhile |
 //! | the machine restarts in between | the capture expires |
 //! | the clock on the wall jumps | nothing: times are since the machine's start |
 
+mod outcome;
+
 use std::collections::BTreeSet;
 use std::time::Duration;
 
 use crate::record::SourceKind;
+pub use outcome::{CalledOff, Judged, NamedNext, Passed};
 
 /// Finding: the export could belong to captures of different patients.
 pub const AMBIGUOUS: &str = "capture-ambiguous";
@@ -62,6 +66,18 @@ pub struct Named {
     pub id: String,
     /// Who named it.
     pub by: SourceKind,
+}
+
+/// The name that waits for a press.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Next {
+    /// Who.
+    pub named: Named,
+    /// When it was said; as in [`Capture`].
+    pub at: Duration,
+    /// An order named somebody else than the name that waited: whoever stands in the booth may be
+    /// either.
+    pub is_doubtful: bool,
 }
 
 /// The time in which the export of a press is awaited. All times are since the machine's start.
@@ -131,67 +147,13 @@ pub struct Appeared {
     pub seen: Duration,
 }
 
-/// Which capture an export belongs to.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Judged {
-    /// To none: nothing was pressed.
-    Unpressed,
-    /// To this one.
-    Of(Capture),
-    /// A person must say.
-    Held {
-        /// Why.
-        code: &'static str,
-        /// The one patient whom every capture in question names, if there is one.
-        patient: Option<Named>,
-        /// The capture that is answered by it, if any.
-        answered: Option<i64>,
-        /// Captures whose exports are in doubt from now on.
-        doubtful: Vec<i64>,
-    },
-}
-
-/// What came of naming the next patient.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum NamedNext {
-    /// The name waits for the next press; whether it replaced another.
-    Waits {
-        /// Another id was waiting.
-        replaced: bool,
-    },
-    /// A capture was opened for it.
-    Opened(Capture),
-    /// The capture that is open is this patient's already; its window was prolonged.
-    Prolonged(Capture),
-}
-
-/// What the passing of time did.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Passed {
-    /// Captures whose windows are over without an export.
-    pub expired: Vec<i64>,
-    /// The patient's name was not used in time.
-    pub name_expired: bool,
-    /// Captures whose exports nobody waits for any more.
-    pub over: Vec<i64>,
-}
-
-/// What was called off.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct CalledOff {
-    /// Captures whose export is not awaited any more.
-    pub captures: Vec<i64>,
-    /// A name was waiting.
-    pub name: bool,
-}
-
 /// The captures whose exports have not come, in the order in which they were opened, and the
 /// patient's name that waits for a press.
 #[derive(Debug, Clone)]
 pub struct Captures {
     rules: Rules,
     waiting: Vec<Capture>,
-    next: Option<(Named, Duration)>,
+    next: Option<Next>,
     hearing: Hearing,
 }
 
@@ -205,9 +167,8 @@ enum Hearing {
 }
 
 impl Captures {
-    /// As the journal has them after a start, at which nobody has listened yet. `next` is the waiting
-    /// name and when it was said.
-    pub fn new(rules: Rules, waiting: Vec<Capture>, next: Option<(Named, Duration)>) -> Captures {
+    /// As the journal has them after a start, at which nobody has listened yet.
+    pub fn new(rules: Rules, waiting: Vec<Capture>, next: Option<Next>) -> Captures {
         let mut captures = Captures { rules, waiting, next, hearing: Hearing::Deaf };
         captures.deaf();
         captures
@@ -234,9 +195,9 @@ impl Captures {
         &self.waiting
     }
 
-    /// The patient's name that waits for a press, and until when.
-    pub fn next(&self) -> Option<(&Named, Duration)> {
-        self.next.as_ref().map(|(named, at)| (named, *at + self.rules.name_lasts))
+    /// The patient's name that waits for a press.
+    pub fn next(&self) -> Option<&Next> {
+        self.next.as_ref()
     }
 
     /// Whether an export is awaited.
@@ -255,8 +216,12 @@ impl Captures {
     /// The button was pressed: a capture with this number, with the patient whose name waited.
     pub fn pressed(&mut self, number: i64, now: Duration) -> &Capture {
         self.drop_old_name(now);
-        let patient = self.next.take().map(|(named, _)| named);
-        self.open(number, now, self.rules.window, Opener::Press, patient)
+        let next = self.next.take();
+        let doubt = next.as_ref().filter(|next| next.is_doubtful).map(|_| Doubt::Shared);
+        let patient = next.map(|next| next.named);
+        let opened = self.open(number, now, self.rules.window, Opener::Press, patient);
+        opened.doubt = doubt.or(opened.doubt);
+        opened
     }
 
     /// Somebody named the patient of the next scan. `number` is the number of the capture that may
@@ -264,10 +229,12 @@ impl Captures {
     pub fn named(&mut self, named: Named, number: i64, now: Duration) -> NamedNext {
         if self.rules.by_press {
             self.drop_old_name(now);
-            let before = self.next.replace((named.clone(), now));
-            return NamedNext::Waits {
-                replaced: before.is_some_and(|(old, _)| old.id != named.id),
-            };
+            let replaced = self.next.as_ref().is_some_and(|next| next.named.id != named.id);
+            let was_doubtful = self.next.as_ref().is_some_and(|next| next.is_doubtful);
+            // An order comes from the desk, and who is at the booth is not known there.
+            let is_doubtful = named.by == SourceKind::Order && (replaced || was_doubtful);
+            self.next = Some(Next { named, at: now, is_doubtful });
+            return NamedNext::Waits { replaced };
         }
         let until = now + self.rules.name_lasts;
         let newest = self.waiting.last_mut().filter(|capture| {
@@ -289,12 +256,12 @@ impl Captures {
         lasts: Duration,
         by: Opener,
         patient: Option<Named>,
-    ) -> &Capture {
+    ) -> &mut Capture {
         let (state, until) = (CaptureState::Open, now + lasts);
         let doubt = self.is_in_doubt(now).then_some(Doubt::Unheard);
         self.waiting.push(Capture { number, opened: now, until, by, patient, state, doubt });
         let last = self.waiting.len() - 1;
-        &self.waiting[last]
+        &mut self.waiting[last]
     }
 
     /// A person calls off what waits. The scanner may be at work for a press all the same, so its
@@ -387,7 +354,7 @@ impl Captures {
 
     fn drop_old_name(&mut self, now: Duration) -> bool {
         let lasts = self.rules.name_lasts;
-        let old = self.next.take_if(|(_, at)| now > *at + lasts);
+        let old = self.next.take_if(|next| now > next.at + lasts);
         old.is_some()
     }
 }

@@ -101,12 +101,12 @@ impl Booth {
         // The machine was off: whatever a press had begun is over.
         let others: Vec<i64> = others.iter().map(|row| row.capture.number).collect();
         let next = journal.next_named()?;
-        let name_is_over = next.as_ref().is_some_and(|(_, of, _)| *of != boot);
+        let name_is_over = next.as_ref().is_some_and(|(_, of)| *of != boot);
         if !others.is_empty() || name_is_over {
             journal.expired(&others, name_is_over)?;
             journal.captures_over(&others)?;
         }
-        let next = next.filter(|_| !name_is_over).map(|(named, _, at)| (named, at));
+        let next = next.filter(|_| !name_is_over).map(|(next, _)| next);
         let waiting = ours.into_iter().map(|row| row.capture).collect();
         let mut captures = Captures::new(rules, waiting, next);
         if buttons.is_empty() {
@@ -173,7 +173,7 @@ impl Booth {
 
     /// The name that waits for a press.
     pub fn next_named(&self) -> Option<String> {
-        self.inner().captures.next().map(|(named, _)| named.id.clone())
+        self.inner().captures.next().map(|next| next.named.id.clone())
     }
 
     fn scene(&self, not_ready: bool) -> Scene {

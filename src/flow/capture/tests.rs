@@ -290,3 +290,28 @@ fn where_no_capture_names_a_patient_nothing_can_be_mistaken() {
     assert_eq!(captures.pass(at(71), &[]).expired, [2]);
     assert_eq!(export(&mut captures, seen(80)), Judged::Unpressed);
 }
+
+#[test]
+fn an_order_for_another_patient_before_the_press_holds_the_scan_unless_the_booth_says_who_it_is() {
+    let named = |id: &str, by| Named { id: id.to_owned(), by };
+    let order = |id| named(id, SourceKind::Order);
+    let mut two_orders = captures();
+    two_orders.named(order("4711"), 1, at(0));
+    two_orders.named(order("0815"), 1, at(1));
+    two_orders.named(order("0815"), 1, at(2));
+    two_orders.pressed(1, at(3));
+    assert_eq!(code(&export(&mut two_orders, seen(20))), AMBIGUOUS);
+
+    let mut card_read = captures();
+    card_read.named(order("4711"), 1, at(0));
+    card_read.named(order("0815"), 1, at(1));
+    card_read.named(named("4711", SourceKind::Reader), 1, at(2));
+    card_read.pressed(1, at(3));
+    assert_eq!(patient_of(&export(&mut card_read, seen(20))), Some("4711"));
+
+    let mut order_again = captures();
+    order_again.named(order("4711"), 1, at(0));
+    order_again.named(order("4711"), 1, at(1));
+    order_again.pressed(1, at(3));
+    assert_eq!(patient_of(&export(&mut order_again, seen(20))), Some("4711"));
+}

@@ -81,12 +81,15 @@ impl Station {
         let Patient { id, .. } = self.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
         let now = self.machine_now();
         let mut inner = self.booth.inner();
-        let named = Named { id, by };
         let number = inner.next_number;
-        let next = inner.captures.named(named.clone(), number, now);
+        let next = inner.captures.named(Named { id, by }, number, now);
         let (journal, boot) = (self.custody.journal(), &self.booth.boot);
         match &next {
-            NamedNext::Waits { .. } => journal.named_next(&named, boot, now)?,
+            NamedNext::Waits { .. } => {
+                if let Some(next) = inner.captures.next() {
+                    journal.named_next(next, boot)?;
+                }
+            }
             NamedNext::Opened(capture) | NamedNext::Prolonged(capture) => {
                 inner.next_number = inner.next_number.max(capture.number + 1);
                 let (capture, at, boot) = (capture.clone(), Timestamp::now(), boot.clone());

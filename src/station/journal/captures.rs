@@ -12,7 +12,7 @@ use serde_json::json;
 
 use super::{Event, Journal, JournalError, cell, history, seal};
 use crate::flow::ScanId;
-use crate::flow::capture::{CalledOff, Capture, CaptureState, Doubt, Judged, Named, Opener};
+use crate::flow::capture::{CalledOff, Capture, CaptureState, Doubt, Judged, Named, Next, Opener};
 use crate::record::SourceKind;
 
 /// The patient's name that waits for a press, in the table of facts.
@@ -43,6 +43,7 @@ struct NextCell {
     by: SourceKind,
     boot: String,
     at_ms: u64,
+    is_doubtful: bool,
     seal: String,
 }
 
@@ -71,8 +72,8 @@ impl Journal {
             };
             transaction.execute(
                 "INSERT INTO captures (number, at, boot, opened_ms, until_ms, opener, patient, source,
-                                       state, seal)
-                 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)
+                                       state, seal, shared)
+                 VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11)
                  ON CONFLICT (number) DO UPDATE SET until_ms = ?5",
                 params![
                     capture.number,
@@ -85,6 +86,7 @@ impl Journal {
                     source,
                     state_word(capture.state),
                     seal::of_capture(capture.number, id, &source),
+                    capture.doubt == Some(Doubt::Shared),
                 ],
             )?;
             let event = match capture.by {
@@ -108,7 +110,8 @@ impl Journal {
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn named_next(&self, named: &Named, boot: &str, at: Duration) -> Result<(), JournalError> {
+    pub fn named_next(&self, next: &Next, boot: &str) -> Result<(), JournalError> {
+        let Next { named, at, is_doubtful } = next;
         self.change(|transaction| {
             let source = word_of(named.by)?;
             let text = json_text(&NextCell {
@@ -116,6 +119,7 @@ impl Journal {
                 by: named.by,
                 boot: boot.to_owned(),
                 at_ms: u64::try_from(at.as_millis()).unwrap_or(u64::MAX),
+                is_doubtful: *is_doubtful,
                 seal: seal::of_capture(0, &named.id, &source),
             })?;
             transaction.execute(
@@ -128,18 +132,19 @@ impl Journal {
         })
     }
 
-    /// The name that waits for a press, the machine's start it belongs to, and when it was said.
+    /// The name that waits for a press, and the machine's start it belongs to.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn next_named(&self) -> Result<Option<(Named, String, Duration)>, JournalError> {
+    pub fn next_named(&self) -> Result<Option<(Next, String)>, JournalError> {
         let Some(text) = self.fact(NEXT)? else { return Ok(None) };
         let next: NextCell = cell("value", text, |text| serde_json::from_str(text).ok())?;
         if next.seal != seal::of_capture(0, &next.id, &word_of(next.by)?) {
             return Err(JournalError::Seal { table: "meta" });
         }
-        let at = Duration::from_millis(next.at_ms);
-        Ok(Some((Named { id: next.id, by: next.by }, next.boot, at)))
+        let NextCell { id, by, boot, at_ms, is_doubtful, .. } = next;
+        let at = Duration::from_millis(at_ms);
+        Ok(Some((Next { named: Named { id, by }, at, is_doubtful }, boot)))
     }
 
     /// The captures whose exports have not come, in the order in which they were opened.
