@@ -160,7 +160,7 @@ fn an_order_is_brought_by_the_program_that_the_practice_software_starts() {
     };
     let good = bring(&order(6302, "4711"));
     assert_eq!(good.status.code(), Some(0), "{}", stderr(&good));
-    assert!(stdout(&good).contains("the order is taken"), "{}", stdout(&good));
+    assert!(stdout(&good).contains("next export is this patient's"), "{}", stdout(&good));
     assert_eq!(events(&booth, "patient-named"), 1);
     let long = [order(6302, "4711"), vec![b' '; 13_000]].concat();
     for (bytes, why) in [(order(6301, "4711"), "a message 6301"), (long, "at most 12288")] {

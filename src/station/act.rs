@@ -25,8 +25,8 @@ pub enum Act {
     Assign(String),
     /// A scan is not its patient's: it is nobody's again.
     Unassign,
-    /// The next scan is of the patient of this id.
-    NameNext(String),
+    /// The next scan is of the patient of this id, by the word of this source.
+    NameNext(String, SourceKind),
     /// Whoever was named for the next scan is not, and no press awaits its export.
     CallOff,
     /// No scan is to be taken or delivered until somebody resumes.
@@ -96,7 +96,7 @@ pub fn act(station: &Station, scan: Option<&ScanId>, act: &Act) -> Result<String
         Act::Release => release(station, known(station, scan)?),
         Act::Assign(id) => assign(station, known(station, scan)?, id),
         Act::Unassign => unassign(station, known(station, scan)?),
-        Act::NameNext(id) => return name_next(station, id),
+        Act::NameNext(id, by) => return name_next(station, id, *by),
         Act::CallOff => return call_off(station),
     };
     if let Err(ActFault::Custody(fault)) = &said {
@@ -185,8 +185,8 @@ fn unassign(station: &Station, row: ScanRow) -> Result<String, ActFault> {
     }
 }
 
-fn name_next(station: &Station, id: &str) -> Result<String, ActFault> {
-    let next = station.name_patient(id, SourceKind::Operator).map_err(|fault| match fault {
+fn name_next(station: &Station, id: &str, by: SourceKind) -> Result<String, ActFault> {
+    let next = station.name_patient(id, by).map_err(|fault| match fault {
         NameFault::NotAnId => ActFault::NotAnId,
         NameFault::Journal(error) => ActFault::Journal(error),
     })?;

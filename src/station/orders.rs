@@ -249,16 +249,17 @@ fn is_order(settled: &Settled, config: &OrdersConfig, pulse: &Pulse) -> bool {
     !matches!(order, Err(OrderFault::OtherKind { .. }))
 }
 
-/// Takes an order that somebody brings. Blocks.
+/// Reads an order that somebody brings.
 ///
 /// # Errors
 /// Why it is none.
-pub fn bring(station: &Station, bytes: &[u8]) -> Result<(), OrderFault> {
+pub fn brought(station: &Station, bytes: &[u8]) -> Result<Order, OrderFault> {
     let config = station.config.patient.orders.as_ref();
     let (charset, lenient) =
         config.map_or((Charset::Cp1252, false), |config| (config.charset, config.lenient));
-    hear(station, order::read(bytes, charset, lenient)?);
-    Ok(())
+    let order = order::read(bytes, charset, lenient)?;
+    info!(event = "order-taken");
+    Ok(order)
 }
 
 fn hear(station: &Station, order: Order) {

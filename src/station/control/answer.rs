@@ -13,6 +13,7 @@ use crate::flow::explain::{Known, of_file};
 use crate::flow::facts::IntakeState;
 use crate::flow::health::age;
 use crate::flow::{ScanId, account};
+use crate::record::SourceKind;
 use crate::record::gdt::OrderFault;
 use crate::station::act::{Act, ActFault, act};
 use crate::station::assembly::Station;
@@ -51,7 +52,9 @@ pub fn answer(station: &Station, request: &Request) -> Answer {
             acted(station, Some(scan), &Act::Assign(patient.clone()))
         }
         Request::Unassign { scan } => acted(station, Some(scan), &Act::Unassign),
-        Request::NameNext { patient } => acted(station, None, &Act::NameNext(patient.clone())),
+        Request::NameNext { patient } => {
+            acted(station, None, &Act::NameNext(patient.clone(), SourceKind::Operator))
+        }
         Request::CallOff => acted(station, None, &Act::CallOff),
         Request::Next => Ok(Answer::Sentence(next(station))),
         Request::Order { bytes } => ordered(station, bytes),
@@ -133,12 +136,11 @@ fn acted(station: &Station, digits: Option<&str>, decided: &Act) -> Result<Answe
 
 /// Hears an order that somebody brings.
 fn ordered(station: &Station, bytes: &[u8]) -> Result<Answer, Fault> {
-    let brought = orders::bring(station, bytes);
     let refused = |fault: OrderFault| {
         Fault::new(FaultKind::Request, fault.code(), format!("this is no order: {fault}"))
     };
-    brought.map_err(refused)?;
-    Ok(Answer::Sentence("the order is taken: it names the patient of the next scan".to_owned()))
+    let order = orders::brought(station, bytes).map_err(refused)?;
+    acted(station, None, &Act::NameNext(order.patient, SourceKind::Order))
 }
 
 fn status(station: &Station) -> Status {
