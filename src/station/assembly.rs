@@ -91,13 +91,13 @@ impl Station {
         let custody =
             Custody::new(opened.journal, spool, quarantine, names, config.retention.spool)
                 .with_named_only(named_only);
-        let adopted = match custody.recover() {
-            Err(fault) if rebuild::is_ruin(&fault) => {
-                rebuild::give_up(&journal, custody.journal())?;
-                return Err(StationError::Recovery(fault));
-            }
-            recovered => recovered.map_err(StationError::Recovery)?,
+        // Ruin that shows only now: the next start finds no journal and makes it anew.
+        let failed = |fault: CustodyFault| match rebuild::is_ruin(&fault) {
+            true => rebuild::give_up(&journal, custody.journal())
+                .map_or_else(|error| error, |()| StationError::Recovery(fault)),
+            false => StationError::Recovery(fault),
         };
+        let adopted = custody.recover().map_err(failed)?;
         let mut facts = Facts::new(Timestamp::now(), config.scanner.export_dirs.len());
         if let Some(why) = opened.rebuilt {
             let quarantined = custody.adopt_quarantined().map_err(StationError::Recovery)?;
@@ -116,7 +116,7 @@ impl Station {
         let (folders, buttons) = (config.scanner.export_dirs.len(), config.buttons());
         let rules = config.capture.rules(&buttons);
         let booth = Booth::open(custody.journal(), rules, folders, buttons);
-        let booth = booth.map_err(CustodyFault::from).map_err(StationError::Recovery)?;
+        let booth = booth.map_err(CustodyFault::from).map_err(failed)?;
         info!(event = "station-open", adopted, first_start);
         let of = &config.station;
         let gate = Gate::new(of.state_dir.clone(), of.disk_floor_bytes);

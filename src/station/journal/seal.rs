@@ -88,7 +88,12 @@ fn deliveries(connection: &Connection) -> Result<Vec<(i64, String, String)>, Jou
 
 /// Every capture's seal as it should be and as it is.
 fn captures(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
-    let mut query = connection.prepare("SELECT number, patient, source, seal FROM captures")?;
+    // All columns: one whose name is damaged must show now and not at the first press.
+    let mut query = connection.prepare(
+        "SELECT number, patient, source, seal, at, boot, opened_ms, until_ms, opener, state, shared,
+                scan
+         FROM captures",
+    )?;
     let rows = query.query_map([], |row| {
         let (patient, source): (String, String) = (row.get(1)?, row.get(2)?);
         Ok((of_capture(row.get(0)?, &patient, &source), row.get(3)?))
