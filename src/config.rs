@@ -30,6 +30,7 @@ use regex::Regex;
 use crate::cad::Output;
 use crate::flow::retention::Retention;
 use crate::leg::Method;
+use crate::record::Language;
 pub use capture::{CaptureConfig, PatientConfig, WithoutTrigger};
 pub use fault::{ConfigFault, What};
 pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
@@ -55,6 +56,8 @@ pub struct Config {
     pub method: Method,
     /// `[output]`: which CAD files and meshes are made of each leg.
     pub output: Output,
+    /// `[report]`: the language of reports and of the operator's page.
+    pub language: Language,
     /// `[measure]`: what the measurement of one scan may take.
     pub measure: MeasureConfig,
     /// `[store]`

@@ -11,7 +11,7 @@ use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::seeing;
 use super::words::{
-    AXES, B1S, B1Word, FACINGS, FILES, FITS, KNOTS, SCOPES, SURFACES, UNITS, UPS, Words,
+    AXES, B1S, B1Word, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES, SURFACES, UNITS, UPS, Words,
     faces_up_or_down,
 };
 use super::{
@@ -92,6 +92,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let levels = level_choices(reader);
     let surface = surface_method(reader);
     let output = output(reader);
+    let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
@@ -144,6 +145,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             surface: surface?,
         },
         output: output?,
+        language: language?.value,
         measure: measure?,
         store: StoreConfig {
             folder: FolderStoreConfig { path: store?.value },

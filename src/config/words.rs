@@ -10,6 +10,7 @@ use crate::leg::Side;
 use crate::leg::method::{
     Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
 };
+use crate::record::Language;
 
 /// What `method.b1` may be; the distance of the second stands under a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -29,6 +30,9 @@ pub const LOG_FORMATS: Words<LogFormat> = &[("text", LogFormat::Text), ("json", 
 /// `capture.without_trigger`
 pub const WITHOUT_TRIGGER: Words<WithoutTrigger> =
     &[("process", WithoutTrigger::Process), ("hold", WithoutTrigger::Hold)];
+
+/// `report.language`, `--language`
+pub const LANGUAGES: Words<Language> = &[("en", Language::En), ("de", Language::De)];
 
 /// `patient.check_digit`
 pub const CHECK_DIGITS: Words<CheckDigit> = &[

@@ -8,6 +8,7 @@ mod csv;
 mod drawing;
 mod files;
 pub mod gdt;
+mod language;
 mod provenance;
 mod rounding;
 pub mod schema;
@@ -15,5 +16,6 @@ pub mod surface;
 
 pub use compose::record;
 pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
+pub use language::Language;
 pub use provenance::{Acquired, AcquiredFrom, Confidence, Patient, Provenance, Source, SourceKind};
 pub use schema::Record;
