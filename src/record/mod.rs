@@ -12,6 +12,7 @@ mod language;
 mod provenance;
 mod rounding;
 pub mod schema;
+pub mod shape;
 pub mod surface;
 
 pub use compose::record;

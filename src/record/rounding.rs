@@ -41,6 +41,11 @@ pub fn share(value: f64) -> f64 {
     to_places(value, 6)
 }
 
+/// Parts of a unit vector, to 10⁻⁹: 1 µm at a kilometre.
+pub fn unit(value: f64) -> f64 {
+    to_places(value, 9)
+}
+
 /// Half away from zero; a negative zero becomes zero.
 fn to_places(value: f64, places: i32) -> f64 {
     let scale = 10.0_f64.powi(places);
