@@ -9,6 +9,7 @@ mod drawing;
 mod files;
 pub mod gdt;
 mod language;
+pub mod picture;
 mod provenance;
 mod rounding;
 pub mod schema;
