@@ -1,6 +1,8 @@
 //! The one rounding rule: what a figure is worth, decimal places by its kind. Everything that is
 //! printed or stored goes through here, so that no two places show different last digits.
 
+use super::Language;
+
 /// Lengths, to 1 µm.
 pub fn mm(value: f64) -> f64 {
     to_places(value, 3)
@@ -9,6 +11,20 @@ pub fn mm(value: f64) -> f64 {
 /// Lengths in mm as cm, to 1 mm: what a tape shows, for practice software.
 pub fn cm(value_mm: f64) -> f64 {
     to_places(value_mm / 10.0, 1)
+}
+
+/// Lengths in mm as people read them: cm with one decimal, and the decimal sign of their language.
+pub fn cm_words(value_mm: f64, language: Language) -> String {
+    number(cm(value_mm), 1, language)
+}
+
+/// A figure with so many decimals, and the decimal sign of a language.
+pub fn number(value: f64, places: usize, language: Language) -> String {
+    let text = format!("{:.places$}", to_places(value, places as i32));
+    match language {
+        Language::En => text,
+        Language::De => text.replace('.', ","),
+    }
 }
 
 /// Volumes in mL, to 1 mm³.
