@@ -21,7 +21,10 @@ const ROWS_PX: [f64; 2] = [64.0, 500.0];
 const GIRTHS_PX: [f64; 2] = [56.0, 440.0];
 
 /// Left and right of the chart of slopes, px.
-const SLOPES_PX: [f64; 2] = [504.0, 704.0];
+const SLOPES_PX: [f64; 2] = [504.0, 690.0];
+
+/// Slopes that span more are numbered at whole ones only.
+const SLOPES_WIDE: f64 = 3.0;
 
 /// Length of the dashes of the right leg's line, px; the left leg's has none.
 const DASH: f64 = 6.0;
@@ -57,7 +60,9 @@ pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Op
     marks.extend(legs().flat_map(|(side, leg)| extremes(side, leg, &frame)));
     marks.extend(levels(record, &frame, language));
     if let Some(slopes) = slope_frame(legs().map(|(_, leg)| leg), &frame) {
-        marks.extend(slopes.columns(0.5, |slope| rounding::number(slope, 1, language)));
+        let [low, high] = slopes.x.range;
+        let step = if high - low > SLOPES_WIDE { 1.0 } else { 0.5 };
+        marks.extend(slopes.columns(step, |slope| rounding::number(slope, 1, language)));
         marks.extend(slopes.rows(100.0, |_| String::new()));
         let zero = vec![slopes.at([0.0, frame.y.range[0]]), slopes.at([0.0, frame.y.range[1]])];
         marks.push(lines(vec![zero], Ink::Muted, 1.0));
