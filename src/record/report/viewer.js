@@ -69,7 +69,7 @@ globalThis.gaiterViewer = (() => {
   const LEADER_PX = 16; // From the legs to the label of a level.
   const MOST_CANVAS_PX = 4096, MOST_BAR_PX = 120;
   const ZOOM_PER_WHEEL_PX = 0.0015;
-  const NEAR_PX_PER_MM = 2.2; // From here on feature points show their labels.
+  const NEAR_PX_PER_MM = 1.5; // From here on feature points show their labels.
   const HOVER_PX = 14; // A pointer this near to a feature point shows its label.
   const SCROLL_PAUSE_MS = 300; // Wheel turns closer together are one scroll of the page.
   const WHEEL_LINE_PX = 30; // What a wheel's line is worth where a browser counts lines.
@@ -687,7 +687,8 @@ globalThis.gaiterViewer = (() => {
         if (tag.said !== said || tag.size[0] === 0) {
           tag.text.hidden = false;
           tag.text.textContent = tag.said = said;
-          tag.size = [tag.text.offsetWidth, tag.text.offsetHeight];
+          const box = tag.text.getBoundingClientRect();
+          tag.size = [box.width, box.height].map(Math.ceil);
         }
         const [w, h] = tag.size;
         const places = this.shows[tag.leg.side] ? tag.places(tag.size, anchors.get(tag.leg)) : [];
