@@ -100,18 +100,14 @@ test("from the patient's left the toes point to the left, from the right to the 
   for (const [view, way] of [["Patient's left", -1], ["Patient's right", 1]]) {
     await press(page, view);
     const [image, scale] = [await picture(page, false), await pxPerMm(page)];
-    // The box runs from the heel, 49 mm behind the axis, to the toes, 179 mm before it.
-    const ends = [0, 1].map((end) => (end ? 1 : -1) * image.width).map((_, end) => {
-      const columns = Array.from({ length: image.width }, (__, x) => x).filter((x) => {
-        const y = Math.round(image.height / 2 + (TOP_MM / 2 - 4) * scale);
-        return !isGround(image.pixel(x, y));
-      });
-      return end ? columns.at(-1) : columns[0];
-    });
-    const top = Array.from({ length: image.width }, (_, x) => x).filter((x) =>
-      !isGround(image.pixel(x, Math.round(image.height / 2 - (TOP_MM / 2 - 4) * scale))));
-    const axis = (top[0] + top.at(-1)) / 2;
-    const [left, right] = [axis - ends[0], ends[1] - axis];
+    const ends = (upMm) => {
+      const y = Math.round(image.height / 2 - upMm * scale);
+      const drawn = Array.from({ length: image.width }, (_, x) => x).filter((x) => !isGround(image.pixel(x, y)));
+      return [drawn[0], drawn.at(-1)];
+    };
+    const [[thighLeft, thighRight], [footLeft, footRight]] = [ends(TOP_MM / 2 - 4), ends(4 - TOP_MM / 2)];
+    const axis = (thighLeft + thighRight) / 2;
+    const [left, right] = [axis - footLeft, footRight - axis];
     assert.ok(way < 0 ? left > 2 * right : right > 2 * left, `${view}: ${left} and ${right} px`);
   }
 }));
@@ -225,6 +221,22 @@ test("a feature point is named in full under the pointer, and briefly for the ke
   assert.ok((await labels(page)).some(({ text }) => text === "P1"));
 }));
 
+test("a feature point behind the other leg or on the far side is not named", () => viewing(async (page) => {
+  const named = async (at) => {
+    const [scale, box] = [await pxPerMm(page), await page.locator("canvas").boundingBox()];
+    await page.mouse.move(box.x + box.width / 2 + at * scale, box.y + box.height / 2 + (TOP_MM / 2 - LEVELS_MM.C) * scale);
+    await settled(page);
+    return (await labels(page)).map(({ text }) => text).filter((text) => text.includes("·"));
+  };
+  await press(page, "Back");
+  assert.deepEqual(await named(-AXIS_X_MM), ["P4 · C · left · valley"]); // P1 lies right before it, in front.
+  await press(page, "Patient's left");
+  // The picture's middle lies between toes and thighs, 45 mm before the axes; P3 is 10 mm behind its axis.
+  assert.deepEqual(await named(45 + 10), ["P3 · C · left · peak"]);
+  await press(page, "Patient's right");
+  assert.deepEqual(await named(-45 - 10), ["P3 · C · right · peak"]);
+}));
+
 test("dragging turns, and a reset by button, double click or key restores every pixel", () => viewing(async (page) => {
   const first = await picture(page);
   for (const reset of ["button", "double click", "key"]) {
@@ -286,7 +298,14 @@ test("the wheel zooms about the pointer, unless the page is being scrolled", () 
   await page.mouse.move(box.x + 200, box.y + 200);
   await page.mouse.wheel(0, -300);
   await settled(page);
-  assert.ok((await pxPerMm(page)) > 1.3 * before);
+  const near = await pxPerMm(page);
+  assert.ok(near > 1.3 * before, `${near}`);
+  // A scroll that began elsewhere and has come over the canvas goes on being a scroll.
+  const prevented = await page.evaluate(() => ["h1", "canvas"].map((name) =>
+    !document.querySelector(name).dispatchEvent(new WheelEvent("wheel", { deltaY: -300, bubbles: true, cancelable: true }))));
+  await settled(page);
+  assert.deepEqual(prevented, [false, false]);
+  assert.equal(await pxPerMm(page), near);
 }));
 
 test("two fingers zoom", () => viewing(async (page) => {
