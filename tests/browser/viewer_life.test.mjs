@@ -81,6 +81,7 @@ test("nothing is drawn while nothing changes", () => onPage(async (page) => {
 
 test("axe finds no violation, in both themes and with all layers on", () => onPage(async (page) => {
   await mount(page, record([leg("left", () => 0.2), leg("right", () => null)]));
+  assert.equal(await page.getByRole("application", { name: "3D view of the legs" }).count(), 1);
   await page.evaluate(await readFile(AXE, "utf8"));
   for (const colorScheme of ["light", "dark"]) {
     await page.emulateMedia({ colorScheme });
@@ -109,7 +110,13 @@ test("every control is reached by the tab key and shows where the focus is", () 
 test("a view that is taken down leaves nothing, and thirty in a row do no harm", () => onPage(async (page) => {
   for (let at = 0; at < 30; at += 1) {
     await mount(page, record([leg("left")]));
-    await page.evaluate(() => { window.view.destroy(); window.view.destroy(); });
+    const freed = await page.evaluate(() => {
+      const gl = document.querySelector("canvas").getContext("webgl2");
+      window.view.destroy();
+      window.view.destroy();
+      return gl.isContextLost();
+    });
+    assert.ok(freed, "the browser keeps the context");
     assert.equal(await page.locator("#place *").count(), 0);
   }
   await page.evaluate(() => window.dispatchEvent(new Event("resize")));
@@ -134,13 +141,20 @@ test("without WebGL there is a sentence", () => onPage(async (page) => {
 }));
 
 test("a leg of which nothing is whole is left out with a sentence, the other is shown", () => onPage(async (page) => {
-  const broken = { ...leg("right"), shape: { skin: { rows: 1e9, columns: 1e9, points: "AAAA" } } };
-  await mount(page, record([leg("left"), broken]));
-  assert.equal(await page.locator("canvas").count(), 1);
-  assert.match(await page.locator("#place").innerText(), /damaged/);
-  await mount(page, record([broken]));
-  assert.equal(await page.locator("canvas").count(), 0);
-  assert.match(await page.locator("#place").innerText(), /damaged/);
+  const { skin } = leg("right", () => 0, { rows: 4, columns: 6 }).shape;
+  const skins = [{ ...skin, rows: 1e9, columns: 1e9 }, { ...skin, rows: skin.rows + 1 }, { ...skin, columns: 2 }, { ...skin, rows: 2.5 },
+    { ...skin, points: `${skin.points}AAAA` }, { ...skin, points: "AAAA" }, { ...skin, points: "%%%%" }, { ...skin, points: [1, 2, 3] },
+    { ...skin, error: skin.points }];
+  for (const damaged of skins) {
+    const broken = { ...leg("right"), shape: { skin: damaged } };
+    await mount(page, record([leg("left"), broken]));
+    assert.equal(await page.locator("canvas").count(), 1);
+    assert.match(await page.locator("#place").innerText(), /damaged/);
+    await page.evaluate(() => window.view.destroy());
+    await mount(page, record([broken]));
+    assert.equal(await page.locator("canvas").count(), 0);
+    assert.match(await page.locator("#place").innerText(), /damaged/);
+  }
 }));
 
 test("a side that is unknown or comes twice is not drawn", () => onPage(async (page) => {
@@ -173,7 +187,7 @@ test("whatever stands at any place of a record, there is a picture or a sentence
   small.legs[0].sections.length = 1;
   small.legs[0].features.length = 1;
   const outcomes = await page.evaluate(([given, places]) => {
-    const values = [null, NaN, 1e300, "%%%", [NaN, null, "x"], {}];
+    const values = [null, NaN, 1e300, "%%%", "AAAA", [NaN, null, "x"], {}];
     // Draws at once instead of with the next frame: there are many records to go through.
     window.requestAnimationFrame = (act) => { act(); return 0; };
     const bad = [];

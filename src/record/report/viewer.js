@@ -604,7 +604,7 @@ globalThis.gaiterViewer = (() => {
       const range = String(rangeMm).replace(".", words.point);
       const colours = swatch("below", "middle", "above");
       colours.style.width = "140px";
-      return make("div", { class: "gaiter-foot" }, `${words.legend}:`, `−${range}`, colours, `+${range}`, swatch("unseen"), words.unseen);
+      return make("div", { class: "gaiter-foot" }, `${words.legend}: −${range}`, colours, `+${range}`, swatch("unseen"), words.unseen);
     }
 
     /** The labels, most important first: sides, the feature point under the pointer, levels, others. */
