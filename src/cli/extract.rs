@@ -145,7 +145,7 @@ impl<'a> Measured<'a> {
         let (ord, opinions) = ord::opinions(path, &extraction);
         extraction.findings.extend(opinions);
         let sha256 = record::sha256(&bytes);
-        let provenance = Provenance { station: None, patient: None, acquired: None, sha256 };
+        let provenance = Provenance::of_scan(sha256);
         Ok(Measured { path, bytes, format, ord, extraction, provenance })
     }
 
