@@ -2,6 +2,7 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+pub mod change;
 pub mod chart;
 mod compose;
 mod csv;

@@ -31,7 +31,9 @@ fn candidates(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFault>
 
 /// The folders in a patient's folder that are called like records, in the order of their names'
 /// meaning: a scan's revisions follow one another.
-pub(crate) fn records_in(patient: &Path) -> Result<Vec<(RecordName, PathBuf)>, StoreFault> {
+pub(in crate::store) fn records_in(
+    patient: &Path,
+) -> Result<Vec<(RecordName, PathBuf)>, StoreFault> {
     let named = |place: PathBuf| {
         let name = place.file_name().and_then(OsStr::to_str).and_then(RecordName::read)?;
         Some((name, place))
