@@ -114,10 +114,8 @@ fn levels(told: &[Told]) -> String {
             rows.entry(&place.level).or_default().went += 1;
         }
     }
-    let mut text = format!(
-        "level  legs  {:>7} {:>8}  {:8}  {:>7} {:>8}  {:8}  came  went\n",
-        "girth:", "largest", "of", "height:", "largest", "of"
-    );
+    let mut text = format!("{:13}{:28}{}\n", "", "girth", "height");
+    text += "level  legs     mean  largest  of           mean  largest  of        came  went\n";
     for level in Level::ALL.map(Level::name) {
         let Some(row) = rows.get(level) else { continue };
         let [girths, heights] = [&row.girths, &row.heights].map(|changes| figures(changes));
@@ -208,4 +206,68 @@ fn findings(told: &[Told]) -> String {
         let _ = writeln!(text, "          {new:4}  {gone:4}  {code}");
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::change::{Changes, Sameness};
+
+    fn place(leg: &str, level: &str) -> Place {
+        Place { leg: leg.to_owned(), level: level.to_owned() }
+    }
+
+    fn level(place: Place, girth_by: f64, height_by: f64) -> LevelChange {
+        let change = |old: f64, by: f64| Change { old, new: old + by };
+        LevelChange {
+            place,
+            girth_mm: change(200.0, girth_by),
+            height_mm: change(120.0, height_by),
+        }
+    }
+
+    fn told(name: &str, levels: Vec<LevelChange>, came: Vec<Place>, revision: Option<u32>) -> Told {
+        let sameness = if revision.is_some() { Sameness::Differs } else { Sameness::Same };
+        let (new_findings, gone_findings) = (Vec::new(), Vec::new());
+        let went = Vec::new();
+        let changes = Changes { sameness, levels, came, went, new_findings, gone_findings };
+        let outcome = if revision.is_some() { Outcome::Revised } else { Outcome::Unchanged };
+        Told::of(name.to_owned(), Again { outcome, from_revision: 1, revision, changes })
+    }
+
+    #[test]
+    fn means_are_over_all_legs_and_the_largest_change_says_where_it_is() {
+        let told = [
+            told("01234567", vec![level(place("left", "B"), -0.6, 0.0)], vec![], Some(2)),
+            told("89abcdef", vec![level(place("right", "B"), 0.0, 0.0)], vec![], None),
+            told("deadbeef", vec![], vec![place("left", "D")], Some(3)),
+        ];
+        let said = anstream::adapter::strip_str(&report(&told, 1, 2)).to_string();
+        assert!(said.starts_with("4 records: 1 unchanged, 2 with a new revision, 1 not"), "{said}");
+        assert!(said.contains("; 2 were first seen earlier and left out\n"), "{said}");
+        let rows = "
+             girth                       height
+level  legs     mean  largest  of           mean  largest  of        came  went
+B         2    -0.30    -0.60  01234567     0.00     0.00               0     0
+D         0        -        -                  -        -               1     0
+
+record    revision     girth at           height at
+deadbeef  1 > 3        0.00               0.00            +left D
+01234567  1 > 2       -0.60 left B        0.00
+";
+        assert!(said.ends_with(rows), "{said}");
+    }
+
+    #[test]
+    fn no_more_than_the_worst_are_named_and_the_rest_is_counted() {
+        let one = |n: u32| {
+            let levels = vec![level(place("left", "B"), f64::from(n), 0.0)];
+            told(&format!("{n:08}"), levels, vec![], Some(2))
+        };
+        let told: Vec<Told> = (1..=25).map(one).collect();
+        let said = report(&told, 0, 0);
+        assert!(said.contains("00000025  1 > 2") && said.contains("00000006  1 > 2"), "{said}");
+        assert!(!said.contains("00000005  1 > 2"), "{said}");
+        assert!(said.ends_with("and 5 more that changed less; --json tells all\n"), "{said}");
+    }
 }
