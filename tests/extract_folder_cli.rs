@@ -50,7 +50,7 @@ fn all_scans_of_a_folder_are_measured_in_order_and_summed_up() {
     assert_eq!(heads, ["day/a.obj", "day/c.obj", "day/d.obj", "day/e.OBJ"]);
     assert_eq!(stderr(&output).lines().count(), 1, "{}", stderr(&output));
     // The summary: a row a scan, girths in mm as in the mannequin's rings, the refusal's code.
-    let (_, summary) = said.rsplit_once("findings\n").unwrap();
+    let (_, summary) = said.rsplit_once("  findings\n").unwrap();
     let rows: Vec<Vec<&str>> =
         summary.lines().map(|line| line.split_whitespace().collect()).collect();
     let names: Vec<&str> = rows.iter().map(|row| row[0]).collect();

@@ -26,6 +26,8 @@ const HOME: &str = "\x1b[H";
 struct Shown {
     child: Child,
     terminal: pty::Box,
+    /// Held open: what a terminal was told last is lost when nobody has it open any more.
+    _slave: File,
     /// What it has shown by now.
     seen: String,
 }
@@ -43,14 +45,21 @@ impl Shown {
         };
         plain(&mut command).env("TERM", "xterm").envs(environment.iter().copied());
         let child = command.spawn().unwrap();
-        Shown { child, terminal, seen: String::new() }
+        Shown { child, _slave: slave(), terminal, seen: String::new() }
     }
 
     /// Waits until what was shown is so, or the verb has ended; what was shown.
     fn until(&mut self, booth: &Booth, what: &str, holds: impl Fn(&str) -> bool) -> &str {
         booth.wait_for(what, || {
             let ended = self.child.try_wait().unwrap().is_some();
-            self.seen += &String::from_utf8_lossy(&self.terminal.was_told());
+            // All that there is, for a verb that has ended says no more.
+            loop {
+                let told = self.terminal.was_told();
+                if told.is_empty() {
+                    break;
+                }
+                self.seen += &String::from_utf8_lossy(&told);
+            }
             holds(&self.seen) || ended
         });
         assert!(holds(&self.seen), "{what}: {:?}", self.seen);

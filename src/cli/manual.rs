@@ -17,8 +17,11 @@ pub fn completions(args: &CompletionsArgs) -> Exit {
 /// Prints the main page, or writes the pages of all verbs.
 pub fn man(args: &ManArgs) -> Exit {
     let Some(dir) = &args.dir else {
+        // As it is done for the folder: no page is made for `gaiter help`.
+        let mut command = visible().disable_help_subcommand(true);
+        command.build();
         let mut page = Vec::new();
-        let rendered = clap_mangen::Man::new(visible()).render(&mut page);
+        let rendered = clap_mangen::Man::new(command).render(&mut page);
         return ended("the manual page", rendered.and_then(|()| write(&page)));
     };
     match clap_mangen::generate_to(visible(), dir) {
