@@ -6,6 +6,7 @@
 mod facts;
 mod levels;
 mod notes;
+mod pictures;
 mod surfaces;
 mod tables;
 
@@ -38,6 +39,8 @@ pub struct Content {
     pub surfaces: Section,
     /// Doubts and findings, what matters most first.
     pub notes: Section<Note>,
+    /// How many notes there are of each weight, in one line, or that there is none.
+    pub summary: String,
     /// How the figures are to be read.
     pub legend: Section,
     /// Every figure of every level in mm, digit by digit as in `record.json`.
@@ -180,14 +183,32 @@ pub enum Weight {
 pub struct PictureWords {
     /// The heading.
     pub title: String,
+    /// What each figure of [`crate::record::picture::figures`] shows.
+    pub captions: Vec<Caption>,
     /// Said where a leg of the record holds no shapes; none where all do.
     pub missing: Option<String>,
+    /// The heading of the view that can be turned.
+    pub view: String,
+    /// Said where a page's script does not run.
+    pub no_script: String,
+}
+
+/// What a figure shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Caption {
+    /// The figure's name.
+    pub name: &'static str,
+    /// What it shows, in few words.
+    pub title: String,
+    /// How to read it.
+    pub text: String,
 }
 
 impl Content {
     /// What a report of this record says in this language.
     pub fn of(record: &Record, language: Language) -> Content {
         let report = Report { record, language };
+        let notes = report.notes();
         Content {
             language,
             title: report.say("Leg measurement", "Beinvermessung"),
@@ -197,7 +218,8 @@ impl Content {
             levels: report.levels(),
             tables: report.tables(),
             surfaces: report.surfaces(),
-            notes: report.notes(),
+            summary: report.summary(&notes.entries),
+            notes,
             legend: report.legend(),
             landmarks: report.landmarks(),
             pictures: report.picture_words(),

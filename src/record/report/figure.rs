@@ -10,7 +10,8 @@ use crate::record::rounding::{
 pub struct Figure {
     /// The figure in the unit that its table names; of a missing one, why it is missing.
     pub value: String,
-    /// What it is uncertain by, without `±`; none where that cannot be judged or makes no sense.
+    /// What it is uncertain by, without `±`: `?` where that cannot be judged; none where the figure
+    /// has no uncertainty to tell.
     pub margin: Option<String>,
     /// How it is to be taken.
     pub mark: Mark,
@@ -34,14 +35,14 @@ pub enum Mark {
 impl Figure {
     /// A length or girth, cm.
     pub(super) fn cm(value_mm: f64, sd_mm: Option<f64>, mark: Mark, language: Language) -> Figure {
-        let margin = sd_mm.map(|sd_mm| cm_margin_words(sd_mm, language));
-        Figure { value: cm_words(value_mm, language), margin, mark }
+        let margin = sd_mm.map_or_else(unknown, |sd_mm| cm_margin_words(sd_mm, language));
+        Figure { value: cm_words(value_mm, language), margin: Some(margin), mark }
     }
 
     /// A volume, mL.
     pub(super) fn ml(value_ml: f64, sd_ml: Option<f64>, language: Language) -> Figure {
-        let margin = sd_ml.map(|sd_ml| ml_margin_words(sd_ml, language));
-        Figure { value: ml_words(value_ml, language), margin, mark: Mark::Sure }
+        let margin = sd_ml.map_or_else(unknown, |sd_ml| ml_margin_words(sd_ml, language));
+        Figure { value: ml_words(value_ml, language), margin: Some(margin), mark: Mark::Sure }
     }
 
     /// A difference of lengths, cm, left minus right.
@@ -79,6 +80,11 @@ impl Figure {
     pub fn is_missing(&self) -> bool {
         self.mark == Mark::Missing
     }
+}
+
+/// An uncertainty that cannot be judged.
+fn unknown() -> String {
+    "?".to_owned()
 }
 
 /// Whether a difference is larger than two standard errors, as the findings judge it.

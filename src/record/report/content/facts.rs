@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use super::super::{shown, words};
-use super::{Fact, PictureWords, Report, Section};
+use super::{Fact, Report, Section};
 use crate::record::rounding::cm_words;
 
 /// So many digits of a scan's hash tell it from all others of a clinic.
@@ -130,19 +130,5 @@ impl Report<'_> {
         ];
         let title = self.say("How to read this", "So ist es zu lesen");
         Section { title, entries: entries.into() }
-    }
-
-    pub(super) fn picture_words(&self) -> PictureWords {
-        let missing = self.record.legs.iter().any(|leg| leg.shape.is_none()).then(|| {
-            self.say(
-                "This record was made by an earlier version and holds no shape of the legs: views of \
-                 the leg, the section outlines and the surface cannot be drawn from it. Measuring \
-                 the scan again gives them.",
-                "Dieser Datensatz stammt von einer früheren Version und enthält die Form der Beine \
-                 nicht: Ansichten, Schnittumrisse und Oberfläche lassen sich daraus nicht zeichnen. \
-                 Ein erneutes Vermessen des Scans liefert sie.",
-            )
-        });
-        PictureWords { title: self.say("Pictures", "Bilder"), missing }
     }
 }

@@ -1,6 +1,6 @@
 //! Doubts and findings in plain words.
 
-use super::super::words;
+use super::super::{shown, words};
 use super::super::words::findings::{self, Plain};
 use super::super::words::messages;
 use super::{Note, Report, Section, Weight};
@@ -19,6 +19,20 @@ impl Report<'_> {
         Section { title: self.say("Notes", "Hinweise"), entries }
     }
 
+    pub(super) fn summary(&self, notes: &[Note]) -> String {
+        let of = |weight: Weight| notes.iter().filter(|note| note.weight == weight).count();
+        let weights = [Weight::Error, Weight::Warning, Weight::Info];
+        let words = |weight: Weight| match of(weight) {
+            0 => None,
+            count => Some(format!("{}: {count}", self.weight_words(weight))),
+        };
+        let words: Vec<String> = weights.into_iter().filter_map(words).collect();
+        if words.is_empty() {
+            return self.say("No doubts and no findings", "Keine Zweifel und keine Hinweise");
+        }
+        words.join(" · ")
+    }
+
     fn note(&self, finding: &FindingNote) -> Note {
         let weight = match finding.severity.as_str() {
             "error" => Weight::Error,
@@ -33,7 +47,7 @@ impl Report<'_> {
             weight_words: self.weight_words(weight),
             place: self.place(finding),
             title: plain.as_ref().map_or_else(|| finding.code.clone(), |of| of.title.to_owned()),
-            message: super::super::shown::id(&message),
+            message: sentence(&shown::id(&message)),
             is_message_english: !is_told,
             meaning: plain.as_ref().map(|Plain { meaning, .. }| (*meaning).to_owned()),
             action: plain.map(|Plain { action, .. }| action.to_owned()),
@@ -42,8 +56,7 @@ impl Report<'_> {
 
     fn weight_words(&self, weight: Weight) -> String {
         match weight {
-            Weight::Error => self
-                .say("Not measured, or not to be used", "Nicht gemessen, oder nicht zu verwenden"),
+            Weight::Error => self.say("Serious", "Schwerwiegend"),
             Weight::Warning => self.say("Look before use", "Vor Gebrauch ansehen"),
             Weight::Info => self.say("Worth knowing", "Gut zu wissen"),
         }
@@ -81,4 +94,20 @@ impl Report<'_> {
         };
         levels.filter(is_new).collect()
     }
+}
+
+/// A message as a sentence: with a capital unless it begins with a file's name, and with its end.
+fn sentence(message: &str) -> String {
+    let first = message.split(' ').next().unwrap_or_default();
+    let mut letters = message.chars();
+    let mut text = match letters.next() {
+        Some(letter) if !first.contains('.') => {
+            letter.to_uppercase().collect::<String>() + letters.as_str()
+        }
+        _ => message.to_owned(),
+    };
+    if text.ends_with(|end: char| end.is_alphanumeric() || matches!(end, ')' | '°' | '%' | ']')) {
+        text.push('.');
+    }
+    text
 }
