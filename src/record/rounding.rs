@@ -17,6 +17,20 @@ pub fn cm(value_mm: f64) -> f64 {
     to_places(value_mm / 10.0, 1)
 }
 
+/// Lengths in mm as people read them: cm with one decimal, and the decimal sign of their language.
+pub fn cm_words(value_mm: f64, language: Language) -> String {
+    number(cm(value_mm), 1, language)
+}
+
+/// A figure with so many decimals, and the decimal sign of a language.
+pub fn number(value: f64, places: usize, language: Language) -> String {
+    let text = format!("{:.places$}", to_places(value, places as i32));
+    match language {
+        Language::En => text,
+        Language::De => text.replace('.', ","),
+    }
+}
+
 /// Volumes in mL, to 1 mm³.
 pub fn ml(value: f64) -> f64 {
     to_places(value, 3)
@@ -52,35 +66,30 @@ pub fn unit(value: f64) -> f64 {
     to_places(value, 9)
 }
 
-/// A length in mm as people read it: cm with one decimal, as on a tape.
-pub fn cm_words(value_mm: f64, language: Language) -> String {
-    decimal(cm(value_mm), 1, language)
-}
-
 /// The uncertainty of a length in mm, of its standard error: cm, rounded up to the next millimetre,
 /// so that it is never told smaller than it is, and never as nothing.
 pub fn cm_margin_words(sd_mm: f64, language: Language) -> String {
-    decimal(up(MARGIN_SDS * sd_mm) / 10.0, 1, language)
+    number(up(MARGIN_SDS * sd_mm) / 10.0, 1, language)
 }
 
 /// A length in mm to a hundredth, for distances from a surface.
 pub fn mm_words(value_mm: f64, language: Language) -> String {
-    decimal(to_places(value_mm, 2), 2, language)
+    number(value_mm, 2, language)
 }
 
 /// A volume in whole mL.
 pub fn ml_words(value_ml: f64, language: Language) -> String {
-    decimal(to_places(value_ml, 0), 0, language)
+    number(value_ml, 0, language)
 }
 
 /// The uncertainty of a volume, of its standard error: mL, rounded up.
 pub fn ml_margin_words(sd_ml: f64, language: Language) -> String {
-    decimal(up(MARGIN_SDS * sd_ml), 0, language)
+    number(up(MARGIN_SDS * sd_ml), 0, language)
 }
 
 /// A percentage or an area in cm² to a tenth.
 pub fn tenths_words(value: f64, language: Language) -> String {
-    decimal(to_places(value, 1), 1, language)
+    number(value, 1, language)
 }
 
 /// A rounded figure's words with the sign of a difference; none at zero.
@@ -97,12 +106,6 @@ pub fn signed(value: f64, words: &str) -> String {
 /// Up to the next whole number, one at least; what rounding of the record itself added is not counted.
 fn up(value: f64) -> f64 {
     (value - 1e-9).ceil().max(1.0)
-}
-
-/// A figure that is rounded already, with so many decimal places.
-fn decimal(value: f64, places: usize, language: Language) -> String {
-    let words = format!("{value:.places$}");
-    language.pick(words.clone(), words.replace('.', ","))
 }
 
 /// Half away from zero; a negative zero becomes zero.
