@@ -21,7 +21,16 @@ const PURE: [Rule; 6] = [
     Rule {
         layer: "record",
         layers: &["scan", "spline", "leg", "cad"],
-        crates: &["encoding_rs", "jiff", "nalgebra", "serde", "serde_json", "sha2", "thiserror"],
+        crates: &[
+            "base64",
+            "encoding_rs",
+            "jiff",
+            "nalgebra",
+            "serde",
+            "serde_json",
+            "sha2",
+            "thiserror",
+        ],
     },
     Rule {
         layer: "flow",

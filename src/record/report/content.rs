@@ -31,6 +31,10 @@ pub struct Content {
     pub taken: String,
     /// Where it comes from: patient, time, station, scan, program.
     pub facts: Vec<Fact>,
+    /// The heading of these facts.
+    pub origin: String,
+    /// The heading of the girths that matter most, with their unit.
+    pub key: String,
     /// The girths and lengths at the levels.
     pub levels: Levels,
     /// Tables that follow: volumes, slices, the foot, heights that were asked for.
@@ -215,6 +219,8 @@ impl Content {
             patient: report.patient(),
             taken: report.taken(),
             facts: report.facts(),
+            origin: report.say("Where this comes from", "Woher dies stammt"),
+            key: report.say("Girths at D, C, B1 and B", "Umfänge bei D, C, B1 und B"),
             levels: report.levels(),
             tables: report.tables(),
             surfaces: report.surfaces(),

@@ -2,8 +2,10 @@
 
 pub mod content;
 mod figure;
+mod html;
 mod shown;
 mod words;
 
 pub use content::Content;
 pub use figure::{Figure, Mark};
+pub use html::page;
