@@ -2,6 +2,7 @@
 
 mod asking;
 
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -47,7 +48,8 @@ pub enum Verb {
     Run(RunArgs),
     /// Measure scan files now, without a station
     ///
-    /// Prints a table of both legs for every scan. Girths and heights are in millimetres.
+    /// Prints a table of both legs for every scan, and for several scans a summary with a row for
+    /// each. Of a folder all scans are measured, in the order of their names; hidden files are not.
     Extract(ExtractArgs),
     /// Measure one scan on standard input; the station runs this itself
     #[command(name = VERB, hide = true)]
@@ -134,9 +136,16 @@ pub struct RunArgs {
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
 #[derive(Debug, clap::Args)]
 pub struct ExtractArgs {
-    /// The scan files, as the scanner exported them (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt)
+    /// The scan files, as the scanner exported them (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt), or
+    /// folders of them
     #[arg(value_name = "SCAN", required = true)]
     pub scans: Vec<PathBuf>,
+    /// Look for scans in the folders within folders, too
+    #[arg(long)]
+    pub recursive: bool,
+    /// Measure so many scans at a time; as many as there are processors where nothing says otherwise
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
     /// Print one JSON record per scan and line, for programs
     #[arg(long)]
     pub json: bool,
