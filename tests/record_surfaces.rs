@@ -38,7 +38,7 @@ fn made(extraction: &Extraction, output: &Output) -> (Record, Vec<RecordFile>) {
     let provenance = Provenance::of_scan(sha256);
     let method = Method::default();
     let scan = ScanFile { bytes: &BYTES, format: Format::Obj, ord: None };
-    record_files(extraction, &provenance, &method, output, scan).unwrap()
+    record_files(extraction, &provenance, &method, output, &ReportChoice::default(), scan).unwrap()
 }
 
 /// The names of the files that are made of one leg.
