@@ -18,7 +18,9 @@ use bodies::export;
 use gaiter::cad::{FileKind, Output};
 use gaiter::config::words::{FILES, meaning};
 use gaiter::leg::{Extraction, Method, extract};
-use gaiter::record::{Provenance, Record, RecordFile, ScanFile, record_files, sha256};
+use gaiter::record::{
+    Provenance, Record, RecordFile, ReportChoice, ScanFile, record_files, sha256,
+};
 use gaiter::scan::Format;
 use nalgebra::Vector3;
 use tempfile::TempDir;

@@ -68,8 +68,8 @@ pub fn unit(value: f64) -> f64 {
 
 /// The uncertainty of a length in mm, of its standard error: cm, rounded up to the next millimetre,
 /// so that it is never told smaller than it is, and never as nothing.
-pub fn cm_margin_words(sd_mm: f64, language: Language) -> String {
-    number(up(MARGIN_SDS * sd_mm) / 10.0, 1, language)
+pub fn cm_margin(sd_mm: f64) -> f64 {
+    up(MARGIN_SDS * sd_mm) / 10.0
 }
 
 /// A length in mm to a hundredth, for distances from a surface.
@@ -77,14 +77,14 @@ pub fn mm_words(value_mm: f64, language: Language) -> String {
     number(value_mm, 2, language)
 }
 
-/// A volume in whole mL.
-pub fn ml_words(value_ml: f64, language: Language) -> String {
-    number(value_ml, 0, language)
+/// Volumes in mL as people read them: whole ones.
+pub fn whole_ml(value_ml: f64) -> f64 {
+    to_places(value_ml, 0)
 }
 
 /// The uncertainty of a volume, of its standard error: mL, rounded up.
-pub fn ml_margin_words(sd_ml: f64, language: Language) -> String {
-    number(up(MARGIN_SDS * sd_ml), 0, language)
+pub fn ml_margin(sd_ml: f64) -> f64 {
+    up(MARGIN_SDS * sd_ml)
 }
 
 /// A percentage or an area in cm² to a tenth.
@@ -124,14 +124,13 @@ mod tests {
         assert_eq!(words(178.45), ["17.8", "17,8"]);
         assert_eq!(words(178.5), ["17.9", "17,9"]);
         assert_eq!(words(-0.3), ["0.0", "0,0"]);
-        assert_eq!(ml_words(2.5, Language::En), "3");
+        assert_eq!(whole_ml(2.5), 3.0);
     }
 
     #[test]
     fn an_uncertainty_is_two_standard_errors_rounded_up_and_never_nothing() {
-        let cm = |sd_mm| cm_margin_words(sd_mm, Language::En);
-        assert_eq!([0.0, 0.1, 0.5, 0.501, 4.0].map(cm), ["0.1", "0.1", "0.1", "0.2", "0.8"]);
-        assert_eq!(ml_margin_words(7.6, Language::De), "16");
+        assert_eq!([0.0, 0.1, 0.5, 0.501, 4.0].map(cm_margin), [0.1, 0.1, 0.1, 0.2, 0.8]);
+        assert_eq!(ml_margin(7.6), 16.0);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::record::Language;
 use crate::record::rounding::{
-    cm_margin_words, cm_words, ml_margin_words, ml_words, signed, tenths_words,
+    cm, cm_margin, cm_words, ml_margin, number, signed, tenths_words, whole_ml,
 };
 
 /// A figure in words.
@@ -28,26 +28,31 @@ pub enum Mark {
     Estimated,
     /// There is none; the words say why.
     Missing,
-    /// A difference larger than its own uncertainty.
+    /// A difference larger than its own uncertainty, as both are told.
     Real,
 }
 
 impl Figure {
     /// A length or girth, cm.
     pub(super) fn cm(value_mm: f64, sd_mm: Option<f64>, mark: Mark, language: Language) -> Figure {
-        let margin = sd_mm.map_or_else(unknown, |sd_mm| cm_margin_words(sd_mm, language));
+        let margin = sd_mm.map_or_else(unknown, |sd_mm| number(cm_margin(sd_mm), 1, language));
         Figure { value: cm_words(value_mm, language), margin: Some(margin), mark }
     }
 
     /// A volume, mL.
     pub(super) fn ml(value_ml: f64, sd_ml: Option<f64>, language: Language) -> Figure {
-        let margin = sd_ml.map_or_else(unknown, |sd_ml| ml_margin_words(sd_ml, language));
-        Figure { value: ml_words(value_ml, language), margin: Some(margin), mark: Mark::Sure }
+        let margin = sd_ml.map_or_else(unknown, |sd_ml| number(ml_margin(sd_ml), 0, language));
+        Figure {
+            value: number(whole_ml(value_ml), 0, language),
+            margin: Some(margin),
+            mark: Mark::Sure,
+        }
     }
 
     /// A difference of lengths, cm, left minus right.
     pub(super) fn cm_difference(value_mm: f64, sd_mm: Option<f64>, language: Language) -> Figure {
-        let figure = Figure::cm(value_mm, sd_mm, reality(value_mm, sd_mm), language);
+        let mark = reality(cm(value_mm), sd_mm.map(cm_margin));
+        let figure = Figure::cm(value_mm, sd_mm, mark, language);
         Figure { value: signed(value_mm, &figure.value), ..figure }
     }
 
@@ -57,7 +62,7 @@ impl Figure {
         sd_ml: Option<f64>,
         language: Language,
     ) -> [Figure; 2] {
-        let mark = reality(value_ml, sd_ml);
+        let mark = reality(whole_ml(value_ml), sd_ml.map(ml_margin));
         let figure = Figure::ml(value_ml, sd_ml, language);
         let share = signed(percent, &tenths_words(percent, language));
         [
@@ -87,8 +92,7 @@ fn unknown() -> String {
     "?".to_owned()
 }
 
-/// Whether a difference is larger than two standard errors, as the findings judge it.
-fn reality(value: f64, sd: Option<f64>) -> Mark {
-    let is_real = sd.is_some_and(|sd| value.abs() > crate::record::rounding::MARGIN_SDS * sd);
-    if is_real { Mark::Real } else { Mark::Sure }
+/// How a difference is to be taken, of itself and its uncertainty as they are told.
+fn reality(told: f64, margin: Option<f64>) -> Mark {
+    if margin.is_some_and(|margin| told.abs() > margin) { Mark::Real } else { Mark::Sure }
 }
