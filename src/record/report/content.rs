@@ -4,6 +4,7 @@
 //! come from the highest to the lowest, as a leg stands.
 
 mod facts;
+mod landmarks;
 mod levels;
 mod notes;
 mod pictures;
