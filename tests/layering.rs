@@ -22,6 +22,7 @@ const PURE: [Rule; 6] = [
         layer: "record",
         layers: &["scan", "spline", "leg", "cad"],
         crates: &[
+            "base64",
             "encoding_rs",
             "flate2",
             "jiff",

@@ -1,7 +1,9 @@
 //! The command line as types, with the help texts a technician reads.
 
 mod asking;
+mod report;
 
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -9,10 +11,14 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
 
 use crate::cad::FileKind;
-use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
+use crate::config::words::{
+    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, Words,
+};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
+use crate::record::{FigureFormat, Language};
 use crate::station::measure::VERB;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs};
+pub use report::ReportArgs;
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -47,8 +53,14 @@ pub enum Verb {
     Run(RunArgs),
     /// Measure scan files now, without a station
     ///
-    /// Prints a table of both legs for every scan. Girths and heights are in millimetres.
+    /// Prints a table of both legs for every scan, and for several scans a summary with a row for
+    /// each. Of a folder all scans are measured, in the order of their names; hidden files are not.
     Extract(ExtractArgs),
+    /// Make the report of a record anew, in either language
+    ///
+    /// From record.json alone; the scan is not needed, and nothing is measured. The record is not
+    /// changed: its folder's SHA256SUMS would not be true any more.
+    Report(ReportArgs),
     /// Measure one scan on standard input; the station runs this itself
     #[command(name = VERB, hide = true)]
     Measure(MeasureArgs),
@@ -134,9 +146,16 @@ pub struct RunArgs {
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
 #[derive(Debug, clap::Args)]
 pub struct ExtractArgs {
-    /// The scan files, as the scanner exported them (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt)
+    /// The scan files, as the scanner exported them (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt), or
+    /// folders of them
     #[arg(value_name = "SCAN", required = true)]
     pub scans: Vec<PathBuf>,
+    /// Look for scans in the folders within folders, too
+    #[arg(long)]
+    pub recursive: bool,
+    /// Measure so many scans at a time; as many as there are processors where nothing says otherwise
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
     /// Print one JSON record per scan and line, for programs
     #[arg(long)]
     pub json: bool,
@@ -152,6 +171,18 @@ pub struct ExtractArgs {
         requires = "out"
     )]
     pub files: Option<Vec<FileKind>>,
+    /// Also write each figure of the report as a file of its own, with --out
+    #[arg(
+        long,
+        value_name = "FORMAT,…",
+        value_delimiter = ',',
+        value_parser = of_words(FIGURES),
+        requires = "out"
+    )]
+    pub figures: Option<Vec<FigureFormat>>,
+    /// The language of the report, with --out; en where nothing says otherwise
+    #[arg(long, value_parser = of_words(LANGUAGES), requires = "out")]
+    pub language: Option<Language>,
     /// What the scan holds: a whole body, or one leg with its foot, whose side it does not show
     #[arg(long, value_parser = of_words(SCOPES))]
     pub scope: Option<Scope>,

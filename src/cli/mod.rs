@@ -10,6 +10,10 @@ pub mod extract;
 pub mod measure;
 pub mod ord;
 pub mod order;
+pub mod paint;
+pub mod parallel;
+pub mod progress;
+pub mod report;
 pub mod run;
 pub mod scans;
 pub mod status;
@@ -39,6 +43,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Demo(args) => demo::demo(&args),
         Verb::Run(args) => run::run(&args),
         Verb::Extract(args) => extract::extract(&args),
+        Verb::Report(args) => report::report(&args),
         Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
         Verb::Status(args) => status::status(&args),

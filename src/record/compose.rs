@@ -18,15 +18,12 @@ use crate::leg::girth::GirthCurve;
 use crate::leg::method::{B1, SurfaceMethod, UnitChoice};
 use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 
-/// A scan measured for the first time; later results for it count on from here.
-const FIRST_REVISION: u32 = 1;
-
 /// The record of an extraction.
 pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method) -> Record {
     let (body, crotch) = (&extraction.body, &extraction.crotch);
     Record {
         schema: SCHEMA.to_owned(),
-        revision: FIRST_REVISION,
+        revision: provenance.revision,
         station: provenance.station.clone(),
         patient: provenance.patient.clone(),
         acquired: provenance.acquired.clone(),

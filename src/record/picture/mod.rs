@@ -1,5 +1,6 @@
 //! Pictures of a record as data: lines, dots and words in inks, which SVG, PDF and PNG are made of.
 
+pub mod figures;
 pub mod font;
 mod ink;
 mod outline;
