@@ -69,8 +69,8 @@ fn policy(style: &str, script: &str) -> String {
 fn body(content: &Content, pictures: &[Figure]) -> String {
     let parts = [
         parts::key_figures(content),
-        parts::notes(content),
         parts::levels(content),
+        parts::notes(content),
         parts::pictures(content, pictures),
         parts::view(content),
         parts::tables(content),

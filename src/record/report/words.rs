@@ -28,9 +28,7 @@ pub(super) fn place(level: Level, language: Language) -> &'static str {
         Level::A => language.pick("forefoot, around the toe joints", "Vorfuß, um die Zehengelenke"),
         Level::Y => language.pick("over heel and instep", "über Ferse und Rist"),
         Level::B => language.pick("ankle, smallest girth", "Fessel, kleinster Umfang"),
-        Level::B1 => {
-            language.pick("where calf and Achilles tendon meet", "Übergang Wade zu Achillessehne")
-        }
+        Level::B1 => language.pick("Achilles tendon to calf", "Achillessehne zur Wade"),
         Level::C => language.pick("calf, largest girth", "Wade, größter Umfang"),
         Level::D => language.pick("below the knee", "unter dem Knie"),
         Level::E => language.pick("knee, middle of the kneecap", "Knie, Mitte der Kniescheibe"),

@@ -110,9 +110,9 @@ impl Report<'_> {
                  darin. ± ?: nicht zu beurteilen.",
             ),
             self.say(
-                "~: estimated by the body's proportions, not measured. ?: there is a doubt; see the \
+                "~ (≈ in pictures): estimated by the body's proportions, not measured. ?: there is a doubt; see the \
                  notes.",
-                "~: aus den Proportionen des Körpers geschätzt, nicht gemessen. ?: es gibt einen \
+                "~ (in Bildern ≈): aus den Proportionen des Körpers geschätzt, nicht gemessen. ?: es gibt einen \
                  Zweifel; siehe Hinweise.",
             ),
             self.say(

@@ -13,7 +13,7 @@ impl Report<'_> {
         let found = self.record.findings.iter().map(|finding| self.note(finding));
         let doubts = self.unfound_doubts();
         let doubts = doubts.iter().map(|doubt| self.note(doubt));
-        let mut entries: Vec<Note> = found.chain(doubts).collect();
+        let mut entries = grouped(found.chain(doubts));
         // Of one weight they keep the order of the stages.
         entries.sort_by_key(|note| note.weight);
         Section { title: self.say("Notes", "Hinweise"), entries }
@@ -66,20 +66,27 @@ impl Report<'_> {
     fn place(&self, finding: &FindingNote) -> String {
         let side = Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()));
         let leg = side.map(|side| words::leg(side, self.language).to_owned());
-        [leg, finding.level.clone()].into_iter().flatten().collect::<Vec<_>>().join(", ")
+        [leg, finding.level.as_deref().map(shown::id)]
+            .into_iter()
+            .flatten()
+            .collect::<Vec<_>>()
+            .join(", ")
     }
 
     /// Doubts that stand at a level and of which no finding speaks, as those of estimated levels.
     fn unfound_doubts(&self) -> Vec<FindingNote> {
         let legs = self.record.legs.iter();
         let levels = legs.flat_map(|leg| {
-            let found = leg.landmarks.iter().map(|(level, of)| (level, &of.doubts));
-            let estimated = leg.estimates.iter().map(|(level, of)| (level, &of.doubts));
+            let (warning, info) = (Severity::Warning, Severity::Info);
+            let found = leg.landmarks.iter().map(move |(level, of)| (level, &of.doubts, warning));
+            // Estimates are marked as such already.
+            let estimated = leg.estimates.iter();
+            let estimated = estimated.map(move |(level, of)| (level, &of.doubts, info));
             let codes = found.chain(estimated);
-            codes.flat_map(|(level, codes)| {
-                codes.iter().map(|code| FindingNote {
+            codes.flat_map(move |(level, codes, severity)| {
+                codes.iter().map(move |code| FindingNote {
                     code: code.clone(),
-                    severity: Severity::Warning.word().to_owned(),
+                    severity: severity.word().to_owned(),
                     leg: Some(leg.side.clone()),
                     level: Some(level.clone()),
                     message: String::new(),
@@ -94,6 +101,41 @@ impl Report<'_> {
         };
         levels.filter(is_new).collect()
     }
+}
+
+/// Notes of one code in one, with all their places and messages, where the first of them was.
+fn grouped(notes: impl Iterator<Item = Note>) -> Vec<Note> {
+    let mut groups: Vec<Vec<Note>> = Vec::new();
+    for note in notes {
+        let is_same = |group: &&mut Vec<Note>| {
+            group.iter().any(|one| (&one.code, one.weight) == (&note.code, note.weight))
+        };
+        match groups.iter_mut().find(is_same) {
+            Some(group) => group.push(note),
+            None => groups.push(vec![note]),
+        }
+    }
+    groups.into_iter().filter_map(one_of).collect()
+}
+
+fn one_of(group: Vec<Note>) -> Option<Note> {
+    let first = group.first()?.clone();
+    let places: Vec<&str> = group.iter().map(|note| note.place.as_str()).collect();
+    let message = if group.iter().all(|note| note.message == first.message) {
+        first.message.clone()
+    } else {
+        let told = |note: &Note| match note.place.as_str() {
+            "" => note.message.clone(),
+            place => format!("{place}: {}", note.message),
+        };
+        group.iter().map(told).collect::<Vec<_>>().join(" ")
+    };
+    Some(Note {
+        place: places.join(" · "),
+        message,
+        is_message_english: group.iter().any(|note| note.is_message_english),
+        ..first
+    })
 }
 
 /// A message as a sentence: with a capital unless it begins with a file's name, and with its end.

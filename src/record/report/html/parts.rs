@@ -27,7 +27,9 @@ pub(super) fn key_figures(content: &Content) -> String {
         element("div", &class, &format!("{heading}\n{}", element("dl", "", &entries)))
     };
     let legs: String = SIDES.into_iter().enumerate().map(leg).collect();
-    section("key", &content.key, &element("div", " class=\"legs\"", &legs))
+    let summary = words("a", " href=\"#notes\"", &content.summary);
+    let summary = element("p", " class=\"summary\"", &summary);
+    section("key", &content.key, &(element("div", " class=\"legs\"", &legs) + &summary))
 }
 
 fn key_figure(row: &LevelRow, of: &LevelFigures) -> String {
@@ -53,11 +55,12 @@ fn key_figure(row: &LevelRow, of: &LevelFigures) -> String {
 
 /// Doubts and findings.
 pub(super) fn notes(content: &Content) -> String {
-    let summary = words("p", " class=\"summary\"", &content.summary);
     let entries: String = content.notes.entries.iter().map(|entry| note(content, entry)).collect();
-    let list =
-        if entries.is_empty() { entries } else { element("ul", " class=\"notes\"", &entries) };
-    section("notes", &content.notes.title, &format!("{summary}\n{list}"))
+    let list = match entries.as_str() {
+        "" => words("p", "", &content.summary),
+        entries => element("ul", " class=\"notes\"", entries),
+    };
+    section("notes", &content.notes.title, &list)
 }
 
 fn note(content: &Content, note: &Note) -> String {
