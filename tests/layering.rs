@@ -24,12 +24,16 @@ const PURE: [Rule; 6] = [
         crates: &[
             "base64",
             "encoding_rs",
+            "flate2",
             "jiff",
             "nalgebra",
+            "pdf_writer",
             "serde",
             "serde_json",
             "sha2",
+            "subsetter",
             "thiserror",
+            "tiny_skia",
         ],
     },
     Rule {

@@ -88,3 +88,80 @@ fn shares(place: f64) -> [(usize, f64); 2] {
     let share = place - below;
     [(below as usize, 1.0 - share), (below as usize + 1, share)]
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point2, Point3};
+
+    use super::super::axis::LegAxis;
+    use super::*;
+    use crate::spline::{Basis, GridData, fit_grid};
+
+    const RADIUS_MM: f64 = 50.0;
+    const LENGTH_MM: f64 = 190.0;
+
+    fn axis() -> LegAxis {
+        let (foot, direction) = (Point3::origin(), Vector3::z_axis());
+        LegAxis { foot, direction, front: -Vector3::y_axis(), lateral: Vector3::x_axis() }
+    }
+
+    fn place(along_mm: f64, angle: f64, radius_mm: f64) -> Place {
+        let across = Point2::new(radius_mm * angle.cos(), radius_mm * angle.sin());
+        let point = axis().at(along_mm, &across);
+        Place { point, at: (along_mm, angle), angle, radius_mm, area: 1.0 }
+    }
+
+    fn tube() -> Surface {
+        let along: Vec<f64> = (0..20).map(|i| 10.0 * f64::from(i)).collect();
+        let around: Vec<f64> = (0..72).map(|j| TAU * f64::from(j) / 72.0 - PI).collect();
+        let places = along.iter().flat_map(|u| around.iter().map(move |v| (*u, *v)));
+        let points: Vec<Point3<f64>> = places.map(|(u, v)| place(u, v, RADIUS_MM).point).collect();
+        let bases =
+            [Basis::uniform_clamped(0.0, LENGTH_MM, 14), Basis::uniform_periodic(-PI, TAU, 36)];
+        let [rows, columns] = bases.map(Result::unwrap);
+        let data = GridData { along: &along, around: &around, points: &points };
+        fit_grid(&data, rows, columns).unwrap().surface
+    }
+
+    /// Points 4 mm apart, this far outside the tube where they are seen at all.
+    fn map(outside_mm: impl Fn(f64, f64) -> Option<f64>) -> ErrorMap {
+        let rows = (0..48).map(|i| 4.0 * f64::from(i) + 1.0);
+        let places: Vec<Place> = rows
+            .flat_map(|u| (0..78).map(move |j| (u, TAU * f64::from(j) / 78.0 - PI)))
+            .filter_map(|(u, v)| Some(place(u, v, RADIUS_MM + outside_mm(u, v)?)))
+            .collect();
+        let columns = Columns::following(&[], 0.0, LENGTH_MM).unwrap();
+        let at: Vec<(f64, f64)> = places.iter().map(|place| place.at).collect();
+        let coverage = Coverage::of([0.0, LENGTH_MM], &at, |_| RADIUS_MM);
+        let outward = |place: &Place| place.point.coords - Vector3::z() * place.point.z;
+        ErrorMap::of(&tube(), &columns, &coverage, places.iter().copied(), outward)
+    }
+
+    #[test]
+    fn skin_outside_is_positive_inside_negative_and_each_at_its_place() {
+        let found = map(|_, angle| Some(if angle < 0.0 { 0.8 } else { -0.3 }));
+        for (node, outside_mm) in found.outside_mm.iter().enumerate() {
+            let angle = angle(node % ANGLES);
+            // Nodes between the two have something of both.
+            let edge = angle.sin().abs() < 0.2;
+            let expected = if angle < 0.0 { 0.8 } else { -0.3 };
+            let near = (outside_mm.unwrap() - expected).abs() < 0.01;
+            assert!(edge || near, "{angle}: {outside_mm:?}");
+        }
+    }
+
+    #[test]
+    fn rows_reach_from_end_to_end_and_a_hole_is_not_seen() {
+        let hole = |u: f64, v: f64| (u - 90.0).hypot(RADIUS_MM * v) < 25.0;
+        let found = map(|u, v| (!hole(u, v)).then_some(0.0));
+        assert_eq!((found.along_mm[0], found.along_mm[19]), (0.0, LENGTH_MM));
+        assert_eq!(found.outside_mm.len(), found.along_mm.len() * ANGLES);
+        for (node, outside_mm) in found.outside_mm.iter().enumerate() {
+            let (u, v) = (found.along_mm[node / ANGLES], angle(node % ANGLES));
+            let from_middle_mm = (u - 90.0).hypot(RADIUS_MM * v);
+            // The edge of a hole is as sharp as the points are apart.
+            assert!(from_middle_mm > 15.0 || outside_mm.is_none(), "{u} {v}");
+            assert!(from_middle_mm < 35.0 || outside_mm.is_some(), "{u} {v}");
+        }
+    }
+}

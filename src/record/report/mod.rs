@@ -3,9 +3,11 @@
 pub mod content;
 mod figure;
 mod html;
+mod pdf;
 mod shown;
 mod words;
 
 pub use content::Content;
 pub use figure::{Figure, Mark};
 pub use html::page;
+pub use pdf::{PdfFault, paper};

@@ -1,7 +1,9 @@
 //! The surface's error as a map: each leg unrolled as if seen from in front, its inner and outer side
 //! where the viewer sees them.
 
-use super::plot::{Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, words};
+use super::plot::{
+    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
+};
 use super::words::Words;
 use super::{LEVELS, SIDES, leg};
 use crate::leg::Side;
@@ -31,8 +33,7 @@ pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Opti
     let surfaces = || record.legs.iter().filter_map(|leg| leg.shape.as_ref()?.surface.as_ref());
     surfaces().next()?;
     let heights = surfaces().flat_map(heights);
-    let top_mm = heights.fold(0.0, f64::max);
-    let y = Scale { range: [0.0, (top_mm / 50.0).ceil() * 50.0], px: [ROWS_PX[1], ROWS_PX[0]] };
+    let y = Scale { range: range(heights, 50.0)?, px: [ROWS_PX[1], ROWS_PX[0]] };
     let mut marks = Vec::new();
     for (side, px) in SIDES.into_iter().zip(MAPS_PX) {
         // The front is in the middle; lateral is to the viewer's left on the right leg.

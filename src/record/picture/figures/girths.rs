@@ -29,6 +29,9 @@ const DASH: f64 = 6.0;
 /// From a level's mark to its label, px.
 const ASIDE: f64 = 12.0;
 
+/// Left and right of the curves this much of girth is left for labels, mm.
+const LABEL_MM: f64 = 60.0;
+
 /// A peak or valley that stands out by less is not marked, mm.
 const PROMINENCE_MIN_MM: f64 = 1.5;
 
@@ -72,7 +75,7 @@ fn titles(words_: &Words) -> Vec<Mark> {
     vec![
         heading([GIRTHS_PX[0], above], Anchor::Start, Ink::Text, words_.girth_cm),
         heading([SLOPES_PX[0], above], Anchor::Start, Ink::Text, words_.slope),
-        words([4.0, above], Anchor::Start, SMALL, Ink::Muted, words_.height_cm),
+        words([4.0, above - 18.0], Anchor::Start, SMALL, Ink::Muted, words_.height_cm),
     ]
 }
 
@@ -89,8 +92,9 @@ fn curve(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
 fn frame<'a>(legs: impl Iterator<Item = &'a LegFigures> + Clone) -> Option<Frame> {
     let places = || legs.clone().flat_map(curve).flatten();
     let [_, top] = range(places().map(|[_, height]| height), 50.0)?;
+    let with_labels = |[girth, _]: [f64; 2]| [girth - LABEL_MM, girth + LABEL_MM];
     Some(Frame {
-        x: Scale { range: range(places().map(|[girth, _]| girth), 50.0)?, px: GIRTHS_PX },
+        x: Scale { range: range(places().flat_map(with_labels), 50.0)?, px: GIRTHS_PX },
         y: Scale { range: [0.0, top], px: [ROWS_PX[1], ROWS_PX[0]] },
     })
 }

@@ -5,7 +5,7 @@ use nalgebra::{Point3, Vector3};
 
 use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
 use super::words::Words;
-use super::{LEVELS, SIDES, leg};
+use super::{SIDES, leg};
 use crate::leg::Side;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::schema::LegFigures;
@@ -79,8 +79,7 @@ impl From {
         match self {
             From::Front => says.front,
             From::Back => says.back,
-            From::Outside(Side::Left) => says.left_outer,
-            From::Outside(Side::Right) => says.right_outer,
+            From::Outside(_) => says.outer_side,
         }
     }
 }
@@ -227,11 +226,8 @@ impl View {
         vec![dots(valleys, Ink::Paper), dots(peaks, Ink::Text)]
     }
 
-    /// Whose leg it is, below its foot, where the view shows both.
+    /// Whose leg it is, below its foot.
     fn below(&self, leg: &Drawn, says: &Words) -> Option<Mark> {
-        if matches!(self.from, From::Outside(_)) {
-            return None;
-        }
         let [left, right] = extent(std::slice::from_ref(leg), self.from)?;
         let x = self.left + f64::midpoint(left, right) * self.px_per_mm;
         let at = [x, self.floor + 20.0];
@@ -267,12 +263,9 @@ impl View {
     }
 }
 
-/// The outlines at the paper's levels with their names, as far as they are there.
-fn outlines(leg: &LegFigures) -> impl Iterator<Item = (&'static str, &OutlineFigures)> {
-    LEVELS.into_iter().filter_map(|level| {
-        let at = leg.sections.iter().find(|section| section.level == level.name())?;
-        Some((level.name(), at.outline.as_ref()?))
-    })
+/// The outlines at the levels with their names, as far as they are there.
+fn outlines(leg: &LegFigures) -> impl Iterator<Item = (&str, &OutlineFigures)> {
+    leg.sections.iter().filter_map(|at| Some((at.level.as_str(), at.outline.as_ref()?)))
 }
 
 /// An outline in the body frame; none of a record that does not tell the leg's axis.
