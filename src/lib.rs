@@ -27,7 +27,7 @@
 //! | `spline` | nalgebra, rayon, thiserror |
 //! | `leg` | nalgebra, rayon, thiserror |
 //! | `cad` | nalgebra, thiserror |
-//! | `record` | `encoding_rs` (code page 1252), nalgebra, serde, `serde_json`, sha2, jiff (calendar only), thiserror |
+//! | `record` | base64, `encoding_rs` (code page 1252), flate2 (packing), jiff (calendar only), nalgebra, `pdf_writer`, serde, `serde_json`, sha2, subsetter (fonts), thiserror, `tiny_skia` (pixels) |
 //! | `flow` | regex, serde, thiserror, jiff (calendar only) |
 
 pub mod cad;

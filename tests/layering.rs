@@ -21,7 +21,20 @@ const PURE: [Rule; 6] = [
     Rule {
         layer: "record",
         layers: &["scan", "spline", "leg", "cad"],
-        crates: &["encoding_rs", "jiff", "nalgebra", "serde", "serde_json", "sha2", "thiserror"],
+        crates: &[
+            "base64",
+            "encoding_rs",
+            "flate2",
+            "jiff",
+            "nalgebra",
+            "pdf_writer",
+            "serde",
+            "serde_json",
+            "sha2",
+            "subsetter",
+            "thiserror",
+            "tiny_skia",
+        ],
     },
     Rule {
         layer: "flow",

@@ -101,7 +101,7 @@ fn nothing_is_drawn_outside_a_figure() {
                 }
                 Mark::Dots { at, .. } => at.iter().for_each(|at| check(*at, "dot")),
                 Mark::Words { .. } => {
-                    for (of, words) in place(mark) {
+                    if let Some((of, words)) = place(mark) {
                         check([of[0], of[1]], words);
                         check([of[2], of[3]], words);
                     }

@@ -11,7 +11,7 @@ use bodies::{export, record_of};
 use gaiter::cad::Output;
 use gaiter::leg::method::{B1, LevelChoices};
 use gaiter::leg::{Extraction, Level, Method};
-use gaiter::record::{Provenance, Record, ScanFile, record_files, sha256};
+use gaiter::record::{Provenance, Record, ReportChoice, ScanFile, record_files, sha256};
 use gaiter::scan::Format;
 
 static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| export("f_average_clean"));
@@ -24,9 +24,10 @@ fn file(extraction: &Extraction, name: &str) -> String {
     let sha256 = sha256(&BYTES);
     let provenance = Provenance::of_scan(sha256);
     let output = Output::default();
+    let choice = ReportChoice::default();
     let scan = ScanFile { bytes: &BYTES, format: Format::Obj, ord: None };
     let method = Method::default();
-    let files = record_files(extraction, &provenance, &method, &output, scan).unwrap().1;
+    let files = record_files(extraction, &provenance, &method, &output, &choice, scan).unwrap().1;
     let file = files.into_iter().find(|file| file.name == name).unwrap();
     String::from_utf8(file.bytes).unwrap()
 }

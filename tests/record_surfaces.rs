@@ -18,7 +18,9 @@ use bodies::export;
 use gaiter::cad::{FileKind, Output};
 use gaiter::config::words::{FILES, meaning};
 use gaiter::leg::{Extraction, Method, extract};
-use gaiter::record::{Provenance, Record, RecordFile, ScanFile, record_files, sha256};
+use gaiter::record::{
+    Provenance, Record, RecordFile, ReportChoice, ScanFile, record_files, sha256,
+};
 use gaiter::scan::Format;
 use nalgebra::Vector3;
 use tempfile::TempDir;
@@ -38,7 +40,7 @@ fn made(extraction: &Extraction, output: &Output) -> (Record, Vec<RecordFile>) {
     let provenance = Provenance::of_scan(sha256);
     let method = Method::default();
     let scan = ScanFile { bytes: &BYTES, format: Format::Obj, ord: None };
-    record_files(extraction, &provenance, &method, output, scan).unwrap()
+    record_files(extraction, &provenance, &method, output, &ReportChoice::default(), scan).unwrap()
 }
 
 /// The names of the files that are made of one leg.

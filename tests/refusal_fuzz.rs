@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use gaiter::cad::Output;
 use gaiter::leg::method::{Axis, FacingChoice, SectionFit};
 use gaiter::leg::{self, Method};
-use gaiter::record::{Provenance, Record, ScanFile, record, record_files};
+use gaiter::record::{Provenance, Record, ReportChoice, ScanFile, record, record_files};
 use gaiter::scan::Format;
 use mesh::Mesh;
 use proptest::prelude::*;
@@ -72,7 +72,15 @@ fn check(bytes: &[u8], method: &Method) {
                 assert!(leg.landmarks.values().all(|at| at.girth_tape_mm > 0.0));
             }
             let scan = ScanFile { bytes, format: Format::Obj, ord: None };
-            record_files(&found, &provenance, method, &Output::default(), scan).unwrap();
+            record_files(
+                &found,
+                &provenance,
+                method,
+                &Output::default(),
+                &ReportChoice::default(),
+                scan,
+            )
+            .unwrap();
         }
     }
     let status = fs::read_to_string("/proc/self/status").unwrap_or_default();

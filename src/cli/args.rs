@@ -2,6 +2,7 @@
 
 mod again;
 mod asking;
+mod report;
 
 use std::num::NonZeroUsize;
 use std::ops::Range;
@@ -12,11 +13,15 @@ use clap::{Parser, Subcommand};
 use clap_complete::Shell;
 
 use crate::cad::FileKind;
-use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
+use crate::config::words::{
+    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, Words,
+};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
+use crate::record::{FigureFormat, Language};
 use crate::station::measure::VERB;
 pub use again::ReextractArgs;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
+pub use report::ReportArgs;
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -60,6 +65,11 @@ pub enum Verb {
     /// the same name with _r2, _r3 …; the old one is never touched. At the end says what changed and
     /// by how much. A station may run meanwhile. Done again, it adds nothing.
     Reextract(ReextractArgs),
+    /// Make the report of a record anew, in either language
+    ///
+    /// From record.json alone; the scan is not needed, and nothing is measured. The record is not
+    /// changed: its folder's SHA256SUMS would not be true any more.
+    Report(ReportArgs),
     /// Measure one scan on standard input; the station runs this itself
     #[command(name = VERB, hide = true)]
     Measure(MeasureArgs),
@@ -197,6 +207,18 @@ pub struct ExtractArgs {
         requires = "out"
     )]
     pub files: Option<Vec<FileKind>>,
+    /// Also write each figure of the report as a file of its own, with --out
+    #[arg(
+        long,
+        value_name = "FORMAT,…",
+        value_delimiter = ',',
+        value_parser = of_words(FIGURES),
+        requires = "out"
+    )]
+    pub figures: Option<Vec<FigureFormat>>,
+    /// The language of the report, with --out; en where nothing says otherwise
+    #[arg(long, value_parser = of_words(LANGUAGES), requires = "out")]
+    pub language: Option<Language>,
     /// What the scan holds: a whole body, or one leg with its foot, whose side it does not show
     #[arg(long, value_parser = of_words(SCOPES))]
     pub scope: Option<Scope>,

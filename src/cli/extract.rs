@@ -16,7 +16,7 @@ use super::{Exit, complain, explain_config, ord, paint, print, shown, table};
 use crate::cad::Output;
 use crate::config::{self, words};
 use crate::leg::{Method, Refusal, extract as measure};
-use crate::record::{self, Provenance, Record, RecordFile, ScanFile};
+use crate::record::{self, Language, Provenance, Record, RecordFile, ReportChoice, ScanFile};
 use crate::scan::Format;
 use found::{FolderFault, found};
 use place::{Foreign, put_folder};
@@ -112,17 +112,22 @@ fn delivered(
 struct Choices {
     method: Method,
     output: Output,
+    report: ReportChoice,
 }
 
 impl Choices {
     /// The configuration's, or the default ones, under what the command line says.
     fn of(args: &ExtractArgs) -> Result<Choices, Exit> {
-        let (mut method, mut output) = match &args.config {
+        let (mut method, mut output, language) = match &args.config {
             Some(path) => {
                 let config = config::read(path).map_err(|error| explain_config(&error))?;
-                (config.method, config.output)
+                (config.method, config.output, config.language)
             }
-            None => (Method::default(), Output::default()),
+            None => (Method::default(), Output::default(), Language::default()),
+        };
+        let report = ReportChoice {
+            language: args.language.unwrap_or(language),
+            figures: args.figures.iter().flatten().copied().collect(),
         };
         method.scope = args.scope.unwrap_or(method.scope);
         method.unit = args.unit.unwrap_or(method.unit);
@@ -136,7 +141,7 @@ impl Choices {
             complain("gaiter: --facing points along the up axis; toes point square to it");
             return Err(Exit::Usage);
         }
-        Ok(Choices { method, output })
+        Ok(Choices { method, output, report })
     }
 }
 
@@ -204,7 +209,7 @@ struct Measured {
 
 impl Measured {
     fn of(path: &Path, args: &ExtractArgs, choices: &Choices) -> Result<Measured, FileFault> {
-        let Choices { method, output } = choices;
+        let Choices { method, output, report } = choices;
         // Before it is opened: opening a pipe waits for a writer.
         if !fs::metadata(path).map_err(FileFault::Unreadable)?.is_file() {
             return Err(FileFault::NotAFile);
@@ -221,7 +226,8 @@ impl Measured {
             return Ok(Measured { record, files: None });
         }
         let scan = ScanFile { bytes: &bytes, format, ord: ord.as_deref() };
-        let (record, files) = record::record_files(&extraction, &provenance, method, output, scan)?;
+        let made = record::record_files(&extraction, &provenance, method, output, report, scan);
+        let (record, files) = made?;
         Ok(Measured { record, files: Some(files) })
     }
 

@@ -15,6 +15,7 @@ pub mod paint;
 pub mod parallel;
 pub mod progress;
 pub mod reextract;
+pub mod report;
 pub mod run;
 pub mod scans;
 pub mod screen;
@@ -46,6 +47,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Run(args) => run::run(&args),
         Verb::Extract(args) => extract::extract(&args),
         Verb::Reextract(args) => reextract::reextract(&args),
+        Verb::Report(args) => report::report(&args),
         Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
         Verb::Status(args) => status::status(&args),

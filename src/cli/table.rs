@@ -3,8 +3,9 @@
 use std::fmt::Write;
 
 use crate::leg::{Level, Side};
-use crate::record::Record;
+use crate::record::rounding::cm_words;
 use crate::record::schema::LegFigures;
+use crate::record::{Language, Record};
 
 /// The measures of a record as a table, findings below it; ends without a line end.
 pub fn of(record: &Record) -> String {
@@ -105,5 +106,5 @@ fn worth(sd_mm: Option<f64>) -> String {
 
 /// Millimetres as the clinic reads them: centimetres with one decimal.
 fn cm(mm: f64) -> String {
-    format!("{:.1}", mm / 10.0)
+    cm_words(mm, Language::En)
 }

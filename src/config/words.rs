@@ -10,7 +10,7 @@ use crate::leg::Side;
 use crate::leg::method::{
     Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
 };
-use crate::record::Language;
+use crate::record::{FigureFormat, Language};
 
 /// What `method.b1` may be; the distance of the second stands under a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,6 +33,9 @@ pub const WITHOUT_TRIGGER: Words<WithoutTrigger> =
 
 /// `report.language`, `--language`
 pub const LANGUAGES: Words<Language> = &[("en", Language::En), ("de", Language::De)];
+
+/// `--figures`
+pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg)];
 
 /// `patient.check_digit`
 pub const CHECK_DIGITS: Words<CheckDigit> = &[

@@ -4,6 +4,8 @@
 
 use std::fmt::Write;
 
+use super::Language;
+use super::rounding::{self, cm_words};
 use crate::leg::feature::Kind;
 use crate::leg::{Estimate, Extraction, Landmark, LegReport, Level, LevelSection, Side};
 
@@ -86,9 +88,9 @@ fn headings() -> String {
     text
 }
 
-/// Millimetres as the clinic reads them: centimetres with one decimal.
+/// Millimetres as the clinic reads them, of the figure that the record holds.
 fn cm(mm: f64) -> String {
-    format!("{:.1}", mm / 10.0)
+    cm_words(rounding::mm(mm), Language::En)
 }
 
 /// Scales of the height–girth chart: girth to the right, height up.

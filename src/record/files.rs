@@ -1,9 +1,12 @@
 //! The files of a record folder, as bytes.
 
+use std::collections::BTreeSet;
+
 use sha2::{Digest, Sha256};
 
+use super::picture::{figures, svg};
 use super::schema::FindingNote;
-use super::{Provenance, Record, compose, csv, drawing};
+use super::{Language, Provenance, Record, compose, csv, drawing, report};
 use crate::cad::{CadFault, FileHeader, Output};
 use crate::leg::finding::Severity;
 use crate::leg::{Extraction, Method, Side};
@@ -11,6 +14,9 @@ use crate::scan::Format;
 
 /// The list of all other files' hashes, as `sha256sum -c` reads it.
 pub const SUMS: &str = "SHA256SUMS";
+
+/// The report as a page.
+const REPORT_PAGE: &str = "report.html";
 
 /// One file of a record folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -23,6 +29,22 @@ pub struct RecordFile {
 
 /// The file of a record that holds the scanner's own measures of the scan.
 pub const ORD: &str = "scanner.ord";
+
+/// What is made of a record for people.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ReportChoice {
+    /// The language of the report and its figures.
+    pub language: Language,
+    /// The notations in which each figure is a file of its own besides; none: only in the report.
+    pub figures: BTreeSet<FigureFormat>,
+}
+
+/// The notation of a figure's file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FigureFormat {
+    /// Lines and words, for pages and for editing.
+    Svg,
+}
 
 /// What was measured.
 #[derive(Debug, Clone, Copy)]
@@ -47,6 +69,7 @@ pub fn record_files(
     provenance: &Provenance,
     method: &Method,
     output: &Output,
+    choice: &ReportChoice,
     scan: ScanFile<'_>,
 ) -> Result<(Record, Vec<RecordFile>), serde_json::Error> {
     let mut record = compose::record(extraction, provenance, method);
@@ -54,12 +77,13 @@ pub fn record_files(
     record.findings.extend(notes);
     let mut json = serde_json::to_vec_pretty(&record)?;
     json.push(b'\n');
-    let file = |name: &str, bytes: Vec<u8>| RecordFile { name: name.to_owned(), bytes };
     let mut files = vec![
         file("record.json", json),
         file("measurements.csv", csv::measurements(&record).into_bytes()),
         file("legs.svg", drawing::legs(extraction).into_bytes()),
     ];
+    files.extend(report_files(&record, choice.language)?);
+    files.extend(figure_files(&record, choice));
     files.extend(surfaces);
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
     let mut sums: String = files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect();
@@ -69,6 +93,35 @@ pub fn record_files(
     files.push(scan);
     files.push(file(SUMS, sums.into_bytes()));
     Ok((record, files))
+}
+
+/// The report of a record: of the same record in the same language the same bytes, whether it was
+/// just measured or read back.
+///
+/// # Errors
+/// Where a figure cannot be written as JSON.
+pub fn report_files(
+    record: &Record,
+    language: Language,
+) -> Result<Vec<RecordFile>, serde_json::Error> {
+    let page = report::page(record, language)?;
+    Ok(vec![file(REPORT_PAGE, page.into_bytes())])
+}
+
+/// The figures as files of their own.
+fn figure_files(record: &Record, choice: &ReportChoice) -> Vec<RecordFile> {
+    let mut files = Vec::new();
+    if choice.figures.contains(&FigureFormat::Svg) {
+        let drawn = figures::all(record, choice.language);
+        files.extend(drawn.iter().map(|figure| {
+            file(&format!("figure-{}.svg", figure.name), svg::file(&figure.picture).into_bytes())
+        }));
+    }
+    files
+}
+
+fn file(name: &str, bytes: Vec<u8>) -> RecordFile {
+    RecordFile { name: name.to_owned(), bytes }
 }
 
 /// The files that are made of each leg's surface, and what is to be said of those that are not.

@@ -9,3 +9,18 @@ pub enum Language {
     /// German.
     De,
 }
+
+impl Language {
+    /// What is said in this language.
+    pub fn pick<T>(self, english: T, german: T) -> T {
+        match self {
+            Language::En => english,
+            Language::De => german,
+        }
+    }
+
+    /// Its tag on pages (BCP 47).
+    pub fn tag(self) -> &'static str {
+        self.pick("en", "de")
+    }
+}

@@ -12,13 +12,16 @@ pub mod gdt;
 mod language;
 pub mod picture;
 mod provenance;
-mod rounding;
+pub mod report;
+pub mod rounding;
 pub mod schema;
 pub mod shape;
 pub mod surface;
 
 pub use compose::record;
-pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
+pub use files::{
+    FigureFormat, ORD, RecordFile, ReportChoice, SUMS, ScanFile, record_files, report_files, sha256,
+};
 pub use language::Language;
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,

@@ -3,6 +3,10 @@
 
 use super::Language;
 
+/// A figure's uncertainty is told as this many of its standard errors: about 95 % of repeated scans
+/// lie within.
+pub const MARGIN_SDS: f64 = 2.0;
+
 /// Lengths, to 1 µm.
 pub fn mm(value: f64) -> f64 {
     to_places(value, 3)
@@ -62,6 +66,48 @@ pub fn unit(value: f64) -> f64 {
     to_places(value, 9)
 }
 
+/// The uncertainty of a length in mm, of its standard error: cm, rounded up to the next millimetre,
+/// so that it is never told smaller than it is, and never as nothing.
+pub fn cm_margin(sd_mm: f64) -> f64 {
+    up(MARGIN_SDS * sd_mm) / 10.0
+}
+
+/// A length in mm to a hundredth, for distances from a surface.
+pub fn mm_words(value_mm: f64, language: Language) -> String {
+    number(value_mm, 2, language)
+}
+
+/// Volumes in mL as people read them: whole ones.
+pub fn whole_ml(value_ml: f64) -> f64 {
+    to_places(value_ml, 0)
+}
+
+/// The uncertainty of a volume, of its standard error: mL, rounded up.
+pub fn ml_margin(sd_ml: f64) -> f64 {
+    up(MARGIN_SDS * sd_ml)
+}
+
+/// A percentage or an area in cm² to a tenth.
+pub fn tenths_words(value: f64, language: Language) -> String {
+    number(value, 1, language)
+}
+
+/// A rounded figure's words with the sign of a difference; none at zero.
+pub fn signed(value: f64, words: &str) -> String {
+    let is_zero = !words.contains(|digit: char| ('1'..='9').contains(&digit));
+    let figure = words.trim_start_matches('-');
+    match (is_zero, value < 0.0) {
+        (true, _) => figure.to_owned(),
+        (false, true) => format!("\u{2212}{figure}"),
+        (false, false) => format!("+{figure}"),
+    }
+}
+
+/// Up to the next whole number, one at least; what rounding of the record itself added is not counted.
+fn up(value: f64) -> f64 {
+    (value - 1e-9).ceil().max(1.0)
+}
+
 /// Half away from zero; a negative zero becomes zero.
 fn to_places(value: f64, places: i32) -> f64 {
     let scale = 10.0_f64.powi(places);
@@ -71,6 +117,27 @@ fn to_places(value: f64, places: i32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn words_keep_the_digits_of_the_rule_and_the_comma_of_their_language() {
+        let words = |mm| [Language::En, Language::De].map(|language| cm_words(mm, language));
+        assert_eq!(words(178.45), ["17.8", "17,8"]);
+        assert_eq!(words(178.5), ["17.9", "17,9"]);
+        assert_eq!(words(-0.3), ["0.0", "0,0"]);
+        assert_eq!(whole_ml(2.5), 3.0);
+    }
+
+    #[test]
+    fn an_uncertainty_is_two_standard_errors_rounded_up_and_never_nothing() {
+        assert_eq!([0.0, 0.1, 0.5, 0.501, 4.0].map(cm_margin), [0.1, 0.1, 0.1, 0.2, 0.8]);
+        assert_eq!(ml_margin(7.6), 16.0);
+    }
+
+    #[test]
+    fn a_difference_has_a_sign_unless_it_is_told_as_nothing() {
+        let told = |mm: f64| signed(mm, &cm_words(mm, Language::En));
+        assert_eq!([4.0, -4.0, 0.4, -0.4].map(told), ["+0.4", "\u{2212}0.4", "0.0", "0.0"]);
+    }
 
     #[test]
     fn figures_are_rounded_half_away_from_zero_and_never_to_minus_zero() {

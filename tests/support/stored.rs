@@ -26,7 +26,8 @@ pub fn store(root: &Path, patient: &str, at: &str, bytes: &[u8], method: &Method
         ..Provenance::of_scan(sha256(bytes))
     };
     let scan = ScanFile { bytes, format: Format::Obj, ord: None };
-    let made = record_files(&extraction, &provenance, method, &Output::default(), scan);
+    let (output, choice) = (Output::default(), ReportChoice::default());
+    let made = record_files(&extraction, &provenance, method, &output, &choice, scan);
     let folder = root.join(patient).join(format!("{at}_{}", &provenance.sha256[..8]));
     fs::create_dir_all(&folder).unwrap();
     for file in made.unwrap().1 {

@@ -11,7 +11,7 @@ use super::choices::Choices;
 use crate::cli::{Exit, ord};
 use crate::leg::{Refusal, extract as measure};
 use crate::record::change::{Changes, Sameness, changes};
-use crate::record::{self, ORD, Provenance, Record, ScanFile};
+use crate::record::{self, ORD, Provenance, Record, ReportChoice, ScanFile};
 use crate::scan::Format;
 use crate::store::revision::{Added, Family};
 use crate::store::sums::{self, SumsFault};
@@ -118,7 +118,7 @@ pub struct Wish {
 /// See [`Fault`]; the record is as it was.
 pub fn again(family: &Family, choices: &Choices, wish: Wish) -> Result<Again, Fault> {
     let Stored { old, old_json, scan, format, ord } = Stored::read(family)?;
-    let (method, output) = choices.for_record(&old);
+    let (method, output, language) = choices.for_record(&old);
     let mut extraction = measure(&scan, format, &method)?;
     if let Some(ord) = &ord {
         let opinions = ord::opinion(ord, &extraction);
@@ -134,7 +134,8 @@ pub fn again(family: &Family, choices: &Choices, wish: Wish) -> Result<Again, Fa
         revision,
     };
     let scan = ScanFile { bytes: &scan, format, ord: ord.as_deref() };
-    let made = record::record_files(&extraction, &provenance, &method, &output, scan);
+    let choice = ReportChoice { language, ..ReportChoice::default() };
+    let made = record::record_files(&extraction, &provenance, &method, &output, &choice, scan);
     let (new, files) = made.map_err(Fault::Json)?;
     let changes = changes(&old, &old_json, &new).map_err(Fault::Json)?;
     let written = match changes.sameness {

@@ -7,13 +7,13 @@ use crate::cli::{Exit, explain_config};
 use crate::config::words::{self, UNITS, UPS};
 use crate::leg::method::{B1, Scope, UnitChoice};
 use crate::leg::{Method, Side};
-use crate::record::Record;
+use crate::record::{Language, Record};
 
 /// What the command line chose for all records.
 #[derive(Debug)]
 pub enum Choices {
     /// A configuration's.
-    Configured(Box<(Method, Output)>),
+    Configured(Box<(Method, Output, Language)>),
     /// The default method. What the export declares and which definitions of levels were asked for is
     /// not the method's affair: that is taken from each record.
     Default,
@@ -27,14 +27,14 @@ impl Choices {
     pub fn of(config: Option<&Path>) -> Result<Choices, Exit> {
         let Some(path) = config else { return Ok(Choices::Default) };
         let config = crate::config::read(path).map_err(|error| explain_config(&error))?;
-        Ok(Choices::Configured(Box::new((config.method, config.output))))
+        Ok(Choices::Configured(Box::new((config.method, config.output, config.language))))
     }
 
-    /// Method and output for the scan of a record.
-    pub fn for_record(&self, record: &Record) -> (Method, Output) {
+    /// Method, output and the report's language for the scan of a record.
+    pub fn for_record(&self, record: &Record) -> (Method, Output, Language) {
         match self {
-            Choices::Configured(both) => both.as_ref().clone(),
-            Choices::Default => (as_asked(record), Output::default()),
+            Choices::Configured(all) => all.as_ref().clone(),
+            Choices::Default => (as_asked(record), Output::default(), Language::default()),
         }
     }
 }

@@ -9,7 +9,8 @@ use super::line::{WriteFault, message};
 use super::rules::{AttachmentFields, GdtRules};
 use super::words;
 use crate::leg::{Level, Side};
-use crate::record::rounding::cm;
+use crate::record::Language;
+use crate::record::rounding::cm_words;
 use crate::record::schema::{LandmarkFigures, LegFigures, Record};
 
 /// The kind of message that tells of an examination.
@@ -129,7 +130,7 @@ impl Block<'_> {
 }
 
 fn in_cm(figure_mm: f64) -> String {
-    format!("{:.1}", cm(figure_mm))
+    cm_words(figure_mm, Language::En)
 }
 
 /// The figures for people, in columns of a fixed width.

@@ -1,10 +1,14 @@
 //! Pictures of a record as data: lines, dots and words in inks, which SVG, PDF and PNG are made of.
 
 pub mod figures;
+pub mod font;
 mod ink;
+mod outline;
+pub mod png;
 pub mod svg;
 
 pub use ink::{Colour, Ink, Theme};
+pub use outline::Segment;
 
 /// A drawing; x to the right, y down, px.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,6 +83,17 @@ pub enum Anchor {
     Middle,
     /// Its end.
     End,
+}
+
+impl Anchor {
+    /// The share of the words' width that lies before their place.
+    pub fn share(self) -> f64 {
+        match self {
+            Anchor::Start => 0.0,
+            Anchor::Middle => 0.5,
+            Anchor::End => 1.0,
+        }
+    }
 }
 
 impl Stroke {

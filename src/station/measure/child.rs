@@ -9,7 +9,7 @@ use crate::config;
 use crate::leg::opinion::SecondOpinion;
 use crate::leg::second_opinion::compare;
 use crate::leg::{self, Finding};
-use crate::record::{self, ScanFile};
+use crate::record::{self, ReportChoice, ScanFile};
 use crate::scan::{Format, ord};
 use crate::station::caught::caught;
 use crate::station::error::chain;
@@ -68,8 +68,9 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
     let opinions = opinions(&extraction, ord, job.ord_files);
     extraction.findings.extend(opinions);
     let (method, output) = (&config.method, &config.output);
+    let choice = ReportChoice { language: config.language, ..ReportChoice::default() };
     let scan = ScanFile { bytes: scan, format, ord };
-    match record::record_files(&extraction, &job.provenance, method, output, scan) {
+    match record::record_files(&extraction, &job.provenance, method, output, &choice, scan) {
         Ok((_, mut files)) => {
             // The store has them already, in the spool.
             files.retain(|file| !file.name.starts_with(sums::SCAN));

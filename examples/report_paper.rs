@@ -1,0 +1,32 @@
+//! Writes what is printed of records: `report.pdf` and the figures as PNG, in both languages.
+//!
+//! `cargo run --example report_paper -- OUT RECORD.json…`
+
+use std::error::Error;
+use std::path::Path;
+use std::time::Instant;
+use std::{env, fs};
+
+use gaiter::record::picture::{Theme, figures, png};
+use gaiter::record::{Language, Record, report};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut args = env::args().skip(1);
+    let out = args.next().ok_or("OUT RECORD.json…")?;
+    for (index, path) in args.enumerate() {
+        let record: Record = serde_json::from_slice(&fs::read(&path)?)?;
+        for language in [Language::En, Language::De] {
+            let begun = Instant::now();
+            let paper = report::paper(&record, language)?;
+            let milliseconds = begun.elapsed().as_secs_f64() * 1e3;
+            let stem = format!("{index}-{}", language.tag());
+            println!("{stem} {path}: {} bytes in {milliseconds:.1} ms", paper.len());
+            fs::write(Path::new(&out).join(format!("{stem}.pdf")), paper)?;
+            for figure in figures::all(&record, language) {
+                let image = png::png(&figure.picture, Theme::Dark, 1.0)?;
+                fs::write(Path::new(&out).join(format!("{stem}-{}.png", figure.name)), image)?;
+            }
+        }
+    }
+    Ok(())
+}

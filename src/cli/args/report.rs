@@ -1,0 +1,21 @@
+//! `gaiter report`.
+
+use std::path::PathBuf;
+
+use super::of_words;
+use crate::config::words::LANGUAGES;
+use crate::record::Language;
+
+/// `gaiter report`
+#[derive(Debug, clap::Args)]
+pub struct ReportArgs {
+    /// A record folder, or a record.json
+    #[arg(value_name = "RECORD")]
+    pub record: PathBuf,
+    /// The language of the report
+    #[arg(long, value_parser = of_words(LANGUAGES), default_value = "en")]
+    pub language: Language,
+    /// Where the report goes; the current folder where nothing is said
+    #[arg(long, value_name = "DIR", default_value = ".", hide_default_value = true)]
+    pub out: PathBuf,
+}

@@ -1,0 +1,186 @@
+//! The letters of pictures and of paper: two fonts within the program, read once.
+//!
+//! The fonts are TrueType files that `fonts/make.py` made: one `cmap` of format 4, an advance for
+//! every glyph, short offsets, no composite glyphs. Only that is read.
+//! Source: OpenType 1.9.1, `cmap`, `head`, `hmtx`, `loca`, `glyf`.
+
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+use super::outline::{Segment, segments};
+
+/// Noto Sans, regular and bold.
+const FILES: [&[u8]; 2] =
+    [include_bytes!("fonts/NotoSans-Regular.ttf"), include_bytes!("fonts/NotoSans-Bold.ttf")];
+
+static FONTS: LazyLock<[Font; 2]> =
+    LazyLock::new(|| FILES.map(|file| Font::read(file).unwrap_or_default()));
+
+/// Units to the height of the letters with their room.
+pub const UNITS_PER_EM: f64 = 1000.0;
+
+/// A font of the program's own.
+#[derive(Debug, Default)]
+pub struct Font {
+    file: &'static [u8],
+    glyphs: BTreeMap<char, u16>,
+    advances: Vec<u16>,
+    outlines: Vec<&'static [u8]>,
+}
+
+impl Font {
+    /// The font of plain words, or of those that stand out.
+    pub fn of(is_bold: bool) -> &'static Font {
+        &FONTS[usize::from(is_bold)]
+    }
+
+    /// The TrueType file.
+    pub fn file(&self) -> &'static [u8] {
+        self.file
+    }
+
+    /// The glyph of a letter; none where the font lacks it.
+    pub fn glyph(&self, letter: char) -> Option<u16> {
+        self.glyphs.get(&letter).copied()
+    }
+
+    /// By how much a glyph moves the pen, 1/[`UNITS_PER_EM`].
+    pub fn advance(&self, glyph: u16) -> u16 {
+        self.advances.get(usize::from(glyph)).copied().unwrap_or(0)
+    }
+
+    /// Width of words in letters of a size, in the unit of that size.
+    pub fn width(&self, words: &str, size: f64) -> f64 {
+        let glyphs = words.chars().map(|letter| self.glyph(letter).unwrap_or(0));
+        let units: f64 = glyphs.map(|glyph| f64::from(self.advance(glyph))).sum();
+        units / UNITS_PER_EM * size
+    }
+
+    /// How a glyph is drawn, 1/[`UNITS_PER_EM`], y up from the line of the letters.
+    pub fn outline(&self, glyph: u16) -> Vec<Segment> {
+        let outline = self.outlines.get(usize::from(glyph));
+        outline.and_then(|bytes| segments(bytes)).unwrap_or_default()
+    }
+
+    fn read(file: &'static [u8]) -> Option<Font> {
+        let count = word(table(file, b"maxp")?, 4)?;
+        let (hmtx, loca) = (table(file, b"hmtx")?, table(file, b"loca")?);
+        let glyf = table(file, b"glyf")?;
+        let at = |glyph: u16| Some(2 * usize::from(word(loca, 2 * usize::from(glyph))?));
+        let outline = |glyph: u16| glyf.get(at(glyph)?..at(glyph + 1)?);
+        Some(Font {
+            file,
+            glyphs: glyphs(table(file, b"cmap")?)?,
+            advances: (0..count)
+                .map(|glyph| word(hmtx, 4 * usize::from(glyph)))
+                .collect::<Option<_>>()?,
+            outlines: (0..count).map(outline).collect::<Option<_>>()?,
+        })
+    }
+}
+
+/// Words as both fonts can write them: a letter that they lack, or that is not seen, stands as its
+/// code point, and every blank is a plain one. So no two ids look alike because a letter is missing,
+/// and nothing is ever written from right to left.
+pub fn writable(words: &str) -> String {
+    let mut written = String::with_capacity(words.len());
+    for letter in words.chars() {
+        match letter {
+            '\t' | '\n' | '\r' => written.push(' '),
+            _ if is_writable(letter) => written.push(letter),
+            _ => written.push_str(&format!("[U+{:04X}]", u32::from(letter))),
+        }
+    }
+    written
+}
+
+fn is_writable(letter: char) -> bool {
+    // A soft hyphen has a glyph, but is not to be seen.
+    letter != '\u{AD}' && [false, true].iter().all(|bold| Font::of(*bold).glyph(letter).is_some())
+}
+
+fn table(file: &'static [u8], tag: &[u8; 4]) -> Option<&'static [u8]> {
+    let count = usize::from(word(file, 4)?);
+    let mut entries = file.get(12..12 + 16 * count)?.chunks_exact(16);
+    let entry = entries.find(|entry| entry.starts_with(tag))?;
+    let [from, length] = [long(entry, 8)?, long(entry, 12)?];
+    file.get(from..from.checked_add(length)?)
+}
+
+/// The glyphs of all letters, from the first table of format 4.
+fn glyphs(cmap: &[u8]) -> Option<BTreeMap<char, u16>> {
+    let sub = cmap.get(long(cmap, 8)?..)?;
+    if word(sub, 0)? != 4 {
+        return None;
+    }
+    let twice = usize::from(word(sub, 6)?);
+    // Four columns: last letter, first letter, what is added, where the glyphs stand.
+    let [ends, starts, deltas, offsets] = [14, 16 + twice, 16 + 2 * twice, 16 + 3 * twice];
+    let mut found = BTreeMap::new();
+    for row in (0..twice).step_by(2) {
+        let [end, start] = [word(sub, ends + row)?, word(sub, starts + row)?];
+        let [delta, offset] = [word(sub, deltas + row)?, word(sub, offsets + row)?];
+        for code in start..=end {
+            let listed = || {
+                let place = offsets + row + usize::from(offset) + 2 * usize::from(code - start);
+                word(sub, place).map(|glyph| if glyph == 0 { 0 } else { glyph.wrapping_add(delta) })
+            };
+            let glyph = if offset == 0 { code.wrapping_add(delta) } else { listed()? };
+            found.extend(char::from_u32(code.into()).filter(|_| glyph != 0).map(|of| (of, glyph)));
+        }
+    }
+    Some(found)
+}
+
+/// A number of 16 bits, the higher byte first.
+fn word(bytes: &[u8], at: usize) -> Option<u16> {
+    bytes.get(at..at + 2)?.try_into().ok().map(u16::from_be_bytes)
+}
+
+/// A number of 32 bits, the highest byte first.
+fn long(bytes: &[u8], at: usize) -> Option<usize> {
+    bytes.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes)?.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fonts_have_what_reports_in_both_languages_are_written_with() {
+        let needed = "ÄÖÜäöüßẞ ±−–—…·×²³⁻°%‰≈≠≤≥←→↑↓●○‘’“”„‚«»✓Ωλ\u{202F}\u{2009}\u{2007}\u{A0}Жя";
+        let ascii: String = (' '..='~').collect();
+        assert_eq!(writable(needed), needed);
+        assert_eq!(writable(&ascii), ascii);
+    }
+
+    #[test]
+    fn figures_are_of_one_width_and_letters_have_noto_s_own() {
+        for (bold, a) in [(false, 639), (true, 690)] {
+            let font = Font::of(bold);
+            for digit in '0'..='9' {
+                assert_eq!(font.advance(font.glyph(digit).unwrap()), 572, "{digit}");
+            }
+            assert_eq!(font.advance(font.glyph('A').unwrap()), a);
+        }
+        assert_eq!(Font::of(false).width("A0", 10.0), 12.11);
+    }
+
+    #[test]
+    fn letters_that_cannot_be_written_stand_as_their_code_points() {
+        assert_eq!(writable("a\u{5E9}\u{202E}1\u{AD}\n漢"), "a[U+05E9][U+202E]1[U+00AD] [U+6F22]");
+    }
+
+    #[test]
+    fn every_glyph_can_be_drawn_and_every_letter_but_blanks_is() {
+        for bold in [false, true] {
+            let font = Font::of(bold);
+            assert!(font.glyphs.len() > 600);
+            for (letter, glyph) in &font.glyphs {
+                let segments = segments(font.outlines[usize::from(*glyph)]);
+                let is_drawn = segments.is_some_and(|segments| !segments.is_empty());
+                assert_eq!(is_drawn, !letter.is_whitespace(), "{letter:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Girths and lengths at the levels, and how the legs differ there.
+
+use super::super::words;
+use super::super::words::findings::short;
+use super::{Figure, LevelColumns, LevelFigures, LevelRow, Levels, Report, SIDES};
+use crate::leg::{Level, Side};
+use crate::record::report::Mark;
+use crate::record::schema::{EstimateFigures, LandmarkFigures, LegFigures};
+
+impl Report<'_> {
+    pub(super) fn levels(&self) -> Levels {
+        let (shown, others): (Vec<_>, Vec<_>) =
+            Level::ALL.into_iter().rev().partition(|level| self.is_shown(*level));
+        let names: Vec<&str> = others.iter().map(|level| level.name()).collect();
+        let left_out = (!names.is_empty()).then(|| {
+            let words = self.say(
+                "Not seen in this scan, and not measured on either leg:",
+                "In diesem Scan nicht zu sehen und an keinem Bein gemessen:",
+            );
+            format!("{words} {}.", names.join(", "))
+        });
+        Levels {
+            title: self.say("Measures", "Maße"),
+            columns: LevelColumns {
+                level: self.say("Level", "Messstelle"),
+                legs: SIDES.map(|side| words::leg_heading(side, self.language).to_owned()),
+                girth: self.say("Girth (cm)", "Umfang (cm)"),
+                length: self.say("Length (cm)", "Länge (cm)"),
+                difference: self.say("Girth, left − right (cm)", "Umfang, links − rechts (cm)"),
+            },
+            rows: shown.into_iter().map(|level| self.row(level)).collect(),
+            left_out,
+        }
+    }
+
+    /// Levels that every leg is searched for always have a row; the others where there is a figure.
+    fn is_shown(&self, level: Level) -> bool {
+        let name = level.name();
+        let has =
+            |leg: &LegFigures| leg.landmarks.contains_key(name) || leg.estimates.contains_key(name);
+        Level::SOUGHT.contains(&level) || self.record.legs.iter().any(has)
+    }
+
+    fn row(&self, level: Level) -> LevelRow {
+        LevelRow {
+            level: level.name().to_owned(),
+            place: words::place(level, self.language).to_owned(),
+            is_sought: Level::SOUGHT.contains(&level),
+            legs: SIDES.map(|side| self.level(side, level)),
+            difference: self.difference(level),
+        }
+    }
+
+    fn level(&self, side: Side, level: Level) -> LevelFigures {
+        let name = level.name();
+        let Some(leg) = self.leg(side) else {
+            return missing(self.no_leg(side));
+        };
+        match (leg.landmarks.get(name), leg.estimates.get(name)) {
+            (Some(found), _) => self.found(found),
+            (None, Some(estimate)) => self.estimated(level, estimate),
+            (None, None) => missing(self.no_level(side, name)),
+        }
+    }
+
+    fn found(&self, found: &LandmarkFigures) -> LevelFigures {
+        let mark = if found.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
+        let length = match found.surface_length_mm {
+            Some(mm) => Figure::cm(mm, found.height_sd_mm, mark, self.language),
+            None => Figure::missing(self.on_the_foot()),
+        };
+        let girth = Figure::cm(found.girth_tape_mm, found.girth_sd_mm, mark, self.language);
+        LevelFigures { girth, length, doubts: self.short(&found.doubts) }
+    }
+
+    fn estimated(&self, level: Level, of: &EstimateFigures) -> LevelFigures {
+        let figure = |mm, sd_mm| Figure::cm(mm, sd_mm, Mark::Estimated, self.language);
+        let length = if level < Level::B {
+            Figure::missing(self.on_the_foot())
+        } else {
+            let height = figure(of.height_mm, of.height_sd_mm);
+            Figure { value: format!("h {}", height.value), ..height }
+        };
+        LevelFigures {
+            girth: figure(of.girth_tape_mm, of.girth_sd_mm),
+            length,
+            doubts: self.short(&of.doubts),
+        }
+    }
+
+    fn on_the_foot(&self) -> &'static str {
+        self.language.pick("on the foot", "am Fuß")
+    }
+
+    fn short(&self, doubts: &[String]) -> Vec<String> {
+        doubts.iter().map(|code| short(code, self.language)).collect()
+    }
+
+    /// Why a level has no figure on a leg that was measured.
+    fn no_level(&self, side: Side, level: &str) -> &'static str {
+        let (absent, implausible) = ("level-absent", "level-implausible");
+        if self.is_found(absent, side, Some(level)) {
+            self.language.pick("not on this leg", "an diesem Bein nicht vorhanden")
+        } else if self.is_found(implausible, side, Some(level)) {
+            self.language.pick("not plausible", "nicht plausibel")
+        } else {
+            self.language.pick("not seen", "nicht zu sehen")
+        }
+    }
+
+    fn difference(&self, level: Level) -> Figure {
+        let levels = self.record.differences.iter().flat_map(|of| &of.levels);
+        let mut of_level = levels.filter(|at| at.level == level.name());
+        match of_level.next() {
+            Some(at) => Figure::cm_difference(at.girth_tape_mm, at.girth_sd_mm, self.language),
+            None => {
+                Figure::missing(self.language.pick("not on both legs", "nicht an beiden Beinen"))
+            }
+        }
+    }
+}
+
+fn missing(why: &str) -> LevelFigures {
+    let figure = || Figure::missing(why);
+    LevelFigures { girth: figure(), length: figure(), doubts: Vec::new() }
+}

@@ -1,0 +1,192 @@
+//! Volumes, slices, feet, and heights that were asked for.
+
+use super::super::words;
+use super::{Figure, Report, SIDES, Table, TableRow};
+use crate::leg::Side;
+use crate::record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures};
+use crate::record::report::Mark;
+use crate::record::rounding::cm_words;
+use crate::record::schema::FootFigures;
+
+impl Report<'_> {
+    pub(super) fn tables(&self) -> Vec<Table> {
+        let tables = [Some(self.volumes()), self.asked(), self.feet(), self.slices()];
+        tables.into_iter().flatten().collect()
+    }
+
+    /// Heads of a table with a column a leg and one or more of differences.
+    fn columns(&self, first: String, differences: &[String]) -> Vec<String> {
+        let legs = SIDES.map(|side| words::leg_heading(side, self.language).to_owned());
+        [first].into_iter().chain(legs).chain(differences.iter().cloned()).collect()
+    }
+
+    fn differences(&self) -> [String; 2] {
+        [
+            self.say("Left − right", "Links − rechts"),
+            self.say("in % of the smaller", "in % des kleineren"),
+        ]
+    }
+
+    fn volumes(&self) -> Table {
+        let whole = self.record.differences.as_ref().and_then(|of| of.whole.as_ref());
+        let whole_row = TableRow {
+            head: self.say("Whole leg", "Ganzes Bein"),
+            figures: self.volume_row(|of| (of.whole_ml, of.sd_ml), whole),
+        };
+        let between = TableRow {
+            head: self.say("Between B and D", "Zwischen B und D"),
+            figures: self.volume_row(|of| (of.b_to_d_ml, of.b_to_d_sd_ml), None),
+        };
+        Table {
+            title: self.say("Volumes (ml)", "Volumen (ml)"),
+            explanation: Some(self.ranges()),
+            columns: self.columns(self.say("Part", "Abschnitt"), &self.differences()),
+            rows: vec![whole_row, between],
+        }
+    }
+
+    /// From where to where whole legs go, and over what they are compared.
+    fn ranges(&self) -> String {
+        let cm = |mm| cm_words(mm, self.language);
+        let of_leg = |side: Side| {
+            let volume = &self.leg(side)?.volume;
+            let (from_mm, to_mm) = (volume.from_height_mm?, volume.to_height_mm?);
+            let leg = words::leg(side, self.language);
+            let to = self.say("to", "bis");
+            Some(format!("{leg} {} {to} {} cm", cm(from_mm), cm(to_mm)))
+        };
+        let legs: Vec<String> = SIDES.into_iter().filter_map(of_leg).collect();
+        let mut words = self.say(
+            "The whole leg goes from its lowest to its highest measured section",
+            "Das ganze Bein reicht vom untersten bis zum obersten gemessenen Schnitt",
+        );
+        if !legs.is_empty() {
+            words += &format!(" ({})", legs.join(", "));
+        }
+        words.push('.');
+        if self.record.differences.iter().any(|of| of.whole.is_some()) {
+            words += &self.say(
+                " The difference is taken over the range that both legs have.",
+                " Die Differenz gilt für den Bereich, den beide Beine haben.",
+            );
+        }
+        words
+    }
+
+    fn volume_row(
+        &self,
+        figure: fn(&VolumeFigures) -> (Option<f64>, Option<f64>),
+        difference: Option<&VolumeDifferenceFigures>,
+    ) -> Vec<Figure> {
+        let of_leg = |side: Side| match self.leg(side).map(|leg| figure(&leg.volume)) {
+            Some((Some(ml), sd_ml)) => Figure::ml(ml, sd_ml, self.language),
+            Some((None, _)) => {
+                Figure::missing(self.language.pick("not measured whole", "nicht ganz gemessen"))
+            }
+            None => Figure::missing(self.no_leg(side)),
+        };
+        SIDES.map(of_leg).into_iter().chain(self.volume_difference(difference)).collect()
+    }
+
+    fn volume_difference(&self, difference: Option<&VolumeDifferenceFigures>) -> [Figure; 2] {
+        match difference {
+            Some(of) => Figure::ml_difference([of.ml, of.percent], of.sd_ml, self.language),
+            None => {
+                let why = self.language.pick("not compared", "nicht verglichen");
+                [Figure::missing(why), Figure::missing(why)]
+            }
+        }
+    }
+
+    /// Girths at the heights that were asked for; none where nobody asked.
+    fn asked(&self) -> Option<Table> {
+        let heights = &self.record.legs.iter().map(|leg| &leg.at).find(|at| !at.is_empty())?;
+        let row = |(index, at): (usize, &AtFigures)| TableRow {
+            head: format!("{} cm", cm_words(at.height_mm, self.language)),
+            figures: SIDES.map(|side| self.girth_asked(side, index)).into(),
+        };
+        Some(Table {
+            title: self.say(
+                "Girths at heights that were asked for (cm)",
+                "Umfänge in gewünschten Höhen (cm)",
+            ),
+            explanation: None,
+            columns: self.columns(self.say("Height", "Höhe"), &[]),
+            rows: heights.iter().enumerate().map(row).collect(),
+        })
+    }
+
+    fn girth_asked(&self, side: Side, index: usize) -> Figure {
+        let Some(leg) = self.leg(side) else { return Figure::missing(self.no_leg(side)) };
+        let girth = leg.at.get(index).and_then(|at| Some((at, at.girth_tape_mm?)));
+        let Some((at, girth_mm)) = girth else {
+            return Figure::missing(self.language.pick("not seen there", "dort nicht zu sehen"));
+        };
+        let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
+        Figure::cm(girth_mm, at.girth_sd_mm, mark, self.language)
+    }
+
+    fn feet(&self) -> Option<Table> {
+        let legs = self.legs();
+        legs.iter().flatten().any(|leg| leg.foot.is_some()).then(|| {
+            let figure = |side: Side, of: fn(&FootFigures) -> f64| {
+                let foot = self.leg(side).map(|leg| leg.foot.as_ref());
+                match foot {
+                    Some(Some(foot)) => Figure::plain(cm_words(of(foot), self.language)),
+                    Some(None) => {
+                        Figure::missing(self.language.pick("foot not seen", "Fuß nicht zu sehen"))
+                    }
+                    None => Figure::missing(self.no_leg(side)),
+                }
+            };
+            let row = |head: String, of: fn(&FootFigures) -> f64| TableRow {
+                head,
+                figures: SIDES.map(|side| figure(side, of)).into(),
+            };
+            Table {
+                title: self.say("Feet (cm)", "Füße (cm)"),
+                explanation: None,
+                columns: self.columns(self.say("Measure", "Maß"), &[]),
+                rows: vec![
+                    row(self.say("Length", "Länge"), |foot| foot.length_mm),
+                    row(self.say("Breadth", "Breite"), |foot| foot.breadth_mm),
+                ],
+            }
+        })
+    }
+
+    /// Volumes of the slices of 4 cm; none where no leg has any.
+    fn slices(&self) -> Option<Table> {
+        let longest = self.record.legs.iter().map(|leg| &leg.volume.slices);
+        let longest = longest.max_by_key(|slices| slices.len()).filter(|all| !all.is_empty())?;
+        let row = |slice: &SliceFigures| {
+            let figure = |side: Side| self.slice(side, slice);
+            let differences = self.record.differences.iter().flat_map(|of| &of.slices);
+            let difference = differences.into_iter().find(|at| at.from_mm == slice.from_mm);
+            let ends = [slice.from_mm, slice.to_mm].map(|mm| format!("{:.0}", mm / 10.0));
+            let legs = SIDES.map(figure).into_iter();
+            TableRow {
+                head: ends.join("–"),
+                figures: legs.chain(self.volume_difference(difference)).collect(),
+            }
+        };
+        Some(Table {
+            title: self.say("Volumes of slices (ml)", "Volumen in Scheiben (ml)"),
+            explanation: Some(self.say(
+                "Slices across the leg's axis, along it from the floor.",
+                "Scheiben quer zur Achse des Beins, entlang der Achse vom Boden an.",
+            )),
+            columns: self.columns(self.say("From–to (cm)", "Von–bis (cm)"), &self.differences()),
+            rows: longest.iter().rev().map(row).collect(),
+        })
+    }
+
+    fn slice(&self, side: Side, at: &SliceFigures) -> Figure {
+        let Some(leg) = self.leg(side) else { return Figure::missing(self.no_leg(side)) };
+        let slice = leg.volume.slices.iter().find(|slice| slice.from_mm == at.from_mm);
+        match slice.and_then(|slice| Some((slice.ml?, slice.sd_ml))) {
+            Some((ml, sd_ml)) => Figure::ml(ml, sd_ml, self.language),
+            None => Figure::missing(self.language.pick("not seen whole", "nicht ganz zu sehen")),
+        }
+    }
+}

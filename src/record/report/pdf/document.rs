@@ -1,0 +1,142 @@
+//! The objects of a paper: pages, fonts, the tree of its parts, who made it of what.
+
+use jiff::tz::TimeZone;
+use pdf_writer::writers::StructTreeRoot;
+use pdf_writer::{Date, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
+use sha2::{Digest, Sha256};
+
+use super::PdfFault;
+use super::letters::{FontRefs, NAMES};
+use super::packing::packed;
+use super::sheet::{SIZE, Sheets};
+use super::tags::ROOT;
+use crate::record::Record;
+use crate::record::report::Content;
+
+/// The numbers of the objects.
+struct Refs {
+    catalog: Ref,
+    info: Ref,
+    /// The tree of pages.
+    tree: Ref,
+    pages: Vec<Ref>,
+    /// What is drawn on each page.
+    contents: Vec<Ref>,
+    /// The tree of what the parts are.
+    tags: Ref,
+    elements: Vec<Ref>,
+    /// The elements of what is drawn on each page.
+    drawn: Vec<Ref>,
+    fonts: [FontRefs; 2],
+}
+
+impl Refs {
+    fn of(sheets: &Sheets) -> Refs {
+        let mut last = 0;
+        let mut next = || {
+            last += 1;
+            Ref::new(last)
+        };
+        let pages = sheets.pages.len();
+        Refs {
+            catalog: next(),
+            info: next(),
+            tree: next(),
+            pages: (0..pages).map(|_| next()).collect(),
+            contents: (0..pages).map(|_| next()).collect(),
+            tags: next(),
+            elements: (0..sheets.tags.len()).map(|_| next()).collect(),
+            drawn: (0..pages).map(|_| next()).collect(),
+            fonts: [(); 2].map(|()| FontRefs::new(&mut next)),
+        }
+    }
+}
+
+/// The file of finished pages.
+pub(super) fn bytes(
+    sheets: Sheets,
+    record: &Record,
+    content: &Content,
+) -> Result<Vec<u8>, PdfFault> {
+    let refs = Refs::of(&sheets);
+    let mut pdf = Pdf::new();
+    // The record decides, so that the same record gives the same file.
+    let id = Sha256::digest(format!("{} {}", record.scan.sha256, record.revision));
+    pdf.set_file_id((id[..16].to_vec(), id[..16].to_vec()));
+    write_catalog(&mut pdf, &refs, content);
+    write_info(&mut pdf, refs.info, record, content);
+    write_pages(&mut pdf, &refs);
+    write_tags(&mut pdf, &refs, &sheets);
+    for (letters, refs) in sheets.letters.iter().zip(&refs.fonts) {
+        letters.write(&mut pdf, refs)?;
+    }
+    for (page, id) in sheets.pages.into_iter().zip(refs.contents) {
+        pdf.stream(id, &packed(page.finish().as_slice())).filter(Filter::FlateDecode);
+    }
+    Ok(pdf.finish())
+}
+
+fn write_catalog(pdf: &mut Pdf, refs: &Refs, content: &Content) {
+    let mut catalog = pdf.catalog(refs.catalog);
+    catalog.pages(refs.tree).lang(TextStr(content.language.tag()));
+    catalog.viewer_preferences().display_doc_title(true);
+    catalog.mark_info().marked(true);
+    catalog.pair(Name(b"StructTreeRoot"), refs.tags);
+}
+
+fn write_pages(pdf: &mut Pdf, refs: &Refs) {
+    let [width, height] = SIZE.map(|side| side as f32);
+    pdf.pages(refs.tree).kids(refs.pages.iter().copied()).count(refs.pages.len() as i32);
+    for (index, (page, content)) in refs.pages.iter().zip(&refs.contents).enumerate() {
+        let mut page = pdf.page(*page);
+        page.parent(refs.tree).media_box(Rect::new(0.0, 0.0, width, height)).contents(*content);
+        page.struct_parents(index as i32);
+        let mut resources = page.resources();
+        let mut named = resources.fonts();
+        for (name, font) in NAMES.iter().zip(&refs.fonts) {
+            named.pair(*name, font.font);
+        }
+    }
+}
+
+fn write_tags(pdf: &mut Pdf, refs: &Refs, sheets: &Sheets) {
+    let mut root = pdf.indirect(refs.tags).start::<StructTreeRoot<'_>>();
+    root.child(refs.elements[ROOT]);
+    root.parent_tree_next_key(refs.pages.len() as i32);
+    let mut parents = root.parent_tree();
+    let mut entries = parents.nums();
+    for (page, drawn) in refs.drawn.iter().enumerate() {
+        entries.insert(page as i32, *drawn);
+    }
+    entries.finish();
+    parents.finish();
+    root.finish();
+    for (page, id) in refs.drawn.iter().enumerate() {
+        let drawn = sheets.tags.drawn_on(page).iter().map(|element| refs.elements[*element]);
+        pdf.indirect(*id).array().items(drawn);
+    }
+    sheets.tags.write(pdf, refs.tags, &refs.elements, &refs.pages);
+}
+
+fn write_info(pdf: &mut Pdf, id: Ref, record: &Record, content: &Content) {
+    let title = format!("{} – {}", content.title, content.patient);
+    let author = record.station.as_deref().unwrap_or("gaiter");
+    let made_by = format!("gaiter {}", record.made_by.gaiter);
+    let mut info = pdf.document_info(id);
+    info.title(TextStr(&title)).author(TextStr(author)).creator(TextStr(&made_by));
+    info.producer(TextStr("pdf-writer"));
+    let Some(acquired) = &record.acquired else { return };
+    let at = acquired.at.to_zoned(TimeZone::UTC);
+    let Ok(year) = u16::try_from(at.year()) else { return };
+    let part = |of: i8| of.unsigned_abs();
+    info.creation_date(
+        Date::new(year)
+            .month(part(at.month()))
+            .day(part(at.day()))
+            .hour(part(at.hour()))
+            .minute(part(at.minute()))
+            .second(part(at.second()))
+            .utc_offset_hour(0)
+            .utc_offset_minute(0),
+    );
+}

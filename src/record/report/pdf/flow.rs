@@ -1,0 +1,151 @@
+//! What stands on a paper, from the top of a page to its end and on to the next one.
+
+use pdf_writer::types::StructRole;
+
+use super::drawing;
+use super::sheet::{SIZE, Sheets};
+use super::tags::{ElementIndex, ROOT};
+use super::wrap::{Type, cut, lines};
+use crate::record::Language;
+use crate::record::picture::font::writable;
+use crate::record::picture::{Anchor, Ink, Picture};
+use crate::record::report::Content;
+
+/// The column of the text, pt: left and right margins of 17 mm.
+pub(super) const COLUMN: [f64; 2] = [48.0, SIZE[0] - 48.0];
+
+/// Its width, pt.
+pub(super) const WIDTH: f64 = COLUMN[1] - COLUMN[0];
+
+/// Where the text begins and ends, pt from the top.
+const BODY: [f64; 2] = [66.0, SIZE[1] - 56.0];
+
+/// The line of letters of the head and of the foot of a page, pt from the top.
+const HEAD: f64 = 42.0;
+const FOOT: f64 = SIZE[1] - 36.0;
+
+/// A picture is printed no larger than on a screen of 96 dots an inch, pt a px.
+const LARGEST_SCALE: f64 = 0.75;
+
+/// A picture may shrink by this to stand below what comes before it.
+const SHRUNK_SCALE: f64 = 0.88;
+
+pub(super) const BODY_TYPE: Type = Type { size: 9.0, is_bold: false };
+pub(super) const BOLD_TYPE: Type = Type { size: 9.0, is_bold: true };
+pub(super) const SMALL_TYPE: Type = Type { size: 8.0, is_bold: false };
+pub(super) const HEADING_TYPE: Type = Type { size: 12.5, is_bold: true };
+pub(super) const TITLE_TYPE: Type = Type { size: 19.0, is_bold: true };
+
+/// A paper that is being written.
+pub(super) struct Flow<'a> {
+    pub sheets: Sheets,
+    content: &'a Content,
+    /// How far the last page is filled, pt from the top.
+    pub y: f64,
+}
+
+impl<'a> Flow<'a> {
+    pub(super) fn new(content: &'a Content) -> Flow<'a> {
+        let mut flow = Flow { sheets: Sheets::new(), content, y: 0.0 };
+        flow.turn();
+        flow
+    }
+
+    /// A new page with its head.
+    pub(super) fn turn(&mut self) {
+        self.sheets.turn();
+        self.y = BODY[0];
+        let page = self.sheets.current();
+        let patient = writable(&self.content.patient);
+        let whole = self.content.language.pick("… (all of it on page 1)", "… (ganz auf Seite 1)");
+        let patient = cut(&patient, 0.58 * WIDTH, BOLD_TYPE, whole);
+        let taken = cut(&writable(&self.content.taken), 0.4 * WIDTH, SMALL_TYPE, "…");
+        self.sheets.decorate(page, |pen| {
+            pen.words(&patient, [COLUMN[0], HEAD], Anchor::Start, BOLD_TYPE, Ink::Text);
+            pen.words(&taken, [COLUMN[1], HEAD], Anchor::End, SMALL_TYPE, Ink::Muted);
+            pen.rule(COLUMN.map(|x| [x, HEAD + 7.0]), Ink::Grid, 0.7);
+        });
+    }
+
+    /// Begins a page where less than this height is left, pt; true where one began.
+    pub(super) fn need(&mut self, height: f64) -> bool {
+        let is_full = self.y + height > BODY[1] && self.y > BODY[0];
+        if is_full {
+            self.turn();
+        }
+        is_full
+    }
+
+    /// Height that is left on the page, pt.
+    pub(super) fn left(&self) -> f64 {
+        BODY[1] - self.y
+    }
+
+    pub(super) fn space(&mut self, height: f64) {
+        self.y += height;
+    }
+
+    /// A heading that stays with the first `follows` pt of what comes.
+    pub(super) fn heading(&mut self, words: &str, follows: f64) {
+        self.space(if self.y > BODY[0] { 15.0 } else { 0.0 });
+        let rows = lines(&writable(words), WIDTH, HEADING_TYPE).len() as f64;
+        self.need(rows * HEADING_TYPE.leading() + 4.0 + follows);
+        self.text(words, StructRole::H2, HEADING_TYPE, Ink::Text);
+        self.space(4.0);
+    }
+
+    /// Words over the whole column, on as many lines and pages as they take.
+    pub(super) fn text(&mut self, words: &str, role: StructRole, letters: Type, ink: Ink) {
+        let element = self.sheets.tags.add(ROOT, role);
+        for line in lines(&writable(words), WIDTH, letters) {
+            self.need(letters.leading());
+            self.line(&line, element, letters, ink);
+        }
+    }
+
+    fn line(&mut self, line: &str, element: ElementIndex, letters: Type, ink: Ink) {
+        let at = [COLUMN[0], self.y + letters.size];
+        self.sheets.draw(element, |pen| pen.words(line, at, Anchor::Start, letters, ink));
+        self.y += letters.leading();
+    }
+
+    /// A picture with its caption, as wide as the column or as a page is high. It keeps `spare` pt
+    /// free above it, for a heading.
+    pub(super) fn picture(&mut self, picture: &Picture, title: &str, text: &str) {
+        let below = lines(&writable(text), WIDTH, SMALL_TYPE).len() as f64 * SMALL_TYPE.leading();
+        let caption = BOLD_TYPE.leading() + below + 6.0;
+        let [width, height] = picture.size;
+        let room = BODY[1] - BODY[0] - caption - HEADING_TYPE.leading() - 4.0;
+        let scale = (WIDTH / width).min(room / height).min(LARGEST_SCALE);
+        let left = (self.left() - caption) / height;
+        let scale = if left >= SHRUNK_SCALE * scale { scale.min(left) } else { scale };
+        self.need(height * scale + caption - 0.01);
+        let figure = self.sheets.tags.add_figure(&picture.title);
+        let at = [COLUMN[0] + (WIDTH - width * scale) / 2.0, self.y];
+        self.sheets.draw(figure, |pen| drawing::draw(pen, picture, at, scale));
+        self.y += height * scale + 6.0;
+        self.text(title, StructRole::Caption, BOLD_TYPE, Ink::Text);
+        self.text(text, StructRole::P, SMALL_TYPE, Ink::Muted);
+        self.space(14.0);
+    }
+
+    /// The pages, with their numbers.
+    pub(super) fn finished(mut self) -> Sheets {
+        let count = self.sheets.pages.len();
+        let language = self.content.language;
+        for page in 0..count {
+            let number = page_number(language, page + 1, count);
+            let title = writable(&self.content.title);
+            self.sheets.decorate(page, |pen| {
+                pen.words(&title, [COLUMN[0], FOOT], Anchor::Start, SMALL_TYPE, Ink::Muted);
+                pen.words(&number, [COLUMN[1], FOOT], Anchor::End, SMALL_TYPE, Ink::Muted);
+            });
+        }
+        self.sheets
+    }
+}
+
+fn page_number(language: Language, page: usize, count: usize) -> String {
+    let [page_word, of] = language.pick(["Page", "of"], ["Seite", "von"]);
+    format!("{page_word} {page} {of} {count}")
+}

@@ -1,0 +1,17 @@
+//! Streams of a paper, packed.
+
+use std::io::Write;
+
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+
+/// Quick rather than small: every scan has a paper, and level 6 saves a tenth in four times the time.
+const LEVEL: Compression = Compression::new(2);
+
+/// The bytes as `FlateDecode` reads them.
+pub(super) fn packed(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = ZlibEncoder::new(Vec::with_capacity(bytes.len() / 3), LEVEL);
+    // Writing to memory does not fail; bytes that were not packed would not be a stream at all.
+    let written = encoder.write_all(bytes).and_then(|()| encoder.finish());
+    written.unwrap_or_default()
+}

@@ -1,0 +1,214 @@
+//! The parts of a paper, from the figures that matter most to every figure of the record.
+
+use pdf_writer::types::StructRole;
+
+use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_TYPE, SMALL_TYPE, TITLE_TYPE};
+use super::table::{Cell, Row, Table};
+use super::wrap::Type;
+use crate::record::picture::figures::Figure as Drawn;
+use crate::record::picture::{Anchor, Ink};
+use crate::record::report::content::{
+    self, Content, LevelRow, Levels, Note, PictureWords, Section, Weight,
+};
+use crate::record::report::{Figure, Mark};
+
+/// Letters of the table of every figure, which has many columns, pt.
+const DENSE: f64 = 7.0;
+
+/// Whose legs, and where the record comes from.
+pub(super) fn front(flow: &mut Flow<'_>, content: &Content) {
+    flow.text(&content.title, StructRole::H1, TITLE_TYPE, Ink::Text);
+    flow.space(4.0);
+    let fact = |fact: &content::Fact| Row {
+        cells: vec![
+            Cell::new(&fact.name, SMALL_TYPE, Anchor::Start).inked(Ink::Muted),
+            Cell::new(&fact.value, SMALL_TYPE, Anchor::Start),
+        ],
+        is_joined: true,
+    };
+    let rows = content.facts.iter().map(fact).collect();
+    Table { heads: Vec::new(), rows, is_ruled: false }.write(flow);
+}
+
+/// Girths and lengths at the levels of both legs.
+pub(super) fn levels(flow: &mut Flow<'_>, levels: &Levels) {
+    let columns = &levels.columns;
+    let head = |words: &str, anchor: Anchor| {
+        Cell::new(words, Type { is_bold: true, ..SMALL_TYPE }, anchor).inked(Ink::Muted)
+    };
+    let [right, left] = &columns.legs;
+    let leg = |words: &str, ink: Ink| Cell::new(words, BOLD_TYPE, Anchor::End).inked(ink).over(2);
+    let nothing = |span: usize| head("", Anchor::Start).over(span);
+    let first = vec![nothing(2), leg(right, Ink::Right), leg(left, Ink::Left), nothing(1)];
+    let mut second = vec![head(&columns.level, Anchor::Start).over(2)];
+    for words in [&columns.girth, &columns.length, &columns.girth, &columns.length] {
+        second.push(head(words, Anchor::End));
+    }
+    second.push(head(&columns.difference, Anchor::End));
+    let heads = [first, second].map(|cells| Row { cells, is_joined: false }).into();
+    let rows = levels.rows.iter().flat_map(level).collect();
+    let table = Table { heads, rows, is_ruled: true };
+    flow.heading(&levels.title, table.first_height());
+    table.write(flow);
+    if let Some(left_out) = &levels.left_out {
+        flow.space(3.0);
+        flow.text(left_out, StructRole::P, SMALL_TYPE, Ink::Muted);
+    }
+}
+
+/// A level, and below it its doubts.
+fn level(row: &LevelRow) -> Vec<Row> {
+    let name = Type { is_bold: row.is_sought, ..BODY_TYPE };
+    let mut cells = vec![
+        Cell::new(&row.level, name, Anchor::Start),
+        Cell::new(&row.place, SMALL_TYPE, Anchor::Start).inked(Ink::Muted),
+    ];
+    for leg in &row.legs {
+        if leg.girth.is_missing() {
+            // One reason for both.
+            cells.push(figure(&leg.girth, SMALL_TYPE).over(2));
+        } else {
+            cells.push(figure(&leg.girth, BODY_TYPE));
+            cells.push(figure(&leg.length, BODY_TYPE));
+        }
+    }
+    cells.push(figure(&row.difference, BODY_TYPE));
+    let mut rows = vec![Row { cells, is_joined: false }];
+    if row.legs.iter().any(|leg| !leg.doubts.is_empty()) {
+        let doubts = |index: usize| {
+            let words = row.legs[index].doubts.join(", ");
+            Cell::new(&words, SMALL_TYPE, Anchor::End).inked(Ink::Muted).over(2)
+        };
+        let nothing = |span: usize| Cell::new("", SMALL_TYPE, Anchor::Start).over(span);
+        let cells = vec![nothing(2), doubts(0), doubts(1), nothing(1)];
+        rows.push(Row { cells, is_joined: true });
+    }
+    rows
+}
+
+/// A figure with what it is uncertain by and how it is to be taken.
+fn figure(figure: &Figure, letters: Type) -> Cell {
+    let margin = figure.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
+    let [before, behind] = match figure.mark {
+        Mark::Estimated => ["~", ""],
+        Mark::Doubtful => ["", " ?"],
+        Mark::Sure | Mark::Missing | Mark::Real => ["", ""],
+    };
+    let words = format!("{before}{}{margin}{behind}", figure.value);
+    match figure.mark {
+        Mark::Missing => {
+            let size = letters.size.min(SMALL_TYPE.size);
+            Cell::new(&words, Type { size, ..letters }, Anchor::End).inked(Ink::Muted)
+        }
+        Mark::Real => Cell::new(&words, Type { is_bold: true, ..letters }, Anchor::End),
+        _ => Cell::new(&words, letters, Anchor::End),
+    }
+}
+
+/// Doubts and findings.
+pub(super) fn notes(flow: &mut Flow<'_>, content: &Content) {
+    flow.heading(&content.notes.title, 3.0 * BODY_TYPE.leading());
+    flow.text(&content.summary, StructRole::P, BODY_TYPE, Ink::Text);
+    for entry in &content.notes.entries {
+        flow.space(5.0);
+        note(flow, entry);
+    }
+}
+
+fn note(flow: &mut Flow<'_>, note: &Note) {
+    let place = if note.place.is_empty() { String::new() } else { format!("{}: ", note.place) };
+    let heading = format!("{} · {place}{}", note.weight_words, note.title);
+    let ink = match note.weight {
+        Weight::Error => Ink::Right,
+        Weight::Warning | Weight::Info => Ink::Text,
+    };
+    // The heading stays with what is said first.
+    flow.need(3.0 * BOLD_TYPE.leading());
+    flow.text(&heading, StructRole::H3, BOLD_TYPE, ink);
+    let said = [Some(&note.message), note.meaning.as_ref(), note.action.as_ref()];
+    let said: Vec<&str> = said.into_iter().flatten().map(String::as_str).collect();
+    let said = said.join(" ");
+    if !said.trim().is_empty() {
+        flow.text(&said, StructRole::P, BODY_TYPE, Ink::Text);
+    }
+}
+
+/// Volumes, heights that were asked for, feet, slices.
+pub(super) fn tables(flow: &mut Flow<'_>, tables: &[content::Table]) {
+    for table in tables {
+        figures(flow, table, BODY_TYPE, Anchor::End);
+    }
+}
+
+/// Every figure of the levels in mm, on a page of its own.
+pub(super) fn landmarks(flow: &mut Flow<'_>, table: &content::Table) {
+    flow.turn();
+    figures(flow, table, Type { size: DENSE, is_bold: false }, Anchor::Start);
+}
+
+/// A table; cells of words begin where `words` says.
+fn figures(flow: &mut Flow<'_>, table: &content::Table, letters: Type, words: Anchor) {
+    let is_words = |column: usize| {
+        let mut figures = table.rows.iter().filter_map(|row| row.figures.get(column));
+        figures.any(|figure| !figure.is_missing() && !has_figure(&figure.value))
+    };
+    let anchors: Vec<Anchor> = (0..table.columns.len())
+        .map(|column| match column.checked_sub(1) {
+            None => Anchor::Start,
+            Some(column) if is_words(column) => words,
+            Some(_) => Anchor::End,
+        })
+        .collect();
+    let small = Type { size: letters.size.min(SMALL_TYPE.size), is_bold: true };
+    let heads = table.columns.iter().zip(&anchors);
+    let heads = heads.map(|(head, anchor)| Cell::new(head, small, *anchor).inked(Ink::Muted));
+    let head = Row { cells: heads.collect(), is_joined: false };
+    let row = |row: &content::TableRow| {
+        let mut cells = vec![Cell::new(&row.head, letters, Anchor::Start)];
+        let figures = row.figures.iter().zip(&anchors[1..]);
+        cells.extend(figures.map(|(of, anchor)| figure(of, letters).anchored(*anchor)));
+        Row { cells, is_joined: false }
+    };
+    let rows = table.rows.iter().map(row).collect();
+    let laid = Table { heads: vec![head], rows, is_ruled: true };
+    let explanation = table.explanation.as_ref().map_or(0.0, |_| 3.0 * SMALL_TYPE.leading());
+    flow.heading(&table.title, explanation + laid.first_height());
+    if let Some(explanation) = &table.explanation {
+        flow.text(explanation, StructRole::P, SMALL_TYPE, Ink::Muted);
+        flow.space(3.0);
+    }
+    laid.write(flow);
+}
+
+/// Whether words begin as a figure does.
+fn has_figure(words: &str) -> bool {
+    words.starts_with(|first: char| first.is_ascii_digit() || "+−±~".contains(first))
+}
+
+/// A heading with paragraphs.
+pub(super) fn section(flow: &mut Flow<'_>, section: &Section) {
+    flow.heading(&section.title, 2.0 * BODY_TYPE.leading());
+    for entry in &section.entries {
+        flow.text(entry, StructRole::P, BODY_TYPE, Ink::Text);
+        flow.space(3.0);
+    }
+}
+
+/// The figures of the method, or why there are none.
+pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[Drawn]) {
+    if !drawn.is_empty() {
+        flow.turn();
+    }
+    flow.heading(&words.title, 2.0 * HEADING_TYPE.leading());
+    if let Some(missing) = &words.missing {
+        flow.text(missing, StructRole::P, BODY_TYPE, Ink::Text);
+    }
+    for drawn in drawn {
+        let caption = words.captions.iter().find(|caption| caption.name == drawn.name);
+        let [title, text] = match caption {
+            Some(of) => [of.title.as_str(), of.text.as_str()],
+            None => [drawn.picture.title.as_str(), ""],
+        };
+        flow.picture(&drawn.picture, title, text);
+    }
+}

@@ -1,0 +1,37 @@
+//! Text from outside as it may be shown to people.
+
+/// An id in which nothing is hidden: characters that are not seen, or that turn those around them
+/// about, stand as their code points, so that no id is taken for another.
+pub(super) fn id(text: &str) -> String {
+    let mut shown = String::new();
+    for letter in text.chars() {
+        if is_hidden(letter) {
+            shown.push_str(&format!("[U+{:04X}]", u32::from(letter)));
+        } else {
+            shown.push(letter);
+        }
+    }
+    shown
+}
+
+/// Control characters; blanks other than the plain one; format characters, among them those that
+/// change the direction of writing; what is for private use; and the marks of other scripts' fillers.
+fn is_hidden(letter: char) -> bool {
+    let is_blank = letter.is_whitespace() && letter != ' ';
+    let is_format = matches!(u32::from(letter),
+        0x00AD | 0x034F | 0x061C | 0x115F | 0x1160 | 0x17B4 | 0x17B5 | 0x180B..=0x180F
+        | 0x200B..=0x200F | 0x202A..=0x202E | 0x2060..=0x206F | 0x3164 | 0xFE00..=0xFE0F | 0xFEFF
+        | 0xFFA0 | 0xFFF9..=0xFFFB | 0xE000..=0xF8FF | 0xE0000..=0xE0FFF | 0xF0000..=0x10_FFFF);
+    letter.is_control() || is_blank || is_format
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_hides_or_turns_letters_is_shown_and_letters_stay() {
+        assert_eq!(id("P12 <b>\"Müller\" שלום"), "P12 <b>\"Müller\" שלום");
+        assert_eq!(id("1\u{202E}32\u{0}\u{200B}\n"), "1[U+202E]32[U+0000][U+200B][U+000A]");
+    }
+}

@@ -1,0 +1,257 @@
+//! The report has words in both languages for everything that a record can say of its scan.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeSet;
+use std::fs;
+
+use gaiter::leg::at_height::NoGirth;
+use gaiter::leg::axis::AxisFault;
+use gaiter::leg::difference::LegsDiffer;
+use gaiter::leg::doubt::Doubt;
+use gaiter::leg::extremum::Absence;
+use gaiter::leg::level::By;
+use gaiter::leg::opinion::{Measure, SecondOpinion};
+use gaiter::leg::stance::FeetUnclear;
+use gaiter::leg::surface::NoSurface;
+use gaiter::leg::{Finding, LegFault, Level, Side, What};
+use gaiter::record::report::Content;
+use gaiter::record::schema::FindingNote;
+use gaiter::record::{Language, Record};
+use serde_json::json;
+
+const LANGUAGES: [Language; 2] = [Language::En, Language::De];
+
+/// A record of no leg with these findings, by code and message.
+fn record(findings: &[(String, String)]) -> Record {
+    let note = |(code, message): &(String, String)| FindingNote {
+        code: code.clone(),
+        severity: "warning".to_owned(),
+        leg: Some("left".to_owned()),
+        level: None,
+        message: message.clone(),
+    };
+    let findings: Vec<FindingNote> = findings.iter().map(note).collect();
+    let record = json!({
+        "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
+        "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
+        "scan": {"sha256": "0", "format": "obj", "unit": "mm", "unit_inferred": false,
+                 "points": 0, "triangles": 0},
+        "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+                 "facing_from": "feet", "from_export": vec![0.0; 16]},
+        "legs": [], "differences": null, "findings": findings,
+    });
+    serde_json::from_value(record).unwrap()
+}
+
+/// The codes that the functions `code` of these files hand out to records.
+fn codes() -> BTreeSet<String> {
+    let sources =
+        ["src/leg/finding.rs", "src/leg/doubt.rs", "src/leg/opinion.rs", "src/cad/kind.rs"];
+    let text = sources.map(|source| {
+        fs::read_to_string(format!("{}/{source}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+    });
+    let after = text.iter().flat_map(|text| text.split("fn code(").skip(1));
+    let functions = after.map(|rest| rest.split("\n    }\n").next().unwrap());
+    let quoted = functions.flat_map(|function| function.split('"').skip(1).step_by(2));
+    quoted.map(str::to_owned).collect()
+}
+
+#[test]
+fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
+    let codes = codes();
+    assert!(codes.len() > 28, "only {codes:?}");
+    for code in &codes {
+        let record = record(&[(code.clone(), String::new())]);
+        let notes = LANGUAGES.map(|language| Content::of(&record, language).notes.entries);
+        let [english, german] = notes.map(|notes| notes[0].clone());
+        for note in [&english, &german] {
+            assert!(note.meaning.is_some() && note.action.is_some(), "{code}: {note:?}");
+        }
+        assert_ne!(english.title, german.title, "{code}");
+        assert_ne!(english.meaning, german.meaning, "{code}");
+        assert_ne!(english.action, german.action, "{code}");
+    }
+}
+
+#[test]
+fn a_code_of_a_later_version_is_told_by_its_message() {
+    let record = record(&[("new-code".to_owned(), "something new".to_owned())]);
+    for language in LANGUAGES {
+        let notes = Content::of(&record, language).notes;
+        let [note] = &notes.entries[..] else { unreachable!("{notes:?}") };
+        assert_eq!((note.title.as_str(), note.message.as_str()), ("new-code", "Something new."));
+        assert_eq!(note.is_message_english, language == Language::De);
+        assert_eq!((&note.meaning, &note.action), (&None, &None));
+    }
+}
+
+/// Something of every kind, with figures that are told apart.
+fn all() -> Vec<What> {
+    let feet = [
+        FeetUnclear::NotSeen { points: 7 },
+        FeetUnclear::NoFoot { length_percent: 31.0, width_percent: 12.0 },
+        FeetUnclear::NoToes { ratio: 1.25 },
+        FeetUnclear::Apart { spread_deg: 95.0 },
+        FeetUnclear::NotSquare { off_deg: 62.0 },
+    ];
+    let absences = [
+        Absence::NoTurn,
+        Absence::BelowSearch { along_mm: 61.0 },
+        Absence::AboveSearch { along_mm: 402.0 },
+        Absence::Needs(Level::B),
+        Absence::Beyond(Level::D),
+    ];
+    let doubts = [
+        Doubt::Shallow { prominence_mm: 1.2 },
+        Doubt::Flat { height_sd_mm: 21.0 },
+        Doubt::Double { other_height_mm: 372.0 },
+        Doubt::Edge { end_mm: 8.0 },
+        Doubt::Gap { gap_deg: 39.0 },
+        Doubt::Scatter { rms_mm: 2.4 },
+        Doubt::Folds { percent: 3.1 },
+        Doubt::NotSeen,
+        Doubt::BelowD { d_height_mm: 431.0 },
+        Doubt::SoleNotSeen,
+    ];
+    let faults = [
+        LegFault::NotThere,
+        LegFault::Axis(AxisFault::TooFewSections { found: 3 }),
+        LegFault::Axis(AxisFault::TooFewPoints { found: 4 }),
+        LegFault::Axis(AxisFault::Leaning { tilt_deg: 41.0 }),
+        LegFault::TooFewPoints,
+        LegFault::TooFewSections { measured: 5, planes: 190 },
+    ];
+    let surfaces = [
+        NoSurface::TooFewRows { rows: 4, needed: 9, from_mm: 98.0, to_mm: 436.0 },
+        NoSurface::Folded { height_mm: 211.0 },
+        NoSurface::NothingSeen,
+    ];
+    let no_girths = [NoGirth::Outside { from_mm: 52.0, to_mm: 741.0 }, NoGirth::NotSeen];
+    let hole = |count| What::SurfaceHoles {
+        count,
+        length_mm: 45.0,
+        width_mm: 50.0,
+        height_mm: 492.0,
+        angle_deg: -160.0,
+    };
+    let differ = Side::BOTH.into_iter().flat_map(|larger| {
+        [
+            LegsDiffer::Girth { larger, by_mm: 46.0, sd_mm: 0.4 },
+            LegsDiffer::Volume { larger, by_ml: 337.0, percent: 12.5, sd_ml: 27.0 },
+        ]
+    });
+    let opinions = [
+        SecondOpinion::Ambiguous { files: 2 },
+        SecondOpinion::Unit { theirs_mm: 176.0, ours_mm: 1760.0, factor: 10.0 },
+        SecondOpinion::Sides { left_mm: 361.0, right_mm: 384.0 },
+    ];
+    let measures = [Measure::Stature, Measure::Calf, Measure::Ankle];
+    let disagrees = measures.map(|measure| SecondOpinion::Disagrees {
+        measure,
+        theirs_mm: 390.0,
+        ours_mm: 412.0,
+    });
+    let mut all = vec![
+        What::LevelImplausible { girth_mm: 1301.0 },
+        What::NoFaces,
+        What::ThighsTouch { from_mm: 702.0 },
+        What::Proportions { percent: 41.0 },
+        What::LegCut { end_mm: 512.0 },
+        What::SurfaceShort {
+            from_mm: 120.0,
+            to_mm: 410.0,
+            wanted_from_mm: 98.0,
+            wanted_to_mm: 436.0,
+        },
+        hole(1),
+        hole(3),
+    ];
+    all.extend(feet.map(What::FacingUnchecked));
+    all.extend(absences.map(What::LevelAbsent));
+    all.extend(doubts.map(What::Doubtful));
+    all.extend(faults.map(What::LegNotMeasured));
+    all.extend(surfaces.map(What::NoSurface));
+    all.extend(no_girths.map(|why| What::HeightNotMeasured { height_mm: 305.0, why }));
+    all.extend(differ.map(What::LegsDiffer));
+    all.extend(opinions.into_iter().chain(disagrees).map(What::SecondOpinion));
+    all
+}
+
+/// The figures of a text, the decimal sign set aside.
+fn figures(text: &str) -> Vec<String> {
+    let parts = text.split(|c: char| !c.is_ascii_digit() && !",.".contains(c));
+    let parts = parts.map(|part| part.trim_matches([',', '.']).replace(',', "."));
+    let mut figures: Vec<String> = parts.filter(|part| !part.is_empty()).collect();
+    figures.sort();
+    figures
+}
+
+#[test]
+fn every_message_is_told_in_german_with_all_its_figures() {
+    for what in all() {
+        let finding = Finding { side: Some(Side::Left), level: None, what };
+        let message = finding.what.to_string();
+        let record = record(&[(finding.code().to_owned(), message.clone())]);
+        let [english, german] = LANGUAGES.map(|language| {
+            let notes = Content::of(&record, language).notes.entries;
+            notes[0].clone()
+        });
+        assert!(!german.is_message_english, "no German for: {message}");
+        assert_ne!(english.message, german.message);
+        // One hole is `eine Lücke`.
+        let told = figures(&message).into_iter().filter(|figure| figure != "1");
+        let missing: Vec<String> =
+            told.filter(|figure| !figures(&german.message).contains(figure)).collect();
+        assert!(missing.is_empty(), "{missing:?} of {message:?} in {:?}", german.message);
+    }
+}
+
+#[test]
+fn something_of_every_code_of_a_leg_was_told() {
+    let told: BTreeSet<String> = all()
+        .into_iter()
+        .map(|what| Finding { side: None, level: None, what }.code().to_owned())
+        .collect();
+    // Those of the CAD files, and of a file that names its own line.
+    let others = ["ends-not-plane", "mesh-not-made", "ord-unreadable"].map(str::to_owned);
+    let missing: Vec<String> =
+        codes().into_iter().filter(|code| !told.contains(code) && !others.contains(code)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+#[test]
+fn by_what_a_level_is_found_is_told_in_german() {
+    let ways = [
+        By::Turn,
+        By::Steepest,
+        By::AboveB { distance_mm: 70.0 },
+        By::BelowCrotch { distance_mm: 50.0 },
+        By::HeelTape,
+        By::CrotchShare { share: 0.575 },
+        By::Between(Level::E, Level::G),
+        By::FootShares { medial: 0.735, lateral: 0.635 },
+    ];
+    for by in ways {
+        let english = by.to_string();
+        let mut record = serde_json::to_value(record(&[])).unwrap();
+        record["legs"] = json!([{
+            "side": "left", "tilt_deg": 1.0,
+            "landmarks": {"C": {"by": english, "height_mm": 300.0, "along_axis_mm": 301.0,
+                "girth_tape_mm": 380.0, "girth_contour_mm": 381.0, "height_sd_mm": null,
+                "girth_sd_mm": null, "doubts": []}},
+            "girth_curve": {"height_mm": [], "along_axis_mm": [], "tape_mm": [], "contour_mm": [],
+                "r2": 1.0, "rms_mm": 0.0},
+            "sections": [], "features": [], "surface": null,
+        }]);
+        let record: Record = serde_json::from_value(record).unwrap();
+        let told = LANGUAGES.map(|language| {
+            let table = Content::of(&record, language).landmarks;
+            let column = table.rows[0].figures.len() - 2;
+            table.rows[0].figures[column].value.clone()
+        });
+        assert_eq!(told[0], english);
+        assert_ne!(told[1], english);
+        assert_eq!(figures(&told[1]).len(), figures(&english).len(), "{told:?}");
+    }
+}
