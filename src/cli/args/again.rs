@@ -41,7 +41,8 @@ pub struct ReextractArgs {
 /// The beginning of a day, or a moment.
 fn since(text: &str) -> Result<Timestamp, String> {
     let moment = text.parse::<Timestamp>().ok();
-    let day = || text.parse::<Date>().ok()?.to_zoned(TimeZone::UTC).ok();
+    // Parsed as a day, a moment without its zone would lose its time.
+    let day = || Date::strptime("%Y-%m-%d", text).ok()?.to_zoned(TimeZone::UTC).ok();
     moment
         .or_else(|| day().map(|day| day.timestamp()))
         .ok_or_else(|| "a day is told as 2026-11-21, a moment as 2026-11-21T09:15:00Z".to_owned())

@@ -156,10 +156,7 @@ fn worst(mut changed: Vec<&Told>) -> String {
     let more = changed.len().saturating_sub(WORST);
     let wide = changed.iter().take(WORST).map(|told| told.name.chars().count()).max().unwrap_or(0);
     let wide = wide.max("record".len());
-    let mut text = format!(
-        "\n{:wide$}  revision  {:>8} {:9}  {:>8} {:9}\n",
-        "record", "girth", "at", "height", "at"
-    );
+    let mut text = format!("\n{:wide$}  revision     girth at           height at\n", "record");
     for told in changed.into_iter().take(WORST) {
         let Again { from_revision, revision, changes, .. } = &told.again;
         let to = revision.map_or("-".to_owned(), |revision| revision.to_string());
@@ -252,8 +249,8 @@ B         2    -0.30    -0.60  01234567     0.00     0.00               0     0
 D         0        -        -                  -        -               1     0
 
 record    revision     girth at           height at
-deadbeef  1 > 3        0.00               0.00            +left D
-01234567  1 > 2       -0.60 left B        0.00
+deadbeef  1 > 3         0.00                0.00            +left D
+01234567  1 > 2        -0.60 left B         0.00
 ";
         assert!(said.ends_with(rows), "{said}");
     }
