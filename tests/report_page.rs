@@ -41,7 +41,10 @@ static MADE: LazyLock<(Record, Vec<RecordFile>)> = LazyLock::new(|| {
     let sources = vec![Source::of(SourceKind::FileName)];
     provenance.patient = Some(Patient { id: "4711".to_owned(), sources });
     let scan = ScanFile { bytes: &bytes, format: Format::Obj, ord: None };
-    let choice = ReportChoice { language: Language::De, figures: [FigureFormat::Svg].into() };
+    let choice = ReportChoice {
+        language: Language::De,
+        figures: [FigureFormat::Svg, FigureFormat::Png].into(),
+    };
     record_files(&extraction, &provenance, &method, &Output::default(), &choice, scan).unwrap()
 });
 
@@ -290,7 +293,9 @@ fn the_folder_holds_the_page_in_its_language_and_the_figures_that_were_asked_for
     }
     let names: Vec<&str> = MADE.1.iter().map(|file| file.name.as_str()).collect();
     for figure in ["views", "girths", "sections", "fit", "error"] {
-        assert!(names.contains(&format!("figure-{figure}.svg").as_str()), "{names:?}");
+        for ending in ["svg", "png"] {
+            assert!(names.contains(&format!("figure-{figure}.{ending}").as_str()), "{names:?}");
+        }
     }
     let sums = file("SHA256SUMS");
     for name in names.iter().filter(|name| **name != "SHA256SUMS") {
@@ -312,8 +317,10 @@ fn the_report_of_a_record_read_back_is_that_of_its_folder_byte_for_byte() {
         // The second time in the place of the first.
         let made = gaiter(&["report", record, "--language", "de", "--out", out_arg]);
         assert_eq!(code(&made), Some(0), "{}", stderr(&made));
-        assert!(stdout(&made).contains("report.html"));
-        assert!(fs::read(out.join("report.html")).unwrap() == file("report.html").into_bytes());
+        for name in ["report.html", "report.pdf"] {
+            assert!(stdout(&made).contains(name));
+            assert!(fs::read(out.join(name)).unwrap() == fs::read(folder.join(name)).unwrap());
+        }
     }
     let names = fs::read_dir(&out).unwrap().count();
     assert_eq!(names, report_files(&MADE.0, Language::De).unwrap().len(), "nothing is left over");

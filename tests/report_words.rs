@@ -46,8 +46,13 @@ fn record(findings: &[(String, String)]) -> Record {
 
 /// The codes that the functions `code` of these files hand out to records.
 fn codes() -> BTreeSet<String> {
-    let sources =
-        ["src/leg/finding.rs", "src/leg/doubt.rs", "src/leg/opinion.rs", "src/cad/kind.rs"];
+    let sources = [
+        "src/leg/finding.rs",
+        "src/leg/doubt.rs",
+        "src/leg/opinion.rs",
+        "src/cad/kind.rs",
+        "src/record/report/pdf/mod.rs",
+    ];
     let text = sources.map(|source| {
         fs::read_to_string(format!("{}/{source}", env!("CARGO_MANIFEST_DIR"))).unwrap()
     });
@@ -214,7 +219,8 @@ fn something_of_every_code_of_a_leg_was_told() {
         .map(|what| Finding { side: None, level: None, what }.code().to_owned())
         .collect();
     // Those of the CAD files, and of a file that names its own line.
-    let others = ["ends-not-plane", "mesh-not-made", "ord-unreadable"].map(str::to_owned);
+    let others =
+        ["ends-not-plane", "mesh-not-made", "paper-not-made", "ord-unreadable"].map(str::to_owned);
     let missing: Vec<String> =
         codes().into_iter().filter(|code| !told.contains(code) && !others.contains(code)).collect();
     assert!(missing.is_empty(), "{missing:?}");

@@ -1,12 +1,11 @@
 //! The files of a record folder, as bytes.
 
-use std::collections::BTreeSet;
-
 use sha2::{Digest, Sha256};
 
-use super::picture::{figures, svg};
+use super::papers::{self, FilesFault, ReportChoice};
+use super::report::PdfFault;
 use super::schema::FindingNote;
-use super::{Language, Provenance, Record, compose, csv, drawing, report};
+use super::{Provenance, Record, compose, csv, drawing};
 use crate::cad::{CadFault, FileHeader, Output};
 use crate::leg::finding::Severity;
 use crate::leg::{Extraction, Method, Side};
@@ -14,9 +13,6 @@ use crate::scan::Format;
 
 /// The list of all other files' hashes, as `sha256sum -c` reads it.
 pub const SUMS: &str = "SHA256SUMS";
-
-/// The report as a page.
-const REPORT_PAGE: &str = "report.html";
 
 /// One file of a record folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -29,22 +25,6 @@ pub struct RecordFile {
 
 /// The file of a record that holds the scanner's own measures of the scan.
 pub const ORD: &str = "scanner.ord";
-
-/// What is made of a record for people.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct ReportChoice {
-    /// The language of the report and its figures.
-    pub language: Language,
-    /// The notations in which each figure is a file of its own besides; none: only in the report.
-    pub figures: BTreeSet<FigureFormat>,
-}
-
-/// The notation of a figure's file.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum FigureFormat {
-    /// Lines and words, for pages and for editing.
-    Svg,
-}
 
 /// What was measured.
 #[derive(Debug, Clone, Copy)]
@@ -59,11 +39,11 @@ pub struct ScanFile<'a> {
 
 /// The record and all files of its folder in the order in which they are to be written:
 /// `record.json` first, the scan's own bytes and what came with it, and `SHA256SUMS` over all others
-/// last. The same arguments give the same bytes. The scan's hash is the provenance's. A CAD file that
-/// cannot be made is a finding of the record.
+/// last. The same arguments give the same bytes. The scan's hash is the provenance's. A CAD file, or a
+/// report on paper, that cannot be made is a finding of the record.
 ///
 /// # Errors
-/// Where a figure cannot be written as JSON.
+/// Where a figure cannot be written as JSON, or not drawn as a file of its own.
 pub fn record_files(
     extraction: &Extraction,
     provenance: &Provenance,
@@ -71,10 +51,12 @@ pub fn record_files(
     output: &Output,
     choice: &ReportChoice,
     scan: ScanFile<'_>,
-) -> Result<(Record, Vec<RecordFile>), serde_json::Error> {
+) -> Result<(Record, Vec<RecordFile>), FilesFault> {
     let mut record = compose::record(extraction, provenance, method);
     let (surfaces, notes) = surface_files(extraction, output);
     record.findings.extend(notes);
+    let paper = papers::paper(&record, choice.language);
+    record.findings.extend(paper.as_ref().err().map(no_paper));
     let mut json = serde_json::to_vec_pretty(&record)?;
     json.push(b'\n');
     let mut files = vec![
@@ -82,8 +64,9 @@ pub fn record_files(
         file("measurements.csv", csv::measurements(&record).into_bytes()),
         file("legs.svg", drawing::legs(extraction).into_bytes()),
     ];
-    files.extend(report_files(&record, choice.language)?);
-    files.extend(figure_files(&record, choice));
+    files.push(papers::page(&record, choice.language)?);
+    files.extend(paper);
+    files.extend(papers::figure_files(&record, choice)?);
     files.extend(surfaces);
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
     let mut sums: String = files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect();
@@ -95,32 +78,7 @@ pub fn record_files(
     Ok((record, files))
 }
 
-/// The report of a record: of the same record in the same language the same bytes, whether it was
-/// just measured or read back.
-///
-/// # Errors
-/// Where a figure cannot be written as JSON.
-pub fn report_files(
-    record: &Record,
-    language: Language,
-) -> Result<Vec<RecordFile>, serde_json::Error> {
-    let page = report::page(record, language)?;
-    Ok(vec![file(REPORT_PAGE, page.into_bytes())])
-}
-
-/// The figures as files of their own.
-fn figure_files(record: &Record, choice: &ReportChoice) -> Vec<RecordFile> {
-    let mut files = Vec::new();
-    if choice.figures.contains(&FigureFormat::Svg) {
-        let drawn = figures::all(record, choice.language);
-        files.extend(drawn.iter().map(|figure| {
-            file(&format!("figure-{}.svg", figure.name), svg::file(&figure.picture).into_bytes())
-        }));
-    }
-    files
-}
-
-fn file(name: &str, bytes: Vec<u8>) -> RecordFile {
+pub(super) fn file(name: &str, bytes: Vec<u8>) -> RecordFile {
     RecordFile { name: name.to_owned(), bytes }
 }
 
@@ -150,6 +108,16 @@ fn not_made(side: Side, name: &str, fault: &CadFault) -> FindingNote {
         leg: Some(side.word().to_owned()),
         level: None,
         message: format!("{name} was not made: {fault}"),
+    }
+}
+
+fn no_paper(fault: &PdfFault) -> FindingNote {
+    FindingNote {
+        code: fault.code().to_owned(),
+        severity: Severity::Warning.word().to_owned(),
+        leg: None,
+        level: None,
+        message: fault.to_string(),
     }
 }
 

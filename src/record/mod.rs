@@ -10,6 +10,7 @@ mod drawing;
 mod files;
 pub mod gdt;
 mod language;
+mod papers;
 pub mod picture;
 mod provenance;
 pub mod report;
@@ -19,10 +20,9 @@ pub mod shape;
 pub mod surface;
 
 pub use compose::record;
-pub use files::{
-    FigureFormat, ORD, RecordFile, ReportChoice, SUMS, ScanFile, record_files, report_files, sha256,
-};
+pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
 pub use language::Language;
+pub use papers::{FigureFormat, FilesFault, ReportChoice, report_files};
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
 };

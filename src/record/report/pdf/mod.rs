@@ -29,6 +29,15 @@ pub enum PdfFault {
     },
 }
 
+impl PdfFault {
+    /// The stable code used in records and the README's table.
+    pub fn code(&self) -> &'static str {
+        match self {
+            PdfFault::Font { .. } => "paper-not-made",
+        }
+    }
+}
+
 /// The paper of a record in a language. The same record gives the same bytes.
 ///
 /// # Errors

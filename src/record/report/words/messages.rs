@@ -8,7 +8,7 @@ const HOLE: &str = "{}";
 
 /// English patterns and the same in German, holes in the same order. The longer of two that begin
 /// alike comes first.
-const PATTERNS: [(&str, &str); 68] = [
+const PATTERNS: [(&str, &str); 69] = [
     // Levels and by what they are found.
     ("the level is absent: {}", "Die Messstelle fehlt: {}"),
     ("the girth curve has no such turning point", "die Umfangskurve hat dort keinen Wendepunkt"),
@@ -195,6 +195,10 @@ const PATTERNS: [(&str, &str); 68] = [
     (
         "the surface is no tube at u = {}, v = {}",
         "die Oberfläche ist bei u = {}, v = {} kein Schlauch",
+    ),
+    (
+        "the fonts of report.pdf could not be cut down: {}",
+        "Die Schriften für report.pdf ließen sich nicht zuschneiden: {}",
     ),
     // The scanner's own measures.
     (

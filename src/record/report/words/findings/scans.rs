@@ -2,7 +2,7 @@
 
 use super::Told;
 
-pub(super) const TOLD: [Told; 17] = [
+pub(super) const TOLD: [Told; 18] = [
     Told {
         code: "facing-unchecked",
         title: ["Left and right not checked", "Links und rechts nicht geprüft"],
@@ -134,6 +134,18 @@ pub(super) const TOLD: [Told; 17] = [
             "Die Oberfläche hat in der gewünschten Toleranz keine Dreiecke.",
         ],
         action: ["Choose a coarser tolerance.", "Eine gröbere Toleranz wählen."],
+    },
+    Told {
+        code: "paper-not-made",
+        title: ["Report on paper not made", "Bericht als PDF nicht erzeugt"],
+        meaning: [
+            "report.pdf could not be made; this page holds the same, and prints.",
+            "report.pdf war nicht zu erzeugen; diese Seite enthält dasselbe und lässt sich drucken.",
+        ],
+        action: [
+            "Print the page; send us the record.",
+            "Die Seite drucken; uns den Datensatz senden.",
+        ],
     },
     Told {
         code: "legs-differ",
