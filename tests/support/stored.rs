@@ -9,7 +9,8 @@ use std::path::{Path, PathBuf};
 use gaiter::cad::Output;
 use gaiter::leg::{Method, extract};
 use gaiter::record::{
-    Acquired, AcquiredFrom, Patient, Provenance, ScanFile, Source, SourceKind, record_files, sha256,
+    Acquired, AcquiredFrom, Patient, Provenance, ReportChoice, ScanFile, Source, SourceKind,
+    record_files, sha256,
 };
 use gaiter::scan::Format;
 
