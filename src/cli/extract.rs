@@ -16,7 +16,9 @@ use super::{Exit, complain, explain_config, ord, paint, print, shown, table};
 use crate::cad::Output;
 use crate::config::{self, words};
 use crate::leg::{Method, Refusal, extract as measure};
-use crate::record::{self, Language, Provenance, Record, RecordFile, ReportChoice, ScanFile};
+use crate::record::{
+    self, Language, NotMade, Provenance, Record, RecordFile, ReportChoice, ScanFile,
+};
 use crate::scan::Format;
 use found::{FolderFault, found};
 use place::{Foreign, put_folder};
@@ -173,9 +175,9 @@ enum FileFault {
     /// A fault of gaiter itself.
     #[error("cannot be measured [panic]: {0}")]
     Panic(String),
-    /// Its record cannot be written as JSON.
-    #[error("the record cannot be written as JSON: {0}")]
-    Json(#[from] serde_json::Error),
+    /// The files of its record cannot be made.
+    #[error(transparent)]
+    NotMade(#[from] NotMade),
 }
 
 impl FileFault {
@@ -184,7 +186,7 @@ impl FileFault {
             FileFault::Unreadable(error) if error.kind() == io::ErrorKind::NotFound => Exit::NoFile,
             FileFault::Unreadable(_) | FileFault::NotAFile => Exit::Io,
             FileFault::Refused { .. } => Exit::Unmeasurable,
-            FileFault::Panic(_) | FileFault::Json(_) => Exit::Internal,
+            FileFault::Panic(_) | FileFault::NotMade(_) => Exit::Internal,
         }
     }
 
@@ -195,7 +197,7 @@ impl FileFault {
             FileFault::NotAFile => "no-regular-file",
             FileFault::Refused { refusal } => refusal.code(),
             FileFault::Panic(_) => "panic",
-            FileFault::Json(_) => "record-not-written",
+            FileFault::NotMade(_) => "record-not-written",
         }
     }
 }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
 use crate::record::schema::SCHEMA;
-use crate::record::{Record, RecordFile, SUMS, report_files};
+use crate::record::{NotMade, Record, RecordFile, SUMS, report_files};
 use crate::store::durable;
 
 /// The record within its folder.
@@ -70,7 +70,7 @@ enum Fault {
     RecordFolder(PathBuf),
     /// The report cannot be made.
     #[error("the report cannot be made: {0}")]
-    Json(#[from] serde_json::Error),
+    NotMade(#[from] NotMade),
     /// It cannot be written.
     #[error("cannot write {}: {source}", shown(path.display()))]
     Write {
@@ -89,7 +89,7 @@ impl Fault {
             }
             Fault::NoRecord { .. } | Fault::OtherSchema { .. } => Exit::Unmeasurable,
             Fault::RecordFolder(_) => Exit::Usage,
-            Fault::Json(_) => Exit::Internal,
+            Fault::NotMade(_) => Exit::Internal,
             Fault::Unreadable { .. } | Fault::Write { .. } => Exit::Io,
         }
     }

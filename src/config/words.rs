@@ -35,7 +35,7 @@ pub const WITHOUT_TRIGGER: Words<WithoutTrigger> =
 pub const LANGUAGES: Words<Language> = &[("en", Language::En), ("de", Language::De)];
 
 /// `--figures`
-pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg)];
+pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg), ("png", FigureFormat::Png)];
 
 /// `patient.check_digit`
 pub const CHECK_DIGITS: Words<CheckDigit> = &[

@@ -3,8 +3,11 @@
 use std::collections::BTreeSet;
 
 use sha2::{Digest, Sha256};
+use thiserror::Error;
 
-use super::picture::{figures, svg};
+use super::picture::png::{self, PngFault};
+use super::picture::{Theme, figures, svg};
+use super::report::PdfFault;
 use super::schema::FindingNote;
 use super::{Language, Provenance, Record, compose, csv, drawing, report};
 use crate::cad::{CadFault, FileHeader, Output};
@@ -17,6 +20,26 @@ pub const SUMS: &str = "SHA256SUMS";
 
 /// The report as a page.
 const REPORT_PAGE: &str = "report.html";
+
+/// The report on paper.
+const REPORT_PAPER: &str = "report.pdf";
+
+/// Pixels to one px of a figure: 20 cm at 180 dots an inch.
+const PNG_SCALE: f64 = 2.0;
+
+/// Why the files of a record cannot be made; none of it lies in the scan.
+#[derive(Debug, Error)]
+pub enum NotMade {
+    /// A figure cannot be written as JSON.
+    #[error("the record cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// There is no paper.
+    #[error(transparent)]
+    Paper(#[from] PdfFault),
+    /// There is no image of a figure.
+    #[error("no image of a figure: {0}")]
+    Image(#[from] PngFault),
+}
 
 /// One file of a record folder.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -44,6 +67,8 @@ pub struct ReportChoice {
 pub enum FigureFormat {
     /// Lines and words, for pages and for editing.
     Svg,
+    /// Pixels, for programs that show no SVG.
+    Png,
 }
 
 /// What was measured.
@@ -63,7 +88,7 @@ pub struct ScanFile<'a> {
 /// cannot be made is a finding of the record.
 ///
 /// # Errors
-/// Where a figure cannot be written as JSON.
+/// Where a figure cannot be written as JSON, or the report cannot be printed.
 pub fn record_files(
     extraction: &Extraction,
     provenance: &Provenance,
@@ -71,7 +96,7 @@ pub fn record_files(
     output: &Output,
     choice: &ReportChoice,
     scan: ScanFile<'_>,
-) -> Result<(Record, Vec<RecordFile>), serde_json::Error> {
+) -> Result<(Record, Vec<RecordFile>), NotMade> {
     let mut record = compose::record(extraction, provenance, method);
     let (surfaces, notes) = surface_files(extraction, output);
     record.findings.extend(notes);
@@ -83,7 +108,7 @@ pub fn record_files(
         file("legs.svg", drawing::legs(extraction).into_bytes()),
     ];
     files.extend(report_files(&record, choice.language)?);
-    files.extend(figure_files(&record, choice));
+    files.extend(figure_files(&record, choice)?);
     files.extend(surfaces);
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
     let mut sums: String = files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect();
@@ -99,25 +124,29 @@ pub fn record_files(
 /// just measured or read back.
 ///
 /// # Errors
-/// Where a figure cannot be written as JSON.
-pub fn report_files(
-    record: &Record,
-    language: Language,
-) -> Result<Vec<RecordFile>, serde_json::Error> {
+/// Where a figure cannot be written as JSON, or the report cannot be printed.
+pub fn report_files(record: &Record, language: Language) -> Result<Vec<RecordFile>, NotMade> {
     let page = report::page(record, language)?;
-    Ok(vec![file(REPORT_PAGE, page.into_bytes())])
+    let paper = report::paper(record, language)?;
+    Ok(vec![file(REPORT_PAGE, page.into_bytes()), file(REPORT_PAPER, paper)])
 }
 
 /// The figures as files of their own.
-fn figure_files(record: &Record, choice: &ReportChoice) -> Vec<RecordFile> {
-    let mut files = Vec::new();
-    if choice.figures.contains(&FigureFormat::Svg) {
-        let drawn = figures::all(record, choice.language);
-        files.extend(drawn.iter().map(|figure| {
-            file(&format!("figure-{}.svg", figure.name), svg::file(&figure.picture).into_bytes())
-        }));
+fn figure_files(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, PngFault> {
+    if choice.figures.is_empty() {
+        return Ok(Vec::new());
     }
-    files
+    let mut files = Vec::new();
+    for figure in figures::all(record, choice.language) {
+        for format in &choice.figures {
+            let (ending, bytes) = match format {
+                FigureFormat::Svg => ("svg", svg::file(&figure.picture).into_bytes()),
+                FigureFormat::Png => ("png", png::png(&figure.picture, Theme::Light, PNG_SCALE)?),
+            };
+            files.push(file(&format!("figure-{}.{ending}", figure.name), bytes));
+        }
+    }
+    Ok(files)
 }
 
 fn file(name: &str, bytes: Vec<u8>) -> RecordFile {

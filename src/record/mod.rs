@@ -20,7 +20,8 @@ pub mod surface;
 
 pub use compose::record;
 pub use files::{
-    FigureFormat, ORD, RecordFile, ReportChoice, SUMS, ScanFile, record_files, report_files, sha256,
+    FigureFormat, NotMade, ORD, RecordFile, ReportChoice, SUMS, ScanFile, record_files,
+    report_files, sha256,
 };
 pub use language::Language;
 pub use provenance::{
