@@ -11,7 +11,7 @@ use super::choices::Choices;
 use crate::cli::{Exit, ord};
 use crate::leg::{Refusal, extract as measure};
 use crate::record::change::{Changes, Sameness, changes};
-use crate::record::{self, ORD, Provenance, Record, ReportChoice, ScanFile};
+use crate::record::{self, FilesFault, ORD, Provenance, Record, ReportChoice, ScanFile};
 use crate::scan::Format;
 use crate::store::revision::{Added, Family};
 use crate::store::sums::{self, SumsFault};
@@ -38,9 +38,9 @@ pub enum Fault {
         #[from]
         refusal: Refusal,
     },
-    /// The new record cannot be written as JSON.
-    #[error("the new record cannot be written as JSON: {0}")]
-    Json(serde_json::Error),
+    /// The new record's files cannot be made.
+    #[error("the new record cannot be written: {0}")]
+    NotMade(#[from] FilesFault),
     /// A fault of gaiter itself.
     #[error("{0}")]
     Panic(String),
@@ -57,7 +57,7 @@ impl Fault {
             Fault::Unreadable(_) => "record-unreadable",
             Fault::Other(_) => "record-of-another",
             Fault::Refused { refusal } => refusal.code(),
-            Fault::Json(_) => "record-not-written",
+            Fault::NotMade(_) => "record-not-written",
             Fault::Panic(_) => "panic",
             Fault::Io(_) => "record-io",
         }
@@ -69,7 +69,7 @@ impl Fault {
             Fault::Damaged(_) | Fault::Unreadable(_) | Fault::Other(_) | Fault::Refused { .. } => {
                 Exit::Unmeasurable
             }
-            Fault::Json(_) | Fault::Panic(_) => Exit::Internal,
+            Fault::NotMade(_) | Fault::Panic(_) => Exit::Internal,
             Fault::Io(_) => Exit::Io,
         }
     }
@@ -136,8 +136,8 @@ pub fn again(family: &Family, choices: &Choices, wish: Wish) -> Result<Again, Fa
     let scan = ScanFile { bytes: &scan, format, ord: ord.as_deref() };
     let choice = ReportChoice { language, ..ReportChoice::default() };
     let made = record::record_files(&extraction, &provenance, &method, &output, &choice, scan);
-    let (new, files) = made.map_err(Fault::Json)?;
-    let changes = changes(&old, &old_json, &new).map_err(Fault::Json)?;
+    let (new, files) = made?;
+    let changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;
     let written = match changes.sameness {
         Sameness::Same => false,
         Sameness::Gained => wish.complete,
