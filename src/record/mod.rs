@@ -2,6 +2,7 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod brief;
 pub mod chart;
 mod compose;
 mod csv;
@@ -14,6 +15,7 @@ mod rounding;
 pub mod schema;
 pub mod surface;
 
+pub use brief::{Brief, BriefFigures, BriefLevel};
 pub use compose::record;
 pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
 pub use language::Language;

@@ -1,6 +1,8 @@
 //! The one rounding rule: what a figure is worth, decimal places by its kind. Everything that is
 //! printed or stored goes through here, so that no two places show different last digits.
 
+use super::Language;
+
 /// Lengths, to 1 µm.
 pub fn mm(value: f64) -> f64 {
     to_places(value, 3)
@@ -9,6 +11,15 @@ pub fn mm(value: f64) -> f64 {
 /// Lengths in mm as cm, to 1 mm: what a tape shows, for practice software.
 pub fn cm(value_mm: f64) -> f64 {
     to_places(value_mm / 10.0, 1)
+}
+
+/// Lengths in mm as cm with one decimal, as text for readers of a language.
+pub fn cm_text(value_mm: f64, language: Language) -> String {
+    let text = format!("{:.1}", cm(value_mm));
+    match language {
+        Language::En => text,
+        Language::De => text.replace('.', ","),
+    }
 }
 
 /// Volumes in mL, to 1 mm³.
@@ -56,6 +67,8 @@ mod tests {
         assert_eq!(mm(178.4325), 178.433);
         assert_eq!(degrees(-9.125), -9.13);
         assert_eq!((cm(223.5), cm(223.499), cm(0.4)), (22.4, 22.3, 0.0));
+        assert_eq!(cm_text(223.5, Language::En), "22.4");
+        assert_eq!(cm_text(220.0, Language::De), "22,0");
         assert!(mm(-0.0001).is_sign_positive());
     }
 }

@@ -1,0 +1,1 @@
+// The viewer of a leg: gaiterViewer.mount(element, record, {language}).
