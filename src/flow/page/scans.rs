@@ -25,7 +25,7 @@ pub struct ScanShown {
     pub code: Option<String>,
     /// Likewise in words, and what to do.
     pub advice: Option<Advice>,
-    /// The ids of those whose it is, or may be.
+    /// The ids of those whose it is; of a held scan, of those for whom it is held.
     pub patients: Vec<String>,
     /// What a person can decide.
     pub acts: Vec<&'static str>,
@@ -137,10 +137,15 @@ fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
     }
 }
 
-/// The ids of those whose it is or may be, each once.
+/// The ids of those whose it is, each once; of a held scan, of those for whom it is held.
 fn patients(whole: &Whole) -> Vec<String> {
     let gone = [DeliveryState::Withdrawing.word(), DeliveryState::Withdrawn.word()];
-    let theirs = whole.deliveries.iter().filter(|of| !gone.contains(&of.state.as_str()));
+    let is_held = |of: &Delivered| of.state == DeliveryState::Held.word();
+    let is_any_held = whole.deliveries.iter().any(is_held);
+    let theirs = whole
+        .deliveries
+        .iter()
+        .filter(|of| if is_any_held { is_held(of) } else { !gone.contains(&of.state.as_str()) });
     let mut ids: Vec<String> = theirs.filter_map(|of| of.patient.clone()).collect();
     ids.sort_unstable();
     ids.dedup();

@@ -128,6 +128,13 @@ fn whoever_gave_a_record_back_is_not_named_any_more() {
 }
 
 #[test]
+fn a_held_scan_is_named_after_those_for_whom_it_is_held() {
+    let held = Some("same-scan-other-patient");
+    let both = vec![delivery(Some("1"), "delivered", None), delivery(Some("2"), "held", held)];
+    assert_eq!(scan("delivered", None, both).patients, ["2"]);
+}
+
+#[test]
 fn every_code_of_a_held_scan_has_a_reason_of_its_own() {
     use crate::flow::{capture, identity};
     let codes = [

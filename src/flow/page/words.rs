@@ -36,7 +36,7 @@ pub fn done(verb: &str, language: Language) -> Option<&'static str> {
 }
 
 /// The page's labels by their keys, in the order of the keys.
-pub const LABELS: [(&str, Both); 51] = [
+pub const LABELS: [(&str, Both); 52] = [
     ("assign", ("Assign …", "Zuordnen …")),
     ("assign_hint", ("Whose scan is this?", "Wessen Scan ist das?")),
     (
@@ -46,6 +46,7 @@ pub const LABELS: [(&str, Both); 51] = [
             "Keine Verbindung zur Station. Neuer Versuch.",
         ),
     ),
+    ("away_word", ("No connection", "Keine Verbindung")),
     ("call_off", ("Call off", "Absagen")),
     (
         "call_off_hint",

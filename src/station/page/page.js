@@ -33,6 +33,7 @@ const SIGNS = {
   good: ["M14 54l26 26 46-58"],
   wait: ["M50 12a38 38 0 1 0 .1 0z", "M50 28v24l16 10"],
   bad: ["M50 10L94 88H6z", "M50 38v24M50 75v.5"],
+  away: ["M10 40c24-22 56-22 80 0M28 60c14-12 30-12 44 0M50 80v.5", "M14 90L86 10"],
 };
 
 function sign(state) {
@@ -170,7 +171,7 @@ function act(verb, scan, isMain) {
 
 function time(at) {
   const date = new Date(at);
-  const clock = { hour: "2-digit", minute: "2-digit" };
+  const clock = { hour: "2-digit", minute: "2-digit", hourCycle: "h23" };
   const isToday = date.toDateString() === new Date().toDateString();
   const form = isToday ? clock : { day: "numeric", month: "short", ...clock };
   return make("time", { datetime: at }, date.toLocaleString(root.lang, form));
@@ -185,7 +186,7 @@ function state(word, health) {
 function cell(figures, name) {
   const kind = name === "girth_cm" ? "girth" : undefined;
   if (!figures) return make("td", { class: kind, "aria-label": label("not_found") }, "–");
-  const doubt = figures.is_doubted && kind ? make("abbr", { title: label("doubted") }, " ?") : null;
+  const doubt = figures.is_doubted && kind ? make("abbr", { title: label("doubted") }, "?") : null;
   return make("td", { class: kind }, figures[name], doubt);
 }
 
@@ -206,7 +207,7 @@ function patients(ids) {
   return ids.map((id) => make("p", { class: "word" }, `${label("patient")} `, make("bdi", {}, id)));
 }
 
-function about(scan, canAct) {
+function about(scan, canAct, ...more) {
   const buttons = canAct ? scan.acts.map((verb, at) => act(verb, scan.scan, at === 0 && verb !== "unassign")) : [];
   return [
     make("h3", {}, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
@@ -214,6 +215,7 @@ function about(scan, canAct) {
     make("p", { class: "quiet" }, `${label("scan")} ${scan.scan.slice(0, 8)}`),
     scan.advice ? make("p", {}, `${scan.advice.what} ${scan.advice.next}`) : null,
     scan.code ? make("p", { class: "quiet" }, `${label("code")}: ${scan.code}`) : null,
+    ...more,
     buttons.length ? make("p", { class: "buttons" }, buttons) : null,
   ].filter(Boolean);
 }
@@ -238,7 +240,7 @@ function scanCard(scan, canAct, showsIds) {
     : null;
   return make("article", { class: "card scan" },
     make("div", {}, drawing),
-    make("div", { class: "about" }, about(scan, canAct), findings, links(scan, showsIds)),
+    make("div", { class: "about" }, about(scan, canAct, findings, links(scan, showsIds))),
     make("div", { class: "measures" }, measures(scan.measures)));
 }
 
@@ -256,7 +258,7 @@ async function view(scan) {
 }
 
 function nextPatient(next, isPaused, canAct) {
-  const named = next.id ? make("p", { class: "id" }, make("bdi", {}, next.id)) : null;
+  const named = next.id ? make("p", { class: next.id.length > 16 ? "id long" : "id" }, make("bdi", {}, next.id)) : null;
   const parts = [named, make("p", {}, next.sentence), next.doubt ? make("p", { class: "bad" }, next.doubt) : null];
   if (!canAct) return parts;
   const name = () => question(label("name").replace(/ …$/, ""), label("name_hint"), true, (patient) => decide({ ask: "name_next", patient }));
@@ -274,6 +276,20 @@ function part(of) {
     of.why ? make("p", { class: "why" }, of.why) : null);
 }
 
+function showLight(light) {
+  if (drawn.get("light") === JSON.stringify(light)) return;
+  drawn.set("light", JSON.stringify(light));
+  $("light").dataset.signal = light.signal;
+  $("word").textContent = light.word;
+  $("sentence").textContent = light.sentence;
+  $("sign").replaceChildren(sign(light.signal));
+}
+
+// A station that does not answer is not ready, whatever it said last.
+function away() {
+  showLight({ signal: "away", word: label("away_word"), sentence: label("away") });
+}
+
 let last = null;
 function show(station) {
   last = station;
@@ -281,13 +297,7 @@ function show(station) {
   $("station").textContent = station.station;
   document.title = `${station.light.word} – ${station.station}`;
   const { light, ids } = station;
-  if (!drawn.has("light") || drawn.get("light") !== JSON.stringify(light)) {
-    drawn.set("light", JSON.stringify(light));
-    $("light").dataset.signal = light.signal;
-    $("word").textContent = light.word;
-    $("sentence").textContent = light.sentence;
-    $("sign").replaceChildren(sign(light.signal));
-  }
+  showLight(light);
   const whole = { next: station.next, paused: station.paused, canAct };
   redraw("next_body", whole, () => nextPatient(station.next, station.paused, canAct && !isKiosk));
   if (isKiosk) {
@@ -317,7 +327,6 @@ function show(station) {
 // A page of another version loads itself anew, once for each version.
 function take(text) {
   heard = Date.now();
-  $("away").hidden = true;
   const station = JSON.parse(text);
   if (station.page !== root.dataset.page) {
     let before = null;
@@ -353,7 +362,7 @@ function connect() {
   source.addEventListener("beat", () => { heard = Date.now(); });
   source.onerror = () => {
     if (source.readyState === EventSource.CLOSED) ask();
-    else $("away").hidden = false;
+    else away();
   };
 }
 
@@ -363,7 +372,7 @@ async function ask() {
     if (!answer.ok) throw new Error(answer.statusText);
     take(await answer.text());
   } catch {
-    $("away").hidden = false;
+    away();
   }
 }
 
