@@ -47,7 +47,9 @@ impl Site {
             let line = of_run
                 .lines()
                 .rfind(|line| line.contains("http-listening") && line.contains(&way))?;
-            line.split("port=").nth(1)?.trim().parse().ok()
+            let port: u16 = line.split("port=").nth(1)?.trim().parse().ok()?;
+            // A station that has just been started may not have said anything yet.
+            TcpStream::connect(("127.0.0.1", port)).ok().map(|_| port)
         };
         let token = || fs::read_to_string(booth.path("state/page-token")).ok();
         booth.wait_for("an open door", || said().is_some() && token().is_some());
