@@ -2,6 +2,7 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod brief;
 pub mod change;
 pub mod chart;
 mod compose;
@@ -19,6 +20,7 @@ pub mod schema;
 pub mod shape;
 pub mod surface;
 
+pub use brief::{Brief, BriefFigures, BriefLevel};
 pub use compose::record;
 pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
 pub use language::Language;
