@@ -136,7 +136,7 @@ fn at_same_heights(
     let measured = levels.filter_map(|(at, section)| {
         let section = section?;
         let features = features(&sections.axis, &section);
-        Some(LevelSection { level: at.level, section, features })
+        Some(LevelSection { level: at.level, section, scan: Vec::new(), features })
     });
     Ok(measured.collect())
 }

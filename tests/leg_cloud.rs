@@ -55,8 +55,7 @@ fn measured(points: &[Point3<f64>], writer: Writer) -> Record {
     let bytes = writer.write(&Scan { points: points.to_vec(), triangles: vec![] });
     let method = Method::default();
     let found = extract(&bytes, writer.format(), &method).unwrap();
-    let provenance =
-        Provenance { station: None, patient: None, acquired: None, sha256: sha256(&bytes) };
+    let provenance = Provenance::of_scan(sha256(&bytes));
     record(&found, &provenance, &method)
 }
 

@@ -22,7 +22,7 @@ static MEASURED: LazyLock<(Extraction, Record)> =
 /// A text file of the record folder.
 fn file(extraction: &Extraction, name: &str) -> String {
     let sha256 = sha256(&BYTES);
-    let provenance = Provenance { station: None, patient: None, acquired: None, sha256 };
+    let provenance = Provenance::of_scan(sha256);
     let output = Output::default();
     let scan = ScanFile { bytes: &BYTES, format: Format::Obj, ord: None };
     let method = Method::default();

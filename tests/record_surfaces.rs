@@ -35,7 +35,7 @@ fn kinds(words: &[&str]) -> BTreeSet<FileKind> {
 
 fn made(extraction: &Extraction, output: &Output) -> (Record, Vec<RecordFile>) {
     let sha256 = sha256(&BYTES);
-    let provenance = Provenance { station: None, patient: None, acquired: None, sha256 };
+    let provenance = Provenance::of_scan(sha256);
     let method = Method::default();
     let scan = ScanFile { bytes: &BYTES, format: Format::Obj, ord: None };
     record_files(extraction, &provenance, &method, output, scan).unwrap()

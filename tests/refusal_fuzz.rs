@@ -58,8 +58,7 @@ fn check(bytes: &[u8], method: &Method) {
         }
         Ok(found) => {
             assert!((1..=2).contains(&found.legs.len()));
-            let provenance =
-                Provenance { station: None, patient: None, acquired: None, sha256: String::new() };
+            let provenance = Provenance::of_scan(String::new());
             let written = record(&found, &provenance, method);
             // What is not finite is written as null, which a record's figures cannot be.
             let text = serde_json::to_string(&written).unwrap();

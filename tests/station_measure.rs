@@ -61,7 +61,7 @@ fn begun(limits: Limits, scan: &[u8]) -> Child {
         .spawn()
         .unwrap();
     let sha256 = sha256(scan);
-    let provenance = Provenance { station: None, patient: None, acquired: None, sha256 };
+    let provenance = Provenance::of_scan(sha256);
     let job = Job {
         config: include_str!("../config/station.toml").to_owned(),
         provenance,

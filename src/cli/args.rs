@@ -1,18 +1,22 @@
 //! The command line as types, with the help texts a technician reads.
 
+mod again;
 mod asking;
 
+use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
+use clap_complete::Shell;
 
 use crate::cad::FileKind;
 use crate::config::words::{self, FACINGS, FILES, HEIGHTS_CM, SCOPES, UNITS, UPS, Words};
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 use crate::station::measure::VERB;
-pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs};
+pub use again::ReextractArgs;
+pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -47,8 +51,15 @@ pub enum Verb {
     Run(RunArgs),
     /// Measure scan files now, without a station
     ///
-    /// Prints a table of both legs for every scan. Girths and heights are in millimetres.
+    /// Prints a table of both legs for every scan, and for several scans a summary with a row for
+    /// each. Of a folder all scans are measured, in the order of their names; hidden files are not.
     Extract(ExtractArgs),
+    /// Measure the scans of a record store again, by today's method
+    ///
+    /// Where that says otherwise than the record, a new revision is written beside it, in a folder of
+    /// the same name with _r2, _r3 …; the old one is never touched. At the end says what changed and
+    /// by how much. A station may run meanwhile. Done again, it adds nothing.
+    Reextract(ReextractArgs),
     /// Measure one scan on standard input; the station runs this itself
     #[command(name = VERB, hide = true)]
     Measure(MeasureArgs),
@@ -61,7 +72,7 @@ pub enum Verb {
     ///
     /// Ends with 0 when the station is ready and with 74 when it is not. Names no patient and no
     /// file. Run it as root or as the station's user.
-    Status(AskArgs),
+    Status(StatusArgs),
     /// List the station's scans, the newest first
     ///
     /// Names no patient and no file; `gaiter show ID` does.
@@ -107,6 +118,10 @@ pub enum Verb {
     Pause(AskArgs),
     /// Go on after `gaiter pause`
     Resume(AskArgs),
+    /// Print the completions of a shell, for its folder of completions
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write a page for every verb into a folder
+    Man(ManArgs),
 }
 
 /// `gaiter patient …`
@@ -126,7 +141,30 @@ pub enum PatientVerb {
 
 /// `gaiter demo`
 #[derive(Debug, clap::Args)]
-pub struct DemoArgs {}
+pub struct DemoArgs {
+    /// Print the records as one JSON object at the end, for programs, and nothing else
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `gaiter completions`
+#[derive(Debug, clap::Args)]
+pub struct CompletionsArgs {
+    /// Whose
+    #[arg(value_name = "SHELL", value_parser = of_words(SHELLS))]
+    pub shell: Shell,
+}
+
+/// `gaiter man`
+#[derive(Debug, clap::Args)]
+pub struct ManArgs {
+    /// The folder for gaiter.1, gaiter-run.1 and so on; it must exist
+    #[arg(value_name = "DIR")]
+    pub dir: Option<PathBuf>,
+}
+
+/// The shells whose completions are tried.
+const SHELLS: Words<Shell> = &[("bash", Shell::Bash), ("zsh", Shell::Zsh), ("fish", Shell::Fish)];
 
 /// `gaiter run`
 #[derive(Debug, clap::Args)]
@@ -139,9 +177,16 @@ pub struct RunArgs {
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
 #[derive(Debug, clap::Args)]
 pub struct ExtractArgs {
-    /// The scan files, as the scanner exported them (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt)
+    /// The scan files, as the scanner exported them (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt), or
+    /// folders of them
     #[arg(value_name = "SCAN", required = true)]
     pub scans: Vec<PathBuf>,
+    /// Look for scans in the folders within folders, too
+    #[arg(long)]
+    pub recursive: bool,
+    /// Measure so many scans at a time; as many as there are processors where nothing says otherwise
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<NonZeroUsize>,
     /// Print one JSON record per scan and line, for programs
     #[arg(long)]
     pub json: bool,

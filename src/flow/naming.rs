@@ -4,6 +4,7 @@
 use jiff::Timestamp;
 
 use super::ScanId;
+use crate::record::FIRST_REVISION;
 
 /// The folder of scans whose patient nobody named.
 pub const UNASSIGNED: &str = "_unassigned";
@@ -49,18 +50,44 @@ pub fn patient_of_folder(name: &str) -> Option<Option<String>> {
     (!id.is_empty() && patient_folder(Some(&id)) == name).then_some(Some(id))
 }
 
-/// When the scan of a record folder of this name was first seen, and the beginning of its id; none
-/// for a name that [`record_folder`] never gives.
-pub fn read_record_folder(name: &str) -> Option<(Timestamp, &str)> {
-    let (time, scan) = name.split_once('_')?;
-    let time = jiff::civil::DateTime::strptime("%Y%m%dT%H%M%SZ", time).ok()?;
-    let first_seen = time.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp();
-    Some((first_seen, scan))
+/// What the name of a record's folder says.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
+pub struct RecordName {
+    /// When the scan was first seen.
+    pub first_seen: Timestamp,
+    /// The beginning of its id.
+    pub scan: String,
+    /// 1, or more where the scan was measured again later; each result has a folder of its own.
+    pub revision: u32,
 }
 
-/// The folder of one record: when the scan was first seen, UTC, and the beginning of its id.
+impl RecordName {
+    /// Reads a name; none for one that [`record_folder`] and [`RecordName::folder`] never give.
+    pub fn read(name: &str) -> Option<RecordName> {
+        let (time, rest) = name.split_once('_')?;
+        let time = jiff::civil::DateTime::strptime("%Y%m%dT%H%M%SZ", time).ok()?;
+        let first_seen = time.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp();
+        let (scan, revision) = match rest.split_once("_r") {
+            None => (rest.to_owned(), FIRST_REVISION),
+            Some((scan, number)) => (scan.to_owned(), number.parse().ok()?),
+        };
+        let read = RecordName { first_seen, scan, revision };
+        (read.folder() == name).then_some(read)
+    }
+
+    /// The folder of this name: the first result's bears no number.
+    pub fn folder(&self) -> String {
+        let RecordName { first_seen, scan, revision } = self;
+        let first = format!("{}_{scan}", first_seen.strftime("%Y%m%dT%H%M%SZ"));
+        if *revision == FIRST_REVISION { first } else { format!("{first}_r{revision}") }
+    }
+}
+
+/// The folder of a scan's first record: when the scan was first seen, UTC, and the beginning of its
+/// id.
 pub fn record_folder(first_seen: Timestamp, scan: &ScanId) -> String {
-    format!("{}_{}", first_seen.strftime("%Y%m%dT%H%M%SZ"), scan.short())
+    let scan = scan.short().to_owned();
+    RecordName { first_seen, scan, revision: FIRST_REVISION }.folder()
 }
 
 #[cfg(test)]
@@ -76,10 +103,23 @@ mod tests {
         let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
         let scan = ScanId::parse(&"0123456789abcdef".repeat(4)).unwrap();
         assert_eq!(record_folder(first_seen, &scan), "20261121T091500Z_01234567");
-        let read = read_record_folder("20261121T091500Z_01234567");
-        assert_eq!(read, Some((first_seen, "01234567")));
+        let read = RecordName::read("20261121T091500Z_01234567");
+        let first = RecordName { first_seen, scan: "01234567".to_owned(), revision: 1 };
+        assert_eq!(read, Some(first));
         for name in ["20261121T091500Z", "notes_2026", ".staging.booth-1.20261121T091500Z_0"] {
-            assert_eq!(read_record_folder(name), None, "{name}");
+            assert_eq!(RecordName::read(name), None, "{name}");
+        }
+    }
+
+    #[test]
+    fn a_revision_bears_its_number_in_one_way_only() {
+        let first = RecordName::read("20261121T091500Z_01234567").unwrap();
+        let third = RecordName { revision: 3, ..first.clone() };
+        assert_eq!(third.folder(), "20261121T091500Z_01234567_r3");
+        assert_eq!(RecordName::read(&third.folder()), Some(third.clone()));
+        assert!(first < third && third < RecordName { revision: 10, ..first });
+        for end in ["_r1", "_r03", "_r+3", "_r", "_r3_r4", "_rx", "_r99999999999"] {
+            assert_eq!(RecordName::read(&format!("20261121T091500Z_01234567{end}")), None, "{end}");
         }
     }
 

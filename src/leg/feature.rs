@@ -84,6 +84,13 @@ pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
     found
 }
 
+/// The curvature in which the feature points of a section are found, at `count` equal angles from
+/// −180° on, 1/mm. `count` is a divisor of 360.
+pub fn curvatures(section: &Section, count: usize) -> Vec<f64> {
+    let all = curvature::around(&outline(section, &angles()));
+    all.into_iter().step_by(ANGLES / count).collect()
+}
+
 /// The angles at which the curvature of any section is taken, with their harmonics.
 pub fn angles() -> Harmonics {
     Harmonics::at(ANGLES)

@@ -8,6 +8,7 @@ use super::girth::GirthCurve;
 use super::landmark::{Estimate, Landmark};
 use super::level::Level;
 use super::section::Section;
+use super::shape::{OnPlane, Shape};
 use super::side::Side;
 use super::surface::LegSurface;
 use super::volume::LegVolume;
@@ -31,6 +32,8 @@ pub struct LegReport {
     pub level_sections: Vec<LevelSection>,
     /// The surface, where enough of the leg is seen.
     pub surface: Option<LegSurface>,
+    /// Its shape, for pictures.
+    pub shape: Shape,
     /// Volumes.
     pub volume: LegVolume,
     /// Girths at the heights that were asked for.
@@ -44,6 +47,8 @@ pub struct LevelSection {
     pub level: Level,
     /// The section at the level's own height.
     pub section: Section,
+    /// The scan's own points on its plane, for pictures.
+    pub scan: Vec<OnPlane>,
     /// P1, P2, … in order around from the front.
     pub features: Vec<Feature>,
 }

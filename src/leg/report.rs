@@ -14,8 +14,10 @@ use super::medial::surface_length_mm;
 use super::method::AxisFit;
 use super::ruler::Ruler;
 use super::search::{Levels, levels};
+use super::section::Section;
 use super::sections::{Sections, sections};
 use super::segment::Leg;
+use super::shape::{Shape, on_planes};
 use super::side::Side;
 use super::surface::{LegSurface, Wanted, surface};
 use super::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
@@ -90,14 +92,18 @@ pub fn leg_report(
     let across = landmarks.iter().filter(|landmark| landmark.level >= Level::B);
     let along_mm: Vec<f64> = across.clone().map(|landmark| landmark.along_mm).collect();
     let at_levels = across.zip(sections.at(leg, &along_mm));
-    let level_sections = at_levels.filter_map(|(landmark, section)| {
-        let section = section?;
+    let at_levels: Vec<(Level, Section)> =
+        at_levels.filter_map(|(landmark, section)| Some((landmark.level, section?))).collect();
+    let planes: Vec<&Section> = at_levels.iter().map(|(_, section)| section).collect();
+    let scan = on_planes(&sections.axis, leg, &planes);
+    let level_sections = at_levels.into_iter().zip(scan).map(|((level, section), scan)| {
         let features = features(&sections.axis, &section);
-        Some(LevelSection { level: landmark.level, section, features })
+        LevelSection { level, section, scan, features }
     });
     let report = LegReport {
         side: leg.side,
         level_sections: level_sections.collect(),
+        shape: Shape::of(leg, &sections, surface.as_ref()),
         axis: sections.axis,
         landmarks,
         estimates: measures.estimates,

@@ -7,6 +7,7 @@ use nalgebra::Point3;
 
 use super::axis::LegAxis;
 use super::columns::Columns;
+use super::error_map::ErrorMap;
 use super::fit_error::{FitError, Place};
 use super::grid::Grid;
 use super::hole::{Coverage, Hole};
@@ -56,6 +57,8 @@ pub struct LegSurface {
     pub columns: Columns,
     /// What of it was seen, with the holes that it bridges.
     pub coverage: Coverage,
+    /// How far the scan's points lie outside it, place by place.
+    pub error_map: ErrorMap,
     /// Where its knots lie along and around.
     pub knots: [KnotsUsed; 2],
     /// Height of the lower and the upper end's centre above the floor, mm.
@@ -160,6 +163,9 @@ pub fn surface(
     let (Some(to_sections), Some(to_points)) = (to_sections, to_points(&points, &surface)) else {
         return Err(NoSurface::NothingSeen);
     };
+    let skin = points.iter().filter(|place| unrolled.outside_mm(place).abs() <= STRAY_MM);
+    let outward = |place: &Place| unrolled.arm(&place.point);
+    let error_map = ErrorMap::of(&surface, &columns, &coverage, skin.copied(), outward);
     let height_mm = [&outlines[0], &outlines[outlines.len() - 1]]
         .map(|outline| axis.at(outline.along_mm, &outline.centre).z);
     Ok(LegSurface {
@@ -169,6 +175,7 @@ pub fn surface(
         to_points,
         coverage,
         columns,
+        error_map,
         knots,
         surface,
     })

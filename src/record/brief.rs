@@ -60,8 +60,8 @@ impl Brief {
 impl BriefFigures {
     fn of(landmark: &LandmarkFigures, language: Language) -> BriefFigures {
         BriefFigures {
-            girth_cm: rounding::cm_text(landmark.girth_tape_mm, language),
-            height_cm: rounding::cm_text(landmark.height_mm, language),
+            girth_cm: rounding::cm_words(landmark.girth_tape_mm, language),
+            height_cm: rounding::cm_words(landmark.height_mm, language),
             is_doubted: !landmark.doubts.is_empty(),
         }
     }

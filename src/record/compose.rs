@@ -9,22 +9,21 @@ use super::schema::{
     BodyFigures, EstimateFigures, FeatureFigures, FindingNote, FootFigures, GirthColumns,
     LandmarkFigures, LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures,
 };
+use super::shape;
 use super::surface::surface;
+use crate::leg::axis::LegAxis;
 use crate::leg::body::FacingFrom;
 use crate::leg::doubt::Doubt;
 use crate::leg::girth::GirthCurve;
 use crate::leg::method::{B1, SurfaceMethod, UnitChoice};
 use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 
-/// A scan measured for the first time; later results for it count on from here.
-const FIRST_REVISION: u32 = 1;
-
 /// The record of an extraction.
 pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method) -> Record {
     let (body, crotch) = (&extraction.body, &extraction.crotch);
     Record {
         schema: SCHEMA.to_owned(),
-        revision: FIRST_REVISION,
+        revision: provenance.revision,
         station: provenance.station.clone(),
         patient: provenance.patient.clone(),
         acquired: provenance.acquired.clone(),
@@ -112,6 +111,7 @@ fn leg(report: &LegReport) -> LegFigures {
     LegFigures {
         side: report.side.word().to_owned(),
         tilt_deg: degrees(report.axis.tilt_deg()),
+        axis: Some(shape::axis(&report.axis)),
         landmarks: landmarks.map(|l| (l.level.name().to_owned(), landmark(l))).collect(),
         estimates: estimates(report),
         foot: report.foot.map(|foot| FootFigures {
@@ -119,11 +119,12 @@ fn leg(report: &LegReport) -> LegFigures {
             breadth_mm: mm(foot.breadth_mm),
         }),
         girth_curve: girth_columns(&report.girth_curve),
-        sections: report.level_sections.iter().map(section).collect(),
+        sections: report.level_sections.iter().map(|at| section(&report.axis, at)).collect(),
         features: report.level_sections.iter().flat_map(features).collect(),
         surface: surface(report),
         volume: chart::volumes(&report.volume),
         at: report.at.iter().map(chart::at).collect(),
+        shape: Some(shape::shape(report)),
     }
 }
 
@@ -170,23 +171,30 @@ fn girth_columns(curve: &GirthCurve) -> GirthColumns {
         };
         curve.rows.iter().map(cell).collect()
     };
+    let (from_mm, to_mm) = curve.domain();
+    let slope = |along_mm: f64| {
+        let is_within = (from_mm..=to_mm).contains(&along_mm);
+        is_within.then(|| share(curve.tape(along_mm)[1]))
+    };
     GirthColumns {
         height_mm: column(|height_mm, _| height_mm),
         along_axis_mm: curve.rows.iter().map(|row| mm(row.along_mm)).collect(),
         tape_mm: column(|_, girth| girth.tape_mm),
         contour_mm: column(|_, girth| girth.contour_mm),
+        slope: curve.rows.iter().map(|row| slope(row.along_mm)).collect(),
         r2: share(curve.r2()),
         rms_mm: mm(curve.rms_mm()),
     }
 }
 
-fn section(at: &LevelSection) -> SectionFigures {
+fn section(axis: &LegAxis, at: &LevelSection) -> SectionFigures {
     SectionFigures {
         level: at.level.name().to_owned(),
         height_mm: mm(at.section.height_mm),
         r2: share(at.section.r2),
         rms_mm: mm(at.section.rms_mm),
         largest_gap_deg: degrees(at.section.largest_gap_deg),
+        outline: Some(shape::outline(axis, at)),
     }
 }
 

@@ -3,6 +3,7 @@
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
 mod brief;
+pub mod change;
 pub mod chart;
 mod compose;
 mod csv;
@@ -10,14 +11,18 @@ mod drawing;
 mod files;
 pub mod gdt;
 mod language;
+pub mod picture;
 mod provenance;
 mod rounding;
 pub mod schema;
+pub mod shape;
 pub mod surface;
 
 pub use brief::{Brief, BriefFigures, BriefLevel};
 pub use compose::record;
 pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
 pub use language::Language;
-pub use provenance::{Acquired, AcquiredFrom, Confidence, Patient, Provenance, Source, SourceKind};
+pub use provenance::{
+    Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
+};
 pub use schema::Record;

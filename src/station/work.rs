@@ -17,7 +17,7 @@ use crate::flow::ScanState;
 use crate::flow::acquired::acquired;
 use crate::flow::light::Outcome;
 use crate::flow::outbox::Ended;
-use crate::record::{Provenance, RecordFile};
+use crate::record::{FIRST_REVISION, Provenance, RecordFile};
 use crate::store::{Delivery, StoreFault};
 
 /// A measurement that ends without an answer is tried so often before the scan is refused: its
@@ -69,6 +69,7 @@ fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setba
             patient: due.patient.clone(),
             acquired: Some(acquired(row.pressed_at, row.file_time, row.first_seen)),
             sha256: row.scan.to_string(),
+            revision: FIRST_REVISION,
         },
         ending: row.format.clone(),
         scan_bytes: length(&scan_file).map_err(lost)?,

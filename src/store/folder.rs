@@ -11,6 +11,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use self::search::find;
+pub(super) use self::search::records_in;
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
 use crate::flow::{ScanId, naming};
@@ -190,7 +191,7 @@ fn publish(staged: &Path, place: &Path) -> Result<bool, StoreFault> {
 }
 
 /// The folders within a folder, links not followed.
-fn folders(within: &Path) -> Result<Vec<PathBuf>, StoreFault> {
+pub(super) fn folders(within: &Path) -> Result<Vec<PathBuf>, StoreFault> {
     let list = || -> io::Result<Vec<PathBuf>> {
         let mut folders = Vec::new();
         for entry in fs::read_dir(within)? {

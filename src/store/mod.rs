@@ -4,6 +4,7 @@
 pub mod durable;
 pub mod folder;
 pub mod gdt;
+pub mod revision;
 pub mod sums;
 
 use std::io;

@@ -42,8 +42,7 @@ pub fn scan(name: &str) -> Scan {
 /// The record of an export that nobody says more about.
 pub fn record_of(bytes: &[u8], method: &Method) -> (Extraction, Record) {
     let extraction = extract(bytes, Format::Obj, method).unwrap();
-    let provenance =
-        Provenance { station: None, patient: None, acquired: None, sha256: sha256(bytes) };
+    let provenance = Provenance::of_scan(sha256(bytes));
     let record = record(&extraction, &provenance, method);
     (extraction, record)
 }

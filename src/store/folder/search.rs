@@ -2,15 +2,18 @@
 
 use std::ffi::OsStr;
 use std::fs;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use super::{FolderStore, folders};
-use crate::flow::{ScanId, naming};
+use crate::flow::ScanId;
+use crate::flow::naming::{self, RecordName};
 use crate::record::ORD;
 use crate::store::sums::{self, SUMS};
 use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
 
-/// The whole record of a scan in a patient's folder, under whatever time.
+/// The whole record of a scan in a patient's folder, under whatever time: of several revisions the
+/// first that is whole.
 pub(super) fn find(patient: &Path, scan: &ScanId) -> Result<Option<PathBuf>, StoreFault> {
     for place in candidates(patient, scan)? {
         if tried("checking", &place, sums::check(&place, scan))?.is_ok() {
@@ -20,17 +23,29 @@ pub(super) fn find(patient: &Path, scan: &ScanId) -> Result<Option<PathBuf>, Sto
     Ok(None)
 }
 
-/// The record folders whose names begin and end as the scan's would.
+/// The record folders that are named as the scan's would be, the first revision first.
 fn candidates(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFault> {
-    let named = |place: &PathBuf| {
-        let name = place.file_name().and_then(OsStr::to_str).and_then(naming::read_record_folder);
-        name.is_some_and(|(_, short)| short == scan.short())
+    let named = records_in(patient)?.into_iter();
+    Ok(named.filter(|(name, _)| name.scan == scan.short()).map(|(_, place)| place).collect())
+}
+
+/// The folders in a patient's folder that are called like records, in the order of their names'
+/// meaning: a scan's revisions follow one another.
+pub(in crate::store) fn records_in(
+    patient: &Path,
+) -> Result<Vec<(RecordName, PathBuf)>, StoreFault> {
+    let named = |place: PathBuf| {
+        let name = place.file_name().and_then(OsStr::to_str).and_then(RecordName::read)?;
+        Some((name, place))
     };
-    Ok(folders(patient)?.into_iter().filter(named).collect())
+    let mut records: Vec<_> = folders(patient)?.into_iter().filter_map(named).collect();
+    records.sort();
+    Ok(records)
 }
 
 impl FolderStore {
-    /// Every record in the store. Folders that no record of ours is called do not count.
+    /// Every record in the store, of a scan's revisions the first. Folders that no record of ours is
+    /// called do not count.
     ///
     /// # Errors
     /// A transient fault where a folder cannot be listed or read.
@@ -39,8 +54,15 @@ impl FolderStore {
         for patient in folders(&self.root)? {
             let name = patient.file_name().and_then(OsStr::to_str);
             let Some(id) = name.and_then(naming::patient_of_folder) else { continue };
-            for folder in folders(&patient)? {
-                found.extend(record(folder, id.as_deref())?);
+            let mut last = None;
+            for (name, folder) in records_in(&patient)? {
+                let scan = Some((name.first_seen, name.scan.clone()));
+                if scan != last
+                    && let Some(record) = record(&name, folder, id.as_deref())?
+                {
+                    found.push(record);
+                    last = scan;
+                }
             }
         }
         Ok(found)
@@ -73,11 +95,11 @@ impl FolderStore {
         Ok(Some(StoredScan { bytes: read(&name)?, ord }))
     }
 
-    /// Takes back the record of a scan from one patient, or from the folder of scans for nobody; it
-    /// must lie whole in the other's folder.
+    /// Takes back the record of a scan, with all its revisions, from one patient, or from the folder
+    /// of scans for nobody; it must lie whole in the other's folder.
     ///
     /// # Errors
-    /// See [`StoreFault`]: a permanent one where the record was changed by hand.
+    /// See [`StoreFault`]: a permanent one where a revision was changed by hand; then all stay.
     pub fn withdraw(
         &self,
         scan: &ScanId,
@@ -94,24 +116,37 @@ impl FolderStore {
         if tried("looking for", &gone, fs::exists(&gone))? {
             tried("removing", &gone, durable::remove_folder(&gone))?;
         }
-        for place in candidates(&from, scan)? {
-            let whole = tried("checking", &place, sums::check(&place, scan))?;
-            match whole {
-                Ok(()) => {}
-                Err(sums::SumsFault::OtherScan) => continue,
-                Err(fault) => return Err(StoreFault::Permanent(Misfit::Occupied(fault))),
+        // Until none is found: a re-extraction may add a revision meanwhile. One that comes later
+        // finds the record gone and takes its revision back itself.
+        loop {
+            let places = whole_records(&from, scan)?;
+            if places.is_empty() {
+                return Ok(());
             }
-            let kept = find(&theirs, scan)?;
-            let Some(kept) = kept else {
+            let Some(kept) = find(&theirs, scan)? else {
                 return Err(StoreFault::Permanent(Misfit::Occupied(sums::SumsFault::NoSums)));
             };
-            tried("moving notes from", &place, move_unlisted(&place, &kept))?;
-            tried("renaming", &place, durable::rename_new(&place, &gone))?;
-            tried("syncing", &from, durable::sync_folder(&from))?;
-            tried("removing", &gone, durable::remove_folder(&gone))?;
+            for place in places {
+                tried("moving notes from", &place, move_unlisted(&place, &kept))?;
+                tried("renaming", &place, durable::rename_new(&place, &gone))?;
+                tried("syncing", &from, durable::sync_folder(&from))?;
+                tried("removing", &gone, durable::remove_folder(&gone))?;
+            }
         }
-        Ok(())
     }
+}
+
+/// The folders that hold whole records of a scan.
+fn whole_records(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFault> {
+    let mut whole = Vec::new();
+    for place in candidates(patient, scan)? {
+        match tried("checking", &place, sums::check(&place, scan))? {
+            Ok(()) => whole.push(place),
+            Err(sums::SumsFault::OtherScan) => {}
+            Err(fault) => return Err(StoreFault::Permanent(Misfit::Occupied(fault))),
+        }
+    }
+    Ok(whole)
 }
 
 /// Moves what `SHA256SUMS` does not list, a person's notes, from one record to another.
@@ -120,25 +155,37 @@ fn move_unlisted(from: &Path, to: &Path) -> std::io::Result<()> {
     for entry in fs::read_dir(from)? {
         let name = entry?.file_name();
         let ours = name == SUMS || listed.iter().any(|listed| name == OsStr::new(listed));
-        if !ours {
-            durable::rename_new(&from.join(&name), &to.join(&name))?;
+        if ours {
+            continue;
+        }
+        match durable::rename_new(&from.join(&name), &to.join(&name)) {
+            // Another revision has given a note of this name: this one says where it is from.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                let mut named = from.file_name().unwrap_or_default().to_owned();
+                named.push(".");
+                named.push(&name);
+                durable::rename_new(&from.join(&name), &to.join(named))?;
+            }
+            other => other?,
         }
     }
     durable::sync_folder(to)
 }
 
-/// The record in a folder; none where the folder is not called like one or lists no scan.
-fn record(folder: PathBuf, patient: Option<&str>) -> Result<Option<FoundRecord>, StoreFault> {
-    let name = folder.file_name().and_then(OsStr::to_str).and_then(naming::read_record_folder);
-    let Some((first_seen, short)) = name else { return Ok(None) };
-    let Some((scan, name)) = tried("reading", &folder, sums::scan_of(&folder))? else {
+/// The record in a folder of this name; none where the folder lists no such scan.
+fn record(
+    name: &RecordName,
+    folder: PathBuf,
+    patient: Option<&str>,
+) -> Result<Option<FoundRecord>, StoreFault> {
+    let Some((scan, file)) = tried("reading", &folder, sums::scan_of(&folder))? else {
         return Ok(None);
     };
-    if scan.short() != short {
+    if scan.short() != name.scan {
         return Ok(None);
     }
-    let size = fs::metadata(folder.join(&name)).map_or(0, |metadata| metadata.len());
-    let format = name.rsplit('.').next().unwrap_or_default().to_owned();
-    let patient = patient.map(str::to_owned);
+    let size = fs::metadata(folder.join(&file)).map_or(0, |metadata| metadata.len());
+    let format = file.rsplit('.').next().unwrap_or_default().to_owned();
+    let (patient, first_seen) = (patient.map(str::to_owned), name.first_seen);
     Ok(Some(FoundRecord { scan, patient, first_seen, format, size, folder }))
 }

@@ -229,3 +229,73 @@ fn a_record_for_nobody_that_somebody_changed_is_left_as_it_is() {
     assert_eq!(fault.code(), "store-place-occupied");
     assert_eq!(fs::read(old.join("record.json")).unwrap(), b"changed by hand");
 }
+
+/// The place of a later revision, written as re-extraction would: another record, the same scan.
+fn revised(case: &Case, number: u32) -> PathBuf {
+    let place =
+        case.place().with_file_name(format!("20261121T091500Z_{}_r{number}", case.scan.short()));
+    fs::create_dir(&place).unwrap();
+    let record = format!("{{\"revision\": {number}}}").into_bytes();
+    let listing = format!("{}  record.json\n{}  scan.obj\n", sums::scan_id(&record), case.scan);
+    fs::write(place.join("record.json"), record).unwrap();
+    fs::write(place.join("scan.obj"), "v 0 0 0\n").unwrap();
+    fs::write(place.join(SUMS), listing).unwrap();
+    place
+}
+
+#[test]
+fn a_record_with_revisions_is_put_once_and_found_once() {
+    let case = Case::new();
+    case.store().put(&case.delivery()).unwrap();
+    let second = revised(&case, 2);
+    revised(&case, 10);
+    let there = Receipt { folder: case.place(), already_there: true };
+    assert_eq!(case.store().put(&case.delivery()).unwrap(), there);
+    let later = "2027-01-01T00:00:00Z".parse().unwrap();
+    let delivery = Delivery { first_seen: later, ..case.delivery() };
+    assert_eq!(case.store().put(&delivery).unwrap(), there);
+    let found = |folder: &Path| {
+        let records = case.store().records().unwrap();
+        assert_eq!(records.len(), 1, "{records:?}");
+        assert_eq!((&records[0].scan, records[0].folder.as_path()), (&case.scan, folder));
+    };
+    found(&case.place());
+    // Whoever removes the first record leaves the scan recorded by its revisions.
+    fs::remove_dir_all(case.place()).unwrap();
+    found(&second);
+    let again = case.store().put(&delivery).unwrap();
+    assert_eq!(again, Receipt { folder: second, already_there: true });
+    assert!(case.store().stored_scan(&case.scan, Some("4711")).unwrap().is_some());
+}
+
+#[test]
+fn a_record_is_taken_back_with_all_its_revisions_and_their_notes() {
+    let case = Case::new();
+    let keeper = case.store().put(&Delivery { patient: None, ..case.delivery() }).unwrap().folder;
+    let first = case.store().put(&case.delivery()).unwrap().folder;
+    let second = revised(&case, 2);
+    for place in [&first, &second, &revised(&case, 3)] {
+        fs::write(place.join("note.txt"), place.to_string_lossy().as_bytes()).unwrap();
+    }
+    case.store().withdraw(&case.scan, Some("4711"), None).unwrap();
+    assert_eq!(names(&case.dir.path().join("records/4711")), [""; 0]);
+    let notes: Vec<String> =
+        names(&keeper).into_iter().filter(|name| name.contains("note")).collect();
+    let short = case.scan.short();
+    let named = |number| format!("20261121T091500Z_{short}_r{number}.note.txt");
+    assert_eq!(notes, [named(2), named(3), "note.txt".to_owned()]);
+    let second = second.to_string_lossy().into_owned();
+    assert_eq!(fs::read_to_string(keeper.join(named(2))).unwrap(), second);
+}
+
+#[test]
+fn where_one_revision_was_changed_by_hand_none_is_taken_back() {
+    let case = Case::new();
+    case.store().put(&Delivery { patient: None, ..case.delivery() }).unwrap();
+    let first = case.store().put(&case.delivery()).unwrap().folder;
+    let second = revised(&case, 2);
+    fs::write(second.join("record.json"), "changed by hand").unwrap();
+    let fault = case.store().withdraw(&case.scan, Some("4711"), None).unwrap_err();
+    assert_eq!(fault.code(), "store-place-occupied");
+    assert!(first.exists() && second.exists());
+}

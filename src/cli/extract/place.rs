@@ -1,0 +1,154 @@
+//! The place of a record that `gaiter extract --out` writes.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use rustix::fs::{CWD, RenameFlags, renameat_with};
+use rustix::io::Errno;
+
+use super::Undelivered;
+use crate::cli::shown;
+use crate::record::{self, RecordFile};
+use crate::store::durable;
+use crate::store::sums::SUMS;
+
+/// What stands in a record's place and is not an earlier record of the same scan.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Foreign {
+    #[error("it is no folder")]
+    NoFolder,
+    #[error("it has no readable SHA256SUMS")]
+    NoSums,
+    #[error("it holds the record of another scan")]
+    OtherScan,
+    #[error("its {} is no file of the record", shown(.0))]
+    Stranger(String),
+    #[error("its {} was changed", shown(.0))]
+    Changed(String),
+}
+
+/// Puts the files into `folder`, which lies in `out`. Until they are all written and synced nothing
+/// changes under that name, and then all at once.
+pub fn put_folder(
+    out: &Path,
+    folder: &Path,
+    files: &[RecordFile],
+    scan_sha256: &str,
+) -> Result<(), Undelivered> {
+    let tried = |path: &Path, result: io::Result<()>| {
+        result.map_err(|source| Undelivered::Write { path: path.to_owned(), source })
+    };
+    tried(out, fs::create_dir_all(out))?;
+    match foreign(folder, scan_sha256) {
+        Err(source) => return tried(folder, Err(source)),
+        Ok(Some(what)) => return Err(Undelivered::Occupied { folder: folder.to_owned(), what }),
+        Ok(None) => {}
+    }
+    let staged = out.join(format!(".gaiter-extract-{}", std::process::id()));
+    // What a process of the same number left when it was killed.
+    tried(&staged, durable::remove_folder(&staged))?;
+    let put = tried(&staged, stage(&staged, files))
+        .and_then(|()| tried(folder, replace(&staged, folder)))
+        .and_then(|()| tried(out, durable::sync_folder(out)));
+    // The earlier record, or the beginning of one that could not be written.
+    put.and(tried(&staged, durable::remove_folder(&staged)))
+}
+
+/// Writes a whole folder, synced.
+fn stage(staged: &Path, files: &[RecordFile]) -> io::Result<()> {
+    durable::make_folder(staged)?;
+    files.iter().try_for_each(|file| durable::write_new(&staged.join(&file.name), &file.bytes))?;
+    durable::sync_folder(staged)
+}
+
+/// Puts the staged folder in its place; what was there before is then under the staged name.
+fn replace(staged: &Path, folder: &Path) -> io::Result<()> {
+    match durable::rename_new(staged, folder) {
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+        other => return other,
+    }
+    match renameat_with(CWD, staged, CWD, folder, RenameFlags::EXCHANGE) {
+        // Some network file systems cannot exchange two names.
+        Err(Errno::INVAL | Errno::NOSYS | Errno::OPNOTSUPP) => replace_in_steps(staged, folder),
+        other => other.map_err(io::Error::from),
+    }
+}
+
+/// As [`replace`]: for a moment there is nothing under the final name, never half a record.
+fn replace_in_steps(staged: &Path, folder: &Path) -> io::Result<()> {
+    let aside = staged.with_extension("earlier");
+    fs::rename(folder, &aside)?;
+    if let Err(error) = fs::rename(staged, folder) {
+        fs::rename(&aside, folder)?;
+        return Err(error);
+    }
+    fs::rename(&aside, staged)
+}
+
+/// What stands at `folder` and is not the record of this scan, as far as it is whole. Nothing at
+/// all, or an empty folder, is in nobody's way.
+fn foreign(folder: &Path, scan_sha256: &str) -> io::Result<Option<Foreign>> {
+    match folder.symlink_metadata() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+        Ok(found) if !found.is_dir() => return Ok(Some(Foreign::NoFolder)),
+        found => found.map(drop)?,
+    }
+    let mut entries = fs::read_dir(folder)?.collect::<io::Result<Vec<_>>>()?;
+    if entries.is_empty() {
+        return Ok(None);
+    }
+    entries.sort_by_key(fs::DirEntry::file_name);
+    let sums_path = folder.join(SUMS);
+    if !sums_path.symlink_metadata().is_ok_and(|found| found.is_file()) {
+        return Ok(Some(Foreign::NoSums));
+    }
+    let sums = String::from_utf8_lossy(&fs::read(sums_path)?).into_owned();
+    let listed: BTreeMap<&str, &str> = sums
+        .lines()
+        .filter_map(|line| line.split_once("  ").map(|(sum, name)| (name, sum)))
+        .collect();
+    let of_this_scan =
+        |(name, sum): (&&str, &&str)| name.starts_with("scan.") && *sum == scan_sha256;
+    if !listed.iter().any(of_this_scan) {
+        return Ok(Some(Foreign::OtherScan));
+    }
+    for entry in entries {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name == SUMS {
+            continue;
+        }
+        match listed.get(name.as_str()) {
+            Some(sum) if entry.file_type()?.is_file() => {
+                if record::sha256(&fs::read(entry.path())?) != *sum {
+                    return Ok(Some(Foreign::Changed(name)));
+                }
+            }
+            _ => return Ok(Some(Foreign::Stranger(name))),
+        }
+    }
+    Ok(None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_record_is_replaced_also_where_names_cannot_be_exchanged() {
+        for replace in [replace, replace_in_steps] {
+            let out = tempfile::tempdir().unwrap();
+            let [staged, folder] = ["staged", "folder"].map(|name| out.path().join(name));
+            for (place, name) in [(&staged, "new"), (&folder, "old")] {
+                fs::create_dir(place).unwrap();
+                fs::write(place.join(name), name).unwrap();
+            }
+            replace(&staged, &folder).unwrap();
+            assert!(folder.join("new").is_file() && staged.join("old").is_file());
+            assert_eq!(fs::read_dir(out.path()).unwrap().count(), 2);
+            assert!(replace(&out.path().join("missing"), &folder).is_err());
+            assert!(folder.join("new").is_file(), "a failure leaves the earlier record in place");
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! A row a scan: what `gaiter extract` says at the end of many.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use crate::cli::paint::{self, painted};
+use crate::flow::health::counted;
+use crate::leg::{Level, Side};
+use crate::record::Record;
+
+/// The levels whose girths are shown, the paper's.
+const LEVELS: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
+
+/// Width of a girth in mm with one decimal.
+const CELL: usize = 7;
+
+/// One scan.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// As it was named, fit to be shown.
+    name: String,
+    came: Came,
+}
+
+/// What came of a scan.
+#[derive(Debug, Clone, PartialEq)]
+enum Came {
+    Measured {
+        /// Tape girths, mm, left then right.
+        girths_mm: [[Option<f64>; 4]; 2],
+        findings: usize,
+    },
+    Not {
+        /// Why not.
+        code: &'static str,
+    },
+}
+
+impl Row {
+    /// Of a scan that was measured.
+    pub fn measured(name: String, record: &Record) -> Row {
+        let girths_mm = Side::BOTH.map(|side| {
+            let leg = record.legs.iter().find(|leg| leg.side == side.word());
+            LEVELS.map(|level| Some(leg?.landmarks.get(level.name())?.girth_tape_mm))
+        });
+        Row { name, came: Came::Measured { girths_mm, findings: record.findings.len() } }
+    }
+
+    /// Of a scan that was not.
+    pub fn not_measured(name: String, code: &'static str) -> Row {
+        Row { name, came: Came::Not { code } }
+    }
+}
+
+/// The summary, painted. Names stand first and are never cut.
+pub fn summary(rows: &[Row]) -> String {
+    let wide = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("scan".len());
+    let leg = |side: Side| format!("{:>1$}", format!("{} girth mm", side.word()), 4 * CELL);
+    let levels: String = LEVELS.iter().map(|level| format!("{:>CELL$}", level.name())).collect();
+    let mut text = format!("\n{:wide$}{}{}\n", "", leg(Side::Left), leg(Side::Right));
+    let _ = writeln!(text, "{:wide$}{levels}{levels}  findings", "scan");
+    for Row { name, came } in rows {
+        let _ = match came {
+            Came::Measured { girths_mm, findings } => {
+                let cells: String = girths_mm.iter().flatten().map(|girth| cell(*girth)).collect();
+                writeln!(text, "{name:wide$}{cells}  {findings:>8}")
+            }
+            Came::Not { code } => {
+                let why = painted(paint::BAD, format_args!("not measured [{code}]"));
+                writeln!(text, "{name:wide$}  {why}")
+            }
+        };
+    }
+    text + &totals(rows)
+}
+
+fn cell(girth_mm: Option<f64>) -> String {
+    girth_mm.map_or_else(|| format!("{:>CELL$}", "-"), |mm| format!("{mm:CELL$.1}"))
+}
+
+/// How many scans were measured, how many not and why, and how many findings there are.
+fn totals(rows: &[Row]) -> String {
+    let (mut findings, mut why) = (0, BTreeMap::<&str, usize>::new());
+    for row in rows {
+        match row.came {
+            Came::Measured { findings: more, .. } => findings += more,
+            Came::Not { code } => *why.entry(code).or_default() += 1,
+        }
+    }
+    let not: usize = why.values().sum();
+    let scans = counted(rows.len(), "scan");
+    let mut text = format!("{scans}: {} measured", rows.len() - not);
+    if not > 0 {
+        let codes: Vec<String> =
+            why.iter().map(|(code, count)| format!("{count} {code}")).collect();
+        let _ = write!(text, ", {not} not measured ({})", codes.join(", "));
+    }
+    let _ = writeln!(text, ", {}", counted(findings, "finding"));
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn row(name: &str, girths_mm: [[Option<f64>; 4]; 2], findings: usize) -> Row {
+        Row { name: name.to_owned(), came: Came::Measured { girths_mm, findings } }
+    }
+
+    #[test]
+    fn every_scan_has_a_row_and_the_totals_count_them() {
+        let left = [Some(211.34), Some(287.0), Some(352.96), None];
+        let rows = [
+            row("day/4711_first.obj", [left, [None; 4]], 3),
+            Row::not_measured("4712.obj".to_owned(), "no-leg"),
+            Row::not_measured("4713.obj".to_owned(), "no-leg"),
+        ];
+        let told = anstream::adapter::strip_str(&summary(&rows)).to_string();
+        let expected = "
+                                 left girth mm              right girth mm
+scan                    B     B1      C      D      B     B1      C      D  findings
+day/4711_first.obj  211.3  287.0  353.0      -      -      -      -      -         3
+4712.obj            not measured [no-leg]
+4713.obj            not measured [no-leg]
+3 scans: 1 measured, 2 not measured (2 no-leg), 3 findings
+";
+        assert_eq!(told, expected);
+    }
+}

@@ -1,0 +1,152 @@
+//! Many scans on several threads, their results in order.
+
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+
+use crate::station::caught::caught;
+
+/// How many results may wait for their turn for each thread: a slow scan among quick ones does not
+/// hold the others up, and no more is kept in memory.
+const WAITING_PER_JOB: usize = 2;
+
+/// As many threads as the machine has processors.
+pub fn usual_jobs() -> NonZeroUsize {
+    thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
+}
+
+/// Works on all items on so many threads, and hands the results over one by one in the items' order.
+/// Where the work panics, the result is what the panic said.
+pub fn in_order<T: Sync, R: Send>(
+    items: &[T],
+    jobs: NonZeroUsize,
+    work: impl Fn(&T) -> R + Sync,
+    mut take: impl FnMut(&T, Result<R, String>),
+) {
+    let queue = Queue { state: Mutex::default(), changed: Condvar::new() };
+    let ahead = jobs.get().saturating_mul(WAITING_PER_JOB);
+    thread::scope(|scope| {
+        for _ in 0..jobs.get().min(items.len()) {
+            scope.spawn(|| {
+                while let Some(at) = queue.begin(items.len(), ahead) {
+                    queue.done(at, caught(|| work(&items[at])));
+                }
+            });
+        }
+        for (at, item) in items.iter().enumerate() {
+            take(item, queue.take(at));
+        }
+    });
+}
+
+/// What the threads share.
+struct Queue<R> {
+    state: Mutex<State<R>>,
+    changed: Condvar,
+}
+
+struct State<R> {
+    /// The next item to be worked on.
+    next: usize,
+    /// How many results were handed over.
+    taken: usize,
+    /// Results that wait for their turn.
+    done: BTreeMap<usize, Result<R, String>>,
+}
+
+impl<R> Default for State<R> {
+    fn default() -> State<R> {
+        State { next: 0, taken: 0, done: BTreeMap::new() }
+    }
+}
+
+impl<R> Queue<R> {
+    /// The next item, once it is no more than `ahead` of the one whose turn it is; none at the end.
+    fn begin(&self, items: usize, ahead: usize) -> Option<usize> {
+        let mut state = self
+            .wait(|state| state.next >= items || state.next <= state.taken.saturating_add(ahead));
+        let at = state.next;
+        state.next += 1;
+        (at < items).then_some(at)
+    }
+
+    fn done(&self, at: usize, result: Result<R, String>) {
+        self.lock().done.insert(at, result);
+        self.changed.notify_all();
+    }
+
+    /// The result of an item, when it is there.
+    fn take(&self, at: usize) -> Result<R, String> {
+        loop {
+            let mut state = self.wait(|state| state.done.contains_key(&at));
+            if let Some(result) = state.done.remove(&at) {
+                state.taken += 1;
+                drop(state);
+                self.changed.notify_all();
+                return result;
+            }
+        }
+    }
+
+    fn wait(&self, until: impl Fn(&State<R>) -> bool) -> MutexGuard<'_, State<R>> {
+        let waited = self.changed.wait_while(self.lock(), |state| !until(state));
+        waited.unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State<R>> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    use super::*;
+
+    fn jobs(count: usize) -> NonZeroUsize {
+        NonZeroUsize::new(count).unwrap()
+    }
+
+    #[test]
+    fn results_come_in_the_items_order_whichever_is_done_first() {
+        for count in [1, 2, 7, 50] {
+            let items: Vec<usize> = (0..40).collect();
+            let mut seen = Vec::new();
+            // The first of each seven takes longest.
+            let work = |item: &usize| {
+                (0..10_000 * (7 - item % 7)).for_each(|n| {
+                    std::hint::black_box(n);
+                });
+                item * item
+            };
+            in_order(&items, jobs(count), work, |item, result| seen.push((*item, result.unwrap())));
+            let expected: Vec<_> = items.iter().map(|item| (*item, item * item)).collect();
+            assert_eq!(seen, expected);
+        }
+        in_order(&[], jobs(3), |item: &u8| *item, |_, _| panic!("there is nothing"));
+    }
+
+    #[test]
+    fn no_more_is_begun_than_its_turn_allows() {
+        let (items, begun) = ((0..100).collect::<Vec<usize>>(), AtomicUsize::new(0));
+        let mut taken = 0;
+        let work = |_: &usize| begun.fetch_add(1, Ordering::SeqCst);
+        in_order(&items, jobs(2), work, |_, _| {
+            // Two wait for each of the two threads, and one is at its turn.
+            assert!(begun.load(Ordering::SeqCst) <= taken + 2 * WAITING_PER_JOB + 2);
+            taken += 1;
+        });
+        assert_eq!(taken, 100);
+    }
+
+    #[test]
+    fn a_panic_is_the_fault_of_its_item_only() {
+        std::panic::set_hook(Box::new(|_| {}));
+        let mut said = Vec::new();
+        let work = |item: &u8| if *item == 2 { panic!("row {item}") } else { *item };
+        in_order(&[1, 2, 3], jobs(2), work, |_, result| said.push(result));
+        assert_eq!(said, [Ok(1), Err("row 2".to_owned()), Ok(3)]);
+    }
+}

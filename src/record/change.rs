@@ -1,0 +1,210 @@
+//! What a later record of a scan says otherwise than the earlier one.
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::Record;
+use super::rounding::mm;
+use super::schema::{FindingNote, LegFigures};
+
+/// What differs between two records of the same scan.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Changes {
+    /// How far the records say the same.
+    pub sameness: Sameness,
+    /// Levels that both records hold, in the order of legs and names.
+    pub levels: Vec<LevelChange>,
+    /// Levels that only the later one holds.
+    pub came: Vec<Place>,
+    /// Levels that only the earlier one holds.
+    pub went: Vec<Place>,
+    /// Findings that only the later one has.
+    pub new_findings: Vec<FindingNote>,
+    /// Findings that only the earlier one has.
+    pub gone_findings: Vec<FindingNote>,
+}
+
+/// How far two records say the same of a scan. Who made them, when and how does not count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Sameness {
+    /// In everything.
+    Same,
+    /// In everything that the earlier one holds; the later one holds keys of a newer gaiter, too.
+    Gained,
+    /// Some figure or finding is another.
+    Differs,
+}
+
+/// A level of a leg.
+#[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+pub struct Place {
+    /// `left` or `right`.
+    pub leg: String,
+    /// The level's name.
+    pub level: String,
+}
+
+/// A level in both records.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LevelChange {
+    /// Which.
+    #[serde(flatten)]
+    pub place: Place,
+    /// Tape girth, mm.
+    pub girth_mm: Change,
+    /// Height above the floor, mm.
+    pub height_mm: Change,
+}
+
+/// A figure in both records.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Change {
+    /// The earlier record's.
+    pub old: f64,
+    /// The later record's.
+    pub new: f64,
+}
+
+impl Change {
+    /// By how much it grew.
+    pub fn by(self) -> f64 {
+        mm(self.new - self.old)
+    }
+}
+
+/// Keys of a record that say who made it and not what the scan shows.
+const NOT_OF_THE_SCAN: [&str; 6] =
+    ["schema", "revision", "station", "patient", "acquired", "made_by"];
+
+/// Objects whose keys are found in the scan: one more is a change of the result.
+const FOUND: [&str; 2] = ["landmarks", "estimates"];
+
+/// Compares two records of a scan. `old_json` is the earlier one as it is written, for it shows which
+/// keys an older gaiter did not know.
+pub fn changes(old: &Record, old_json: &Value, new: &Record) -> Result<Changes, serde_json::Error> {
+    let (mut earlier, mut later) = (old_json.clone(), serde_json::to_value(new)?);
+    for record in [&mut earlier, &mut later] {
+        let object = record.as_object_mut().into_iter();
+        object.for_each(|object| object.retain(|key, _| !NOT_OF_THE_SCAN.contains(&key.as_str())));
+    }
+    let places = |record: &Record| record.legs.iter().flat_map(places).collect::<Vec<_>>();
+    let (was, is) = (places(old), places(new));
+    let only = |of: &[Place], other: &[Place]| {
+        of.iter().filter(|place| !other.contains(place)).cloned().collect()
+    };
+    let new_notes = |of: &Record, other: &Record| {
+        let known = |note: &&FindingNote| !other.findings.iter().any(|other| is_same(note, other));
+        of.findings.iter().filter(known).cloned().collect()
+    };
+    Ok(Changes {
+        sameness: sameness(&earlier, &later, false),
+        levels: was.iter().filter_map(|place| level(place, old, new)).collect(),
+        came: only(&is, &was),
+        went: only(&was, &is),
+        new_findings: new_notes(new, old),
+        gone_findings: new_notes(old, new),
+    })
+}
+
+/// The levels of a leg.
+fn places(leg: &LegFigures) -> impl Iterator<Item = Place> + '_ {
+    leg.landmarks.keys().map(|level| Place { leg: leg.side.clone(), level: level.clone() })
+}
+
+fn level(place: &Place, old: &Record, new: &Record) -> Option<LevelChange> {
+    let [old, new] = [old, new].map(|record| {
+        let leg = record.legs.iter().find(|leg| leg.side == place.leg);
+        leg.and_then(|leg| leg.landmarks.get(&place.level))
+    });
+    let (old, new) = (old?, new?);
+    Some(LevelChange {
+        place: place.clone(),
+        girth_mm: Change { old: old.girth_tape_mm, new: new.girth_tape_mm },
+        height_mm: Change { old: old.height_mm, new: new.height_mm },
+    })
+}
+
+/// Findings of one meaning at one place; their figures may differ.
+fn is_same(one: &FindingNote, other: &FindingNote) -> bool {
+    (&one.code, &one.leg, &one.level) == (&other.code, &other.leg, &other.level)
+}
+
+/// `found` tells that the keys of these objects are found in the scan.
+fn sameness(old: &Value, new: &Value, found: bool) -> Sameness {
+    match (old, new) {
+        (Value::Object(old), Value::Object(new)) => {
+            let gone = old.iter().any(|(key, value)| !value.is_null() && !new.contains_key(key));
+            let of_key = |(key, value): (&String, &Value)| match old.get(key) {
+                Some(old) => sameness(old, value, FOUND.contains(&key.as_str())),
+                None if found => Sameness::Differs,
+                None if is_empty(value) => Sameness::Same,
+                None => Sameness::Gained,
+            };
+            let worst = new.iter().map(of_key).max().unwrap_or(Sameness::Same);
+            if gone { Sameness::Differs } else { worst }
+        }
+        (Value::Array(old), Value::Array(new)) if old.len() == new.len() => {
+            let pairs = old.iter().zip(new);
+            pairs.map(|(old, new)| sameness(old, new, false)).max().unwrap_or(Sameness::Same)
+        }
+        (old, new) if old == new => Sameness::Same,
+        _ => Sameness::Differs,
+    }
+}
+
+/// Nothing that a key of a newer gaiter could add.
+fn is_empty(value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::Array(values) => values.is_empty(),
+        Value::Object(values) => values.is_empty(),
+        Value::Bool(_) | Value::Number(_) | Value::String(_) => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    fn same(old: &Value, new: &Value) -> Sameness {
+        sameness(old, new, false)
+    }
+
+    #[test]
+    fn a_key_that_an_older_gaiter_did_not_write_is_gained_and_an_empty_one_is_nothing() {
+        let old = json!({"legs": [{"side": "left", "landmarks": {"B": {"height_mm": 118.0}}}]});
+        let mut new = old.clone();
+        assert_eq!(same(&old, &new), Sameness::Same);
+        new["legs"][0]["at"] = json!([]);
+        new["legs"][0]["foot"] = Value::Null;
+        assert_eq!(same(&old, &new), Sameness::Same);
+        new["legs"][0]["shape"] = json!({"rows": 3});
+        assert_eq!(same(&old, &new), Sameness::Gained);
+        assert_eq!(same(&new, &old), Sameness::Differs, "what is lost was a figure");
+    }
+
+    #[test]
+    fn a_level_more_or_less_a_finding_or_a_digit_is_another_result() {
+        let old = json!({"legs": [{"landmarks": {"B": {"height_mm": 118.0}}, "foot": null}],
+                         "findings": [{"code": "x"}]});
+        let differs = |change: &dyn Fn(&mut Value)| {
+            let mut new = old.clone();
+            change(&mut new);
+            assert_eq!(same(&old, &new), Sameness::Differs, "{new}");
+            assert_eq!(same(&new, &old), Sameness::Differs, "{new}");
+        };
+        differs(&|new| new["legs"][0]["landmarks"]["C"] = json!({"height_mm": 300.0}));
+        differs(&|new| new["legs"][0]["landmarks"]["B"]["height_mm"] = json!(118.001));
+        differs(&|new| new["legs"][0]["foot"] = json!({"length_mm": 250.0}));
+        differs(&|new| new["findings"] = json!([]));
+    }
+
+    #[test]
+    fn a_change_is_what_the_later_figure_has_more() {
+        assert_eq!(Change { old: 178.3, new: 178.1 }.by(), -0.2);
+        assert_eq!(Change { old: 0.1, new: 0.3 }.by(), 0.2);
+    }
+}

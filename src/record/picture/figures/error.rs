@@ -1,0 +1,182 @@
+//! The surface's error as a map: each leg unrolled as if seen from in front, its inner and outer side
+//! where the viewer sees them.
+
+use super::plot::{
+    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
+};
+use super::words::Words;
+use super::{LEVELS, SIDES, leg};
+use crate::leg::Side;
+use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::record::rounding;
+use crate::record::schema::LegFigures;
+use crate::record::shape::SurfaceGridFigures;
+use crate::record::{Language, Record};
+
+/// px
+const SIZE: [f64; 2] = [720.0, 520.0];
+
+/// Top and bottom of the maps, px.
+const ROWS_PX: [f64; 2] = [44.0, 430.0];
+
+/// Left and right of each map, px.
+const MAPS_PX: [[f64; 2]; 2] = [[52.0, 330.0], [412.0, 690.0]];
+
+/// The ends of the scale, mm; what lies further off is shown as that far.
+const SCALE_MM: f64 = 1.0;
+
+/// Steps of colour on either side of none.
+const STEPS: f64 = 4.0;
+
+/// The figure; none of a record without shapes.
+pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Option<Picture> {
+    let surfaces = || record.legs.iter().filter_map(|leg| leg.shape.as_ref()?.surface.as_ref());
+    surfaces().next()?;
+    let heights = surfaces().flat_map(heights);
+    let y = Scale { range: range(heights, 50.0)?, px: [ROWS_PX[1], ROWS_PX[0]] };
+    let mut marks = Vec::new();
+    for (side, px) in SIDES.into_iter().zip(MAPS_PX) {
+        // The front is in the middle; lateral is to the viewer's left on the right leg.
+        let range = match side {
+            Side::Left => [-180.0, 180.0],
+            Side::Right => [180.0, -180.0],
+        };
+        let frame = Frame { x: Scale { range, px }, y };
+        let title = [f64::midpoint(px[0], px[1]), 20.0];
+        marks.push(heading(title, Anchor::Middle, Ink::of(side), says.side(side)));
+        marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
+        marks.extend(around(&frame, says));
+        marks.extend(map(leg(record, side), &frame, says));
+    }
+    marks.push(words([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, says.height_cm));
+    marks.extend(legend(language, says));
+    Some(Picture { title: says.error.to_owned(), size: SIZE, marks })
+}
+
+/// The names of the directions below a map.
+fn around(frame: &Frame, says: &Words) -> Vec<Mark> {
+    let names = [
+        (-180.0, says.back),
+        (-90.0, says.medial),
+        (0.0, says.front),
+        (90.0, says.lateral),
+        (180.0, says.back),
+    ];
+    let name = |(angle, name): (f64, &str)| {
+        let at = [frame.x.at(angle), ROWS_PX[1] + LINE];
+        words(at, Anchor::Middle, SMALL, Ink::Muted, name)
+    };
+    names.into_iter().map(name).collect()
+}
+
+/// The mean height of each row of a surface, mm.
+fn heights(surface: &SurfaceGridFigures) -> Vec<f64> {
+    let points = surface.points.as_points();
+    let mean = |row: &[Option<nalgebra::Point3<f64>>]| {
+        let seen = row.iter().flatten();
+        seen.clone().map(|point| point.z).sum::<f64>() / seen.count().max(1) as f64
+    };
+    points.chunks(surface.columns.max(1)).map(mean).collect()
+}
+
+fn map(leg: Option<&LegFigures>, frame: &Frame, says: &Words) -> Vec<Mark> {
+    let surface = leg.and_then(|leg| leg.shape.as_ref()?.surface.as_ref());
+    let Some((leg, surface)) = leg.zip(surface) else {
+        let at =
+            [f64::midpoint(frame.x.px[0], frame.x.px[1]), f64::midpoint(ROWS_PX[0], ROWS_PX[1])];
+        return vec![words(at, Anchor::Middle, TEXT, Ink::Muted, says.no_surface)];
+    };
+    let mut marks = cells(surface, frame);
+    let named = LEVELS.map(|level| {
+        leg.landmarks.get(level.name()).map(|found| (level.name(), frame.y.at(found.height_mm)))
+    });
+    let named: Vec<(&str, f64)> = named.into_iter().flatten().collect();
+    let [left, right] = frame.x.px;
+    let wished: Vec<f64> = named.iter().map(|(_, y)| *y).collect();
+    for ((name, y), label_y) in named.iter().zip(kept_apart(&wished, LINE)) {
+        marks.push(Mark::Lines {
+            lines: vec![vec![[left, *y], [right, *y]]],
+            is_closed: false,
+            fill: None,
+            stroke: Stroke::dashed(Ink::Text, 1.0, 4.0),
+        });
+        let at = [right + 6.0, label_y + TEXT / 3.0];
+        marks.push(heading(at, Anchor::Start, Ink::Text, *name));
+    }
+    marks
+}
+
+/// The map's nodes as areas halfway to their neighbours, one mark a colour.
+fn cells(surface: &SurfaceGridFigures, frame: &Frame) -> Vec<Mark> {
+    let errors = surface.error.as_errors_mm();
+    let heights = heights(surface);
+    let columns = surface.columns.max(1);
+    let width_deg = 360.0 / columns as f64;
+    let edge = |row: usize| match (row.checked_sub(1).map(|below| heights[below]), heights.get(row))
+    {
+        (Some(below), Some(above)) => f64::midpoint(below, *above),
+        (Some(end), None) => end,
+        (None, first) => first.copied().unwrap_or(0.0),
+    };
+    let mut by_step = std::collections::BTreeMap::<Option<i64>, Vec<Vec<[f64; 2]>>>::new();
+    for (row, errors) in errors.chunks(columns).enumerate().take(heights.len()) {
+        let [low, high] = [edge(row), edge(row + 1)].map(|mm| frame.y.at(mm));
+        let steps: Vec<Option<i64>> = errors.iter().map(|error| error.map(step)).collect();
+        let mut first = 0;
+        for run in steps.chunk_by(|a, b| a == b) {
+            let angle = |column: usize| -180.0 + width_deg * column as f64;
+            let [left, right] = [angle(first), angle(first + run.len())].map(|deg| frame.x.at(deg));
+            let area = vec![[left, low], [right, low], [right, high], [left, high]];
+            by_step.entry(run[0]).or_default().push(area);
+            first += run.len();
+        }
+    }
+    by_step.into_iter().map(|(step, areas)| area(areas, ink(step))).collect()
+}
+
+/// The step of colour of a distance.
+fn step(mm: f64) -> i64 {
+    (mm / SCALE_MM * STEPS).round().clamp(-STEPS, STEPS) as i64
+}
+
+fn ink(step: Option<i64>) -> Ink {
+    step.map_or(Ink::Unseen, |step| Ink::Off(step as f64 / STEPS))
+}
+
+fn legend(language: Language, says: &Words) -> Vec<Mark> {
+    const BOX: [f64; 2] = [34.0, 12.0];
+    let (left, top) = (150.0, ROWS_PX[1] + 38.0);
+    let mut marks = Vec::new();
+    let box_at =
+        |x: f64| vec![[x, top], [x + BOX[0], top], [x + BOX[0], top + BOX[1]], [x, top + BOX[1]]];
+    let steps = -(STEPS as i64)..=STEPS as i64;
+    for (index, step) in steps.enumerate() {
+        let x = left + index as f64 * BOX[0];
+        marks.push(area(vec![box_at(x)], ink(Some(step))));
+        if step % 2 == 0 {
+            let mm = rounding::number(step as f64 / STEPS * SCALE_MM, 1, language);
+            let at = [x + BOX[0] / 2.0, top + BOX[1] + LINE];
+            marks.push(words(at, Anchor::Middle, SMALL, Ink::Muted, mm));
+        }
+    }
+    let end = left + (2.0 * STEPS + 1.0) * BOX[0];
+    let frame =
+        vec![[left, top], [end, top], [end, top + BOX[1]], [left, top + BOX[1]], [left, top]];
+    marks.push(lines(vec![frame], Ink::Muted, 0.75));
+    let below = [f64::midpoint(left, end), top + BOX[1] + 2.0 * LINE];
+    marks.push(words(below, Anchor::Middle, SMALL, Ink::Text, says.outside_mm));
+    marks.push(area(vec![box_at(end + 24.0)], Ink::Unseen));
+    let at = [end + 30.0 + BOX[0], top + BOX[1] - 2.0];
+    marks.push(words(at, Anchor::Start, SMALL, Ink::Text, says.unseen));
+    marks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn steps_are_the_nearest_and_end_with_the_scale() {
+        assert_eq!([-9.0, -0.13, -0.12, 0.0, 0.13, 0.3, 1.0].map(step), [-4, -1, 0, 0, 1, 1, 4]);
+    }
+}

@@ -1,0 +1,324 @@
+//! Girth over height with the levels, and the slope that finds B1 (paper, fig. 3).
+
+use super::plot::{
+    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
+};
+use super::words::Words;
+use super::{SIDES, leg};
+use crate::leg::{Level, Side};
+use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::record::rounding;
+use crate::record::schema::LegFigures;
+use crate::record::{Language, Record};
+
+/// px
+const SIZE: [f64; 2] = [720.0, 560.0];
+
+/// Top and bottom of both charts, px.
+const ROWS_PX: [f64; 2] = [64.0, 500.0];
+
+/// Left and right of the chart of girths, px.
+const GIRTHS_PX: [f64; 2] = [56.0, 440.0];
+
+/// Left and right of the chart of slopes, px.
+const SLOPES_PX: [f64; 2] = [504.0, 690.0];
+
+/// Slopes that span more are numbered at whole ones only.
+const SLOPES_WIDE: f64 = 3.0;
+
+/// Length of the dashes of the right leg's line, px; the left leg's has none.
+const DASH: f64 = 6.0;
+
+/// From a level's mark to its label, px.
+const ASIDE: f64 = 12.0;
+
+/// Left and right of the curves this much of girth is left for labels, mm.
+const LABEL_MM: f64 = 60.0;
+
+/// A peak or valley that stands out by less is not marked, mm.
+const PROMINENCE_MIN_MM: f64 = 1.5;
+
+/// A level on the chart.
+struct Place<'a> {
+    side: Side,
+    name: &'a str,
+    height_mm: f64,
+    girth_mm: f64,
+    is_found: bool,
+}
+
+/// The figure; none without any measured section.
+pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Option<Picture> {
+    let legs = || SIDES.into_iter().filter_map(|side| Some((side, leg(record, side)?)));
+    let frame = frame(legs().map(|(_, leg)| leg))?;
+    let mut marks = titles(words_);
+    marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
+    marks.extend(frame.columns(50.0, |mm| format!("{:.0}", mm / 10.0)));
+    for (side, leg) in legs() {
+        marks.push(line(side, curve(leg).map(|of| of.map(|at| frame.at(at)))));
+    }
+    marks.extend(legs().flat_map(|(side, leg)| extremes(side, leg, &frame)));
+    marks.extend(levels(record, &frame, language));
+    if let Some(slopes) = slope_frame(legs().map(|(_, leg)| leg), &frame) {
+        let [low, high] = slopes.x.range;
+        let step = if high - low > SLOPES_WIDE { 1.0 } else { 0.5 };
+        marks.extend(slopes.columns(step, |slope| rounding::number(slope, 1, language)));
+        marks.extend(slopes.rows(100.0, |_| String::new()));
+        let zero = vec![slopes.at([0.0, frame.y.range[0]]), slopes.at([0.0, frame.y.range[1]])];
+        marks.push(lines(vec![zero], Ink::Muted, 1.0));
+        for (side, leg) in legs() {
+            marks.push(line(side, slope(leg, &slopes)));
+            marks.extend(steepest(side, leg, &slopes));
+        }
+    }
+    marks.extend(legend(words_));
+    Some(Picture { title: words_.girths.to_owned(), size: SIZE, marks })
+}
+
+fn titles(words_: &Words) -> Vec<Mark> {
+    let above = ROWS_PX[0] - 12.0;
+    vec![
+        heading([GIRTHS_PX[0], above], Anchor::Start, Ink::Text, words_.girth_cm),
+        heading([SLOPES_PX[0], above], Anchor::Start, Ink::Text, words_.slope),
+        words([4.0, above - 18.0], Anchor::Start, SMALL, Ink::Muted, words_.height_cm),
+    ]
+}
+
+/// Girth and height of each measured section, none where one is open.
+fn curve(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
+    let columns = &leg.girth_curve;
+    columns
+        .tape_mm
+        .iter()
+        .zip(&columns.height_mm)
+        .map(|(tape, height)| Some([(*tape)?, (*height)?]))
+}
+
+fn frame<'a>(legs: impl Iterator<Item = &'a LegFigures> + Clone) -> Option<Frame> {
+    let places = || legs.clone().flat_map(curve).flatten();
+    let [_, top] = range(places().map(|[_, height]| height), 50.0)?;
+    let with_labels = |[girth, _]: [f64; 2]| [girth - LABEL_MM, girth + LABEL_MM];
+    Some(Frame {
+        x: Scale { range: range(places().flat_map(with_labels), 50.0)?, px: GIRTHS_PX },
+        y: Scale { range: [0.0, top], px: [ROWS_PX[1], ROWS_PX[0]] },
+    })
+}
+
+/// Slopes from B up, where there are any; below, through heel and instep, they are ten times as large.
+fn slope_frame<'a>(legs: impl Iterator<Item = &'a LegFigures>, girths: &Frame) -> Option<Frame> {
+    let slopes = legs.flat_map(|leg| {
+        let from_mm = leg.landmarks.get(Level::B.name()).map_or(100.0, |b| b.height_mm);
+        slope_rows(leg).flatten().filter(move |[_, height]| *height >= from_mm)
+    });
+    let x = Scale { range: range(slopes.map(|[slope, _]| slope), 0.5)?, px: SLOPES_PX };
+    Some(Frame { x, y: girths.y })
+}
+
+fn slope_rows(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
+    let columns = &leg.girth_curve;
+    columns
+        .slope
+        .iter()
+        .zip(&columns.height_mm)
+        .map(|(slope, height)| Some([(*slope)?, (*height)?]))
+}
+
+/// The slope's line, as far as it is within its chart.
+fn slope(leg: &LegFigures, slopes: &Frame) -> impl Iterator<Item = Option<[f64; 2]>> {
+    let [low, high] = slopes.x.range;
+    slope_rows(leg).map(move |row| {
+        let is_within = |[slope, _]: &[f64; 2]| (low..=high).contains(slope);
+        row.filter(is_within).map(|at| slopes.at(at))
+    })
+}
+
+/// A leg's line, broken where there is no place.
+fn line(side: Side, places: impl Iterator<Item = Option<[f64; 2]>>) -> Mark {
+    let mut lines = vec![Vec::new()];
+    for place in places {
+        match place {
+            Some(place) => {
+                lines.last_mut().into_iter().for_each(|line: &mut Vec<_>| line.push(place))
+            }
+            None => lines.push(Vec::new()),
+        }
+    }
+    lines.retain(|line| line.len() > 1);
+    let ink = Ink::of(side);
+    let stroke = match side {
+        Side::Left => Stroke::of(ink, 2.0),
+        Side::Right => Stroke::dashed(ink, 2.0, DASH),
+    };
+    Mark::Lines { lines, is_closed: false, fill: None, stroke }
+}
+
+/// Small hollow triangles at the peaks and valleys of the curve.
+fn extremes(side: Side, leg: &LegFigures, frame: &Frame) -> Vec<Mark> {
+    let places: Vec<[f64; 2]> = curve(leg).flatten().collect();
+    let turns = turning(&places.iter().map(|[girth, _]| *girth).collect::<Vec<_>>());
+    let mark = |(index, is_peak): (usize, bool)| Mark::Lines {
+        lines: vec![triangle(frame.at(places[index]), 3.5, is_peak)],
+        is_closed: true,
+        fill: Some(Ink::Paper),
+        stroke: Stroke::of(Ink::of(side), 1.0),
+    };
+    turns.into_iter().map(mark).collect()
+}
+
+/// Places of a row that stand out as peaks (true) or valleys (false) from what is between them.
+fn turning(row: &[f64]) -> Vec<(usize, bool)> {
+    let mut found: Vec<(usize, bool)> = Vec::new();
+    // The highest and the lowest place since the last turn.
+    let (mut high, mut low) = (0, 0);
+    let mut is_rising = None;
+    for (index, value) in row.iter().enumerate() {
+        high = if *value > row[high] { index } else { high };
+        low = if *value < row[low] { index } else { low };
+        if is_rising != Some(false) && row[high] - value > PROMINENCE_MIN_MM {
+            found.extend((high > 0).then_some((high, true)));
+            (is_rising, low) = (Some(false), index);
+        } else if is_rising != Some(true) && value - row[low] > PROMINENCE_MIN_MM {
+            found.extend((low > 0).then_some((low, false)));
+            (is_rising, high) = (Some(true), index);
+        }
+    }
+    found
+}
+
+/// A triangle that points up for a peak of the girth, to the right and so to larger girths.
+fn triangle([x, y]: [f64; 2], size: f64, is_peak: bool) -> Vec<[f64; 2]> {
+    let tip = if is_peak { size } else { -size };
+    vec![[x + tip * 1.2, y], [x - tip * 0.8, y - size], [x - tip * 0.8, y + size]]
+}
+
+fn diamond([x, y]: [f64; 2], size: f64) -> Vec<[f64; 2]> {
+    vec![[x + size, y], [x, y + size], [x - size, y], [x, y - size]]
+}
+
+/// The levels across the leg with their girths, the larger leg's labels on the right of the curves.
+fn levels(record: &Record, frame: &Frame, language: Language) -> Vec<Mark> {
+    let found: Vec<Place> = SIDES.into_iter().flat_map(|side| of_leg(record, side)).collect();
+    let mut marks = Vec::new();
+    for at_right in [false, true] {
+        let here: Vec<&Place> =
+            found.iter().filter(|level| is_at_right(level, &found) == at_right).collect();
+        let wished: Vec<f64> = here.iter().map(|level| frame.y.at(level.height_mm)).collect();
+        for (level, y) in here.iter().zip(kept_apart(&wished, LINE)) {
+            marks.extend(labelled(level, frame, y, at_right, language));
+        }
+    }
+    marks
+}
+
+fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
+    let Some(leg) = leg(record, side) else { return Vec::new() };
+    let is_across = |name: &str| Level::ALL.iter().any(|l| *l >= Level::B && l.name() == name);
+    let found = leg.landmarks.iter().map(|(name, l)| (name, l.height_mm, l.girth_tape_mm, true));
+    let estimates =
+        leg.estimates.iter().map(|(name, e)| (name, e.height_mm, e.girth_tape_mm, false));
+    found
+        .chain(estimates)
+        .filter(|(name, ..)| is_across(name))
+        .map(|(name, height_mm, girth_mm, is_found)| Place {
+            side,
+            name,
+            height_mm,
+            girth_mm,
+            is_found,
+        })
+        .collect()
+}
+
+/// Whether a level's label stands on the right: that of the leg with the larger girth there.
+fn is_at_right(level: &Place, all: &[Place]) -> bool {
+    let other = all.iter().find(|other| other.name == level.name && other.side != level.side);
+    match other {
+        Some(other) if other.girth_mm != level.girth_mm => level.girth_mm > other.girth_mm,
+        _ => level.side == Side::Left,
+    }
+}
+
+/// A level's mark, and its label at the height `y`.
+fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Language) -> Vec<Mark> {
+    let at = frame.at([level.girth_mm, level.height_mm]);
+    let (aside, anchor) = if at_right { (ASIDE, Anchor::Start) } else { (-ASIDE, Anchor::End) };
+    let mark = match level.name {
+        "B1" => diamond(at, 5.5),
+        "C" => triangle(at, 5.5, true),
+        "B" | "D" => triangle(at, 5.5, false),
+        _ => round(at, 4.0),
+    };
+    let ink = Ink::of(level.side);
+    let (fill, about) = if level.is_found { (ink, "") } else { (Ink::Paper, "≈ ") };
+    let girth = rounding::cm_words(level.girth_mm, language);
+    let label = [at[0] + aside, y + TEXT / 3.0];
+    let way = vec![[at[0] + aside / 2.0, at[1]], [at[0] + aside * 0.85, y]];
+    vec![
+        lines(vec![way], Ink::Muted, 0.75),
+        Mark::Lines {
+            lines: vec![mark],
+            is_closed: true,
+            fill: Some(fill),
+            stroke: Stroke::of(ink, 1.5),
+        },
+        words(label, anchor, TEXT, Ink::Text, format!("{about}{} {girth}", level.name)),
+    ]
+}
+
+fn round([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
+    let corner = |index: u32| {
+        let (sin, cos) = (f64::from(index) * std::f64::consts::TAU / 16.0).sin_cos();
+        [x + radius * cos, y + radius * sin]
+    };
+    (0..16).map(corner).collect()
+}
+
+/// B1 on the slope.
+fn steepest(side: Side, leg: &LegFigures, slopes: &Frame) -> Vec<Mark> {
+    let Some(b1) = leg.landmarks.get(Level::B1.name()) else { return Vec::new() };
+    let far = |row: &[f64; 2]| (row[1] - b1.height_mm).abs();
+    let nearest = slope_rows(leg).flatten().min_by(|a, b| far(a).total_cmp(&far(b)));
+    let Some([slope, _]) = nearest else { return Vec::new() };
+    let at = slopes.at([slope, b1.height_mm]);
+    let mark = area(vec![diamond(at, 5.5)], Ink::of(side));
+    let (aside, anchor) = match side {
+        Side::Left => (ASIDE, Anchor::Start),
+        Side::Right => (-ASIDE, Anchor::End),
+    };
+    vec![mark, words([at[0] + aside, at[1] + TEXT / 3.0], anchor, TEXT, Ink::Text, "B1")]
+}
+
+fn legend(words_: &Words) -> Vec<Mark> {
+    let y = SIZE[1] - 14.0;
+    let mut marks = Vec::new();
+    for (side, x) in SIDES.into_iter().zip([56.0, 176.0]) {
+        marks.push(line(side, [Some([x, y - 4.0]), Some([x + 26.0, y - 4.0])].into_iter()));
+        marks.push(words([x + 34.0, y], Anchor::Start, TEXT, Ink::Text, words_.side(side)));
+    }
+    let shapes = [
+        (300.0, triangle([300.0, y - 4.0], 5.0, true), words_.peak),
+        (390.0, triangle([390.0, y - 4.0], 5.0, false), words_.valley),
+        (480.0, diamond([480.0, y - 4.0], 5.0), words_.steepest),
+        (600.0, round([600.0, y - 4.0], 4.0), words_.proportion),
+    ];
+    for (index, (x, shape, word)) in shapes.into_iter().enumerate() {
+        let fill = if index == 3 { Ink::Paper } else { Ink::Muted };
+        let stroke = Stroke::of(Ink::Muted, 1.25);
+        marks.push(Mark::Lines { lines: vec![shape], is_closed: true, fill: Some(fill), stroke });
+        marks.push(words([x + 11.0, y], Anchor::Start, TEXT, Ink::Text, word));
+    }
+    marks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn peaks_and_valleys_alternate_and_ripples_are_none() {
+        let row = [0.0, 5.0, 10.0, 9.5, 10.5, 4.0, 3.5, 4.0, 3.0, 9.0, 8.0];
+        assert_eq!(turning(&row), [(4, true), (8, false)]);
+        assert_eq!(turning(&[1.0, 2.0, 3.0]), []);
+        assert_eq!(turning(&[]), []);
+    }
+}

@@ -1,0 +1,197 @@
+//! The sections at the levels with their feature points, and the curvature that finds them (paper,
+//! fig. 4b and 4c). Seen from the feet with the front up, as in radiology: the patient's right is on
+//! the left.
+
+use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
+use super::words::Words;
+use super::{LEVELS, SIDES, leg};
+use crate::leg::{Level, Side};
+use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::record::schema::{FeatureFigures, LegFigures};
+use crate::record::shape::OutlineFigures;
+use crate::record::{Language, Record};
+
+/// px
+const WIDTH: f64 = 720.0;
+
+/// Above the first row, px.
+const TOP: f64 = 56.0;
+
+/// Height of a level's row, px.
+const ROW: f64 = 164.0;
+
+/// Width of a leg's half, px.
+const HALF: f64 = WIDTH / 2.0;
+
+/// Middle of a section within its half, px.
+const OUTLINE_X: f64 = 90.0;
+
+/// The largest section has this radius, px.
+const RADIUS: f64 = 62.0;
+
+/// Left and right of a chart of curvature within its half, px.
+const CHART_X: [f64; 2] = [200.0, 346.0];
+
+/// From a feature point to its name, px.
+const ASIDE: f64 = 11.0;
+
+/// The figure; none of a record without outlines.
+pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Picture> {
+    let outlines = record.legs.iter().flat_map(|leg| LEVELS.map(|level| outline(leg, level)));
+    let outlines: Vec<&OutlineFigures> = outlines.flatten().collect();
+    let radii = outlines.iter().flat_map(|outline| outline.radius_mm.iter().copied());
+    let [_, largest_mm] = range(radii, 1.0)?;
+    let curvatures = outlines.iter().flat_map(|outline| outline.curvature_per_mm.iter());
+    let range = range(curvatures.map(|per_mm| per_mm * 1000.0).chain([0.0]), 20.0)?;
+    let sheet = Sheet { px_per_mm: RADIUS / largest_mm, per_metre: range, says };
+    let mut marks = Vec::new();
+    for (half, side) in SIDES.into_iter().enumerate() {
+        let left = half as f64 * HALF;
+        let ink = Ink::of(side);
+        marks.push(heading([left + OUTLINE_X, 20.0], Anchor::Middle, ink, says.side(side)));
+        marks.push(words([left + 8.0, 36.0], Anchor::Start, SMALL, Ink::Muted, says.from_feet));
+        let middle = f64::midpoint(CHART_X[0], CHART_X[1]);
+        marks.push(heading([left + middle, 20.0], Anchor::Middle, Ink::Text, says.curvature));
+        for (row, level) in LEVELS.into_iter().enumerate() {
+            let at = [left, TOP + row as f64 * ROW];
+            marks.extend(sheet.cell(leg(record, side), side, level, at));
+        }
+    }
+    let size = [WIDTH, TOP + LEVELS.len() as f64 * ROW];
+    Some(Picture { title: says.sections.to_owned(), size, marks })
+}
+
+fn outline(leg: &LegFigures, level: Level) -> Option<&OutlineFigures> {
+    let at = leg.sections.iter().find(|section| section.level == level.name());
+    at.and_then(|section| section.outline.as_ref())
+}
+
+/// What all cells share.
+struct Sheet<'a> {
+    px_per_mm: f64,
+    /// Range of the curvature, 1/m.
+    per_metre: [f64; 2],
+    says: &'a Words,
+}
+
+impl Sheet<'_> {
+    /// One level of one leg.
+    fn cell(&self, leg: Option<&LegFigures>, side: Side, level: Level, at: [f64; 2]) -> Vec<Mark> {
+        let [left, top] = at;
+        let middle = [left + OUTLINE_X, top + ROW / 2.0];
+        let mut marks =
+            vec![heading([left + 8.0, top + 18.0], Anchor::Start, Ink::Text, level.name())];
+        let Some((leg, outline)) = leg.and_then(|leg| Some((leg, outline(leg, level)?))) else {
+            marks.push(words(middle, Anchor::Middle, TEXT, Ink::Muted, self.says.absent));
+            return marks;
+        };
+        let features: Vec<&FeatureFigures> =
+            leg.features.iter().filter(|feature| feature.level == level.name()).collect();
+        marks.extend(self.section(outline, &features, side, middle));
+        marks.extend(self.chart(outline, &features, side, at));
+        marks
+    }
+
+    fn section(
+        &self,
+        outline: &OutlineFigures,
+        features: &[&FeatureFigures],
+        side: Side,
+        [x, y]: [f64; 2],
+    ) -> Vec<Mark> {
+        // Front up; lateral is outward, and so to the viewer's left on the right leg.
+        let out = match side {
+            Side::Left => 1.0,
+            Side::Right => -1.0,
+        };
+        let place = |angle_deg: f64, px: f64| {
+            let (sin, cos) = angle_deg.to_radians().sin_cos();
+            [x + out * px * sin, y - px * cos]
+        };
+        let radius = |angle_deg: f64| radius_mm(outline, angle_deg) * self.px_per_mm;
+        let count = outline.radius_mm.len();
+        let angle = |index: usize| -180.0 + 360.0 * index as f64 / count as f64;
+        let line = (0..count).map(|i| place(angle(i), outline.radius_mm[i] * self.px_per_mm));
+        let mut marks = vec![Mark::Lines {
+            lines: vec![line.collect()],
+            is_closed: true,
+            fill: Some(Ink::Skin),
+            stroke: Stroke::of(Ink::of(side), 1.75),
+        }];
+        // Names keep apart around the section, as far as a line of letters there needs.
+        let wished: Vec<f64> = features.iter().map(|feature| feature.angle_deg).collect();
+        let mean_px = outline.radius_mm.iter().sum::<f64>() / count.max(1) as f64 * self.px_per_mm;
+        let apart_deg = (16.0 / (mean_px + ASIDE)).to_degrees();
+        for (feature, label_deg) in features.iter().zip(kept_apart(&wished, apart_deg)) {
+            let px = radius(feature.angle_deg);
+            marks.push(dot(place(feature.angle_deg, px), feature));
+            let far = radius(label_deg).max(px) + ASIDE;
+            let [x, y] = place(label_deg, far);
+            let name = feature.label.as_str();
+            marks.push(words([x, y + SMALL / 3.0], Anchor::Middle, SMALL, Ink::Text, name));
+        }
+        marks
+    }
+
+    fn chart(
+        &self,
+        outline: &OutlineFigures,
+        features: &[&FeatureFigures],
+        side: Side,
+        [left, top]: [f64; 2],
+    ) -> Vec<Mark> {
+        let frame = Frame {
+            x: Scale { range: [-180.0, 180.0], px: CHART_X.map(|x| left + x) },
+            y: Scale { range: self.per_metre, px: [top + ROW - 38.0, top + 22.0] },
+        };
+        let mut marks = frame.rows(20.0, |per_metre| format!("{per_metre:.0}"));
+        marks.extend(frame.columns(90.0, |_| String::new()));
+        // Below the names of valleys.
+        let below = frame.y.px[0] + LINE + SMALL;
+        let names = [(-90.0, self.says.medial), (0.0, self.says.front), (90.0, self.says.lateral)];
+        marks.extend(names.map(|(angle, name)| {
+            words([frame.x.at(angle), below], Anchor::Middle, SMALL, Ink::Muted, name)
+        }));
+        let count = outline.curvature_per_mm.len();
+        let place = |index: usize| {
+            let angle = -180.0 + 360.0 * index as f64 / count as f64;
+            frame.at([angle, outline.curvature_per_mm[index % count] * 1000.0])
+        };
+        // Around to where it began.
+        marks.push(lines(vec![(0..=count).map(place).collect()], Ink::of(side), 1.5));
+        for is_peak in [true, false] {
+            let here: Vec<&&FeatureFigures> =
+                features.iter().filter(|feature| (feature.kind == "peak") == is_peak).collect();
+            let at = |feature: &FeatureFigures| {
+                frame.at([feature.angle_deg, feature.curvature_per_mm * 1000.0])
+            };
+            let wished: Vec<f64> = here.iter().map(|feature| at(feature)[0]).collect();
+            for (feature, x) in here.iter().zip(kept_apart(&wished, 15.0)) {
+                let [dot_x, y] = at(feature);
+                marks.push(dot([dot_x, y], feature));
+                let y = if is_peak { y - 6.0 } else { y + 6.0 + SMALL * 0.75 };
+                let name = feature.label.as_str();
+                marks.push(words([x, y], Anchor::Middle, SMALL, Ink::Text, name));
+            }
+        }
+        marks
+    }
+}
+
+/// The radius at an angle, between the two that are told, mm.
+fn radius_mm(outline: &OutlineFigures, angle_deg: f64) -> f64 {
+    let count = outline.radius_mm.len();
+    if count == 0 {
+        return 0.0;
+    }
+    let place = (angle_deg + 180.0).rem_euclid(360.0) / 360.0 * count as f64;
+    let (below, part) = (place as usize, place.fract());
+    let at = |index: usize| outline.radius_mm[index % count];
+    at(below) + part * (at(below + 1) - at(below))
+}
+
+/// A feature point: full for a peak, hollow for a valley.
+fn dot(at: [f64; 2], feature: &FeatureFigures) -> Mark {
+    let fill = if feature.kind == "peak" { Ink::Text } else { Ink::Paper };
+    Mark::Dots { at: vec![at], radius: 3.0, fill: Some(fill), stroke: Stroke::of(Ink::Text, 1.25) }
+}

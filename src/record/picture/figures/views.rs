@@ -1,0 +1,296 @@
+//! The legs from the front, the back and their outer sides, with their sections, levels and feature
+//! points (paper, fig. 5). Seen from the front the patient's right leg is on the left.
+
+use nalgebra::{Point3, Vector3};
+
+use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
+use super::words::Words;
+use super::{SIDES, leg};
+use crate::leg::Side;
+use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::record::schema::LegFigures;
+use crate::record::shape::{OutlineFigures, ShapeFigures};
+use crate::record::{Language, Record};
+
+/// px
+const WIDTH: f64 = 720.0;
+
+/// Above the legs, px.
+const TOP: f64 = 44.0;
+
+/// Below the legs, px.
+const BOTTOM: f64 = 30.0;
+
+/// On either side of each view, for the names of its levels, px.
+const MARGIN: f64 = 22.0;
+
+/// The legs are never drawn higher than this, px.
+const HEIGHT_MAX: f64 = 560.0;
+
+/// Every so many rows of the skin one is drawn: 30 mm.
+const ROWS_APART: usize = 3;
+
+/// A point of the scan is drawn where it lies below the lowest row by this, mm: the foot.
+const BELOW_MM: f64 = 2.0;
+
+/// From where the legs are seen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum From {
+    Front,
+    Back,
+    Outside(Side),
+}
+
+/// A leg as this figure needs it.
+struct Drawn<'a> {
+    side: Side,
+    leg: &'a LegFigures,
+    rows: Vec<Vec<Point3<f64>>>,
+    foot: Vec<Point3<f64>>,
+}
+
+impl From {
+    const ALL: [From; 4] =
+        [From::Front, From::Back, From::Outside(Side::Right), From::Outside(Side::Left)];
+
+    fn shows(self, side: Side) -> bool {
+        match self {
+            From::Front | From::Back => true,
+            From::Outside(of) => of == side,
+        }
+    }
+
+    /// Towards the viewer, in the body frame.
+    fn towards(self) -> Vector3<f64> {
+        match self {
+            From::Front => -Vector3::y(),
+            From::Back => Vector3::y(),
+            From::Outside(Side::Left) => Vector3::x(),
+            From::Outside(Side::Right) => -Vector3::x(),
+        }
+    }
+
+    /// To the viewer's right, in the body frame.
+    fn right(self) -> Vector3<f64> {
+        Vector3::z().cross(&self.towards())
+    }
+
+    fn name(self, says: &Words) -> &'static str {
+        match self {
+            From::Front => says.front,
+            From::Back => says.back,
+            From::Outside(_) => says.outer_side,
+        }
+    }
+}
+
+/// The figure; none of a record without shapes.
+pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Picture> {
+    let legs: Vec<Drawn> = SIDES.into_iter().filter_map(|side| Drawn::of(record, side)).collect();
+    let views: Vec<(From, [f64; 2])> =
+        From::ALL.into_iter().filter_map(|from| Some((from, extent(&legs, from)?))).collect();
+    let points = || legs.iter().flat_map(Drawn::points);
+    let top_mm = points().map(|point| point.z).fold(f64::NEG_INFINITY, f64::max);
+    let wide_mm: f64 = views.iter().map(|(_, [low, high])| high - low).sum();
+    if !(top_mm > 0.0 && wide_mm > 0.0) {
+        return None;
+    }
+    let room = WIDTH - 2.0 * MARGIN * views.len() as f64;
+    let px_per_mm = (room / wide_mm).min(HEIGHT_MAX / top_mm);
+    let floor = TOP + top_mm * px_per_mm;
+    let mut left = (WIDTH - wide_mm * px_per_mm - 2.0 * MARGIN * views.len() as f64) / 2.0;
+    let mut marks = Vec::new();
+    for (from, [low_mm, high_mm]) in views {
+        let view = View { from, left: left + MARGIN - low_mm * px_per_mm, floor, px_per_mm };
+        let right = left + 2.0 * MARGIN + (high_mm - low_mm) * px_per_mm;
+        let title = [f64::midpoint(left, right), 18.0];
+        marks.push(heading(title, Anchor::Middle, Ink::Text, from.name(says)));
+        for leg in legs.iter().filter(|leg| from.shows(leg.side)) {
+            marks.extend(view.leg(leg));
+            marks.extend(view.below(leg, says));
+        }
+        marks.extend(view.names(&legs, [left, right]));
+        left = right;
+    }
+    Some(Picture { title: says.views.to_owned(), size: [WIDTH, floor + BOTTOM], marks })
+}
+
+impl<'a> Drawn<'a> {
+    fn of(record: &'a Record, side: Side) -> Option<Drawn<'a>> {
+        let leg = leg(record, side)?;
+        let ShapeFigures { skin, scan, .. } = leg.shape.as_ref()?;
+        let points = skin.points.as_points();
+        let rows = points.chunks(skin.columns.max(1));
+        let rows: Vec<Vec<Point3<f64>>> =
+            rows.filter_map(|row| row.iter().copied().collect()).collect();
+        let lowest_mm = rows.first()?.iter().map(|point| point.z).fold(f64::INFINITY, f64::min);
+        let scan = scan.points.as_points();
+        let foot = scan.into_iter().flatten().filter(|point| point.z < lowest_mm - BELOW_MM);
+        Some(Drawn { side, leg, foot: foot.collect(), rows })
+    }
+
+    fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
+        self.rows.iter().flatten().chain(&self.foot)
+    }
+}
+
+/// From where to where a view goes, along its right, mm; none where it shows nothing.
+fn extent(legs: &[Drawn], from: From) -> Option<[f64; 2]> {
+    let shown = legs.iter().filter(|leg| from.shows(leg.side));
+    let places = shown.flat_map(Drawn::points).map(|point| point.coords.dot(&from.right()));
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    let [low, high] = places.fold(none, |[low, high], at| [low.min(at), high.max(at)]);
+    (low < high).then_some([low, high])
+}
+
+/// One view.
+struct View {
+    from: From,
+    /// Where the body frame's origin is, px.
+    left: f64,
+    floor: f64,
+    px_per_mm: f64,
+}
+
+impl View {
+    fn at(&self, point: &Point3<f64>) -> [f64; 2] {
+        let across = point.coords.dot(&self.from.right());
+        [self.left + across * self.px_per_mm, self.floor - point.z * self.px_per_mm]
+    }
+
+    fn leg(&self, leg: &Drawn) -> Vec<Mark> {
+        let ends: Vec<[[f64; 2]; 2]> = leg.rows.iter().map(|row| self.ends(row)).collect();
+        let up = ends.iter().map(|[left, _]| *left);
+        let down = ends.iter().rev().map(|[_, right]| *right);
+        let foot = leg.foot.iter().map(|point| self.at(point)).collect();
+        let ink = Ink::of(leg.side);
+        let thin = leg.rows.iter().step_by(ROWS_APART);
+        let mut marks = vec![
+            Mark::Dots { at: foot, radius: 0.9, fill: Some(Ink::Unseen), stroke: None },
+            area(vec![up.clone().chain(down.clone()).collect()], Ink::Skin),
+            lines(thin.map(|row| self.near_side(row)).collect(), Ink::Unseen, 0.6),
+            lines(vec![up.collect(), down.collect()], ink, 1.25),
+        ];
+        let at_levels = outlines(leg.leg).filter_map(|(_, outline)| ring(leg.leg, outline));
+        marks.push(lines(at_levels.map(|ring| self.near_side(&ring)).collect(), ink, 2.0));
+        marks.extend(self.features(leg.leg));
+        marks
+    }
+
+    /// The places of a row that are furthest to the left and to the right.
+    fn ends(&self, row: &[Point3<f64>]) -> [[f64; 2]; 2] {
+        let places = || row.iter().map(|point| self.at(point));
+        let first = places().min_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
+        let last = places().max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
+        [first, last]
+    }
+
+    /// The half of a closed row that faces the viewer, from the left to the right.
+    fn near_side(&self, row: &[Point3<f64>]) -> Vec<[f64; 2]> {
+        let key = |at: &usize| self.at(&row[*at])[0];
+        let indices = || 0..row.len();
+        let left = indices().min_by(|a, b| key(a).total_cmp(&key(b))).unwrap_or(0);
+        let right = indices().max_by(|a, b| key(a).total_cmp(&key(b))).unwrap_or(0);
+        let run = |from: usize, to: usize| {
+            let count = (to + row.len() - from) % row.len().max(1);
+            (0..=count).map(|step| row[(from + step) % row.len()]).collect::<Vec<_>>()
+        };
+        let near = |run: &Vec<Point3<f64>>| {
+            let sum: f64 = run.iter().map(|point| point.coords.dot(&self.from.towards())).sum();
+            sum / run.len() as f64
+        };
+        if row.is_empty() {
+            return Vec::new();
+        }
+        let (ahead, back) = (run(left, right), run(right, left));
+        let nearer = if near(&ahead) >= near(&back) { ahead } else { back };
+        nearer.iter().map(|point| self.at(point)).collect()
+    }
+
+    /// The feature points that the viewer sees: peaks full, valleys hollow.
+    fn features(&self, leg: &LegFigures) -> Vec<Mark> {
+        let seen = leg.features.iter().filter(|feature| {
+            let at = leg.sections.iter().find(|section| section.level == feature.level);
+            let centre = at.and_then(|section| section.outline.as_ref()).map(|o| o.centre_mm);
+            let centre = centre.unwrap_or(feature.position_mm);
+            let arm = Vector3::from(feature.position_mm) - Vector3::from(centre);
+            arm.dot(&self.from.towards()) > 0.0
+        });
+        let (peaks, valleys): (Vec<_>, Vec<_>) = seen.partition(|feature| feature.kind == "peak");
+        let dots = |features: Vec<&crate::record::schema::FeatureFigures>, fill: Ink| Mark::Dots {
+            at: features.iter().map(|f| self.at(&Point3::from(f.position_mm))).collect(),
+            radius: 2.75,
+            fill: Some(fill),
+            stroke: Stroke::of(Ink::Text, 1.0),
+        };
+        vec![dots(valleys, Ink::Paper), dots(peaks, Ink::Text)]
+    }
+
+    /// Whose leg it is, below its foot.
+    fn below(&self, leg: &Drawn, says: &Words) -> Option<Mark> {
+        let [left, right] = extent(std::slice::from_ref(leg), self.from)?;
+        let x = self.left + f64::midpoint(left, right) * self.px_per_mm;
+        let at = [x, self.floor + 20.0];
+        Some(heading(at, Anchor::Middle, Ink::of(leg.side), says.side(leg.side)))
+    }
+
+    /// The names of the levels: of a leg on the left of a view on its left, else on its right.
+    fn names(&self, legs: &[Drawn], [left, right]: [f64; 2]) -> Vec<Mark> {
+        let mut marks = Vec::new();
+        for leg in legs.iter().filter(|leg| self.from.shows(leg.side)) {
+            let is_left = match self.from {
+                From::Front => leg.side == Side::Right,
+                From::Back => leg.side == Side::Left,
+                From::Outside(_) => true,
+            };
+            let found: Vec<(&str, Vec<Point3<f64>>)> = outlines(leg.leg)
+                .filter_map(|(name, outline)| Some((name, ring(leg.leg, outline)?)))
+                .collect();
+            let end = |ring: &[Point3<f64>]| self.ends(ring)[usize::from(!is_left)];
+            let wished: Vec<f64> = found.iter().map(|(_, ring)| end(ring)[1]).collect();
+            for ((name, ring), y) in found.iter().zip(kept_apart(&wished, LINE)) {
+                let (x, anchor, tip) = if is_left {
+                    (left + 4.0, Anchor::Start, left + 20.0)
+                } else {
+                    (right - 4.0, Anchor::End, right - 20.0)
+                };
+                marks.push(lines(vec![vec![[tip, y], end(ring)]], Ink::Muted, 0.6));
+                let at = [x, y + TEXT / 3.0];
+                marks.push(words(at, anchor, SMALL, Ink::Text, *name));
+            }
+        }
+        marks
+    }
+}
+
+/// The outlines at the levels with their names, as far as they are there.
+fn outlines(leg: &LegFigures) -> impl Iterator<Item = (&str, &OutlineFigures)> {
+    leg.sections.iter().filter_map(|at| Some((at.level.as_str(), at.outline.as_ref()?)))
+}
+
+/// An outline in the body frame; none of a record that does not tell the leg's axis.
+fn ring(leg: &LegFigures, outline: &OutlineFigures) -> Option<Vec<Point3<f64>>> {
+    let axis = leg.axis.as_ref()?;
+    let (front, lateral) = (Vector3::from(axis.front), Vector3::from(axis.lateral));
+    let count = outline.radius_mm.len();
+    let point = |(index, radius): (usize, &f64)| {
+        let (sin, cos) = (-180.0 + 360.0 * index as f64 / count as f64).to_radians().sin_cos();
+        Point3::from(outline.centre_mm) + (front * cos + lateral * sin) * *radius
+    };
+    Some(outline.radius_mm.iter().enumerate().map(point).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn from_the_front_the_patients_left_is_on_the_right_and_toes_point_outward_of_the_outer_views()
+    {
+        let (left, toes) = (Vector3::x(), -Vector3::y());
+        assert_eq!(left.dot(&From::Front.right()), 1.0);
+        assert_eq!(left.dot(&From::Back.right()), -1.0);
+        assert_eq!(toes.dot(&From::Outside(Side::Left).right()), -1.0);
+        assert_eq!(toes.dot(&From::Outside(Side::Right).right()), 1.0);
+    }
+}

@@ -1,0 +1,234 @@
+//! The shape of a leg as it stands in `record.json`: what the pictures of reports and pages are drawn
+//! from. Coarser than what was measured; measure on the surface's CAD files instead.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use nalgebra::Point3;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::rounding::{degrees, mm, per_mm, unit};
+use crate::leg::axis::LegAxis;
+use crate::leg::error_map::ErrorMap;
+use crate::leg::feature::curvatures;
+use crate::leg::shape::{COLUMNS, Shape, radii};
+use crate::leg::{LegReport, LevelSection};
+
+/// Angles at which an outline is told: every third degree.
+const OUTLINE_ANGLES: usize = 120;
+
+/// Coordinates are told in units of this, mm: a leg of 3 m fits.
+const POINT_UNIT_MM: f64 = 0.1;
+
+/// Distances from the surface are told in units of this, mm.
+const ERROR_UNIT_MM: f64 = 0.01;
+
+/// What was not seen.
+const UNSEEN: i16 = i16::MIN;
+
+/// The leg's axis with the frame of its sections; unit vectors of the body frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct AxisFigures {
+    /// Where the axis meets the floor.
+    pub foot_mm: [f64; 3],
+    /// Up along the axis.
+    pub direction: [f64; 3],
+    /// To the front: angle 0° of a section.
+    pub front: [f64; 3],
+    /// To the leg's lateral side: angle 90°.
+    pub lateral: [f64; 3],
+}
+
+/// The outline of the section at a level: a point lies at
+/// centre + radius · (cos angle · front + sin angle · lateral).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OutlineFigures {
+    /// The section's centre, body frame.
+    pub centre_mm: [f64; 3],
+    /// The fitted radius at −180°, −177°, … 177°.
+    pub radius_mm: Vec<f64>,
+    /// The curvature in which feature points are found, at the same angles, positive where convex.
+    pub curvature_per_mm: Vec<f64>,
+    /// Angles of the scan's own points on the plane, ascending.
+    pub scan_angle_deg: Vec<f64>,
+    /// Their distances from the centre.
+    pub scan_radius_mm: Vec<f64>,
+}
+
+/// A leg's shape in the body frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapeFigures {
+    /// The measured skin.
+    pub skin: GridFigures,
+    /// The surface with its error; null where there is none.
+    pub surface: Option<SurfaceGridFigures>,
+    /// A share of the scan's own points.
+    pub scan: CloudFigures,
+}
+
+/// Points on rows upwards and at equal angles around, −180° first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GridFigures {
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of places around.
+    pub columns: usize,
+    /// x, y, z of each in 0.1 mm, row by row; −32768 where the skin does not close.
+    pub points: Packed,
+}
+
+/// A surface on rows upwards and at equal angles around, −180° first.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SurfaceGridFigures {
+    /// Number of rows.
+    pub rows: usize,
+    /// Number of places around.
+    pub columns: usize,
+    /// x, y, z of each in 0.1 mm, row by row.
+    pub points: Packed,
+    /// How far the scan's points lie outside it in the mean, in 0.01 mm; −32768 where none was seen.
+    pub error: Packed,
+}
+
+/// Points in no order.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CloudFigures {
+    /// x, y, z of each in 0.1 mm.
+    pub points: Packed,
+}
+
+/// Whole numbers of 16 bits, least byte first, as base64 (RFC 4648, section 4): a tenth of the room
+/// that digits take.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Packed(Vec<i16>);
+
+impl Packed {
+    fn points<'a>(points: impl Iterator<Item = Option<&'a Point3<f64>>>) -> Packed {
+        let unseen = [UNSEEN; 3];
+        let packed =
+            |point: &Point3<f64>| [point.x, point.y, point.z].map(|mm| whole(mm, POINT_UNIT_MM));
+        Packed(points.flat_map(|point| point.map_or(unseen, packed)).collect())
+    }
+
+    fn errors(errors: &[Option<f64>]) -> Packed {
+        let packed = |error: &Option<f64>| error.map_or(UNSEEN, |mm| whole(mm, ERROR_UNIT_MM));
+        Packed(errors.iter().map(packed).collect())
+    }
+
+    /// Its numbers as points, mm; none where not seen. What is left over of three is left out.
+    pub fn as_points(&self) -> Vec<Option<Point3<f64>>> {
+        let point = |of: &[i16]| {
+            let mm = |at: usize| f64::from(of[at]) * POINT_UNIT_MM;
+            (!of.contains(&UNSEEN)).then(|| Point3::new(mm(0), mm(1), mm(2)))
+        };
+        self.0.chunks_exact(3).map(point).collect()
+    }
+
+    /// Its numbers as distances from the surface, mm; none where not seen.
+    pub fn as_errors_mm(&self) -> Vec<Option<f64>> {
+        let error = |of: &i16| (*of != UNSEEN).then(|| f64::from(*of) * ERROR_UNIT_MM);
+        self.0.iter().map(error).collect()
+    }
+}
+
+/// A length in whole units, the nearest that fits and is not [`UNSEEN`].
+fn whole(mm: f64, unit_mm: f64) -> i16 {
+    (mm / unit_mm).round().clamp(f64::from(UNSEEN + 1), f64::from(i16::MAX)) as i16
+}
+
+impl Serialize for Packed {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let bytes: Vec<u8> = self.0.iter().flat_map(|number| number.to_le_bytes()).collect();
+        serializer.serialize_str(&STANDARD.encode(bytes))
+    }
+}
+
+impl<'de> Deserialize<'de> for Packed {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Packed, D::Error> {
+        let text = String::deserialize(deserializer)?;
+        let bytes = STANDARD.decode(text).map_err(D::Error::custom)?;
+        let (numbers, rest) = bytes.as_chunks();
+        if !rest.is_empty() {
+            return Err(D::Error::custom("an odd number of bytes"));
+        }
+        Ok(Packed(numbers.iter().map(|number| i16::from_le_bytes(*number)).collect()))
+    }
+}
+
+/// A leg's axis.
+pub(super) fn axis(axis: &LegAxis) -> AxisFigures {
+    let direction = |at: &nalgebra::Vector3<f64>| [at.x, at.y, at.z].map(unit);
+    AxisFigures {
+        foot_mm: axis.foot.coords.map(mm).into(),
+        direction: direction(&axis.direction),
+        front: direction(&axis.front),
+        lateral: direction(&axis.lateral),
+    }
+}
+
+/// The outline of a level's section.
+pub(super) fn outline(leg: &LegAxis, at: &LevelSection) -> OutlineFigures {
+    let section = &at.section;
+    OutlineFigures {
+        centre_mm: leg.at(section.along_mm, &section.centre).coords.map(mm).into(),
+        radius_mm: radii(section, OUTLINE_ANGLES).into_iter().map(mm).collect(),
+        curvature_per_mm: curvatures(section, OUTLINE_ANGLES).into_iter().map(per_mm).collect(),
+        scan_angle_deg: at.scan.iter().map(|point| degrees(point.angle_deg)).collect(),
+        scan_radius_mm: at.scan.iter().map(|point| mm(point.radius_mm)).collect(),
+    }
+}
+
+/// A leg's shape.
+pub(super) fn shape(report: &LegReport) -> ShapeFigures {
+    let Shape { skin, surface, scan } = &report.shape;
+    let place = |row: &'_ Option<Vec<Point3<f64>>>, j: usize| row.as_ref().map(|row| row[j]);
+    let places: Vec<Option<Point3<f64>>> =
+        skin.iter().flat_map(|row| (0..COLUMNS).map(move |j| place(row, j))).collect();
+    let grid = |rows: &Vec<Vec<Point3<f64>>>, map: &ErrorMap| SurfaceGridFigures {
+        rows: rows.len(),
+        columns: COLUMNS,
+        points: Packed::points(rows.iter().flatten().map(Some)),
+        error: Packed::errors(&map.outside_mm),
+    };
+    let map = report.surface.as_ref().map(|surface| &surface.error_map);
+    ShapeFigures {
+        skin: GridFigures {
+            rows: skin.len(),
+            columns: COLUMNS,
+            points: Packed::points(places.iter().map(Option::as_ref)),
+        },
+        surface: surface.as_ref().zip(map).map(|(rows, map)| grid(rows, map)),
+        scan: CloudFigures { points: Packed::points(scan.iter().map(Some)) },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn packed_points_read_back_to_half_a_unit_and_the_unseen_stay_unseen() {
+        let points = [Some(Point3::new(-123.449, 0.05, 1999.96)), None];
+        let packed = Packed::points(points.iter().map(Option::as_ref));
+        let text = serde_json::to_string(&packed).unwrap();
+        let back: Packed = serde_json::from_str(&text).unwrap();
+        assert_eq!(back, packed);
+        let [Some(seen), None] = back.as_points()[..] else { panic!("{back:?}") };
+        assert!((seen - Point3::new(-123.4, 0.1, 2000.0)).norm() < 1e-9, "{seen}");
+    }
+
+    #[test]
+    fn bytes_are_the_least_first_and_base64_is_that_of_the_standard() {
+        // 1 and −2 are 01 00 FE FF; RFC 4648 writes them AQD+/w==.
+        assert_eq!(serde_json::to_string(&Packed(vec![1, -2])).unwrap(), "\"AQD+/w==\"");
+        for text in ["\"AQD+\"", "\"AQ D\"", "\"AQD+/w\"", "7"] {
+            assert!(serde_json::from_str::<Packed>(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_too_far_away_is_the_farthest_and_not_unseen() {
+        assert_eq!((whole(-9e9, 0.1), whole(9e9, 0.1)), (-32767, 32767));
+        assert_eq!(Packed::errors(&[Some(-0.126), None]).as_errors_mm(), [Some(-0.13), None]);
+    }
+}
