@@ -7,7 +7,6 @@ pub mod change;
 pub mod chart;
 mod compose;
 mod csv;
-mod drawing;
 mod files;
 pub mod gdt;
 mod language;
