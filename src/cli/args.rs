@@ -119,6 +119,11 @@ pub enum Verb {
     /// For practice software that starts a program with the order's file. The order names the patient
     /// of the next scan. The file is only read: the practice software removes it.
     GdtOrder(OrderArgs),
+    /// Print the link to the operator's page, with the token without which it is for reading only
+    ///
+    /// Whoever has the link can decide what becomes of scans: open it on the machine itself, and do not
+    /// send it. The browser keeps the token.
+    Page(AskArgs),
     /// Let no scan be taken or delivered until `gaiter resume`; outlasts a restart
     Pause(AskArgs),
     /// Go on after `gaiter pause`

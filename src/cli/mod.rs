@@ -60,6 +60,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Unassign(args) => act::unassign(&args),
         Verb::Patient(verb) => act::patient(&verb),
         Verb::GdtOrder(args) => order::order(&args),
+        Verb::Page(args) => act::page(&args),
         Verb::Pause(args) => act::pause(&args),
         Verb::Resume(args) => act::resume(&args),
         Verb::Completions(args) => manual::completions(&args),

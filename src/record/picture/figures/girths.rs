@@ -59,6 +59,7 @@ pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Op
     }
     marks.extend(legs().flat_map(|(side, leg)| extremes(side, leg, &frame)));
     marks.extend(levels(record, &frame, language));
+    marks.extend(feet(record, language, words_));
     if let Some(slopes) = slope_frame(legs().map(|(_, leg)| leg), &frame) {
         let [low, high] = slopes.x.range;
         let step = if high - low > SLOPES_WIDE { 1.0 } else { 0.5 };
@@ -227,6 +228,24 @@ fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
             is_found,
         })
         .collect()
+}
+
+/// The girths of the feet, which are no places on the curve: where the chart is empty.
+fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
+    let line = |(above, side): (usize, Side)| {
+        let leg = leg(record, side)?;
+        let is_foot = |name: &str| Level::ALL.iter().any(|l| *l < Level::B && l.name() == name);
+        let found = leg.landmarks.iter().map(|(name, l)| ("", name, l.girth_tape_mm));
+        let estimates = leg.estimates.iter().map(|(name, e)| ("≈ ", name, e.girth_tape_mm));
+        let girths = found.chain(estimates).filter(|(_, name, _)| is_foot(name));
+        let girths: Vec<String> = girths
+            .map(|(about, name, mm)| format!("{about}{name} {}", rounding::cm_words(mm, language)))
+            .collect();
+        let text = format!("{}: {}", words_.side(side), girths.join(", "));
+        let at = [GIRTHS_PX[1] - 8.0, ROWS_PX[1] - 10.0 - above as f64 * LINE];
+        (!girths.is_empty()).then(|| words(at, Anchor::End, SMALL, Ink::of(side), text))
+    };
+    SIDES.into_iter().rev().enumerate().filter_map(line).collect()
 }
 
 /// Whether a level's label stands on the right: that of the leg with the larger girth there.
