@@ -42,7 +42,8 @@ impl Cell {
     }
 
     pub(super) fn whole(self) -> Cell {
-        Cell { is_whole: true, ..self }
+        // A figure without reason breaks rather than leaves the page.
+        Cell { is_whole: self.letters.width(&self.words) <= WORD_MAX, ..self }
     }
 
     pub(super) fn anchored(self, anchor: Anchor) -> Cell {
