@@ -59,7 +59,7 @@ fn attributes(tag: &str) -> Vec<(String, String)> {
     found
 }
 
-/// The words of a page without its scripts, styles and tags.
+/// The words of a page without its scripts, styles and tags, a blank between them.
 pub fn words(page: &str) -> String {
     let mut text = String::new();
     let mut rest = page;
@@ -75,5 +75,6 @@ pub fn words(page: &str) -> String {
         rest = &inside[inside.find('>').unwrap() + 1..];
     }
     let text = text.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"");
-    text.replace("&nbsp;", " ").replace("&amp;", "&")
+    let text = text.replace("&nbsp;", " ").replace("&amp;", "&");
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -113,10 +113,22 @@ impl Report<'_> {
         let mut of_level = levels.filter(|at| at.level == level.name());
         match of_level.next() {
             Some(at) => Figure::cm_difference(at.girth_tape_mm, at.girth_sd_mm, self.language),
+            None if self.is_estimated_only(level) => {
+                Figure::missing(self.language.pick("only estimated", "nur geschätzt"))
+            }
             None => {
                 Figure::missing(self.language.pick("not on both legs", "nicht an beiden Beinen"))
             }
         }
+    }
+
+    /// Whether both legs have a level, but one of them by its proportions only.
+    fn is_estimated_only(&self, level: Level) -> bool {
+        let has = |leg: &LegFigures| {
+            let name = level.name();
+            leg.landmarks.contains_key(name) || leg.estimates.contains_key(name)
+        };
+        self.legs().into_iter().all(|leg| leg.is_some_and(has))
     }
 }
 
