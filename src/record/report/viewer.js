@@ -1,6 +1,3 @@
-<<<<<<< HEAD
-// The viewer of a leg: gaiterViewer.mount(element, record, {language}).
-=======
 // The 3D view of a record's legs in plain WebGL: one file, no library, no network.
 //
 // `gaiterViewer.mount(element, record, {language: "en"|"de"})` fills `element` with the view of a
@@ -886,4 +883,3 @@ globalThis.gaiterViewer = (() => {
 
   return { mount };
 })();
->>>>>>> 554258825cd13b99a1cd1f6099d8acacbecb7340
