@@ -334,6 +334,7 @@ fn ids_of_any_kind_come_as_they_are() {
         booth.wait_for("the scan", || {
             site.state_of(&site.operator())["scans"][0]["patients"][0] == id
         });
+        wait_for_state(&booth, &site, "its end", |state| state["light"]["signal"] == "done");
     }
     let long = "7".repeat(500);
     assert_eq!(decide(&site, &json!({"ask": "name_next", "patient": long})).status, 409);

@@ -78,6 +78,11 @@ test("a scan arrives, and the light goes through its states", async () => {
     assert.deepEqual(shown.map((text) => text.replace("?", "")), figures);
     assert.match(await page.locator("#scans_body").textContent(), /4711/);
     assert.ok(noted.bytes < 300_000, `${noted.bytes} bytes`);
+    await page.getByRole("button", { name: "3D view" }).click();
+    await page.waitForSelector("#viewer canvas");
+    await shoot(page, "viewer");
+    await page.getByRole("button", { name: "Close" }).click();
+    await page.waitForSelector("#viewer canvas", { state: "detached" });
     assert.deepEqual(noted.elsewhere, []);
     assert.deepEqual(noted.faults, []);
   });

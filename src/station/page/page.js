@@ -244,6 +244,7 @@ function scanCard(scan, canAct, showsIds) {
     make("div", { class: "measures" }, measures(scan.measures)));
 }
 
+let viewed = null;
 async function view(scan) {
   const dialog = $("viewer");
   const place = make("div");
@@ -251,7 +252,7 @@ async function view(scan) {
   dialog.showModal();
   try {
     const record = await (await fetch(`/scan/${scan}/record.json`)).json();
-    window.gaiterViewer.mount(place, record, { language: root.lang });
+    if (dialog.open) viewed = window.gaiterViewer.mount(place, record, { language: root.lang });
   } catch {
     place.textContent = label("away");
   }
@@ -394,6 +395,10 @@ window.addEventListener("hashchange", () => { if (takeToken()) begin(); });
 if (!isKiosk) {
   $("question_no").addEventListener("click", () => $("question").close());
   $("viewer_no").addEventListener("click", () => $("viewer").close());
-  $("viewer").addEventListener("close", () => $("viewer_body").replaceChildren());
+  $("viewer").addEventListener("close", () => {
+    viewed?.destroy();
+    viewed = null;
+    $("viewer_body").replaceChildren();
+  });
 }
 begin();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::assets;
 use crate::flow::account::Whole;
-use crate::flow::page::{self, Known, ScanShown, Shown, Situation, Told};
+use crate::flow::page::{self, Known, ScanShown, Shown, Situation};
 use crate::flow::{DeliveryState, ScanId};
 use crate::station::assembly::Station;
 use crate::station::journal::JournalError;
@@ -65,7 +65,7 @@ pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
 }
 
 fn scan(station: &Station, whole: &Whole) -> ScanShown {
-    let told = station.page.briefs.of(&whole.scan).unwrap_or_else(Told::default);
+    let told = station.page.briefs.of(&whole.scan).unwrap_or_default();
     page::scan_shown(whole, &told, station.config.language)
 }
 

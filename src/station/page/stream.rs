@@ -83,11 +83,11 @@ async fn tell(door: &Door, shows_ids: bool, sender: &mpsc::Sender<String>) {
     loop {
         let text = snapshots.borrow_and_update().as_ref().map(|texts| texts.of(shows_ids));
         if text.is_some() && text != last {
-            let event = format!("data: {}\n\n", text.as_deref().unwrap_or_default());
+            let told = format!("data: {}\n\n", text.as_deref().unwrap_or_default());
             last = text;
             tokio::select! {
                 () = stop.requested() => return,
-                sent = sender.send(event) => if sent.is_err() { return },
+                sent = sender.send(told) => if sent.is_err() { return },
             }
         }
         tokio::select! {
@@ -113,7 +113,7 @@ impl hyper::body::Body for Events {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
-        let event = self.0.poll_recv(context);
-        event.map(|event| event.map(|event| Ok(Frame::data(Bytes::from(event)))))
+        let told = self.0.poll_recv(context);
+        told.map(|event| event.map(|event| Ok(Frame::data(Bytes::from(event)))))
     }
 }
