@@ -55,7 +55,7 @@ fn all_scans_of_a_folder_are_measured_in_order_and_summed_up() {
         summary.lines().map(|line| line.split_whitespace().collect()).collect();
     let names: Vec<&str> = rows.iter().map(|row| row[0]).collect();
     assert_eq!(names, ["day/a.obj", "day/b.obj", "day/c.obj", "day/d.obj", "day/e.OBJ", "5"]);
-    assert_eq!(rows[1][1..], ["not", "measured", "[scan-not-this-format]"], "{summary}");
+    assert_eq!(rows[1][1..], ["not", "measured", "[scan-cut-short]"], "{summary}");
     for row in [&rows[0], &rows[2], &rows[3], &rows[4]] {
         let girths: Vec<f64> = row[1..9].iter().map(|cell| cell.parse().unwrap()).collect();
         for (girth, truth) in girths.iter().zip([201.0, 302.0, 371.0, 321.0].repeat(2)) {
@@ -63,7 +63,7 @@ fn all_scans_of_a_folder_are_measured_in_order_and_summed_up() {
         }
     }
     assert!(
-        summary.contains("5 scans: 4 measured, 1 not measured (1 scan-not-this-format)"),
+        summary.contains("5 scans: 4 measured, 1 not measured (1 scan-cut-short)"),
         "{summary}"
     );
 }
