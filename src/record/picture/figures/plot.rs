@@ -40,7 +40,8 @@ pub(super) fn range(figures: impl Iterator<Item = f64>, step: f64) -> Option<[f6
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     let [low, high] = figures.fold(none, |[low, high], of| [low.min(of), high.max(of)]);
     let [low, high] = [(low / step).floor() * step, (high / step).ceil() * step];
-    (low.is_finite() && high.is_finite()).then(|| [low, if high > low { high } else { low + step }])
+    let is_any = low.is_finite() && high.is_finite();
+    is_any.then_some([low, if high > low { high } else { low + step }])
 }
 
 /// A frame of two scales.
