@@ -34,6 +34,7 @@ pub fn in_order<T: Sync, R: Send>(
                 }
             });
         }
+        let _end = End { queue: &queue };
         for (at, item) in items.iter().enumerate() {
             take(item, queue.take(at));
         }
@@ -67,7 +68,7 @@ impl<R> Queue<R> {
         let mut state = self
             .wait(|state| state.next >= items || state.next <= state.taken.saturating_add(ahead));
         let at = state.next;
-        state.next += 1;
+        state.next = state.next.saturating_add(1);
         (at < items).then_some(at)
     }
 
@@ -96,6 +97,19 @@ impl<R> Queue<R> {
 
     fn lock(&self) -> MutexGuard<'_, State<R>> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Lets no item be begun any more when it goes: where nobody takes the results, because taking them
+/// panicked, the threads end instead of waiting for ever.
+struct End<'a, R> {
+    queue: &'a Queue<R>,
+}
+
+impl<R> Drop for End<'_, R> {
+    fn drop(&mut self) {
+        self.queue.lock().next = usize::MAX;
+        self.queue.changed.notify_all();
     }
 }
 
@@ -139,6 +153,13 @@ mod tests {
             taken += 1;
         });
         assert_eq!(taken, 100);
+    }
+
+    #[test]
+    #[should_panic(expected = "nobody takes it")]
+    fn whoever_panics_over_a_result_does_not_wait_for_the_others() {
+        let items: Vec<usize> = (0..100).collect();
+        in_order(&items, jobs(2), |item| *item, |_, _| panic!("nobody takes it"));
     }
 
     #[test]
