@@ -2,6 +2,8 @@
 //!
 //! `cargo run --example report_paper -- OUT RECORD.json…`
 
+#![allow(clippy::print_stdout)]
+
 use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
