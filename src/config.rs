@@ -8,6 +8,7 @@ mod gdt;
 mod load;
 mod nearest;
 mod notation;
+mod page;
 mod parse;
 mod place;
 pub mod port;
@@ -35,6 +36,7 @@ pub use capture::{CaptureConfig, PatientConfig, WithoutTrigger};
 pub use fault::{ConfigFault, What};
 pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
 pub use load::{load, nested};
+pub use page::PageConfig;
 pub use seeing::{control_path, state_dir};
 pub use trigger::TriggerConfig;
 pub use watch::WatchConfig;
@@ -66,6 +68,8 @@ pub struct Config {
     pub retention: Retention,
     /// `[status]`
     pub status: StatusConfig,
+    /// `[page]`: the operator's page.
+    pub page: PageConfig,
     /// `[log]`
     pub log: LogConfig,
     /// The text it was read from, for the process that measures.
@@ -146,7 +150,8 @@ pub struct FolderStoreConfig {
 pub struct StatusConfig {
     /// A scan without a record for longer than this makes the station not ready.
     pub overdue: Duration,
-    /// Where metrics and health can be asked for, on this machine only; nowhere if none.
+    /// Where metrics, health and the operator's page can be asked for, on this machine only; nowhere
+    /// if none.
     pub listen: Option<SocketAddr>,
 }
 

@@ -220,7 +220,6 @@ fn the_json_record_is_one_line_with_every_key_of_the_contract() {
 fn of_several_scans_all_are_measured_and_the_worst_decides_the_exit_code() {
     let folder = folder_with(&["a.obj", "z.obj"]);
     fs::write(folder.path().join("bad.obj"), "v 0 0 0\n").unwrap();
-    fs::create_dir(folder.path().join("folder.obj")).unwrap();
     let codes = |names: &[&str]| {
         let done = extract(folder.path(), &[names, &["--json"]].concat());
         let lines: Vec<&str> = stdout(&done).lines().collect();
@@ -230,7 +229,7 @@ fn of_several_scans_all_are_measured_and_the_worst_decides_the_exit_code() {
     assert_eq!(codes(&["a.obj", "z.obj"]), (0, 2, 0));
     assert_eq!(codes(&["a.obj", "bad.obj", "z.obj"]), (65, 2, 1));
     assert_eq!(codes(&["missing.obj", "a.obj", "bad.obj"]), (66, 1, 2));
-    assert_eq!(codes(&["folder.obj", "missing.obj", "bad.obj", "a.obj"]), (74, 1, 3));
+    assert_eq!(codes(&["/dev/null", "missing.obj", "bad.obj", "a.obj"]), (74, 1, 3));
     let done = extract(folder.path(), &["a.obj", "z.obj"]);
     let names: Vec<&str> = stdout(&done).lines().filter(|line| line.ends_with(".obj")).collect();
     assert_eq!(names, ["a.obj", "z.obj"], "the table says which scan is whose");

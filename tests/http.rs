@@ -56,7 +56,7 @@ fn metrics_and_health_follow_the_station_and_name_nobody() {
     let daemon = booth.start();
     let port = port(&booth);
     assert_eq!(page(port, "/healthz"), (200, "ready\n".to_owned()));
-    assert_eq!(page(port, "/").0, 404);
+    assert_eq!(page(port, "/nowhere").0, 404);
     booth.export("990011_Mustermann.obj", &coarse());
     booth.export("990012_Mustermann.obj", b"no scan\n");
     booth.wait_for_records(1);

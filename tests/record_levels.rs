@@ -95,7 +95,7 @@ fn an_absent_level_has_an_empty_line_and_none_in_the_drawing() {
         assert!(text.contains(&format!("left,{level},,,,,,,absent,,\r\n")), "{text}");
     }
     let (plain, without) = (file(&MEASURED.0, "legs.svg"), file(&extraction, "legs.svg"));
-    for mark in [">G ", ">~E ", ">~F ", "~A ", " long<"] {
+    for mark in [">G ", ">≈ E ", ">≈ F ", "≈ A "] {
         assert!(plain.contains(mark) && !without.contains(mark), "{mark}");
     }
 }

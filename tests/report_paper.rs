@@ -21,13 +21,13 @@ static RECORD: LazyLock<Record> =
 const LANGUAGES: [Language; 2] = [Language::En, Language::De];
 
 /// What a PDF of this program says, page by page: only what such a file needs is read.
-struct Read {
+struct Paper {
     /// Every object's bytes between `obj` and `endobj`, by number; streams unpacked behind them.
     objects: BTreeMap<u32, (String, Vec<u8>)>,
 }
 
-impl Read {
-    fn of(bytes: &[u8]) -> Read {
+impl Paper {
+    fn of(bytes: &[u8]) -> Paper {
         let mut objects = BTreeMap::new();
         for start in places(bytes, b" 0 obj\n") {
             let digits = bytes[..start].iter().rev().take_while(|byte| byte.is_ascii_digit());
@@ -44,7 +44,7 @@ impl Read {
             let head = String::from_utf8_lossy(&body[..stream.unwrap_or(end)]).into_owned();
             objects.insert(number.parse().unwrap(), (head, unpacked.unwrap_or_default()));
         }
-        Read { objects }
+        Paper { objects }
     }
 
     /// The number behind a key.
@@ -54,8 +54,8 @@ impl Read {
 
     /// What the glyphs of a page's font mean, by its name on the page.
     fn letters(&self, page: &str, font: &str) -> BTreeMap<u16, char> {
-        let font = Read::referred(page, font).unwrap();
-        let map = Read::referred(&self.objects[&font].0, "/ToUnicode").unwrap();
+        let font = Paper::referred(page, font).unwrap();
+        let map = Paper::referred(&self.objects[&font].0, "/ToUnicode").unwrap();
         let map = String::from_utf8(self.objects[&map].1.clone()).unwrap();
         let pair = |line: &str| {
             let (glyph, letter) = line.strip_prefix('<')?.split_once("> <")?;
@@ -73,7 +73,7 @@ impl Read {
     }
 
     fn words(&self, page: &str) -> String {
-        let content = &self.objects[&Read::referred(page, "/Contents").unwrap()].1;
+        let content = &self.objects[&Paper::referred(page, "/Contents").unwrap()].1;
         let fonts = ["/R", "/B"].map(|name| self.letters(page, &format!("{name} ")));
         let mut words = String::new();
         let mut font = 0;
@@ -146,7 +146,7 @@ fn places<'a>(bytes: &'a [u8], what: &'a [u8]) -> impl Iterator<Item = usize> + 
 
 /// The words of a paper on all its pages, lines joined.
 fn said(record: &Record, language: Language) -> Vec<String> {
-    Read::of(&paper(record, language).unwrap()).pages()
+    Paper::of(&paper(record, language).unwrap()).pages()
 }
 
 fn with_id(id: &str) -> Record {

@@ -1,5 +1,5 @@
-//! `gaiter retry`, `release`, `assign`, `unassign`, `patient`, `pause` and `resume`: what a person
-//! decides.
+//! `gaiter retry`, `release`, `assign`, `unassign`, `patient`, `page`, `pause` and `resume`: what a
+//! person decides.
 
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 
@@ -65,6 +65,11 @@ fn read_patient() -> io::Result<String> {
     let mut line = String::new();
     stdin.lock().take(ID_MOST).read_line(&mut line)?;
     Ok(line.trim().to_owned())
+}
+
+/// Where the operator's page is.
+pub fn page(args: &AskArgs) -> Exit {
+    ask::sentence(args, &Request::Page)
 }
 
 /// No scan is to be taken until somebody resumes.

@@ -1,5 +1,6 @@
 //! The command line as types, with the help texts a technician reads.
 
+mod again;
 mod asking;
 mod report;
 
@@ -9,6 +10,7 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Parser, Subcommand};
+use clap_complete::Shell;
 
 use crate::cad::FileKind;
 use crate::config::words::{
@@ -17,7 +19,8 @@ use crate::config::words::{
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 use crate::record::{FigureFormat, Language};
 use crate::station::measure::VERB;
-pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs};
+pub use again::ReextractArgs;
+pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
 pub use report::ReportArgs;
 
 /// Where `run` and `check` look for the configuration when nobody names a file.
@@ -56,6 +59,12 @@ pub enum Verb {
     /// Prints a table of both legs for every scan, and for several scans a summary with a row for
     /// each. Of a folder all scans are measured, in the order of their names; hidden files are not.
     Extract(ExtractArgs),
+    /// Measure the scans of a record store again, by today's method
+    ///
+    /// Where that says otherwise than the record, a new revision is written beside it, in a folder of
+    /// the same name with _r2, _r3 …; the old one is never touched. At the end says what changed and
+    /// by how much. A station may run meanwhile. Done again, it adds nothing.
+    Reextract(ReextractArgs),
     /// Make the report of a record anew, in either language
     ///
     /// From record.json alone; the scan is not needed, and nothing is measured. The record is not
@@ -73,7 +82,7 @@ pub enum Verb {
     ///
     /// Ends with 0 when the station is ready and with 74 when it is not. Names no patient and no
     /// file. Run it as root or as the station's user.
-    Status(AskArgs),
+    Status(StatusArgs),
     /// List the station's scans, the newest first
     ///
     /// Names no patient and no file; `gaiter show ID` does.
@@ -110,10 +119,19 @@ pub enum Verb {
     /// For practice software that starts a program with the order's file. The order names the patient
     /// of the next scan. The file is only read: the practice software removes it.
     GdtOrder(OrderArgs),
+    /// Print the link to the operator's page, with the token without which it is for reading only
+    ///
+    /// Whoever has the link can decide what becomes of scans: open it on the machine itself, and do not
+    /// send it. The browser keeps the token.
+    Page(AskArgs),
     /// Let no scan be taken or delivered until `gaiter resume`; outlasts a restart
     Pause(AskArgs),
     /// Go on after `gaiter pause`
     Resume(AskArgs),
+    /// Print the completions of a shell, for its folder of completions
+    Completions(CompletionsArgs),
+    /// Print the manual page, or write a page for every verb into a folder
+    Man(ManArgs),
 }
 
 /// `gaiter patient …`
@@ -133,7 +151,30 @@ pub enum PatientVerb {
 
 /// `gaiter demo`
 #[derive(Debug, clap::Args)]
-pub struct DemoArgs {}
+pub struct DemoArgs {
+    /// Print the records as one JSON object at the end, for programs, and nothing else
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// `gaiter completions`
+#[derive(Debug, clap::Args)]
+pub struct CompletionsArgs {
+    /// Whose
+    #[arg(value_name = "SHELL", value_parser = of_words(SHELLS))]
+    pub shell: Shell,
+}
+
+/// `gaiter man`
+#[derive(Debug, clap::Args)]
+pub struct ManArgs {
+    /// The folder for gaiter.1, gaiter-run.1 and so on; it must exist
+    #[arg(value_name = "DIR")]
+    pub dir: Option<PathBuf>,
+}
+
+/// The shells whose completions are tried.
+const SHELLS: Words<Shell> = &[("bash", Shell::Bash), ("zsh", Shell::Zsh), ("fish", Shell::Fish)];
 
 /// `gaiter run`
 #[derive(Debug, clap::Args)]

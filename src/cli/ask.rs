@@ -55,6 +55,12 @@ pub enum AskFault {
 }
 
 impl AskFault {
+    /// An answer that nobody asked for.
+    pub fn another_answer() -> AskFault {
+        let message = "it is the answer to another question";
+        AskFault::Answer(serde::de::Error::custom(message))
+    }
+
     fn code(&self) -> &str {
         match self {
             AskFault::Config(_) => "no-configuration",
@@ -79,7 +85,20 @@ impl AskFault {
         }
     }
 
-    fn hint(&self) -> Option<String> {
+    /// For programs.
+    pub fn json(&self) -> serde_json::Value {
+        json!({
+            "fault": {
+                "code": self.code(),
+                "message": self.to_string(),
+                "hint": self.hint(),
+                "exit": self.exit().code(),
+            }
+        })
+    }
+
+    /// What a person can do, if anything.
+    pub fn hint(&self) -> Option<String> {
         match self {
             AskFault::NoStation { config, .. } => Some(format!(
                 "start it: systemctl start gaiter, or: gaiter run --config {}",
@@ -166,12 +185,9 @@ pub fn told<T: Serialize>(
     table: impl FnOnce(&T) -> String,
     exit: impl FnOnce(&T) -> Exit,
 ) -> Exit {
-    let unexpected = || {
-        let message = "it is the answer to another question";
-        AskFault::Answer(serde::de::Error::custom(message))
-    };
     let answered = ask(&args.config, request);
-    let answer = match answered.and_then(|answer| taken(answer).ok_or_else(unexpected)) {
+    let taken = |answer| taken(answer).ok_or_else(AskFault::another_answer);
+    let answer = match answered.and_then(taken) {
         Ok(answer) => answer,
         Err(fault) => return refused(args, &fault),
     };
@@ -208,16 +224,8 @@ pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
 pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
     let exit = fault.exit();
     if args.json {
-        let fault = json!({
-            "fault": {
-                "code": fault.code(),
-                "message": fault.to_string(),
-                "hint": fault.hint(),
-                "exit": exit.code(),
-            }
-        });
         // Where it cannot be printed there is the exit code.
-        let _ = print(format_args!("{fault:#}\n"));
+        let _ = print(format_args!("{:#}\n", fault.json()));
         return exit;
     }
     if let AskFault::Config(error) = fault {

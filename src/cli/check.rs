@@ -4,9 +4,11 @@ mod environment;
 
 use std::path::Path;
 
+use anstyle::Style;
 use serde::Serialize;
 
 use super::args::CheckArgs;
+use super::paint::{self, painted};
 use super::{Exit, complain, exit_of, explain_config, print};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use environment::{Row, Verdict};
@@ -17,10 +19,10 @@ use environment::{Row, Verdict};
 /// to change the file. So it has an exit code of its own.
 pub fn check(args: &CheckArgs) -> Exit {
     let read = config::read(&args.config);
-    let (text, exit) = if args.json {
+    let (printed, exit) = if args.json {
         let (report, exit) = report(&args.config, read);
         match serde_json::to_string_pretty(&report) {
-            Ok(json) => (json + "\n", exit),
+            Ok(json) => (print(json + "\n"), exit),
             Err(error) => {
                 complain(format_args!("gaiter: cannot write the result as JSON: {error}"));
                 return Exit::Internal;
@@ -31,12 +33,12 @@ pub fn check(args: &CheckArgs) -> Exit {
             Ok(config) => {
                 let mut rows = vec![Row::ok("configuration", &args.config, "no fault")];
                 rows.extend(environment::rows(&config));
-                (table(&rows), worst(&rows))
+                (paint::print(table(&rows)), worst(&rows))
             }
             Err(error) => return explain_config(&error),
         }
     };
-    match print(text) {
+    match printed {
         Ok(()) => exit,
         Err(error) => {
             complain(format_args!("gaiter: cannot print the result: {error}"));
@@ -50,6 +52,14 @@ fn worst(rows: &[Row]) -> Exit {
     if failed { Exit::Io } else { Exit::Done }
 }
 
+fn colour(verdict: Verdict) -> Style {
+    match verdict {
+        Verdict::Ok => paint::GOOD,
+        Verdict::Warn => paint::CARE,
+        Verdict::Fail => paint::BAD,
+    }
+}
+
 /// A row a check, the columns aligned, and what it comes to.
 fn table(rows: &[Row]) -> String {
     let width = |of: fn(&Row) -> &str| rows.iter().map(|row| of(row).chars().count()).max();
@@ -59,7 +69,8 @@ fn table(rows: &[Row]) -> String {
         .iter()
         .map(|row| {
             let Row { verdict, detail, .. } = row;
-            format!("{:4}  {:check$}  {:place$}  {detail}\n", verdict.word(), row.check, row.place)
+            let verdict = painted(colour(*verdict), format_args!("{:4}", verdict.word()));
+            format!("{verdict}  {:check$}  {:place$}  {detail}\n", row.check, row.place)
         })
         .collect();
     let count = |verdict| rows.iter().filter(|row| row.verdict == verdict).count();

@@ -11,12 +11,14 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use serde_json::json;
 use tokio::runtime::Runtime;
 use tokio::sync::mpsc::{UnboundedReceiver, unbounded_channel};
 use tokio::sync::oneshot;
 use tokio::time::timeout;
 
 use super::args::DemoArgs;
+use super::progress::Progress;
 use super::{Exit, complain, explain_config, print, table};
 use crate::config::{self, Config};
 use crate::record::Record;
@@ -54,7 +56,7 @@ enum DemoFault {
 }
 
 /// Shows the station at work; ends as done only if exactly the whole scans led to records.
-pub fn demo(_args: &DemoArgs) -> Exit {
+pub fn demo(args: &DemoArgs) -> Exit {
     let button = SimulatedButton::new();
     if let Err(error) = &button {
         // The station works without one.
@@ -69,7 +71,7 @@ pub fn demo(_args: &DemoArgs) -> Exit {
         Err(fault) => return failed(&fault),
     };
     let shown = Runtime::new().map_err(DemoFault::from).and_then(|runtime| {
-        let shown = runtime.block_on(show(config, button.take()));
+        let shown = runtime.block_on(show(config, button.take(), args.json));
         runtime.shutdown_background();
         shown
     });
@@ -119,7 +121,11 @@ fn prepare(button: Option<&SimulatedButton>) -> Result<PathBuf, DemoFault> {
 }
 
 /// Runs the station, lets the scanner export, and shows what came of it.
-async fn show(config: Config, button: Option<SimulatedButton>) -> Result<(), DemoFault> {
+async fn show(
+    config: Config,
+    button: Option<SimulatedButton>,
+    json: bool,
+) -> Result<(), DemoFault> {
     let export_dir = config.scanner.export_dirs[0].clone();
     let state_dir = config.station.state_dir.clone();
     let (tell, mut events) = unbounded_channel();
@@ -129,12 +135,14 @@ async fn show(config: Config, button: Option<SimulatedButton>) -> Result<(), Dem
         let _ = stopped.await;
     };
     let station = tokio::spawn(station::run(config, Orders::stop_only(asked), Some(tell)));
-    let clock = Instant::now();
     let button = Arc::new(Mutex::new(button));
-    let exports = exports(&export_dir)?.into_iter();
+    let exports = exports(&export_dir)?;
+    let teller = Teller::new(exports.len(), json);
+    let exports = exports.into_iter();
     let expected: Vec<Expected> =
-        exports.map(|export| scan(export, Arc::clone(&button), clock)).collect();
-    let watched = timeout(PATIENCE, watch(&mut events, &expected, clock)).await;
+        exports.map(|export| scan(export, Arc::clone(&button), teller.clone())).collect();
+    let watched = timeout(PATIENCE, watch(&mut events, &expected, &teller)).await;
+    drop(teller);
     drop(stop);
     let ended = station.await.map_err(io::Error::other)?;
     let seen = match (watched, ended) {
@@ -145,35 +153,35 @@ async fn show(config: Config, button: Option<SimulatedButton>) -> Result<(), Dem
             return Err(DemoFault::Unexpected(format!("not all scans were done in {waited} s")));
         }
     };
-    summary(&seen, &state_dir)
+    if json { objects(&seen, &state_dir) } else { summary(&seen, &state_dir) }
 }
 
 /// Presses the button, lets the scanner export one scan in the background, and says so.
 fn scan(
     export: (simulated_scanner::Export, Expected, Duration),
     button: Arc<Mutex<Option<SimulatedButton>>>,
-    clock: Instant,
+    teller: Teller,
 ) -> Expected {
     let (export, expected, after) = export;
     tokio::spawn(async move {
         tokio::time::sleep(after).await;
-        press(&button, clock);
+        press(&button, &teller);
         tokio::time::sleep(SCANNING).await;
         let name = name_of(&export.path);
-        say(clock, &format!("scanner  exports {name}"));
+        teller.say(&format!("scanner  exports {name}"));
         match simulated_scanner::write(export).await {
-            Ok(()) => say(clock, &format!("scanner  is done with {name}")),
+            Ok(()) => teller.say(&format!("scanner  is done with {name}")),
             Err(error) => complain(format_args!("scanner: {error}")),
         }
     });
     expected
 }
 
-fn press(button: &Mutex<Option<SimulatedButton>>, clock: Instant) {
+fn press(button: &Mutex<Option<SimulatedButton>>, teller: &Teller) {
     let mut button = button.lock().unwrap_or_else(PoisonError::into_inner);
     let Some(button) = button.as_mut() else { return };
     match button.press() {
-        Ok(()) => say(clock, "operator presses the button"),
+        Ok(()) => teller.say("operator presses the button"),
         Err(error) => complain(format_args!("button: {error}")),
     }
 }
@@ -189,7 +197,7 @@ struct Seen {
 async fn watch(
     events: &mut UnboundedReceiver<StationEvent>,
     expected: &[Expected],
-    clock: Instant,
+    teller: &Teller,
 ) -> Result<Seen, DemoFault> {
     let count = |wanted| expected.iter().filter(|expected| **expected == wanted).count();
     let (records, refusals) = (count(Expected::Record), count(Expected::Refusal));
@@ -199,13 +207,14 @@ async fn watch(
             return Err(DemoFault::Unexpected("the station ended early".to_owned()));
         };
         if let Some(line) = line(&event) {
-            say(clock, &line);
+            teller.say(&line);
         }
         match event {
             StationEvent::Delivered { folder, .. } => seen.records.push(folder),
             StationEvent::Refused { .. } => seen.refusals += 1,
-            _ => {}
+            _ => continue,
         }
+        teller.progress.advance();
     }
     if seen.records.len() > records || seen.refusals > refusals {
         let message = format!("{} records and {} refusals", seen.records.len(), seen.refusals);
@@ -240,20 +249,47 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-fn say(clock: Instant, line: &str) {
-    // A reader that has gone away wants no more; the demo still runs to its end.
-    let _ = print(format_args!("{:5.1} s  {line}\n", clock.elapsed().as_secs_f64()));
+/// Tells what happens, with the seconds since the beginning.
+#[derive(Clone)]
+struct Teller {
+    began: Instant,
+    progress: Arc<Progress>,
+    /// Standard output is for a program.
+    is_silent: bool,
+}
+
+impl Teller {
+    fn new(scans: usize, is_silent: bool) -> Teller {
+        let progress = Arc::new(Progress::of(scans, "scans"));
+        Teller { began: Instant::now(), progress, is_silent }
+    }
+
+    fn say(&self, line: &str) {
+        if self.is_silent {
+            return;
+        }
+        let seconds = self.began.elapsed().as_secs_f64();
+        // A reader that has gone away wants no more; the demo still runs to its end.
+        let _ = self.progress.aside(|| print(format_args!("{seconds:5.1} s  {line}\n")));
+    }
+}
+
+/// Every record with its folder, in the order of folders.
+fn records(seen: &Seen) -> Result<Vec<(&PathBuf, Record)>, DemoFault> {
+    let mut folders: Vec<&PathBuf> = seen.records.iter().collect();
+    folders.sort();
+    let read = |folder: &PathBuf| fs::read(folder.join("record.json"));
+    let parse = |json: Vec<u8>| serde_json::from_slice(&json).map_err(io::Error::other);
+    let records = folders.into_iter().map(|folder| Ok((folder, parse(read(folder)?)?)));
+    records.collect()
 }
 
 /// The measures of every record, and where everything lies.
 fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
-    let mut records = seen.records.clone();
-    records.sort();
-    for folder in &records {
-        let json = fs::read(folder.join("record.json"))?;
-        let record: Record = serde_json::from_slice(&json).map_err(io::Error::other)?;
+    let records = records(seen)?;
+    for (folder, record) in &records {
         let patient = record.patient.as_ref().map_or("unassigned", |patient| &patient.id);
-        print(format_args!("\npatient {patient}: {}\n{}\n", folder.display(), table::of(&record)))?;
+        print(format_args!("\npatient {patient}: {}\n{}\n", folder.display(), table::of(record)))?;
     }
     print(format_args!(
         "\n{} scans measured; {} were not and led to no record: the reasons lie in\n{}\n",
@@ -262,4 +298,16 @@ fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
         state_dir.join("quarantine").display()
     ))?;
     Ok(())
+}
+
+/// The same for programs.
+fn objects(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
+    let records = records(seen)?.into_iter();
+    let records = records.map(|(folder, record)| json!({ "folder": folder, "record": record }));
+    let all = json!({
+        "records": records.collect::<Vec<_>>(),
+        "refused": seen.refusals,
+        "quarantine": state_dir.join("quarantine"),
+    });
+    Ok(print(format_args!("{all}\n"))?)
 }

@@ -7,15 +7,18 @@ pub mod check;
 pub mod demo;
 pub mod exit;
 pub mod extract;
+pub mod manual;
 pub mod measure;
 pub mod ord;
 pub mod order;
 pub mod paint;
 pub mod parallel;
 pub mod progress;
+pub mod reextract;
 pub mod report;
 pub mod run;
 pub mod scans;
+pub mod screen;
 pub mod status;
 pub mod table;
 
@@ -43,6 +46,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Demo(args) => demo::demo(&args),
         Verb::Run(args) => run::run(&args),
         Verb::Extract(args) => extract::extract(&args),
+        Verb::Reextract(args) => reextract::reextract(&args),
         Verb::Report(args) => report::report(&args),
         Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
@@ -56,8 +60,11 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Unassign(args) => act::unassign(&args),
         Verb::Patient(verb) => act::patient(&verb),
         Verb::GdtOrder(args) => order::order(&args),
+        Verb::Page(args) => act::page(&args),
         Verb::Pause(args) => act::pause(&args),
         Verb::Resume(args) => act::resume(&args),
+        Verb::Completions(args) => manual::completions(&args),
+        Verb::Man(args) => manual::man(&args),
     }
 }
 

@@ -16,15 +16,20 @@ pub fn opinions(scan: &Path, extraction: &Extraction) -> (Option<Vec<u8>>, Vec<F
     match beside(scan).and_then(|files| one(&files)) {
         Ok(One::None) => (None, Vec::new()),
         Ok(One::Bytes(bytes)) => {
-            let findings = match ord::read(&bytes) {
-                Ok(ord) => compare(extraction, &ord),
-                Err(fault) => vec![SecondOpinion::Unreadable { why: fault.to_string() }.into()],
-            };
+            let findings = opinion(&bytes, extraction);
             // Of one that is too large only its beginning was read.
             ((bytes.len() <= ord::BYTES_MAX).then_some(bytes), findings)
         }
         Ok(One::Several(files)) => (None, vec![SecondOpinion::Ambiguous { files }.into()]),
         Err(error) => (None, vec![SecondOpinion::Unreadable { why: error.to_string() }.into()]),
+    }
+}
+
+/// What the bytes of a measurement file say to an extraction.
+pub fn opinion(bytes: &[u8], extraction: &Extraction) -> Vec<Finding> {
+    match ord::read(bytes) {
+        Ok(ord) => compare(extraction, &ord),
+        Err(fault) => vec![SecondOpinion::Unreadable { why: fault.to_string() }.into()],
     }
 }
 

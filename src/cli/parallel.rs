@@ -116,7 +116,9 @@ mod tests {
             let mut seen = Vec::new();
             // The first of each seven takes longest.
             let work = |item: &usize| {
-                (0..10_000 * (7 - item % 7)).for_each(|n| drop(std::hint::black_box(n)));
+                (0..10_000 * (7 - item % 7)).for_each(|n| {
+                    std::hint::black_box(n);
+                });
                 item * item
             };
             in_order(&items, jobs(count), work, |item, result| seen.push((*item, result.unwrap())));

@@ -21,7 +21,7 @@ pub fn scans(args: &ScansArgs) -> Exit {
 }
 
 /// A row a scan, the newest first.
-fn list(scans: &[Listed]) -> String {
+pub fn list(scans: &[Listed]) -> String {
     if scans.is_empty() {
         return "no scan\n".to_owned();
     }

@@ -1,55 +1,113 @@
-//! `gaiter status`: how the running station is, on one screen.
+//! `gaiter status`: how the running station is, on one screen, the most important first.
+
+mod watch;
 
 use std::fmt::Write;
 use std::time::Duration;
 
 use jiff::Timestamp;
 
-use super::args::AskArgs;
-use super::{Exit, ask, shown};
+use super::args::{AskArgs, StatusArgs};
+use super::ask::AskFault;
+use super::paint::{self, painted};
+use super::screen::{self, wrapped};
+use super::{Exit, ask, complain, scans, shown};
+use crate::flow::account::Listed;
 use crate::flow::health::{age, bytes, words};
 use crate::station::control::protocol::{Answer, Request, SourceStatus, Status};
 
+/// So many of the last scans are shown: a screen of 24 lines has room for them.
+const LAST_SCANS: u32 = 5;
+
+/// Width of the labels before the figures, with the gap behind it.
+const LABEL: usize = 11;
+
 /// Asks and prints; ends as [`Exit::Io`] when the station is not ready, as `gaiter check` does.
-pub fn status(args: &AskArgs) -> Exit {
-    let taken = |answer| match answer {
-        Answer::Status(status) => Some(*status),
-        _ => None,
+pub fn status(args: &StatusArgs) -> Exit {
+    if args.watch {
+        return watch::watch(&args.ask);
+    }
+    if args.ask.json {
+        return ask::told(&args.ask, &Request::Status, taken, |_| String::new(), exit);
+    }
+    let look = match Look::take(&args.ask) {
+        Ok(look) => look,
+        Err(fault) => return ask::refused(&args.ask, &fault),
     };
-    let exit = |status: &Status| if status.ready { Exit::Done } else { Exit::Io };
-    ask::told(args, &Request::Status, taken, table, exit)
+    match paint::print(table(&look, screen::size().map(|size| size.columns))) {
+        Ok(()) => exit(&look.status),
+        Err(error) => {
+            complain(format_args!("gaiter: cannot print the answer: {error}"));
+            Exit::Io
+        }
+    }
 }
 
-/// One screen; the first line says whether all is well.
-fn table(status: &Status) -> String {
+fn exit(status: &Status) -> Exit {
+    if status.ready { Exit::Done } else { Exit::Io }
+}
+
+fn taken(answer: Answer) -> Option<Status> {
+    match answer {
+        Answer::Status(status) => Some(*status),
+        _ => None,
+    }
+}
+
+/// What is on the screen.
+struct Look {
+    status: Status,
+    /// The last scans, the newest first.
+    scans: Vec<Listed>,
+}
+
+impl Look {
+    fn take(args: &AskArgs) -> Result<Look, AskFault> {
+        let status = ask::ask(&args.config, &Request::Status)?;
+        let status = taken(status).ok_or_else(AskFault::another_answer)?;
+        // A station that can only say how it is says that.
+        let request = Request::Scans { filter: None, limit: LAST_SCANS };
+        let scans = match ask::ask(&args.config, &request) {
+            Ok(Answer::Scans(scans)) => scans,
+            _ => Vec::new(),
+        };
+        Ok(Look { status, scans })
+    }
+}
+
+/// One screen, painted; the first line says whether all is well.
+fn table(look: &Look, columns: Option<usize>) -> String {
+    let status = &look.status;
     let mut text = String::new();
     if status.ready {
-        text.push_str("ready\n");
+        text += &(painted(paint::GOOD, "ready") + "\n");
     }
     for complaint in &status.complaints {
         let (message, remedy) = (shown(&complaint.message), shown(&complaint.remedy));
-        let _ = writeln!(text, "not ready: {message} [{}]\n    do: {remedy}", complaint.code);
+        let wrong = format!("not ready: {message} [{}]", complaint.code);
+        wrapped(&wrong, columns)
+            .iter()
+            .for_each(|line| text += &(painted(paint::BAD, line) + "\n"));
+        let within = columns.map(|columns| columns.saturating_sub(8));
+        let lines = wrapped(&remedy, within);
+        let _ = writeln!(text, "    do: {}", lines.join("\n        "));
     }
-    text.push('\n');
+    let within = columns.map(|columns| columns.saturating_sub(LABEL));
     for (label, value) in rows(status) {
-        let _ = writeln!(text, "{label:<9}  {}", shown(value));
+        let lines = wrapped(&shown(value), within).join(&format!("\n{:LABEL$}", ""));
+        let label = painted(paint::LABEL, format_args!("{label:<9}"));
+        let _ = writeln!(text, "{label}  {lines}");
+    }
+    if !look.scans.is_empty() {
+        let _ = writeln!(text, "\n{}", scans::list(&look.scans).trim_end());
     }
     text
 }
 
 fn rows(status: &Status) -> Vec<(String, String)> {
-    let row = |label: &str, value: String| (label.to_owned(), value);
     let now = status.now;
-    let mut rows = vec![row(
-        "station",
-        format!(
-            "{}, gaiter {}, process {}, running for {}",
-            status.station,
-            status.gaiter,
-            status.pid,
-            words(age(status.started, now))
-        ),
-    )];
+    let mut rows = vec![("light".to_owned(), at_booth(status))];
+    rows.extend(around(status, now));
     let oldest = match (&status.oldest, status.oldest_age_s) {
         (Some(oldest), Some(age_s)) => format!(
             "{} has waited {} for its record",
@@ -58,40 +116,45 @@ fn rows(status: &Status) -> Vec<(String, String)> {
         ),
         _ => "no scan waits for its record".to_owned(),
     };
-    rows.push(row("oldest", oldest));
+    let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
+    row("oldest", oldest);
+    let words_of = ["spooled", "delivered", "refused", "held"];
+    let counts = words_of.map(|word| format!("{} {word}", status.scans.get(word).unwrap_or(&0)));
+    let counts = if status.scans.is_empty() { "unknown".to_owned() } else { counts.join(", ") };
+    row("scans", counts);
     let last = status.last.as_ref().map(|last| {
         let (seen, ago) = (last.first_seen, words(age(last.first_seen, now)));
         format!("{} seen {}, {ago} ago: {}", last.scan, utc(seen), last.state)
     });
-    rows.push(row("last scan", last.unwrap_or_else(|| "none yet".to_owned())));
-    let words_of = ["spooled", "delivered", "refused", "held"];
-    let counts = words_of.map(|word| format!("{} {word}", status.scans.get(word).unwrap_or(&0)));
-    let counts = if status.scans.is_empty() { "unknown".to_owned() } else { counts.join(", ") };
-    rows.push(row("scans", counts));
+    row("last scan", last.unwrap_or_else(|| "none yet".to_owned()));
+    let last =
+        status.last_measurement_s.map_or(String::new(), |s| format!(", the last in {s:.1} s"));
+    row("measured", format!("{} in this run{last}", status.measured));
+    let disk = match (status.disk_free_bytes, status.disk_bytes) {
+        (Some(free), Some(size)) => format!("{} free of {}", bytes(free), bytes(size)),
+        _ => "unknown".to_owned(),
+    };
+    row("disk", disk);
+    let ago = words(age(status.started, now));
+    let process = format!("gaiter {}, process {}, running for {ago}", status.gaiter, status.pid);
+    row("station", format!("{}, {process}", status.station));
+    rows
+}
+
+/// What stands around the station: export folders, ports, stores.
+fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
     let intake = match status.intake.as_str() {
         "open" => "scans are taken in".to_owned(),
         "paused" => "paused: exports stay where they are".to_owned(),
         other => format!("{}: exports stay where they are", other.replace('_', " ")),
     };
-    rows.push(row("intake", intake));
+    let mut rows = vec![("intake".to_owned(), intake)];
     rows.extend(
         status
             .sources
             .iter()
             .map(|source| (format!("export {}", source.export_dir), said_of(source, now))),
     );
-    if status.stores.is_empty() {
-        rows.push(row("store", "nothing delivered yet in this run".to_owned()));
-    }
-    rows.extend(status.stores.iter().map(|(name, store)| {
-        let since = words(age(store.since, now));
-        let state = match &store.fault {
-            None => format!("takes records since {since}"),
-            Some(fault) => format!("takes nothing since {since}: {fault}"),
-        };
-        ("store".to_owned(), format!("{name}: {state}"))
-    }));
-    rows.push(row("booth", at_booth(status)));
     rows.extend(status.triggers.iter().map(|(port, trigger)| {
         let since = words(age(trigger.since, now));
         let state = trigger.state.replace('_', " ");
@@ -105,14 +168,17 @@ fn rows(status: &Status) -> Vec<(String, String)> {
             format!("{port}: {state} since {since}{why}, {heard}, {garbage} bytes of garbage");
         ("trigger".to_owned(), text)
     }));
-    let disk = match (status.disk_free_bytes, status.disk_bytes) {
-        (Some(free), Some(size)) => format!("{} free of {}", bytes(free), bytes(size)),
-        _ => "unknown".to_owned(),
-    };
-    rows.push(row("disk", disk));
-    let last =
-        status.last_measurement_s.map_or(String::new(), |s| format!(", the last in {s:.1} s"));
-    rows.push(row("measured", format!("{} in this run{last}", status.measured)));
+    if status.stores.is_empty() {
+        rows.push(("store".to_owned(), "nothing delivered yet in this run".to_owned()));
+    }
+    rows.extend(status.stores.iter().map(|(name, store)| {
+        let since = words(age(store.since, now));
+        let state = match &store.fault {
+            None => format!("takes records since {since}"),
+            Some(fault) => format!("takes nothing since {since}: {fault}"),
+        };
+        ("store".to_owned(), format!("{name}: {state}"))
+    }));
     rows
 }
 

@@ -134,6 +134,12 @@ pub enum What {
     /// An address that other machines may reach.
     #[error("\"{0}\" can be reached from other machines")]
     NotLoopback(String),
+    /// Not an address with a port for other machines.
+    #[error("\"{0}\" is not an address and port")]
+    NotANetworkAddress(String),
+    /// An address that no other machine can reach.
+    #[error("\"{0}\" cannot be reached from other machines")]
+    OnlyLoopback(String),
     /// A list that needs an entry.
     #[error("is an empty list")]
     EmptyList,
@@ -257,6 +263,9 @@ impl What {
             }
             What::NotLoopback(_) => {
                 r#"what stands there is for this machine only: "127.0.0.1:9184""#.into()
+            }
+            What::NotANetworkAddress(_) | What::OnlyLoopback(_) => {
+                r#"write "off", or this machine's address on the local network and a port: "192.168.1.20:9180""#.into()
             }
             What::EmptyList => "name at least one folder that the scanner exports to".into(),
             What::Twice(_) => "remove one of the two".into(),

@@ -16,7 +16,7 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, capture, gdt, notation, trigger, watch,
+    StoreConfig, capture, gdt, notation, page, trigger, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -99,7 +99,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
     let (gdt_path, gdt) = gdt::store(reader);
     let retention = retention(reader);
-    let (status, log) = (seeing::status(reader), seeing::log(reader));
+    let status = seeing::status(reader);
+    let (page, log) = (page::config(reader), seeing::log(reader));
 
     seeing::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
@@ -154,6 +155,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         },
         retention: retention?,
         status: status?,
+        page: page?,
         log: log?,
         text: String::new(),
     })

@@ -6,6 +6,7 @@ use super::LogFormat;
 use super::capture::WithoutTrigger;
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
 use crate::flow::check_digit::CheckDigit;
+use crate::flow::page::IdsShown;
 use crate::leg::Side;
 use crate::leg::method::{
     Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
@@ -36,6 +37,13 @@ pub const LANGUAGES: Words<Language> = &[("en", Language::En), ("de", Language::
 
 /// `--figures`
 pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg), ("png", FigureFormat::Png)];
+
+/// `page.patient_ids`
+pub const IDS_SHOWN: Words<IdsShown> = &[
+    ("nobody", IdsShown::Nobody),
+    ("operator", IdsShown::Operator),
+    ("everyone", IdsShown::Everyone),
+];
 
 /// `patient.check_digit`
 pub const CHECK_DIGITS: Words<CheckDigit> = &[

@@ -199,7 +199,7 @@ pub fn words(duration: Duration) -> String {
 }
 
 /// A number of things.
-fn counted(count: usize, of: &str) -> String {
+pub fn counted(count: usize, of: &str) -> String {
     if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
 }
 

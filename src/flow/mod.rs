@@ -23,6 +23,7 @@ pub mod mask;
 pub mod mount;
 pub mod naming;
 pub mod outbox;
+pub mod page;
 pub mod retention;
 pub mod scan_id;
 pub mod settle;

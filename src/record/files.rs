@@ -5,7 +5,7 @@ use sha2::{Digest, Sha256};
 use super::papers::{self, FilesFault, ReportChoice};
 use super::report::PdfFault;
 use super::schema::FindingNote;
-use super::{Provenance, Record, compose, csv, drawing};
+use super::{Provenance, Record, compose, csv};
 use crate::cad::{CadFault, FileHeader, Output};
 use crate::leg::finding::Severity;
 use crate::leg::{Extraction, Method, Side};
@@ -62,8 +62,8 @@ pub fn record_files(
     let mut files = vec![
         file("record.json", json),
         file("measurements.csv", csv::measurements(&record).into_bytes()),
-        file("legs.svg", drawing::legs(extraction).into_bytes()),
     ];
+    files.push(papers::drawing(&record, choice.language));
     files.push(papers::page(&record, choice.language)?);
     files.extend(paper);
     files.extend(papers::figure_files(&record, choice)?);

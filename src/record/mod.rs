@@ -2,11 +2,11 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
+mod brief;
 pub mod change;
 pub mod chart;
 mod compose;
 mod csv;
-mod drawing;
 mod files;
 pub mod gdt;
 mod language;
@@ -19,6 +19,7 @@ pub mod schema;
 pub mod shape;
 pub mod surface;
 
+pub use brief::{Brief, BriefFigures, BriefLevel};
 pub use compose::record;
 pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
 pub use language::Language;

@@ -15,6 +15,9 @@ const PAGE: &str = "report.html";
 /// The report on paper.
 const PAPER: &str = "report.pdf";
 
+/// Both legs at a glance.
+const DRAWING: &str = "legs.svg";
+
 /// Pixels of a PNG a px of its picture: sharp on paper, 250 to the inch where a figure is as wide as
 /// an A4 page.
 const PNG_SCALE: f64 = 2.0;
@@ -66,6 +69,11 @@ pub(super) fn page(record: &Record, language: Language) -> Result<RecordFile, se
 
 pub(super) fn paper(record: &Record, language: Language) -> Result<RecordFile, PdfFault> {
     Ok(file(PAPER, report::paper(record, language)?))
+}
+
+/// Both legs and their girths as one drawing, which practice software and pages show.
+pub(super) fn drawing(record: &Record, language: Language) -> RecordFile {
+    file(DRAWING, svg::file(&figures::overview(record, language)).into_bytes())
 }
 
 /// The figures as files of their own, where they are wanted.

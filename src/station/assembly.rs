@@ -20,6 +20,7 @@ use super::error::{StationError, chain};
 use super::event::Observer;
 use super::gate::Gate;
 use super::journal::{JournalError, StateLock};
+use super::page::Desk;
 use super::quarantine::Quarantine;
 use super::rebuild;
 use super::spool::Spool;
@@ -44,6 +45,8 @@ pub struct Station {
     pub board: Board,
     /// The button, the readers of ids and the light.
     pub booth: Booth,
+    /// The operator's page.
+    pub page: Desk,
     gate: Gate,
     /// Who looks on.
     pub observer: Observer,
@@ -127,6 +130,7 @@ impl Station {
             stores,
             board: Board::new(facts),
             booth,
+            page: Desk::default(),
             gate,
             observer,
             work: Notify::new(),

@@ -44,6 +44,7 @@ mod intake;
 mod look;
 mod metrics;
 mod orders;
+mod page;
 mod patience;
 mod rebuild;
 mod service;

@@ -85,9 +85,8 @@ export function girthMm(side, level) {
 }
 
 /** One leg of a record; `errorMm(row, column)` gives the surface's error. */
-export function leg(side, errorMm = () => 0) {
+export function leg(side, errorMm = () => 0, { rows, columns } = { rows: 60, columns: 72 }) {
   const [levels, sign] = [Object.keys(LEVELS_MM), side === "left" ? 1 : -1];
-  const [rows, columns] = [60, 72];
   const scan = [];
   for (let at = 0; at < 3000; at += 1) scan.push(...pointMm(side, (TOP_MM * at) / 3000, (at * 137.508) % 360));
   return {
@@ -101,7 +100,7 @@ export function leg(side, errorMm = () => 0) {
       level, label, kind, angle_deg, position_mm: pointMm(side, LEVELS_MM[level], angle_deg), curvature_per_mm: 0.02,
     }))),
     shape: {
-      skin: grid(side, [0, TOP_MM], 100, 72),
+      skin: grid(side, [0, TOP_MM], 2 * rows, columns),
       surface: { ...grid(side, SURFACE_MM, rows, columns), error: errors(rows, columns, errorMm) },
       scan: { points: base64(scan.map((mm) => mm * 10)) },
     },

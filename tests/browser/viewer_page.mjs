@@ -11,12 +11,13 @@ const VIEWER = new URL("../../src/record/report/viewer.js", import.meta.url);
 /** What the report and the operator's page allow, and nothing else. */
 const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; base-uri 'none'; form-action 'none'";
 
-const PAGE = `<!doctype html><html lang="en"><meta charset="utf-8"><title>View</title><link rel="icon" href="data:,">
+const PAGE = `<!doctype html><html lang="en"><meta charset="utf-8"><title>View</title>
 <script src="/watch.js"></script><script src="/viewer.js"></script><main><h1>View</h1><div id="place"></div></main></html>`;
 
 /** Counts frames and violations of the policy. */
 const WATCH = `window.frames_asked = 0; window.violations = [];
 const ask = window.requestAnimationFrame;
+window.ask_frame = ask.bind(window);
 window.requestAnimationFrame = (act) => { window.frames_asked += 1; return ask.call(window, act); };
 document.addEventListener("securitypolicyviolation", (event) => window.violations.push(event.violatedDirective + " " + event.blockedURI));`;
 
@@ -26,7 +27,7 @@ const FLAGS = ["--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=s
 
 /** The server and the browser; `open` gives a fresh page, `close` ends both. */
 export async function start() {
-  const files = { "/": ["text/html", PAGE], "/watch.js": ["text/javascript", WATCH], "/viewer.js": ["text/javascript", await readFile(VIEWER)] };
+  const files = { "/favicon.ico": ["image/x-icon", ""], "/": ["text/html", PAGE], "/watch.js": ["text/javascript", WATCH], "/viewer.js": ["text/javascript", await readFile(VIEWER)] };
   const server = createServer((request, response) => {
     const [kind, body] = files[request.url] ?? ["text/plain", ""];
     response.writeHead(request.url in files ? 200 : 404, { "content-type": kind, "content-security-policy": POLICY });
@@ -65,15 +66,18 @@ export async function settled(page) {
   }));
 }
 
-/** Names the checkbox of a layer and sets it. */
-export async function setLayer(page, name, on) {
-  await page.getByLabel(name, { exact: true }).setChecked(on);
+/** The layers' names. */
+export const LAYERS = ["Scan points", "Skin", "Surface", "Error of the surface", "Sections", "Levels with girth", "Feature points"];
+
+/** Presses a button by its name. */
+export async function press(page, name, times = 1) {
+  for (let at = 0; at < times; at += 1) await page.getByRole("button", { name, exact: true }).click();
   await settled(page);
 }
 
 /** Shows these layers and no others. */
 export async function showOnly(page, names) {
-  for (const name of ["Scan points", "Skin", "Surface", "Error of the surface", "Sections", "Levels with girth", "Feature points"]) {
+  for (const name of LAYERS) {
     const box = page.getByLabel(name, { exact: true });
     if (await box.isEnabled()) await box.setChecked(names.includes(name));
   }

@@ -36,7 +36,9 @@ pub fn whole_record(record: &Path) -> Result<String, String> {
     }
     let scan = scan.ok_or("the scan's own bytes are not there")?;
     let name = record.file_name().unwrap_or_default().to_string_lossy().into_owned();
-    match name.split_once('_') {
+    // A later revision bears its number behind.
+    let first = name.split("_r").next().unwrap_or_default();
+    match first.split_once('_') {
         Some((time, digits))
             if time.len() == 16 && digits.len() == 8 && scan.starts_with(digits) =>
         {

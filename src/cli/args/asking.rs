@@ -20,6 +20,17 @@ pub struct AskArgs {
     pub json: bool,
 }
 
+/// `gaiter status`
+#[derive(Debug, clap::Args)]
+pub struct StatusArgs {
+    /// Go on showing it, anew each second, until Ctrl-C; with --json one object a line
+    #[arg(long)]
+    pub watch: bool,
+    /// What is asked, and how.
+    #[command(flatten)]
+    pub ask: AskArgs,
+}
+
 /// `gaiter scans`
 #[derive(Debug, clap::Args)]
 pub struct ScansArgs {

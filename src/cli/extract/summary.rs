@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::cli::paint::{self, painted};
+use crate::flow::health::counted;
 use crate::leg::{Level, Side};
 use crate::record::Record;
 
@@ -87,13 +88,14 @@ fn totals(rows: &[Row]) -> String {
         }
     }
     let not: usize = why.values().sum();
-    let mut text = format!("{} scans: {} measured", rows.len(), rows.len() - not);
+    let scans = counted(rows.len(), "scan");
+    let mut text = format!("{scans}: {} measured", rows.len() - not);
     if not > 0 {
         let codes: Vec<String> =
             why.iter().map(|(code, count)| format!("{count} {code}")).collect();
         let _ = write!(text, ", {not} not measured ({})", codes.join(", "));
     }
-    let _ = writeln!(text, ", {findings} findings");
+    let _ = writeln!(text, ", {}", counted(findings, "finding"));
     text
 }
 

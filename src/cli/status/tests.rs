@@ -60,25 +60,58 @@ fn status() -> Status {
     }
 }
 
+fn scan(state: &str) -> Listed {
+    Listed {
+        scan: "abcd1234".into(),
+        first_seen: at(0),
+        state: state.into(),
+        held: false,
+        format: "obj".into(),
+        size: 4_500_000,
+        code: None,
+        attempts: 0,
+        next_at: None,
+    }
+}
+
+/// The screen without its colours.
+fn screen(status: Status, scans: Vec<Listed>, columns: Option<usize>) -> String {
+    anstream::adapter::strip_str(&table(&Look { status, scans }, columns)).to_string()
+}
+
 const READY: &str = "\
 ready
-
-station    booth-1, gaiter 0.1.0, process 77, running for 2 hours
-oldest     abcd1234 has waited 3 minutes for its record
-last scan  abcd1234 seen 2027-01-15 08:00:00 UTC, 3 minutes ago: spooled
-scans      1 spooled, 20 delivered, 2 refused, 0 held
+light      waits for the export of a press, 2 exports are awaited, a patient is named for the next press
 intake     scans are taken in
 export 0   looked through, last 5 seconds ago, SMB (polled), 2 waiting (1 for too long)
-store      folder: takes records since 3 minutes
-booth      waits for the export of a press, 2 exports are awaited, a patient is named for the next press
 trigger    serial: open since 3 minutes, 21 presses, 3 bytes of garbage
-disk       12.0 GB free of 100.0 GB
+store      folder: takes records since 3 minutes
+oldest     abcd1234 has waited 3 minutes for its record
+scans      1 spooled, 20 delivered, 2 refused, 0 held
+last scan  abcd1234 seen 2027-01-15 08:00:00 UTC, 3 minutes ago: spooled
 measured   22 in this run, the last in 2.1 s
+disk       12.0 GB free of 100.0 GB
+station    booth-1, gaiter 0.1.0, process 77, running for 2 hours
+
+scan      first seen               state      format      size  why
+abcd1234  2027-01-15 08:00:00 UTC  spooled    obj       4.5 MB
 ";
 
 #[test]
-fn a_station_in_order_fills_one_screen_and_says_so_first() {
-    assert_eq!(table(&status()), READY);
+fn a_station_in_order_says_so_first_and_its_last_scans_at_the_end() {
+    assert_eq!(screen(status(), vec![scan("spooled")], None), READY);
+}
+
+#[test]
+fn on_a_terminal_it_fits_one_screen_and_every_id_stays_whole() {
+    let scans = (0..LAST_SCANS).map(|_| scan("delivered")).collect();
+    let said = screen(status(), scans, Some(80));
+    assert!(said.lines().count() < 24, "{said}");
+    assert!(said.lines().all(|line| line.chars().count() <= 80), "{said}");
+    let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let piped = screen(status(), vec![scan("delivered")], None);
+    let (said, piped) = (words(&said), words(&piped));
+    assert_eq!(said[..piped.len()], piped, "wrapping parts words only at spaces");
 }
 
 #[test]
@@ -89,7 +122,7 @@ fn what_is_wrong_and_what_to_do_stands_first() {
         let (message, remedy) = (format!("it is {code}"), "gaiter resume".to_owned());
         status.complaints.push(Complaint { code: code.into(), message, remedy });
     }
-    let said = table(&status);
+    let said = screen(status, Vec::new(), None);
     let first = "not ready: it is paused [paused]\n    do: gaiter resume\nnot ready: it is store";
     assert!(said.starts_with(first), "{said}");
     assert!(!said.contains("\nready"), "{said}");

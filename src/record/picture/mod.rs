@@ -96,6 +96,42 @@ impl Anchor {
     }
 }
 
+impl Picture {
+    /// This one with another below it, as one.
+    pub fn above(self, below: Picture) -> Picture {
+        let ([width, height], [other_width, other_height]) = (self.size, below.size);
+        let moved = below.marks.into_iter().map(|mark| mark.moved_down(height));
+        Picture {
+            title: self.title,
+            size: [width.max(other_width), height + other_height],
+            marks: self.marks.into_iter().chain(moved).collect(),
+        }
+    }
+}
+
+impl Mark {
+    fn moved_down(self, way: f64) -> Mark {
+        let down = |[x, y]: [f64; 2]| [x, y + way];
+        match self {
+            Mark::Lines { lines, is_closed, fill, stroke } => {
+                let moved = |line: Vec<[f64; 2]>| line.into_iter().map(down).collect();
+                Mark::Lines {
+                    lines: lines.into_iter().map(moved).collect(),
+                    is_closed,
+                    fill,
+                    stroke,
+                }
+            }
+            Mark::Dots { at, radius, fill, stroke } => {
+                Mark::Dots { at: at.into_iter().map(down).collect(), radius, fill, stroke }
+            }
+            Mark::Words { at, anchor, size, is_bold, ink, words } => {
+                Mark::Words { at: down(at), anchor, size, is_bold, ink, words }
+            }
+        }
+    }
+}
+
 impl Stroke {
     /// A whole line.
     pub fn of(ink: Ink, width: f64) -> Option<Stroke> {

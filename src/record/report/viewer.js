@@ -65,11 +65,11 @@ globalThis.gaiterViewer = (() => {
   const LIFT_MM = { skin: 0, surface: 1, error: 1.3, scan: 1.8, ring: 2, feature: 4, landmark: 2000 };
   const TURN_DEG_PER_PX = 0.4, KEY_TURN_DEG = 10, KEY_MOVE_PX = 40, KEY_ZOOM = 1.25;
   const ZOOM = [0.5, 40]; // Least and most, 1 fits the legs into the canvas.
-  const MARGIN_PX = [120, 34]; // Room for labels beside and over the legs.
+  const MARGIN_PX = [130, 46]; // Room for labels beside and over the legs.
   const LEADER_PX = 16; // From the legs to the label of a level.
   const MOST_CANVAS_PX = 4096, MOST_BAR_PX = 120;
   const ZOOM_PER_WHEEL_PX = 0.0015;
-  const NEAR_PX_PER_MM = 2.2; // From here on feature points show their labels.
+  const NEAR_PX_PER_MM = 1.5; // From here on feature points show their labels.
   const HOVER_PX = 14; // A pointer this near to a feature point shows its label.
   const SCROLL_PAUSE_MS = 300; // Wheel turns closer together are one scroll of the page.
   const WHEEL_LINE_PX = 30; // What a wheel's line is worth where a browser counts lines.
@@ -491,7 +491,7 @@ globalThis.gaiterViewer = (() => {
         if (shows.features) this.drawSigns(parts.peak, 1, 13, LIFT_MM.feature, colours.peak);
         if (shows.features) this.drawSigns(parts.valley, 2, 13, LIFT_MM.feature, colours.valley);
         const squares = this.buffer(new Float32Array(anchors.get(leg).flat()));
-        this.drawSigns(squares, 3, 9, LIFT_MM.landmark, colours[leg.side]);
+        this.drawSigns(squares, 3, 8, LIFT_MM.landmark, colours[leg.side]);
         gl.deleteBuffer(squares.handle);
       }
     }
@@ -516,9 +516,9 @@ globalThis.gaiterViewer = (() => {
     .gaiter-stage canvas:focus-visible { outline-offset: -3px; }
     .gaiter-stage span, .gaiter-stage i { position: absolute; left: 0; top: 0; pointer-events: none; }
     .gaiter-stage span { padding: 0 4px; white-space: nowrap; background: var(--v-ground); border-radius: 3px; font-size: 13px; }
-    .gaiter-stage i { height: 1px; transform-origin: 0 0; }
-    .gaiter-swatch { width: 12px; height: 12px; border: 1px solid var(--v-line); }
-    .gaiter-foot { display: flex; flex-wrap: wrap; gap: 4px 24px; align-items: center; min-height: 28px; }
+    .gaiter-stage i { height: 1px; background: currentcolor; transform-origin: 0 0; }
+    .gaiter-swatch { width: 20px; height: 8px; border-radius: 4px; }
+    .gaiter-foot { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; min-height: 28px; }
     .gaiter-bar { border: solid var(--v-ink); border-width: 0 1px 1px; text-align: center; }`;
 
   /** An element; all text goes in as text. */
@@ -529,9 +529,11 @@ globalThis.gaiterViewer = (() => {
     return element;
   }
 
-  function swatch(background) {
+  /** A patch of a colour or of a blend of colours. */
+  function swatch(...names) {
     const element = make("span", { class: "gaiter-swatch" });
-    element.style.background = background;
+    const colours = names.map((name) => `var(--v-${name})`);
+    element.style.background = names.length > 1 ? `linear-gradient(to right, ${colours})` : colours[0];
     return element;
   }
 
@@ -572,11 +574,11 @@ globalThis.gaiterViewer = (() => {
         element.addEventListener("click", () => { act(); this.redraw(); });
         return element;
       };
-      const check = (key, text, colour) => {
+      const check = (key, text, ...colours) => {
         const box = make("input", { type: "checkbox" });
         Object.assign(box, { checked: this.shows[key], disabled: LAYERS.includes(key) && !this.has(key) });
         box.addEventListener("change", () => { this.shows[key] = box.checked; this.redraw(); });
-        return make("label", {}, box, ...(colour in COLOURS ? [swatch(colour)] : []), text);
+        return make("label", {}, box, text, ...colours.map((colour) => swatch(colour)));
       };
       const group = (title, ...children) => make("fieldset", {}, make("legend", {}, title), ...children);
       const help = make("p", { id: `gaiter-viewer-help-${mounted += 1}` }, words.help);
@@ -590,7 +592,7 @@ globalThis.gaiterViewer = (() => {
           button("nearer", () => camera.zoomBy(KEY_ZOOM)), button("farther", () => camera.zoomBy(1 / KEY_ZOOM)),
           button("reset", () => camera.look(START))),
         group(words.show, ...scene.legs.map(({ side }) => check(side, words[`${side}Leg`], side)).reverse(),
-          ...LAYERS.map((layer) => check(layer, words[layer], layer))),
+          ...LAYERS.map((layer) => check(layer, words[layer], ...(layer in COLOURS ? [layer] : [])))),
         make("div", { class: "gaiter-stage" }, this.canvas, this.overlay),
         make("div", { class: "gaiter-foot" }, this.bar, this.legend),
         help, ...(scene.note ? [make("p", {}, words[scene.note])] : []));
@@ -600,10 +602,9 @@ globalThis.gaiterViewer = (() => {
     makeLegend() {
       const { scene: { rangeMm }, words } = this;
       const range = String(rangeMm).replace(".", words.point);
-      const colours = swatch("middle");
+      const colours = swatch("below", "middle", "above");
       colours.style.width = "140px";
-      colours.style.background = "linear-gradient(to right, var(--v-below), var(--v-middle), var(--v-above))";
-      return make("div", { class: "gaiter-foot" }, words.legend, `−${range}`, colours, `+${range}`, swatch("unseen"), words.unseen);
+      return make("div", { class: "gaiter-foot" }, `${words.legend}: −${range}`, colours, `+${range}`, swatch("unseen"), words.unseen);
     }
 
     /** The labels, most important first: sides, the feature point under the pointer, levels, others. */
@@ -618,7 +619,7 @@ globalThis.gaiterViewer = (() => {
       return scene.legs.flatMap((leg) => [
         tag(() => 0, leg, (size) => this.besideLeg(leg, size), () => words[`${leg.side}Leg`]),
         ...leg.levels.map((level) => tag(() => 2, leg, (size, anchors) => this.besideLevel(leg, level, size, anchors), () =>
-          [level.level, words[leg.side], ...(this.shows.landmarks && level.girthMm ? [inCm(level.girthMm, words)] : [])].join(" "))),
+          [level.level, words[leg.side], ...(this.shows.landmarks && level.girthMm ? [inCm(level.girthMm, words), "cm"] : [])].join(" "))),
         ...leg.features.map((feature) => tag(() => (feature === this.hovered ? 1 : 3), leg, (size) => this.besideFeature(leg, feature, size), () =>
           (feature === this.hovered ? [feature.label, feature.level, words[leg.side], words[feature.kind]].join(" · ") : feature.label))),
       ]);
@@ -640,7 +641,9 @@ globalThis.gaiterViewer = (() => {
       if (!(shows.sections && level.ring) && !(shows.landmarks && level.girthMm !== null)) return [];
       const x = ({ box }) => camera.project(middleOf(box))[0];
       const other = this.scene.legs.find((one) => one !== leg);
-      const way = other && x(leg) < x(other) ? -1 : 1;
+      // Seen from the side the legs stand behind one another; then the left one's labels are on the right.
+      const away = other ? x(leg) - x(other) : 1;
+      const way = Math.sign(Math.abs(away) > 1 ? away : (leg.side === "left") - 0.5);
       const outline = level.ring ? level.ring.outline.map((point) => [point, ...camera.project(point)]) : [[level.place, ...camera.project(level.place)]];
       const [place, fromX, fromY] = outline.reduce((most, one) => (way * one[1] > way * most[1] ? one : most));
       if (fromX < 0 || fromX > camera.width || fromY < 0 || fromY > camera.height) return [];
@@ -681,9 +684,11 @@ globalThis.gaiterViewer = (() => {
       const [taken, anchors] = [[], new Map(this.scene.legs.map((leg) => [leg, []]))];
       for (const tag of [...this.tags].sort((a, b) => a.rank() - b.rank())) {
         const said = tag.say();
-        if (tag.said !== said || !tag.size[0]) {
+        if (tag.said !== said || tag.size[0] === 0) {
+          tag.text.hidden = false;
           tag.text.textContent = tag.said = said;
-          tag.size = [tag.text.offsetWidth, tag.text.offsetHeight];
+          const box = tag.text.getBoundingClientRect();
+          tag.size = [box.width, box.height].map(Math.ceil);
         }
         const [w, h] = tag.size;
         const places = this.shows[tag.leg.side] ? tag.places(tag.size, anchors.get(tag.leg)) : [];

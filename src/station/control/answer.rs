@@ -60,6 +60,7 @@ pub fn answer(station: &Station, request: &Request) -> Answer {
         Request::Order { bytes } => ordered(station, bytes),
         Request::Pause => acted(station, None, &Act::Pause),
         Request::Resume => acted(station, None, &Act::Resume),
+        Request::Page => page(station),
     };
     answered.unwrap_or_else(Answer::Fault)
 }
@@ -126,6 +127,15 @@ fn next(station: &Station) -> String {
         1 => format!("{named}; one export is awaited"),
         count => format!("{named}; {count} exports are awaited"),
     }
+}
+
+/// The link to the operator's page, with what it takes to decide there.
+fn page(station: &Station) -> Result<Answer, Fault> {
+    let link = station.page.link().ok_or_else(|| {
+        let message = "no page is served: set status.listen, or enable gaiter.socket";
+        Fault::new(FaultKind::Failed, "page-not-served", message)
+    })?;
+    Ok(Answer::Sentence(link))
 }
 
 /// Carries out what a person decided.

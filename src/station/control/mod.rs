@@ -7,4 +7,5 @@ mod answer;
 pub mod protocol;
 mod server;
 
+pub use answer::answer;
 pub use server::worker;

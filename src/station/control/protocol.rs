@@ -88,6 +88,8 @@ pub enum Request {
     Pause,
     /// Go on.
     Resume,
+    /// The link to the operator's page.
+    Page,
 }
 
 /// What the station answers.

@@ -12,6 +12,7 @@ mod history;
 mod listing;
 mod lock;
 mod meta;
+mod newest;
 mod prune;
 mod scans;
 mod schema;

@@ -24,7 +24,7 @@ const ROW: f64 = 138.0;
 const HALF: f64 = WIDTH / 2.0;
 
 /// Left and right of a chart within its half, px.
-const CHART_X: [f64; 2] = [44.0, 346.0];
+const CHART_X: [f64; 2] = [44.0, 340.0];
 
 /// The figure; none of a record without outlines.
 pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Option<Picture> {

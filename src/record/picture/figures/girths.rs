@@ -21,7 +21,10 @@ const ROWS_PX: [f64; 2] = [64.0, 500.0];
 const GIRTHS_PX: [f64; 2] = [56.0, 440.0];
 
 /// Left and right of the chart of slopes, px.
-const SLOPES_PX: [f64; 2] = [504.0, 704.0];
+const SLOPES_PX: [f64; 2] = [504.0, 690.0];
+
+/// Slopes that span more are numbered at whole ones only.
+const SLOPES_WIDE: f64 = 3.0;
 
 /// Length of the dashes of the right leg's line, px; the left leg's has none.
 const DASH: f64 = 6.0;
@@ -56,8 +59,11 @@ pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Op
     }
     marks.extend(legs().flat_map(|(side, leg)| extremes(side, leg, &frame)));
     marks.extend(levels(record, &frame, language));
+    marks.extend(feet(record, language, words_));
     if let Some(slopes) = slope_frame(legs().map(|(_, leg)| leg), &frame) {
-        marks.extend(slopes.columns(0.5, |slope| rounding::number(slope, 1, language)));
+        let [low, high] = slopes.x.range;
+        let step = if high - low > SLOPES_WIDE { 1.0 } else { 0.5 };
+        marks.extend(slopes.columns(step, |slope| rounding::number(slope, 1, language)));
         marks.extend(slopes.rows(100.0, |_| String::new()));
         let zero = vec![slopes.at([0.0, frame.y.range[0]]), slopes.at([0.0, frame.y.range[1]])];
         marks.push(lines(vec![zero], Ink::Muted, 1.0));
@@ -222,6 +228,24 @@ fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
             is_found,
         })
         .collect()
+}
+
+/// The girths of the feet, which are no places on the curve: where the chart is empty.
+fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
+    let line = |(above, side): (usize, Side)| {
+        let leg = leg(record, side)?;
+        let is_foot = |name: &str| Level::ALL.iter().any(|l| *l < Level::B && l.name() == name);
+        let found = leg.landmarks.iter().map(|(name, l)| ("", name, l.girth_tape_mm));
+        let estimates = leg.estimates.iter().map(|(name, e)| ("≈ ", name, e.girth_tape_mm));
+        let girths = found.chain(estimates).filter(|(_, name, _)| is_foot(name));
+        let girths: Vec<String> = girths
+            .map(|(about, name, mm)| format!("{about}{name} {}", rounding::cm_words(mm, language)))
+            .collect();
+        let text = format!("{}: {}", words_.side(side), girths.join(", "));
+        let at = [GIRTHS_PX[1] - 8.0, ROWS_PX[1] - 10.0 - above as f64 * LINE];
+        (!girths.is_empty()).then(|| words(at, Anchor::End, SMALL, Ink::of(side), text))
+    };
+    SIDES.into_iter().rev().enumerate().filter_map(line).collect()
 }
 
 /// Whether a level's label stands on the right: that of the leg with the larger girth there.

@@ -39,6 +39,15 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
     figures.into_iter().filter_map(there).collect()
 }
 
+/// The legs and their girths in one drawing, as far as the record has the data.
+pub fn overview(record: &Record, language: Language) -> Picture {
+    let words = Words::of(language);
+    let parts = [views::picture(record, language, words), girths::picture(record, language, words)];
+    let title = words.views.to_owned();
+    let nothing = Picture { title, size: [0.0, 0.0], marks: Vec::new() };
+    parts.into_iter().flatten().fold(nothing, Picture::above)
+}
+
 /// The patient's right leg is on the left, as seen from the front.
 const SIDES: [Side; 2] = [Side::Right, Side::Left];
 

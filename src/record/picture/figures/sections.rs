@@ -49,13 +49,7 @@ pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Pict
         let left = half as f64 * HALF;
         let ink = Ink::of(side);
         marks.push(heading([left + OUTLINE_X, 20.0], Anchor::Middle, ink, says.side(side)));
-        marks.push(words(
-            [left + OUTLINE_X, 36.0],
-            Anchor::Middle,
-            SMALL,
-            Ink::Muted,
-            says.from_feet,
-        ));
+        marks.push(words([left + 8.0, 36.0], Anchor::Start, SMALL, Ink::Muted, says.from_feet));
         let middle = f64::midpoint(CHART_X[0], CHART_X[1]);
         marks.push(heading([left + middle, 20.0], Anchor::Middle, Ink::Text, says.curvature));
         for (row, level) in LEVELS.into_iter().enumerate() {
@@ -152,7 +146,8 @@ impl Sheet<'_> {
         };
         let mut marks = frame.rows(20.0, |per_metre| format!("{per_metre:.0}"));
         marks.extend(frame.columns(90.0, |_| String::new()));
-        let below = frame.y.px[0] + LINE;
+        // Below the names of valleys.
+        let below = frame.y.px[0] + LINE + SMALL;
         let names = [(-90.0, self.says.medial), (0.0, self.says.front), (90.0, self.says.lateral)];
         marks.extend(names.map(|(angle, name)| {
             words([frame.x.at(angle), below], Anchor::Middle, SMALL, Ink::Muted, name)

@@ -30,6 +30,18 @@ const LARGEST_SCALE: f64 = 0.75;
 /// A picture may shrink by this to stand below what comes before it.
 const SHRUNK_SCALE: f64 = 0.88;
 
+/// Above a heading, pt.
+const HEADING_GAP: f64 = 15.0;
+
+/// What a heading of one line takes with the gaps around it, pt.
+pub(super) const HEADING_ROOM: f64 = HEADING_GAP + 12.5 * 1.32 + 4.0;
+
+/// Between a picture and its caption, pt.
+const CAPTION_GAP: f64 = 6.0;
+
+/// Sums of heights differ by less than this with their order, pt.
+const ROUNDING: f64 = 1e-6;
+
 pub(super) const BODY_TYPE: Type = Type { size: 9.0, is_bold: false };
 pub(super) const BOLD_TYPE: Type = Type { size: 9.0, is_bold: true };
 pub(super) const SMALL_TYPE: Type = Type { size: 8.0, is_bold: false };
@@ -69,16 +81,11 @@ impl<'a> Flow<'a> {
 
     /// Begins a page where less than this height is left, pt; true where one began.
     pub(super) fn need(&mut self, height: f64) -> bool {
-        let is_full = self.y + height > BODY[1] && self.y > BODY[0];
+        let is_full = self.y + height > BODY[1] + ROUNDING && self.y > BODY[0];
         if is_full {
             self.turn();
         }
         is_full
-    }
-
-    /// Height that is left on the page, pt.
-    pub(super) fn left(&self) -> f64 {
-        BODY[1] - self.y
     }
 
     pub(super) fn space(&mut self, height: f64) {
@@ -87,11 +94,15 @@ impl<'a> Flow<'a> {
 
     /// A heading that stays with the first `follows` pt of what comes.
     pub(super) fn heading(&mut self, words: &str, follows: f64) {
-        self.space(if self.y > BODY[0] { 15.0 } else { 0.0 });
-        let rows = lines(&writable(words), WIDTH, HEADING_TYPE).len() as f64;
-        self.need(rows * HEADING_TYPE.leading() + 4.0 + follows);
+        self.space(if self.y > BODY[0] { HEADING_GAP } else { 0.0 });
+        self.need(Flow::height_of(words, HEADING_TYPE) + 4.0 + follows);
         self.text(words, StructRole::H2, HEADING_TYPE, Ink::Text);
         self.space(4.0);
+    }
+
+    /// Height of words over the whole column, pt.
+    pub(super) fn height_of(words: &str, letters: Type) -> f64 {
+        lines(&writable(words), WIDTH, letters).len() as f64 * letters.leading()
     }
 
     /// Words over the whole column, on as many lines and pages as they take.
@@ -109,24 +120,34 @@ impl<'a> Flow<'a> {
         self.y += letters.leading();
     }
 
-    /// A picture with its caption, as wide as the column or as a page is high. It keeps `spare` pt
-    /// free above it, for a heading.
+    /// A picture with its caption, as wide as the column or as high as a page with a heading.
     pub(super) fn picture(&mut self, picture: &Picture, title: &str, text: &str) {
-        let below = lines(&writable(text), WIDTH, SMALL_TYPE).len() as f64 * SMALL_TYPE.leading();
-        let caption = BOLD_TYPE.leading() + below + 6.0;
+        let scale = self.scale(picture, title, text, 0.0);
         let [width, height] = picture.size;
-        let room = BODY[1] - BODY[0] - caption - HEADING_TYPE.leading() - 4.0;
-        let scale = (WIDTH / width).min(room / height).min(LARGEST_SCALE);
-        let left = (self.left() - caption) / height;
-        let scale = if left >= SHRUNK_SCALE * scale { scale.min(left) } else { scale };
-        self.need(height * scale + caption - 0.01);
+        self.need(height * scale + caption_height(title, text) - ROUNDING);
         let figure = self.sheets.tags.add_figure(&picture.title);
         let at = [COLUMN[0] + (WIDTH - width * scale) / 2.0, self.y];
         self.sheets.draw(figure, |pen| drawing::draw(pen, picture, at, scale));
-        self.y += height * scale + 6.0;
+        self.y += height * scale + CAPTION_GAP;
         self.text(title, StructRole::Caption, BOLD_TYPE, Ink::Text);
         self.text(text, StructRole::P, SMALL_TYPE, Ink::Muted);
         self.space(14.0);
+    }
+
+    /// Height of a picture with its caption where `above` pt stand before it, pt.
+    pub(super) fn picture_height(&self, picture: &Picture, captions: [&str; 2], above: f64) -> f64 {
+        let [title, text] = captions;
+        picture.size[1] * self.scale(picture, title, text, above) + caption_height(title, text)
+    }
+
+    /// pt a px; smaller where that saves a page.
+    fn scale(&self, picture: &Picture, title: &str, text: &str, above: f64) -> f64 {
+        let [width, height] = picture.size;
+        let caption = caption_height(title, text);
+        let room = BODY[1] - BODY[0] - caption - HEADING_TYPE.leading() - 4.0;
+        let scale = (WIDTH / width).min(room / height).min(LARGEST_SCALE);
+        let left = (BODY[1] - self.y - above - caption) / height;
+        if left >= SHRUNK_SCALE * scale { scale.min(left) } else { scale }
     }
 
     /// The pages, with their numbers.
@@ -143,6 +164,10 @@ impl<'a> Flow<'a> {
         }
         self.sheets
     }
+}
+
+fn caption_height(title: &str, text: &str) -> f64 {
+    CAPTION_GAP + Flow::height_of(title, BOLD_TYPE) + Flow::height_of(text, SMALL_TYPE)
 }
 
 fn page_number(language: Language, page: usize, count: usize) -> String {

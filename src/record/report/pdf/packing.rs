@@ -5,8 +5,9 @@ use std::io::Write;
 use flate2::Compression;
 use flate2::write::ZlibEncoder;
 
-/// Quick rather than small: every scan has a paper, and level 6 saves a tenth in four times the time.
-const LEVEL: Compression = Compression::new(2);
+/// Quick rather than small: every scan has a paper, and level 6 saves a seventh of it in five times the
+/// time.
+const LEVEL: Compression = Compression::fast();
 
 /// The bytes as `FlateDecode` reads them.
 pub(super) fn packed(bytes: &[u8]) -> Vec<u8> {

@@ -2,7 +2,7 @@
 
 use pdf_writer::types::StructRole;
 
-use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_TYPE, SMALL_TYPE, TITLE_TYPE};
+use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_ROOM, SMALL_TYPE, TITLE_TYPE};
 use super::table::{Cell, Row, Table};
 use super::wrap::Type;
 use crate::record::picture::figures::Figure as Drawn;
@@ -14,6 +14,9 @@ use crate::record::report::{Figure, Mark};
 
 /// Letters of the table of every figure, which has many columns, pt.
 const DENSE: f64 = 7.0;
+
+/// A note or paragraph up to this height stays on one page, pt.
+const WHOLE_MAX: f64 = 150.0;
 
 /// Whose legs, and where the record comes from.
 pub(super) fn front(flow: &mut Flow<'_>, content: &Content) {
@@ -100,7 +103,8 @@ fn figure(figure: &Figure, letters: Type) -> Cell {
             let size = letters.size.min(SMALL_TYPE.size);
             Cell::new(&words, Type { size, ..letters }, Anchor::End).inked(Ink::Muted)
         }
-        Mark::Real => Cell::new(&words, Type { is_bold: true, ..letters }, Anchor::End),
+        Mark::Real => Cell::new(&words, Type { is_bold: true, ..letters }, Anchor::End).whole(),
+        _ if has_figure(&figure.value) => Cell::new(&words, letters, Anchor::End).whole(),
         _ => Cell::new(&words, letters, Anchor::End),
     }
 }
@@ -122,12 +126,12 @@ fn note(flow: &mut Flow<'_>, note: &Note) {
         Weight::Error => Ink::Right,
         Weight::Warning | Weight::Info => Ink::Text,
     };
-    // The heading stays with what is said first.
-    flow.need(3.0 * BOLD_TYPE.leading());
-    flow.text(&heading, StructRole::H3, BOLD_TYPE, ink);
     let said = [Some(&note.message), note.meaning.as_ref(), note.action.as_ref()];
     let said: Vec<&str> = said.into_iter().flatten().map(String::as_str).collect();
     let said = said.join(" ");
+    let height = Flow::height_of(&heading, BOLD_TYPE) + Flow::height_of(&said, BODY_TYPE);
+    flow.need(height.min(WHOLE_MAX));
+    flow.text(&heading, StructRole::H3, BOLD_TYPE, ink);
     if !said.trim().is_empty() {
         flow.text(&said, StructRole::P, BODY_TYPE, Ink::Text);
     }
@@ -180,15 +184,19 @@ fn figures(flow: &mut Flow<'_>, table: &content::Table, letters: Type, words: An
     laid.write(flow);
 }
 
-/// Whether words begin as a figure does.
+/// Whether words are a figure: `12.3`, `+4`, `h 56.0`.
 fn has_figure(words: &str) -> bool {
-    words.starts_with(|first: char| first.is_ascii_digit() || "+−±~".contains(first))
+    let figure = words.strip_prefix("h ").unwrap_or(words);
+    figure.trim_start_matches(['+', '−']).chars().all(|of| of.is_ascii_digit() || ".,".contains(of))
 }
 
 /// A heading with paragraphs.
 pub(super) fn section(flow: &mut Flow<'_>, section: &Section) {
-    flow.heading(&section.title, 2.0 * BODY_TYPE.leading());
+    let height = |entry: &String| (Flow::height_of(entry, BODY_TYPE) + 3.0).min(WHOLE_MAX);
+    let all: f64 = section.entries.iter().map(height).sum();
+    flow.heading(&section.title, all.min(WHOLE_MAX));
     for entry in &section.entries {
+        flow.need(height(entry));
         flow.text(entry, StructRole::P, BODY_TYPE, Ink::Text);
         flow.space(3.0);
     }
@@ -196,19 +204,27 @@ pub(super) fn section(flow: &mut Flow<'_>, section: &Section) {
 
 /// The figures of the method, or why there are none.
 pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[Drawn]) {
-    if !drawn.is_empty() {
-        flow.turn();
-    }
-    flow.heading(&words.title, 2.0 * HEADING_TYPE.leading());
-    if let Some(missing) = &words.missing {
+    let missing = words.missing.as_ref();
+    let said = missing.map_or(0.0, |words| Flow::height_of(words, BODY_TYPE) + 3.0);
+    let above = HEADING_ROOM + said;
+    let first = drawn.first();
+    let first = first
+        .map_or(0.0, |first| flow.picture_height(&first.picture, captions(words, first), above));
+    flow.heading(&words.title, said + first);
+    if let Some(missing) = missing {
         flow.text(missing, StructRole::P, BODY_TYPE, Ink::Text);
+        flow.space(3.0);
     }
     for drawn in drawn {
-        let caption = words.captions.iter().find(|caption| caption.name == drawn.name);
-        let [title, text] = match caption {
-            Some(of) => [of.title.as_str(), of.text.as_str()],
-            None => [drawn.picture.title.as_str(), ""],
-        };
+        let [title, text] = captions(words, drawn);
         flow.picture(&drawn.picture, title, text);
+    }
+}
+
+/// The two lines below a picture: what it is, and how to read it.
+fn captions<'a>(words: &'a PictureWords, drawn: &'a Drawn) -> [&'a str; 2] {
+    match words.captions.iter().find(|caption| caption.name == drawn.name) {
+        Some(of) => [&of.title, &of.text],
+        None => [&drawn.picture.title, ""],
     }
 }

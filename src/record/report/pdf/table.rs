@@ -27,15 +27,23 @@ pub(super) struct Cell {
     ink: Ink,
     anchor: Anchor,
     span: usize,
+    /// Whether its words stay on one line, as a figure and what it is uncertain by.
+    is_whole: bool,
 }
 
 impl Cell {
     pub(super) fn new(words: &str, letters: Type, anchor: Anchor) -> Cell {
-        Cell { words: writable(words), letters, ink: Ink::Text, anchor, span: 1 }
+        let words = writable(words);
+        Cell { words, letters, ink: Ink::Text, anchor, span: 1, is_whole: false }
     }
 
     pub(super) fn inked(self, ink: Ink) -> Cell {
         Cell { ink, ..self }
+    }
+
+    pub(super) fn whole(self) -> Cell {
+        // A figure without reason breaks rather than leaves the page.
+        Cell { is_whole: self.letters.width(&self.words) <= WORD_MAX, ..self }
     }
 
     pub(super) fn anchored(self, anchor: Anchor) -> Cell {
@@ -129,6 +137,8 @@ impl<'t> Laid<'t> {
     /// cell would like. Letters shrink where even the words do not fit.
     fn new(table: &'t Table) -> Laid<'t> {
         let columns = table.columns();
+        // Behind the last column there need be no room.
+        let room = WIDTH + GAP;
         let widest = |column: usize, width: fn(&Cell) -> f64| {
             table.cells_of(column).map(width).fold(0.0, f64::max) + GAP
         };
@@ -137,19 +147,19 @@ impl<'t> Laid<'t> {
             .map(|column| widest(column, |cell| cell.letters.width(&cell.words)))
             .collect();
         let total = |widths: &[f64]| widths.iter().sum::<f64>();
-        let shrink = (WIDTH / total(&needed)).min(1.0);
+        let shrink = (room / total(&needed)).min(1.0);
         let needed: Vec<f64> = needed.iter().map(|width| width * shrink).collect();
         let wish: Vec<f64> = liked
             .iter()
             .zip(&needed)
             .map(|(liked, needed)| (liked * shrink - needed).max(0.0))
             .collect();
-        let (free, wished) = (WIDTH - total(&needed), total(&wish));
+        let (free, wished) = (room - total(&needed), total(&wish));
         let share = if wished > 0.0 { (free / wished).min(1.0) } else { 0.0 };
         let mut widths: Vec<f64> =
             needed.iter().zip(&wish).map(|(needed, wish)| needed + share * wish).collect();
         // A ruled table goes over the whole column; others keep together on its left.
-        let spare = (WIDTH - total(&widths)) / columns.max(1) as f64;
+        let spare = (room - total(&widths)) / columns.max(1) as f64;
         if table.is_ruled {
             widths.iter_mut().for_each(|width| *width += spare);
         }
@@ -173,6 +183,9 @@ impl<'t> Laid<'t> {
     }
 
     fn lines(&self, cell: &Cell, width: f64) -> Vec<String> {
+        if cell.is_whole {
+            return vec![cell.words.clone()];
+        }
         lines(&cell.words, width - GAP, self.letters(cell))
     }
 
@@ -193,7 +206,7 @@ impl<'t> Laid<'t> {
             self.places(row).iter().map(|(cell, ..)| self.letters(cell).size).fold(0.0, f64::max);
         for (cell, left, width) in self.places(row) {
             let letters = self.letters(cell);
-            let x = left + cell.anchor.share() * (width - GAP) + GAP / 2.0;
+            let x = left + cell.anchor.share() * (width - GAP);
             let written: Vec<(String, f64)> = self
                 .lines(cell, width)
                 .into_iter()
@@ -217,7 +230,7 @@ impl<'t> Laid<'t> {
     }
 
     fn rule(&self, flow: &mut Flow<'_>, ink: Ink) {
-        let right = COLUMN[0] + self.widths.iter().sum::<f64>();
+        let right = COLUMN[0] + self.widths.iter().sum::<f64>() - GAP;
         if self.table.is_ruled {
             let (y, page) = (flow.y, flow.sheets.current());
             flow.sheets.decorate(page, |pen| pen.rule([[COLUMN[0], y], [right, y]], ink, 0.5));
@@ -227,6 +240,9 @@ impl<'t> Laid<'t> {
 
 /// Width of the longest word of a cell, within reason.
 fn longest_word(cell: &Cell) -> f64 {
+    if cell.is_whole {
+        return cell.letters.width(&cell.words);
+    }
     let words = cell.words.split(' ').map(|word| cell.letters.width(word));
     words.fold(0.0, f64::max).min(WORD_MAX)
 }

@@ -23,6 +23,9 @@ impl Type {
     }
 }
 
+/// Sums of widths differ by less than this with their order, pt.
+const ROUNDING: f64 = 1e-6;
+
 /// The lines of writable words. They break at blanks; a word that is wider than a line, as a long id,
 /// breaks between its letters.
 pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
@@ -30,7 +33,7 @@ pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
     for word in words.split(' ').filter(|word| !word.is_empty()) {
         let line = lines.last().map_or("", String::as_str);
         let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
-        if letters.width(&longer) <= width {
+        if letters.width(&longer) <= width + ROUNDING {
             lines.pop();
             lines.push(longer);
         } else {
@@ -48,7 +51,7 @@ fn pieces(word: &str, width: f64, letters: Type) -> Vec<String> {
     let (mut pieces, mut piece, mut wide) = (Vec::new(), String::new(), 0.0);
     for letter in word.chars() {
         let letter_width = letters.width(letter.encode_utf8(&mut [0; 4]));
-        if wide + letter_width > width && !piece.is_empty() {
+        if wide + letter_width > width + ROUNDING && !piece.is_empty() {
             pieces.push(std::mem::take(&mut piece));
             wide = 0.0;
         }
@@ -89,7 +92,7 @@ mod tests {
         fn no_line_is_too_wide_and_no_letter_is_lost(words in "[ -~]{0,300}", width in 10.0..300.0) {
             let lines = lines(&words, width, PLAIN);
             for line in &lines {
-                prop_assert!(PLAIN.width(line) <= width + 1e-9 || line.chars().count() == 1, "{line}");
+                prop_assert!(PLAIN.width(line) <= width + 1e-5 || line.chars().count() == 1, "{line}");
             }
             let letters = |text: &str| text.replace(' ', "");
             prop_assert_eq!(letters(&lines.concat()), letters(&words));
@@ -98,7 +101,7 @@ mod tests {
         #[test]
         fn what_is_cut_fits_and_says_so(words in "[0-9]{1,300}", width in 40.0..300.0) {
             let short = cut(&words, width, PLAIN, "…");
-            prop_assert!(PLAIN.width(&short) <= width + 1e-9);
+            prop_assert!(PLAIN.width(&short) <= width + 1e-5);
             prop_assert_eq!(short.ends_with('…'), PLAIN.width(&words) > width);
         }
     }

@@ -1,0 +1,64 @@
+//! `gaiter completions` and `gaiter man`: the command line as shells and readers of manuals want it.
+
+use std::io::{self, Write};
+
+use clap::{Command, CommandFactory};
+
+use super::args::{Args, CompletionsArgs, ManArgs};
+use super::{Exit, complain, shown};
+
+/// Prints the completions of a shell.
+pub fn completions(args: &CompletionsArgs) -> Exit {
+    let (mut command, mut script) = (visible(), Vec::new());
+    clap_complete::generate(args.shell, &mut command, "gaiter", &mut script);
+    ended("the completions", write(&script))
+}
+
+/// Prints the main page, or writes the pages of all verbs.
+pub fn man(args: &ManArgs) -> Exit {
+    let Some(dir) = &args.dir else {
+        // As it is done for the folder: no page is made for `gaiter help`.
+        let mut command = visible().disable_help_subcommand(true);
+        command.build();
+        let mut page = Vec::new();
+        let rendered = clap_mangen::Man::new(command).render(&mut page);
+        return ended("the manual page", rendered.and_then(|()| write(&page)));
+    };
+    match clap_mangen::generate_to(visible(), dir) {
+        Ok(()) => Exit::Done,
+        Err(error) => {
+            complain(format_args!("gaiter: {}: {error}", shown(dir.display())));
+            if error.kind() == io::ErrorKind::NotFound { Exit::NoFile } else { Exit::Io }
+        }
+    }
+}
+
+/// The command line as people see it: without the verb by which the station calls itself.
+fn visible() -> Command {
+    let whole = Args::command();
+    let mut command = Command::new("gaiter");
+    command = command.version(env!("CARGO_PKG_VERSION"));
+    command = command.about(whole.get_about().cloned().unwrap_or_default());
+    command = command.long_about(whole.get_long_about().cloned().unwrap_or_default());
+    command = command.after_help(whole.get_after_help().cloned().unwrap_or_default());
+    let verbs = whole.get_subcommands().filter(|verb| !verb.is_hide_set());
+    command.subcommands(verbs.cloned()).subcommand_required(true)
+}
+
+fn write(text: &[u8]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(text).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+fn ended(what: &str, written: io::Result<()>) -> Exit {
+    match written {
+        Ok(()) => Exit::Done,
+        Err(error) => {
+            complain(format_args!("gaiter: {what} cannot be printed: {error}"));
+            Exit::Io
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! `gaiter reextract`: today's method over stored scans, its results beside the old ones.
+//!
+//! A running station goes on meanwhile; see [`crate::store::revision`].
+
+mod again;
+mod choices;
+mod report;
+
+use std::collections::BTreeSet;
+use std::path::Path;
+
+use serde_json::json;
+
+use super::args::ReextractArgs;
+use super::parallel::{in_order, usual_jobs};
+use super::progress::Progress;
+use super::{Exit, complain, paint, print, shown};
+use crate::station::error::chain;
+use crate::store::StoreFault;
+use crate::store::revision::{Family, clear_staging, families};
+use again::{Again, Fault, Outcome, Wish, again};
+use choices::Choices;
+use report::{Told, report};
+
+/// Measures the scan of every record again, and ends as the worst of them.
+pub fn reextract(args: &ReextractArgs) -> Exit {
+    let choices = match Choices::of(args.config.as_deref()) {
+        Ok(choices) => choices,
+        Err(exit) => return exit,
+    };
+    let mut records = match records(&args.records) {
+        Ok(records) => records,
+        Err(exit) => return exit,
+    };
+    let all = records.len();
+    records.retain(|family| args.since.is_none_or(|since| family.latest().0.first_seen >= since));
+    if !args.dry_run {
+        clear(&records);
+    }
+    let wish = Wish { complete: args.complete, dry_run: args.dry_run };
+    let jobs = args.jobs.unwrap_or_else(usual_jobs);
+    let progress = Progress::of(records.len(), "measuring again");
+    let (mut worst, mut told) = (Exit::Done, Vec::new());
+    let work = |family: &Family| {
+        let done = again(family, &choices, wish);
+        progress.advance();
+        done
+    };
+    in_order(&records, jobs, work, |family, done| {
+        let done = done.unwrap_or_else(|panic| Err(Fault::Panic(panic)));
+        let (exit, one) = progress.aside(|| tell(args, family, done));
+        worst = worst.max(exit);
+        told.extend(one);
+    });
+    drop(progress);
+    if !args.json {
+        let left_out = all - records.len();
+        let printed = paint::print(report(&told, records.len() - told.len(), left_out));
+        worst = worst.max(printed_as(printed));
+    }
+    worst
+}
+
+/// The records at a path; there is at least one.
+fn records(at: &Path) -> Result<Vec<Family>, Exit> {
+    // Its own name may say that it is a record's, or a patient's.
+    let whole = at.canonicalize().unwrap_or_else(|_| at.to_owned());
+    let fault = match families(&whole) {
+        Ok(records) if records.is_empty() => {
+            complain(format_args!("gaiter: {}: no record lies there", shown(at.display())));
+            complain("  hint: name the store's folder, [store.folder] path in the configuration");
+            return Err(Exit::NoFile);
+        }
+        Ok(records) => return Ok(records),
+        Err(fault) => fault,
+    };
+    complain(format_args!("gaiter: {}: {}", shown(at.display()), shown(chain(&fault))));
+    match fault {
+        StoreFault::Transient { source, .. } if source.kind() == std::io::ErrorKind::NotFound => {
+            Err(Exit::NoFile)
+        }
+        _ => Err(Exit::Io),
+    }
+}
+
+/// Removes what killed runs left beside these records. Where that fails, they are only in the way of
+/// tidy people.
+fn clear(records: &[Family]) {
+    let patients: BTreeSet<&Path> =
+        records.iter().map(|family| family.patient_folder.as_path()).collect();
+    for patient in patients {
+        let _ = clear_staging(patient);
+    }
+}
+
+/// Says what became of one record as far as that cannot wait for the end; how that ended.
+fn tell(args: &ReextractArgs, family: &Family, done: Result<Again, Fault>) -> (Exit, Option<Told>) {
+    let (name, folder) = family.latest();
+    let name = if args.names { shown(folder.display()) } else { name.scan.clone() };
+    let exit = done.as_ref().map_or_else(Fault::exit, |_| Exit::Done);
+    if args.json {
+        return (
+            exit.max(printed_as(json_line(args, family, &done))),
+            done.ok().map(|a| Told::of(name, a)),
+        );
+    }
+    match done {
+        Ok(again) => (exit, Some(Told::of(name, again))),
+        Err(fault) => {
+            let code = fault.code();
+            complain(format_args!("gaiter: {name}: not measured again [{code}]: {fault}"));
+            (exit, None)
+        }
+    }
+}
+
+/// One record for programs.
+fn json_line(
+    args: &ReextractArgs,
+    family: &Family,
+    done: &Result<Again, Fault>,
+) -> std::io::Result<()> {
+    let (name, folder) = family.latest();
+    let mut line = match done {
+        Ok(again) => serde_json::to_value(again)?,
+        Err(fault) => json!({
+            "outcome": "not_measured",
+            "fault": { "code": fault.code(), "message": fault.to_string() },
+        }),
+    };
+    line["scan"] = json!(name.scan);
+    line["first_seen"] = json!(name.first_seen);
+    if args.names {
+        line["folder"] = json!(folder.display().to_string());
+    }
+    print(format_args!("{line}\n"))
+}
+
+fn printed_as(printed: std::io::Result<()>) -> Exit {
+    match printed {
+        Ok(()) => Exit::Done,
+        Err(error) => {
+            complain(format_args!("gaiter: the result cannot be printed: {error}"));
+            Exit::Io
+        }
+    }
+}

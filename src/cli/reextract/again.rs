@@ -1,0 +1,197 @@
+//! One record: checked, its scan measured again, and a revision added where that says otherwise.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::Value;
+
+use super::choices::Choices;
+use crate::cli::{Exit, ord};
+use crate::leg::{Refusal, extract as measure};
+use crate::record::change::{Changes, Sameness, changes};
+use crate::record::{self, FilesFault, ORD, Provenance, Record, ReportChoice, ScanFile};
+use crate::scan::Format;
+use crate::store::revision::{Added, Family};
+use crate::store::sums::{self, SumsFault};
+
+/// The file of a record folder that is the record.
+const RECORD: &str = "record.json";
+
+/// Why a record was not measured again.
+#[derive(Debug, thiserror::Error)]
+pub enum Fault {
+    /// Its folder is not what it was when it was written.
+    #[error("its record is damaged: {0}")]
+    Damaged(#[from] SumsFault),
+    /// Its `record.json` is none.
+    #[error("its record.json cannot be read: {0}")]
+    Unreadable(serde_json::Error),
+    /// Its `record.json` is another scan's or another patient's than its folder says.
+    #[error("its record.json is of another {0} than its folder says")]
+    Other(&'static str),
+    /// Today's method refuses the scan.
+    #[error("{refusal}")]
+    Refused {
+        /// Why.
+        #[from]
+        refusal: Refusal,
+    },
+    /// The new record's files cannot be made.
+    #[error("the new record cannot be written: {0}")]
+    NotMade(#[from] FilesFault),
+    /// A fault of gaiter itself.
+    #[error("{0}")]
+    Panic(String),
+    /// A folder or file cannot be read or written now.
+    #[error("reading or writing failed: {0}")]
+    Io(#[from] io::Error),
+}
+
+impl Fault {
+    /// The stable code.
+    pub fn code(&self) -> &'static str {
+        match self {
+            Fault::Damaged(_) => "record-damaged",
+            Fault::Unreadable(_) => "record-unreadable",
+            Fault::Other(_) => "record-of-another",
+            Fault::Refused { refusal } => refusal.code(),
+            Fault::NotMade(_) => "record-not-written",
+            Fault::Panic(_) => "panic",
+            Fault::Io(_) => "record-io",
+        }
+    }
+
+    /// How a verb ends that meets it.
+    pub fn exit(&self) -> Exit {
+        match self {
+            Fault::Damaged(_) | Fault::Unreadable(_) | Fault::Other(_) | Fault::Refused { .. } => {
+                Exit::Unmeasurable
+            }
+            Fault::NotMade(_) | Fault::Panic(_) => Exit::Internal,
+            Fault::Io(_) => Exit::Io,
+        }
+    }
+}
+
+/// What became of a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Outcome {
+    /// Today's method says the same, as far as the record goes.
+    Unchanged,
+    /// It says otherwise, or more, and a revision was added.
+    Revised,
+    /// It says otherwise, or more; nothing was to be written.
+    WouldBeRevised,
+    /// The record was taken back from its patient meanwhile.
+    Withdrawn,
+}
+
+/// A record that was measured again.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Again {
+    /// What became of it.
+    pub outcome: Outcome,
+    /// The revision it was compared with, the latest.
+    pub from_revision: u32,
+    /// The new revision; null where there is none.
+    pub revision: Option<u32>,
+    /// What differs.
+    #[serde(flatten)]
+    pub changes: Changes,
+}
+
+/// What is to be written.
+#[derive(Debug, Clone, Copy)]
+pub struct Wish {
+    /// Also where the record only lacks what an older gaiter did not write.
+    pub complete: bool,
+    /// Nothing at all.
+    pub dry_run: bool,
+}
+
+/// Measures the scan of a record again.
+///
+/// # Errors
+/// See [`Fault`]; the record is as it was.
+pub fn again(family: &Family, choices: &Choices, wish: Wish) -> Result<Again, Fault> {
+    let Stored { old, old_json, scan, format, ord } = Stored::read(family)?;
+    let (method, output, language) = choices.for_record(&old);
+    let mut extraction = measure(&scan, format, &method)?;
+    if let Some(ord) = &ord {
+        let opinions = ord::opinion(ord, &extraction);
+        extraction.findings.extend(opinions);
+    }
+    let (name, _) = family.latest();
+    let revision = name.revision.max(old.revision).saturating_add(1);
+    let provenance = Provenance {
+        station: old.station.clone(),
+        patient: old.patient.clone(),
+        acquired: old.acquired.clone(),
+        sha256: old.scan.sha256.clone(),
+        revision,
+    };
+    let scan = ScanFile { bytes: &scan, format, ord: ord.as_deref() };
+    let choice = ReportChoice { language, ..ReportChoice::default() };
+    let made = record::record_files(&extraction, &provenance, &method, &output, &choice, scan);
+    let (new, files) = made?;
+    let changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;
+    let written = match changes.sameness {
+        Sameness::Same => false,
+        Sameness::Gained => wish.complete,
+        Sameness::Differs => true,
+    };
+    let outcome = match (written, wish.dry_run) {
+        (false, _) => Outcome::Unchanged,
+        (true, true) => Outcome::WouldBeRevised,
+        (true, false) => match family.add(revision, &files)? {
+            Added::There(_) => Outcome::Revised,
+            Added::Withdrawn => Outcome::Withdrawn,
+        },
+    };
+    let revision = (outcome == Outcome::Revised).then_some(revision);
+    Ok(Again { outcome, from_revision: old.revision, revision, changes })
+}
+
+/// A record as it lies in its folder, whole.
+struct Stored {
+    old: Record,
+    old_json: Value,
+    scan: Vec<u8>,
+    format: Format,
+    ord: Option<Vec<u8>>,
+}
+
+impl Stored {
+    fn read(family: &Family) -> Result<Stored, Fault> {
+        let (name, folder) = family.latest();
+        let (id, file) = sums::scan_of(folder)?.ok_or(SumsFault::NoSums)?;
+        sums::check(folder, &id)??;
+        if id.short() != name.scan {
+            return Err(SumsFault::OtherScan.into());
+        }
+        let listed = sums::listed(folder)?;
+        let read = |name: &str| listed_file(folder, &listed, name);
+        let json = read(RECORD)?.ok_or(SumsFault::Missing { name: RECORD.to_owned() })?;
+        let old_json: Value = serde_json::from_slice(&json).map_err(Fault::Unreadable)?;
+        let old: Record = serde_json::from_slice(&json).map_err(Fault::Unreadable)?;
+        if old.scan.sha256 != id.as_str() {
+            return Err(Fault::Other("scan"));
+        }
+        let whose = old.patient.as_ref().map(|patient| patient.id.clone());
+        if family.patient() != Some(whose) {
+            return Err(Fault::Other("patient"));
+        }
+        let scan = read(&file)?.ok_or(SumsFault::Missing { name: file.clone() })?;
+        let format = Format::of_file_name(&file).map_err(Refusal::from)?;
+        Ok(Stored { old, old_json, scan, format, ord: read(ORD)? })
+    }
+}
+
+/// A file of the record; none where it lists none of this name. It was as listed a moment ago.
+fn listed_file(folder: &Path, listed: &[String], name: &str) -> io::Result<Option<Vec<u8>>> {
+    let is_listed = listed.iter().any(|listed| listed == name);
+    is_listed.then(|| fs::read(folder.join(name))).transpose()
+}

@@ -1,0 +1,63 @@
+//! By what a stored scan is measured again.
+
+use std::path::Path;
+
+use crate::cad::Output;
+use crate::cli::{Exit, explain_config};
+use crate::config::words::{self, UNITS, UPS};
+use crate::leg::method::{B1, Scope, UnitChoice};
+use crate::leg::{Method, Side};
+use crate::record::{Language, Record};
+
+/// What the command line chose for all records.
+#[derive(Debug)]
+pub enum Choices {
+    /// A configuration's.
+    Configured(Box<(Method, Output, Language)>),
+    /// The default method. What the export declares and which definitions of levels were asked for is
+    /// not the method's affair: that is taken from each record.
+    Default,
+}
+
+impl Choices {
+    /// Those of a configuration, or none.
+    ///
+    /// # Errors
+    /// How a verb ends whose configuration has faults.
+    pub fn of(config: Option<&Path>) -> Result<Choices, Exit> {
+        let Some(path) = config else { return Ok(Choices::Default) };
+        let config = crate::config::read(path).map_err(|error| explain_config(&error))?;
+        Ok(Choices::Configured(Box::new((config.method, config.output, config.language))))
+    }
+
+    /// Method, output and the report's language for the scan of a record.
+    pub fn for_record(&self, record: &Record) -> (Method, Output, Language) {
+        match self {
+            Choices::Configured(all) => all.as_ref().clone(),
+            Choices::Default => (as_asked(record), Output::default(), Language::default()),
+        }
+    }
+}
+
+/// The default method with what was asked for when the record was made. The record does not say where
+/// the toes were declared to point; they are found, as always.
+fn as_asked(record: &Record) -> Method {
+    let mut method = Method::default();
+    let said = |key: &str| record.made_by.method.get(key).map(String::as_str);
+    let scopes = [Scope::Body, Scope::Leg(Side::Left), Scope::Leg(Side::Right)];
+    let scope = said("scope").and_then(|word| scopes.into_iter().find(|s| s.word() == word));
+    method.scope = scope.unwrap_or(method.scope);
+    // Of a unit that was found once the same is found again, unless it was found wrongly.
+    let unit = said("unit").and_then(|word| words::meaning(UNITS, word));
+    method.unit = unit.unwrap_or(UnitChoice::Auto);
+    method.up = said("up").and_then(|word| words::meaning(UPS, word)).unwrap_or(method.up);
+    let heights = said("at_heights_mm").map(|list| list.split(", ").flat_map(str::parse).collect());
+    method.at_heights_mm = heights.unwrap_or_default();
+    let mm = |key| said(key)?.strip_suffix("mm")?.parse::<f64>().ok();
+    let levels = &mut method.levels;
+    levels.g_below_crotch_mm = mm("g_below_crotch").unwrap_or(levels.g_below_crotch_mm);
+    if let Some(distance_mm) = mm("b1_above_b") {
+        levels.b1 = B1::AboveB { distance_mm };
+    }
+    method
+}

@@ -1,0 +1,270 @@
+//! What changed by measuring again, and by how much, as tables for people.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use super::{Again, Outcome};
+use crate::cli::paint::{self, painted};
+use crate::flow::health::counted;
+use crate::leg::Level;
+use crate::record::change::{Change, LevelChange, Place};
+
+/// So many records are named, those that changed most.
+const WORST: usize = 20;
+
+/// A record that was measured again, under the name it is told by.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Told {
+    name: String,
+    again: Again,
+}
+
+impl Told {
+    /// Of a record.
+    pub fn of(name: String, again: Again) -> Told {
+        Told { name, again }
+    }
+
+    /// The largest change of a figure, and of which level.
+    fn largest(&self, figure: fn(&LevelChange) -> Change) -> Option<(f64, &Place)> {
+        let levels = self.again.changes.levels.iter();
+        let changes = levels.map(|level| (figure(level).by(), &level.place));
+        changes.max_by(|one, other| one.0.abs().total_cmp(&other.0.abs()))
+    }
+
+    /// By how much it changed: levels that came or went before girths, girths before heights.
+    fn weight(&self) -> (usize, f64, f64) {
+        let changes = &self.again.changes;
+        let by = |figure| self.largest(figure).map_or(0.0, |(by, _)| by.abs());
+        (changes.came.len() + changes.went.len(), by(girth), by(height))
+    }
+}
+
+fn girth(level: &LevelChange) -> Change {
+    level.girth_mm
+}
+
+fn height(level: &LevelChange) -> Change {
+    level.height_mm
+}
+
+/// The whole report, painted. `failed` records were not measured again, `left_out` were first seen
+/// too early.
+pub fn report(told: &[Told], failed: usize, left_out: usize) -> String {
+    let mut text = totals(told, failed, left_out);
+    let changed: Vec<&Told> =
+        told.iter().filter(|told| told.again.outcome != Outcome::Unchanged).collect();
+    if changed.is_empty() {
+        return text;
+    }
+    let _ = writeln!(text, "\n{}", painted(paint::LABEL, "later minus earlier, mm"));
+    text += &levels(told);
+    text += &worst(changed);
+    text += &findings(told);
+    text
+}
+
+/// How many records ended in which way.
+fn totals(told: &[Told], failed: usize, left_out: usize) -> String {
+    let count = |outcome| told.iter().filter(|told| told.again.outcome == outcome).count();
+    let records = counted(told.len() + failed, "record");
+    let mut text = format!("{records}: {} unchanged", count(Outcome::Unchanged));
+    for (outcome, words) in [
+        (Outcome::Revised, "with a new revision"),
+        (Outcome::WouldBeRevised, "would have a new revision"),
+        (Outcome::Withdrawn, "taken back from their patients meanwhile"),
+    ] {
+        let count = count(outcome);
+        if count > 0 {
+            let _ = write!(text, ", {count} {words}");
+        }
+    }
+    if failed > 0 {
+        let failed = format!("{failed} not measured again");
+        let _ = write!(text, ", {}", painted(paint::BAD, failed));
+    }
+    if left_out > 0 {
+        let _ = write!(text, "; {left_out} were first seen earlier and left out");
+    }
+    text + "\n"
+}
+
+/// What happened to one level in all records.
+#[derive(Default)]
+struct Row<'a> {
+    girths: Vec<(f64, &'a str)>,
+    heights: Vec<(f64, &'a str)>,
+    came: usize,
+    went: usize,
+}
+
+/// A row a level, both legs together.
+fn levels(told: &[Told]) -> String {
+    let mut rows: BTreeMap<&str, Row<'_>> = BTreeMap::new();
+    for Told { name, again } in told {
+        for level in &again.changes.levels {
+            let row = rows.entry(&level.place.level).or_default();
+            row.girths.push((level.girth_mm.by(), name));
+            row.heights.push((level.height_mm.by(), name));
+        }
+        for place in &again.changes.came {
+            rows.entry(&place.level).or_default().came += 1;
+        }
+        for place in &again.changes.went {
+            rows.entry(&place.level).or_default().went += 1;
+        }
+    }
+    let mut text = format!("{:13}{:28}{}\n", "", "girth", "height");
+    text += "level  legs     mean  largest  of           mean  largest  of        came  went\n";
+    for level in Level::ALL.map(Level::name) {
+        let Some(row) = rows.get(level) else { continue };
+        let [girths, heights] = [&row.girths, &row.heights].map(|changes| figures(changes));
+        let _ = writeln!(
+            text,
+            "{level:5}  {:>4}  {girths}  {heights}  {:>4}  {:>4}",
+            row.girths.len(),
+            row.came,
+            row.went
+        );
+    }
+    text
+}
+
+/// The mean change, the largest, and of which record.
+fn figures(changes: &[(f64, &str)]) -> String {
+    let largest = changes.iter().max_by(|one, other| one.0.abs().total_cmp(&other.0.abs()));
+    let Some((largest, name)) = largest else {
+        return format!("{:>7} {:>8}  {:8}", "-", "-", "");
+    };
+    let mean = changes.iter().map(|(by, _)| by).sum::<f64>() / changes.len() as f64;
+    let name = if *largest == 0.0 { "" } else { name };
+    format!("{:>7} {:>8}  {name:8}", signed(mean), signed(*largest))
+}
+
+/// With its sign, so that nobody takes a change for a figure; nothing is no change.
+fn signed(by: f64) -> String {
+    let text = format!("{by:+.2}");
+    if text.trim_start_matches(['+', '-']) == "0.00" { "0.00".to_owned() } else { text }
+}
+
+/// The records that changed most.
+fn worst(mut changed: Vec<&Told>) -> String {
+    changed.sort_by(|one, other| {
+        let ((a, b, c), (d, e, f)) = (one.weight(), other.weight());
+        d.cmp(&a).then(e.total_cmp(&b)).then(f.total_cmp(&c)).then(one.name.cmp(&other.name))
+    });
+    let more = changed.len().saturating_sub(WORST);
+    let wide = changed.iter().take(WORST).map(|told| told.name.chars().count()).max().unwrap_or(0);
+    let wide = wide.max("record".len());
+    let mut text = format!("\n{:wide$}  revision     girth at           height at\n", "record");
+    for told in changed.into_iter().take(WORST) {
+        let Again { from_revision, revision, changes, .. } = &told.again;
+        let to = revision.map_or("-".to_owned(), |revision| revision.to_string());
+        let cell = |figure| match told.largest(figure) {
+            Some((by, place)) if by != 0.0 => format!("{:>8} {:9}", signed(by), named(place)),
+            _ => format!("{:>8} {:9}", "0.00", ""),
+        };
+        let (girths, heights) = (cell(girth), cell(height));
+        let came = changes.came.iter().map(|place| format!("  +{}", named(place)));
+        let went = changes.went.iter().map(|place| format!("  -{}", named(place)));
+        let levels: String = came.chain(went).collect();
+        let name = &told.name;
+        let line = format!(
+            "{name:wide$}  {:8}  {girths}  {heights}{levels}",
+            format!("{from_revision} > {to}")
+        );
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    if more > 0 {
+        let _ = writeln!(text, "and {more} more that changed less; --json tells all");
+    }
+    text
+}
+
+fn named(place: &Place) -> String {
+    format!("{} {}", place.leg, place.level)
+}
+
+/// Findings that came and went, by code.
+fn findings(told: &[Told]) -> String {
+    let mut codes: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
+    for Told { again, .. } in told {
+        for (which, notes) in
+            [&again.changes.new_findings, &again.changes.gone_findings].iter().enumerate()
+        {
+            notes.iter().for_each(|note| codes.entry(&note.code).or_default()[which] += 1);
+        }
+    }
+    if codes.is_empty() {
+        return String::new();
+    }
+    let mut text = "\nfindings   new  gone\n".to_owned();
+    for (code, [new, gone]) in codes {
+        let _ = writeln!(text, "          {new:4}  {gone:4}  {code}");
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::change::{Changes, Sameness};
+
+    fn place(leg: &str, level: &str) -> Place {
+        Place { leg: leg.to_owned(), level: level.to_owned() }
+    }
+
+    fn level(place: Place, girth_by: f64, height_by: f64) -> LevelChange {
+        let change = |old: f64, by: f64| Change { old, new: old + by };
+        LevelChange {
+            place,
+            girth_mm: change(200.0, girth_by),
+            height_mm: change(120.0, height_by),
+        }
+    }
+
+    fn told(name: &str, levels: Vec<LevelChange>, came: Vec<Place>, revision: Option<u32>) -> Told {
+        let sameness = if revision.is_some() { Sameness::Differs } else { Sameness::Same };
+        let (new_findings, gone_findings) = (Vec::new(), Vec::new());
+        let went = Vec::new();
+        let changes = Changes { sameness, levels, came, went, new_findings, gone_findings };
+        let outcome = if revision.is_some() { Outcome::Revised } else { Outcome::Unchanged };
+        Told::of(name.to_owned(), Again { outcome, from_revision: 1, revision, changes })
+    }
+
+    #[test]
+    fn means_are_over_all_legs_and_the_largest_change_says_where_it_is() {
+        let told = [
+            told("01234567", vec![level(place("left", "B"), -0.6, 0.0)], vec![], Some(2)),
+            told("89abcdef", vec![level(place("right", "B"), 0.0, 0.0)], vec![], None),
+            told("deadbeef", vec![], vec![place("left", "D")], Some(3)),
+        ];
+        let said = anstream::adapter::strip_str(&report(&told, 1, 2)).to_string();
+        assert!(said.starts_with("4 records: 1 unchanged, 2 with a new revision, 1 not"), "{said}");
+        assert!(said.contains("; 2 were first seen earlier and left out\n"), "{said}");
+        let rows = "
+             girth                       height
+level  legs     mean  largest  of           mean  largest  of        came  went
+B         2    -0.30    -0.60  01234567     0.00     0.00               0     0
+D         0        -        -                  -        -               1     0
+
+record    revision     girth at           height at
+deadbeef  1 > 3         0.00                0.00            +left D
+01234567  1 > 2        -0.60 left B         0.00
+";
+        assert!(said.ends_with(rows), "{said}");
+    }
+
+    #[test]
+    fn no_more_than_the_worst_are_named_and_the_rest_is_counted() {
+        let one = |n: u32| {
+            let levels = vec![level(place("left", "B"), f64::from(n), 0.0)];
+            told(&format!("{n:08}"), levels, vec![], Some(2))
+        };
+        let told: Vec<Told> = (1..=25).map(one).collect();
+        let said = report(&told, 0, 0);
+        assert!(said.contains("00000025  1 > 2") && said.contains("00000006  1 > 2"), "{said}");
+        assert!(!said.contains("00000005  1 > 2"), "{said}");
+        assert!(said.ends_with("and 5 more that changed less; --json tells all\n"), "{said}");
+    }
+}

@@ -1,0 +1,57 @@
+//! The keys of `[page]`: who may read the operator's page, and whether it tells patients' ids.
+
+use std::net::SocketAddr;
+
+use super::fault::What;
+use super::parse;
+use super::reader::{Absent, Reader};
+use super::words::IDS_SHOWN;
+use crate::flow::page::IdsShown;
+
+/// `[page]`: who may read the operator's page, and what it tells them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct PageConfig {
+    /// Where others on the local network may read it, and nothing else; nowhere if none.
+    pub network: Option<SocketAddr>,
+    /// To whom patients' ids are shown.
+    pub ids: IdsShown,
+}
+
+/// Asks for the keys.
+pub(super) fn config(reader: &mut Reader) -> Option<PageConfig> {
+    use Absent::Default;
+    let network = reader.text("page.network", Default("off"), reachable);
+    let ids = reader.text("page.patient_ids", Default("operator"), parse::word(IDS_SHOWN));
+    Some(PageConfig { network: network?.value, ids: ids?.value })
+}
+
+/// `"off"`, or an address that other machines can reach.
+fn reachable(text: &str) -> Result<Option<SocketAddr>, What> {
+    if text == "off" {
+        return Ok(None);
+    }
+    let address: SocketAddr = text.parse().map_err(|_| What::NotANetworkAddress(text.into()))?;
+    if address.ip().is_loopback() {
+        return Err(What::OnlyLoopback(text.into()));
+    }
+    Ok(Some(address))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_network_s_address_is_one_that_others_can_reach() {
+        assert_eq!(reachable("off"), Ok(None));
+        for text in ["192.168.1.20:9180", "0.0.0.0:9180", "[fd00::1]:9180"] {
+            assert_eq!(reachable(text), Ok(Some(text.parse().unwrap())), "{text}");
+        }
+        for text in ["127.0.0.1:9180", "[::1]:9180"] {
+            assert_eq!(reachable(text), Err(What::OnlyLoopback(text.into())), "{text}");
+        }
+        for text in ["", "on", "192.168.1.20", "booth:9180"] {
+            assert_eq!(reachable(text), Err(What::NotANetworkAddress(text.into())), "{text}");
+        }
+    }
+}

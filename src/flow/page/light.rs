@@ -1,0 +1,94 @@
+//! The one light: its word, and in one sentence what to do next.
+
+use serde::Serialize;
+
+use super::reasons::Advice;
+use super::words::{Both, say};
+use crate::flow::booth::Signal;
+use crate::record::Language;
+
+/// The light on the page.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct LightShown {
+    /// The signal's stable word; colour and sign hang on it.
+    pub signal: &'static str,
+    /// The word that is read from afar.
+    pub word: &'static str,
+    /// What to do next.
+    pub sentence: String,
+}
+
+/// How the booth is.
+#[derive(Debug, Clone, Copy)]
+pub struct Situation<'a> {
+    /// What its light shows.
+    pub signal: Signal,
+    /// A button hangs on the station.
+    pub has_button: bool,
+    /// How many exports are awaited.
+    pub awaited: usize,
+    /// The patient who is named for the next press.
+    pub named: Option<&'a str>,
+    /// A press may have gone unheard.
+    pub is_in_doubt: bool,
+}
+
+/// The light; `first` is what is most wrong, if anything is.
+pub(super) fn shown(
+    booth: &Situation<'_>,
+    first: Option<&Advice>,
+    is_any_undecided: bool,
+    language: Language,
+) -> LightShown {
+    let sentence = match (booth.signal, first) {
+        (Signal::Attention, Some(advice)) => format!("{} {}", advice.what, advice.next),
+        (Signal::Attention, None) if is_any_undecided => say(language, DECIDE).to_owned(),
+        (signal, _) => say(language, next_step(signal, booth)).to_owned(),
+    };
+    let word = say(language, word(booth.signal));
+    LightShown { signal: booth.signal.word(), word, sentence }
+}
+
+const DECIDE: Both = (
+    "A scan waits for your decision: see below.",
+    "Ein Scan wartet auf Ihre Entscheidung, siehe unten.",
+);
+
+fn word(signal: Signal) -> Both {
+    match signal {
+        Signal::Ready => ("Ready", "Bereit"),
+        Signal::Armed => ("Waiting for the export", "Warte auf den Export"),
+        Signal::Receiving => ("Measuring", "Vermessung läuft"),
+        Signal::Done => ("Done", "Fertig"),
+        Signal::Attention => ("Attention", "Achtung"),
+        Signal::NoExport => ("No export", "Kein Export"),
+    }
+}
+
+fn next_step(signal: Signal, booth: &Situation<'_>) -> Both {
+    match (signal, booth.has_button) {
+        (Signal::Ready, true) if booth.named.is_some() => (
+            "Press the button, then scan the patient who is named.",
+            "Knopf drücken, dann die genannte Person scannen.",
+        ),
+        (Signal::Ready, true) => ("Press the button, then scan.", "Knopf drücken, dann scannen."),
+        (Signal::Ready, false) => ("Scan the next patient.", "Die nächste Person scannen."),
+        (Signal::Armed, _) => ("Scan now, then export.", "Jetzt scannen, dann exportieren."),
+        (Signal::Receiving, _) => {
+            ("Please wait. This takes a few seconds.", "Bitte warten. Das dauert einige Sekunden.")
+        }
+        (Signal::Done, _) => (
+            "The record is stored. The patient may get dressed.",
+            "Die Messung ist gespeichert. Die Person kann sich anziehen.",
+        ),
+        (Signal::Attention, _) => ("Look at the scans below.", "Bitte die Scans unten ansehen."),
+        (Signal::NoExport, true) => (
+            "No export came. Press the button and scan again.",
+            "Es kam kein Export. Knopf drücken und noch einmal scannen.",
+        ),
+        (Signal::NoExport, false) => (
+            "No export came. Name the patient and scan again.",
+            "Es kam kein Export. Person benennen und noch einmal scannen.",
+        ),
+    }
+}

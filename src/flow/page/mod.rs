@@ -1,0 +1,151 @@
+//! What the operator's page shows, ready to be shown: which sentence, which decisions, in which
+//! language. The page itself only puts these texts into place.
+//!
+//! ```text
+//! facts, complaints, booth ─▶ light, next patient, parts ┐
+//! scans of the journal, their measures ─▶ scans ─────────┴▶ Shown
+//! ```
+
+mod light;
+mod next;
+mod parts;
+mod reasons;
+mod scans;
+pub mod words;
+
+use jiff::Timestamp;
+use serde::Serialize;
+
+use super::facts::{Facts, IntakeState};
+use super::health::Complaint;
+use crate::record::Language;
+pub use light::{LightShown, Situation};
+pub use next::NextShown;
+pub use parts::PartShown;
+pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
+pub use scans::{ScanShown, Told, shown as scan_shown};
+
+/// Name and number of the snapshot's schema.
+pub const SCHEMA: &str = "gaiter.page/1";
+
+/// To whom the page shows patients' ids.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum IdsShown {
+    /// To nobody.
+    Nobody,
+    /// To whoever has the station's token.
+    Operator,
+    /// To whoever can read the page.
+    Everyone,
+}
+
+impl IdsShown {
+    /// Whether they are shown to a reader.
+    pub fn to(self, is_operator: bool) -> bool {
+        match self {
+            IdsShown::Nobody => false,
+            IdsShown::Operator => is_operator,
+            IdsShown::Everyone => true,
+        }
+    }
+}
+
+/// The station as the page shows it at one moment. Every text is ready to be shown.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Shown {
+    /// [`SCHEMA`].
+    pub schema: &'static str,
+    /// What the page is made of: one loaded from another version loads itself anew.
+    pub page: String,
+    /// The station's name.
+    pub station: String,
+    /// The one light.
+    pub light: LightShown,
+    /// Who is next.
+    pub next: NextShown,
+    /// A person has paused the station.
+    pub paused: bool,
+    /// What keeps the station from being ready.
+    pub complaints: Vec<ComplaintShown>,
+    /// Scans that wait for a person's decision, newest first.
+    pub undecided: Vec<ScanShown>,
+    /// More of these than are shown.
+    pub more_undecided: u64,
+    /// The last scans, newest first, whatever became of them.
+    pub scans: Vec<ScanShown>,
+    /// Export folders, ports and stores.
+    pub parts: Vec<PartShown>,
+    /// Patients' ids are shown to this reader.
+    pub ids: bool,
+}
+
+/// Something that keeps the station from being ready.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct ComplaintShown {
+    /// Stable code.
+    pub code: String,
+    /// What is wrong and what to do.
+    #[serde(flatten)]
+    pub advice: Advice,
+}
+
+/// What is known of the station besides its scans.
+#[derive(Debug, Clone, Copy)]
+pub struct Known<'a> {
+    /// What its page is made of.
+    pub page: &'a str,
+    /// Its name.
+    pub station: &'a str,
+    /// What its workers know.
+    pub facts: &'a Facts,
+    /// What keeps it from being ready.
+    pub complaints: &'a [Complaint],
+    /// The booth.
+    pub booth: Situation<'a>,
+    /// The moment.
+    pub now: Timestamp,
+}
+
+/// Puts the page together.
+pub fn shown(
+    known: &Known<'_>,
+    undecided: Vec<ScanShown>,
+    more_undecided: u64,
+    scans: Vec<ScanShown>,
+    language: Language,
+) -> Shown {
+    let complaints = known.complaints.iter().map(|complaint| ComplaintShown {
+        code: complaint.code.clone(),
+        advice: of_complaint(complaint, language),
+    });
+    let first = known.complaints.first().map(|first| of_complaint(first, language));
+    Shown {
+        schema: SCHEMA,
+        page: known.page.to_owned(),
+        station: known.station.to_owned(),
+        light: light::shown(&known.booth, first.as_ref(), !undecided.is_empty(), language),
+        next: next::shown(&known.booth, language),
+        paused: known.facts.intake == IntakeState::Paused,
+        complaints: complaints.collect(),
+        undecided,
+        more_undecided,
+        scans,
+        parts: parts::shown(known.facts, known.now, language),
+        ids: true,
+    }
+}
+
+impl Shown {
+    /// The same for readers who may not know whose scans these are.
+    pub fn without_ids(mut self) -> Shown {
+        self.ids = false;
+        self.next.id = None;
+        for scan in self.undecided.iter_mut().chain(&mut self.scans) {
+            scan.patients.clear();
+        }
+        self
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,297 @@
+//! Codes → what is so and what to do, each in one sentence. The README's tables say the same at more
+//! length; a code that is not known here is said as it is.
+
+use serde::Serialize;
+
+use super::words::{Both, say};
+use crate::flow::health::Complaint;
+use crate::flow::{capture, identity};
+use crate::record::Language;
+
+/// What is so, and what a person can do.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Advice {
+    /// A sentence.
+    pub what: String,
+    /// Another one.
+    pub next: String,
+}
+
+/// What is so, and what to do.
+type Pair = (Both, Both);
+
+impl Advice {
+    fn of((what, next): Pair, language: Language) -> Advice {
+        Advice { what: say(language, what).to_owned(), next: say(language, next).to_owned() }
+    }
+}
+
+/// Why a scan is held.
+pub fn of_held(code: &str, language: Language) -> Advice {
+    const EITHER: Both = (
+        "Look at the scan and assign it to the right patient.",
+        "Den Scan ansehen und der richtigen Person zuordnen.",
+    );
+    const IF_SO: Both = (
+        "Release it if it is this patient's, else assign it.",
+        "Freigeben, wenn er von dieser Person ist, sonst zuordnen.",
+    );
+    let pair = match code {
+        identity::PATIENTS_DIFFER => (
+            ("Two sources name different patients.", "Zwei Quellen nennen verschiedene Personen."),
+            EITHER,
+        ),
+        capture::AMBIGUOUS => (
+            (
+                "It could be of more than one of those who were named or scanned.",
+                "Er kann von mehr als einer der benannten oder gescannten Personen sein.",
+            ),
+            EITHER,
+        ),
+        capture::UNCLEAR => (
+            (
+                "It may have lain there before the button was pressed or a name was said.",
+                "Er lag vielleicht schon da, bevor der Knopf gedrückt oder jemand benannt wurde.",
+            ),
+            IF_SO,
+        ),
+        capture::LATE => (
+            (
+                "It came after the time in which the export of the press is awaited.",
+                "Er kam nach der Zeit, in der der Export zum Knopfdruck erwartet wird.",
+            ),
+            IF_SO,
+        ),
+        capture::UNHEARD => (
+            (
+                "A press of the button may have gone unheard.",
+                "Ein Knopfdruck wurde vielleicht nicht gehört.",
+            ),
+            (
+                "Release it if nobody else was scanned, else assign it.",
+                "Freigeben, wenn sonst niemand gescannt wurde, sonst zuordnen.",
+            ),
+        ),
+        identity::NO_PRESS => {
+            (("Nobody pressed the button for it.", "Niemand hat dafür den Knopf gedrückt."), IF_SO)
+        }
+        identity::SAME_SCAN_OTHER_PATIENT => (
+            (
+                "The same scan came in before, for somebody else.",
+                "Derselbe Scan kam schon einmal, für eine andere Person.",
+            ),
+            (
+                "Release it only if it is right for both.",
+                "Nur freigeben, wenn er für beide richtig ist.",
+            ),
+        ),
+        _ => (
+            ("A person must say whose scan it is.", "Jemand muss sagen, wessen Scan das ist."),
+            IF_SO,
+        ),
+    };
+    Advice::of(pair, language)
+}
+
+/// Why a scan was refused.
+pub fn of_refused(code: &str, language: Language) -> Advice {
+    const AGAIN: Both = ("Scan again.", "Noch einmal scannen.");
+    const EXPORT: Both = ("Export it again.", "Noch einmal exportieren.");
+    const RETRY: Both =
+        ("Mend the cause, then try again.", "Die Ursache beheben, dann noch einmal versuchen.");
+    let pair = match code {
+        "scan-empty" | "scan-cut-short" => (
+            (
+                "The export is empty or stops in the middle.",
+                "Der Export ist leer oder bricht mitten darin ab.",
+            ),
+            EXPORT,
+        ),
+        "scan-no-points" => {
+            (("There is nothing in the scan.", "Im Scan ist nichts zu sehen."), AGAIN)
+        }
+        "scan-unknown-ending"
+        | "scan-not-this-format"
+        | "scan-binary"
+        | "scan-malformed"
+        | "scan-not-finite"
+        | "scan-too-long" => {
+            (("The file is no scan that can be read.", "Die Datei ist kein lesbarer Scan."), EXPORT)
+        }
+        "scan-too-large" => {
+            (("The file is too large for a scan.", "Die Datei ist zu groß für einen Scan."), EXPORT)
+        }
+        "body-side-unclear"
+        | "body-no-plausible-leg"
+        | "body-two-legs"
+        | "body-not-two-legs"
+        | "body-only-fragments"
+        | "body-no-plausible-unit"
+        | "body-unit-implausible" => (
+            (
+                "The scan does not show a whole body on two legs.",
+                "Der Scan zeigt keinen ganzen Körper auf zwei Beinen.",
+            ),
+            ("Scan again with the legs apart.", "Noch einmal scannen, die Beine auseinander."),
+        ),
+        "body-facing-unclear" | "body-facing-contradicted" | "body-facing-vertical" => (
+            ("Left and right cannot be told.", "Links und rechts sind nicht zu erkennen."),
+            ("Scan again with both feet in view.", "Noch einmal scannen, beide Füße im Bild."),
+        ),
+        "segment-legs-end" | "segment-join-too-low" | "segment-never-join" | "no-leg" => (
+            ("The legs cannot be measured.", "Die Beine lassen sich nicht vermessen."),
+            (
+                "Scan again with the legs bare and apart.",
+                "Noch einmal scannen, die Beine frei und auseinander.",
+            ),
+        ),
+        "measuring-too-long" | "measuring-too-large" | "measuring-crashed" | "panic" => (
+            ("Measuring it failed.", "Die Vermessung ist fehlgeschlagen."),
+            (
+                "Try again; if it fails again, call the technician.",
+                "Noch einmal versuchen; scheitert es wieder, den Techniker rufen.",
+            ),
+        ),
+        "spool-lost" | "spool-damaged" => (
+            (
+                "The station's own copy is damaged: the disk may be failing.",
+                "Die Kopie der Station ist beschädigt, vielleicht versagt die Festplatte.",
+            ),
+            ("Call the technician.", "Den Techniker rufen."),
+        ),
+        "store-place-occupied" | "store-misfit" | "record-not-written" => (
+            (
+                "The record store cannot take the record.",
+                "Der Aktenspeicher kann die Messakte nicht aufnehmen.",
+            ),
+            RETRY,
+        ),
+        other => return said_as_it_is(other, RETRY, language),
+    };
+    Advice::of(pair, language)
+}
+
+/// What keeps the station from being ready.
+pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
+    const SCANNER: Both = (
+        "See that the scanner's computer is on and connected.",
+        "Prüfen, ob der Rechner des Scanners an und verbunden ist.",
+    );
+    const BUTTON: Both =
+        ("See the button, its cable and its plug.", "Knopf, Kabel und Stecker prüfen.");
+    const TECHNICIAN: Both = ("Call the technician.", "Den Techniker rufen.");
+    let pair = match complaint.code.as_str() {
+        "paused" => (
+            ("The station is paused.", "Die Station ist angehalten."),
+            ("Resume to go on.", "Zum Weitermachen fortsetzen."),
+        ),
+        "disk-low" => (
+            ("The disk is nearly full.", "Die Festplatte ist fast voll."),
+            (
+                "Make room; the station goes on by itself.",
+                "Platz schaffen; die Station macht von selbst weiter.",
+            ),
+        ),
+        "store-fault" => (
+            ("A record store takes nothing.", "Ein Aktenspeicher nimmt nichts an."),
+            (
+                "See that it is connected and has room. Nothing is lost meanwhile.",
+                "Prüfen, ob er verbunden ist und Platz hat. Es geht nichts verloren.",
+            ),
+        ),
+        "source-out-of-reach" | "source-not-mounted" | "source-stalled" => (
+            (
+                "The scanner's export folder is out of reach.",
+                "Der Exportordner des Scanners ist nicht erreichbar.",
+            ),
+            SCANNER,
+        ),
+        "export-not-taken" => (
+            (
+                "A file in the export folder is not complete.",
+                "Eine Datei im Exportordner ist nicht vollständig.",
+            ),
+            ("See whether the scanner hangs.", "Prüfen, ob der Scanner hängt."),
+        ),
+        code if code.starts_with("trigger-") => {
+            (("The button does not work.", "Der Knopf arbeitet nicht."), BUTTON)
+        }
+        "delivery-overdue" => (
+            (
+                "A scan has waited too long for its record.",
+                "Ein Scan wartet zu lange auf seine Messakte.",
+            ),
+            ("Look at the stores below.", "Die Speicher unten ansehen."),
+        ),
+        "reload-refused" => (
+            ("A changed configuration has faults.", "Die geänderte Konfiguration ist fehlerhaft."),
+            TECHNICIAN,
+        ),
+        "journal-failed" => {
+            (("The journal cannot be read.", "Das Journal ist nicht lesbar."), TECHNICIAN)
+        }
+        "no-export" => (
+            ("No export came after a press.", "Nach einem Knopfdruck kam kein Export."),
+            ("Press the button and scan again.", "Knopf drücken und noch einmal scannen."),
+        ),
+        "order-refused" | "order-not-removed" | "orders-out-of-reach" => (
+            (
+                "An order of the practice software cannot be read.",
+                "Ein Auftrag der Praxissoftware ist nicht lesbar.",
+            ),
+            (
+                "Order again, or name the patient here.",
+                "Neu beauftragen oder die Person hier benennen.",
+            ),
+        ),
+        _ if language == Language::En => {
+            let next = sentence(&complaint.remedy);
+            return Advice { what: sentence(&complaint.message), next };
+        }
+        other => return said_as_it_is(other, TECHNICIAN, language),
+    };
+    Advice::of(pair, language)
+}
+
+/// Why a decision was not carried out; none for a code that is not known.
+pub fn of_fault(code: &str, language: Language) -> Option<&'static str> {
+    let both = match code {
+        "patient-id-not-allowed" => (
+            "This is no patient's id here. Nothing was changed.",
+            "Das ist hier keine Patientennummer. Es wurde nichts geändert.",
+        ),
+        "scan-of-a-patient" => (
+            "The scan is a patient's already. Nothing was changed.",
+            "Der Scan gehört schon zu einer Person. Es wurde nichts geändert.",
+        ),
+        "no-occasion" | "unknown-scan" | "scan-unknown" => (
+            "The scan is not in that state any more. Nothing was changed.",
+            "Der Scan ist nicht mehr in diesem Zustand. Es wurde nichts geändert.",
+        ),
+        "bytes-gone" => (
+            "The station has the scan's data no more. Let the scanner export it again.",
+            "Die Station hat die Daten des Scans nicht mehr. Bitte noch einmal exportieren.",
+        ),
+        "store-unavailable" => (
+            "The record store is out of reach. Try again later.",
+            "Der Aktenspeicher ist nicht erreichbar. Bitte später noch einmal versuchen.",
+        ),
+        _ => return None,
+    };
+    Some(say(language, both))
+}
+
+fn said_as_it_is(code: &str, next: Both, language: Language) -> Advice {
+    let what = match language {
+        Language::En => format!("The station says: {code}."),
+        Language::De => format!("Die Station meldet: {code}."),
+    };
+    Advice { what, next: say(language, next).to_owned() }
+}
+
+/// Words without a full stop as a sentence.
+fn sentence(words: &str) -> String {
+    let mut rest = words.chars();
+    let first = rest.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();
+    format!("{first}{}.", rest.as_str())
+}

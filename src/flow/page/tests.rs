@@ -1,0 +1,194 @@
+//! What the page says and offers in each state.
+
+use std::collections::BTreeSet;
+
+use super::*;
+use crate::flow::account::{Delivered, Summary, Whole};
+use crate::flow::booth::Signal;
+use crate::flow::facts::SourceState;
+
+const BOTH: [Language; 2] = [Language::En, Language::De];
+
+fn at(second: i64) -> Timestamp {
+    Timestamp::from_second(1_800_000_000 + second).unwrap()
+}
+
+fn booth(signal: Signal) -> Situation<'static> {
+    Situation { signal, has_button: true, awaited: 0, named: None, is_in_doubt: false }
+}
+
+fn page(booth: Situation<'_>, complaints: &[Complaint], language: Language) -> Shown {
+    let facts = Facts::new(at(0), 1);
+    let known = Known { page: "1", station: "b", facts: &facts, complaints, booth, now: at(1) };
+    shown(&known, Vec::new(), 0, Vec::new(), language)
+}
+
+fn delivery(patient: Option<&str>, state: &str, code: Option<&str>) -> Delivered {
+    Delivered {
+        patient: patient.map(str::to_owned),
+        store: "folder".to_owned(),
+        state: state.to_owned(),
+        code: code.map(str::to_owned),
+        attempts: 0,
+        next_at: None,
+        folder: None,
+    }
+}
+
+fn scan(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> ScanShown {
+    let summary = Summary {
+        state: state.to_owned(),
+        first_seen: at(0),
+        file_time: None,
+        format: "obj".to_owned(),
+        size: 12,
+        code: code.map(str::to_owned),
+        message: None,
+    };
+    let whole = Whole { scan: "ab".repeat(32), summary, deliveries, history: Vec::new() };
+    scan_shown(&whole, &Told::default(), Language::En)
+}
+
+#[test]
+fn every_signal_has_a_word_and_a_sentence_of_its_own_in_both_languages() {
+    let said: BTreeSet<(String, String)> = BOTH
+        .into_iter()
+        .flat_map(|language| Signal::ALL.map(|signal| page(booth(signal), &[], language).light))
+        .map(|light| (light.word.to_owned(), light.sentence))
+        .collect();
+    assert_eq!(said.len(), 2 * Signal::ALL.len(), "{said:?}");
+    let sentences: BTreeSet<&String> = said.iter().map(|(_, sentence)| sentence).collect();
+    assert_eq!(sentences.len(), said.len(), "{sentences:?}");
+    assert!(sentences.iter().all(|sentence| sentence.ends_with('.')), "{sentences:?}");
+}
+
+#[test]
+fn attention_says_first_what_is_most_wrong_and_what_to_do() {
+    let paused = Complaint { code: "paused".into(), message: "x".into(), remedy: "y".into() };
+    let light = page(booth(Signal::Attention), std::slice::from_ref(&paused), Language::En).light;
+    assert_eq!(light.sentence, "The station is paused. Resume to go on.");
+    let light = page(booth(Signal::Attention), &[paused], Language::De).light;
+    assert_eq!(light.sentence, "Die Station ist angehalten. Zum Weitermachen fortsetzen.");
+}
+
+#[test]
+fn a_complaint_that_is_not_known_is_said_as_the_station_says_it() {
+    let unknown =
+        Complaint { code: "new".into(), message: "it burns".into(), remedy: "run".into() };
+    let advice = of_complaint(&unknown, Language::En);
+    assert_eq!((advice.what.as_str(), advice.next.as_str()), ("It burns.", "Run."));
+    assert!(of_complaint(&unknown, Language::De).what.contains("new"));
+}
+
+#[test]
+fn without_ids_no_patient_is_named_anywhere() {
+    let known = Situation { named: Some("4711"), ..booth(Signal::Ready) };
+    let mut page = page(known, &[], Language::En);
+    page.scans.push(scan("delivered", None, vec![delivery(Some("4711"), "delivered", None)]));
+    page.undecided.push(scan("delivered", None, vec![delivery(Some("4711"), "held", None)]));
+    assert!(format!("{page:?}").contains("4711"));
+    let page = page.without_ids();
+    assert!(!format!("{page:?}").contains("4711") && !page.ids);
+    assert!(page.next.can_be_called_off);
+}
+
+#[test]
+fn what_a_person_can_decide_follows_from_what_became_of_the_scan() {
+    let held = |code| vec![delivery(Some("1"), "held", Some(code))];
+    for (state, code, deliveries, word, acts) in [
+        ("refused", Some("no-leg"), vec![], "refused", vec!["retry"]),
+        ("delivered", None, held("export-late"), "held", vec!["release", "assign"]),
+        ("delivered", None, held("patients-differ"), "held", vec!["assign"]),
+        ("delivered", None, held("capture-ambiguous"), "held", vec!["assign"]),
+        ("delivered", None, held("same-scan-other-patient"), "held", vec!["release"]),
+        ("delivered", None, vec![delivery(None, "held", Some("no-press"))], "held", vec!["assign"]),
+        ("delivered", None, vec![delivery(None, "delivered", None)], "unassigned", vec!["assign"]),
+        (
+            "delivered",
+            None,
+            vec![delivery(Some("1"), "delivered", None)],
+            "delivered",
+            vec!["unassign"],
+        ),
+        ("spooled", None, vec![delivery(Some("1"), "pending", None)], "spooled", vec![]),
+    ] {
+        let shown = scan(state, code, deliveries);
+        assert_eq!((shown.state, shown.acts), (word, acts), "{state} {:?}", shown.code);
+        assert_eq!(shown.advice.is_some(), ["held", "refused"].contains(&word));
+    }
+    let tried = Delivered { attempts: 3, ..delivery(Some("1"), "pending", None) };
+    assert_eq!(scan("spooled", None, vec![tried]).acts, ["retry"]);
+}
+
+#[test]
+fn whoever_gave_a_record_back_is_not_named_any_more() {
+    let back = vec![delivery(Some("1"), "withdrawn", None), delivery(None, "delivered", None)];
+    let shown = scan("delivered", None, back);
+    assert_eq!((shown.state, shown.patients), ("unassigned", vec![]));
+}
+
+#[test]
+fn a_held_scan_is_named_after_those_for_whom_it_is_held() {
+    let held = Some("same-scan-other-patient");
+    let both = vec![delivery(Some("1"), "delivered", None), delivery(Some("2"), "held", held)];
+    assert_eq!(scan("delivered", None, both).patients, ["2"]);
+}
+
+#[test]
+fn every_code_of_a_held_scan_has_a_reason_of_its_own() {
+    use crate::flow::{capture, identity};
+    let codes = [
+        capture::AMBIGUOUS,
+        capture::UNCLEAR,
+        capture::LATE,
+        capture::UNHEARD,
+        identity::NO_PRESS,
+        identity::PATIENTS_DIFFER,
+        identity::SAME_SCAN_OTHER_PATIENT,
+        "another",
+    ];
+    for language in BOTH {
+        let said: BTreeSet<String> =
+            codes.iter().map(|code| of_held(code, language).what).collect();
+        assert_eq!(said.len(), codes.len(), "{said:?}");
+    }
+}
+
+#[test]
+fn ids_are_shown_to_whom_the_configuration_says() {
+    let shown = |ids: IdsShown| (ids.to(true), ids.to(false));
+    assert_eq!(shown(IdsShown::Nobody), (false, false));
+    assert_eq!(shown(IdsShown::Operator), (true, false));
+    assert_eq!(shown(IdsShown::Everyone), (true, true));
+}
+
+#[test]
+fn a_part_that_fails_says_so_with_its_reason() {
+    let mut facts = Facts::new(at(0), 2);
+    facts.sources[1].state = SourceState::OutOfReach("No such device".to_owned());
+    let known = Known {
+        page: "1",
+        station: "b",
+        facts: &facts,
+        complaints: &[],
+        booth: booth(Signal::Ready),
+        now: at(1),
+    };
+    let parts = shown(&known, Vec::new(), 0, Vec::new(), Language::De).parts;
+    assert_eq!((parts[0].name.as_str(), parts[0].health), ("Exportordner 0", "wait"));
+    assert_eq!((parts[1].health, parts[1].why.as_deref()), ("bad", Some("No such device")));
+}
+
+#[test]
+fn labels_are_in_order_each_once_and_none_is_empty() {
+    let keys: Vec<&str> = words::LABELS.iter().map(|(key, _)| *key).collect();
+    let mut sorted = keys.clone();
+    sorted.sort_unstable();
+    sorted.dedup();
+    assert_eq!(keys.len(), sorted.len());
+    assert!(words::LABELS.iter().all(|(_, (en, de))| !en.is_empty() && !de.is_empty()));
+    for language in BOTH {
+        let verbs = ["retry", "release", "assign", "unassign", "name_next", "call_off", "pause"];
+        assert!(verbs.iter().all(|verb| words::done(verb, language).is_some()));
+    }
+}

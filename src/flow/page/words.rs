@@ -1,0 +1,139 @@
+//! The words that stand on the page whatever happens, in both languages.
+
+use crate::record::Language;
+
+/// The same in English and in German.
+pub type Both = (&'static str, &'static str);
+
+/// One of both.
+pub fn say(language: Language, both: Both) -> &'static str {
+    match language {
+        Language::En => both.0,
+        Language::De => both.1,
+    }
+}
+
+/// What is said when a decision was carried out, by its verb.
+pub fn done(verb: &str, language: Language) -> Option<&'static str> {
+    let both = match verb {
+        "retry" => ("The scan is tried again.", "Der Scan wird noch einmal versucht."),
+        "release" => ("The scan is released.", "Der Scan ist freigegeben."),
+        "assign" => ("The scan is assigned.", "Der Scan ist zugeordnet."),
+        "unassign" => (
+            "The scan is nobody's again. What the practice software was given must be deleted there.",
+            "Der Scan gehört zu niemandem mehr. Was die Praxissoftware erhielt, ist dort zu löschen.",
+        ),
+        "name_next" => ("The next patient is named.", "Die nächste Person ist benannt."),
+        "call_off" => ("Nobody is awaited any more.", "Es wird niemand mehr erwartet."),
+        "pause" => (
+            "Paused: scans stay at the scanner until you resume.",
+            "Angehalten: Scans bleiben beim Scanner, bis Sie fortsetzen.",
+        ),
+        "resume" => ("The station goes on.", "Die Station macht weiter."),
+        _ => return None,
+    };
+    Some(say(language, both))
+}
+
+/// The page's labels by their keys, in the order of the keys.
+pub const LABELS: [(&str, Both); 52] = [
+    ("assign", ("Assign …", "Zuordnen …")),
+    ("assign_hint", ("Whose scan is this?", "Wessen Scan ist das?")),
+    (
+        "away",
+        (
+            "No connection to the station. Trying again.",
+            "Keine Verbindung zur Station. Neuer Versuch.",
+        ),
+    ),
+    ("away_word", ("No connection", "Keine Verbindung")),
+    ("call_off", ("Call off", "Absagen")),
+    (
+        "call_off_hint",
+        (
+            "Nobody is awaited then. Only while the scanner does not scan.",
+            "Danach wird niemand mehr erwartet. Nur solange der Scanner nicht scannt.",
+        ),
+    ),
+    ("cancel", ("Cancel", "Abbrechen")),
+    ("close", ("Close", "Schließen")),
+    ("cm", ("cm", "cm")),
+    ("code", ("Code", "Code")),
+    ("doubted", ("doubtful", "zweifelhaft")),
+    ("drawing", ("Drawing of both legs", "Zeichnung beider Beine")),
+    ("files", ("Record", "Messakte")),
+    ("findings", ("findings, see the report", "Befunde, siehe Bericht")),
+    ("girth", ("Girth", "Umfang")),
+    ("height", ("Height", "Höhe")),
+    ("kiosk", ("Full screen", "Vollbild")),
+    ("last", ("Last scan", "Letzter Scan")),
+    ("last_scans", ("Last scans", "Letzte Scans")),
+    ("left", ("Left", "Links")),
+    ("legs.svg", ("Drawing", "Zeichnung")),
+    ("level", ("Level", "Messpunkt")),
+    ("main", ("Station", "Station")),
+    ("more", ("more; gaiter scans lists them all", "weitere; gaiter scans zeigt alle")),
+    ("name", ("Name the next patient …", "Nächste Person benennen …")),
+    ("name_hint", ("Whose is the next scan?", "Von wem ist der nächste Scan?")),
+    ("next", ("Next patient", "Nächste Person")),
+    ("no_measures", ("No measures yet", "Noch keine Maße")),
+    ("no_scans", ("No scan yet.", "Noch kein Scan.")),
+    (
+        "no_script",
+        (
+            "This page needs JavaScript. gaiter status tells the same.",
+            "Diese Seite braucht JavaScript. gaiter status sagt dasselbe.",
+        ),
+    ),
+    ("none_undecided", ("Nothing waits for a decision.", "Nichts wartet auf eine Entscheidung.")),
+    ("not_found", ("not found", "nicht gefunden")),
+    ("parts", ("Parts of the station", "Teile der Station")),
+    ("patient", ("Patient", "Patient")),
+    ("patient_id", ("Patient's id", "Patientennummer")),
+    ("pause", ("Pause", "Anhalten")),
+    (
+        "read_only_network",
+        (
+            "For reading only: nothing can be decided over the network, for it is not encrypted.",
+            "Nur zum Lesen: Über das Netz kann nichts entschieden werden, denn es ist unverschlüsselt.",
+        ),
+    ),
+    (
+        "read_only_token",
+        (
+            "For reading only: gaiter page prints the link that can decide.",
+            "Nur zum Lesen: gaiter page zeigt den Link, mit dem Sie entscheiden können.",
+        ),
+    ),
+    ("record.json", ("Data (JSON)", "Daten (JSON)")),
+    ("release", ("Release", "Freigeben")),
+    (
+        "release_hint",
+        (
+            "The scan goes to the patient for whom it came in.",
+            "Der Scan geht an die Person, für die er kam.",
+        ),
+    ),
+    ("report.html", ("Report", "Bericht")),
+    ("report.pdf", ("Report (PDF)", "Bericht (PDF)")),
+    ("resume", ("Resume", "Fortsetzen")),
+    ("retry", ("Try again", "Noch einmal versuchen")),
+    ("right", ("Right", "Rechts")),
+    ("scan", ("Scan", "Scan")),
+    ("send", ("OK", "OK")),
+    ("undecided", ("Needs a decision", "Braucht eine Entscheidung")),
+    ("unassign", ("Take back …", "Zurücknehmen …")),
+    (
+        "unassign_hint",
+        (
+            "The record leaves the patient's folder and lies for nobody, until you assign it.",
+            "Die Messakte verlässt den Ordner der Person und gehört zu niemandem, bis Sie sie zuordnen.",
+        ),
+    ),
+    ("view", ("3D view", "3D-Ansicht")),
+];
+
+/// The label of a key; none for one that is not there.
+pub fn label(key: &str, language: Language) -> Option<&'static str> {
+    LABELS.iter().find(|(known, _)| *known == key).map(|(_, both)| say(language, *both))
+}

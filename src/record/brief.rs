@@ -1,0 +1,68 @@
+//! Both legs at a glance, as the operator's page shows them: girth and height at B, B1, C and D.
+
+use serde::Serialize;
+
+use super::Language;
+use super::rounding;
+use super::schema::{LandmarkFigures, Record};
+
+/// The levels of a stocking that ends below the knee, from the foot up.
+const LEVELS: [&str; 4] = ["B", "B1", "C", "D"];
+
+/// The measures of a record, ready to be shown.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Brief {
+    /// B, B1, C and D, from the foot up.
+    pub levels: Vec<BriefLevel>,
+    /// How many findings there are besides those that only inform.
+    pub findings: usize,
+}
+
+/// One level of both legs; a leg on which it was not found has none.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct BriefLevel {
+    /// Its name.
+    pub level: &'static str,
+    /// On the patient's right leg.
+    pub right: Option<BriefFigures>,
+    /// On the patient's left leg.
+    pub left: Option<BriefFigures>,
+}
+
+/// The figures of one level of one leg, cm with one decimal, as text in the reader's language.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct BriefFigures {
+    /// Tape girth.
+    pub girth_cm: String,
+    /// Height above the floor.
+    pub height_cm: String,
+    /// A doubt hangs on it.
+    pub is_doubted: bool,
+}
+
+impl Brief {
+    /// The measures of a record in a language.
+    pub fn of(record: &Record, language: Language) -> Brief {
+        let figures = |side: &str, level: &str| {
+            let leg = record.legs.iter().find(|leg| leg.side == side)?;
+            leg.landmarks.get(level).map(|landmark| BriefFigures::of(landmark, language))
+        };
+        let levels = LEVELS.map(|level| BriefLevel {
+            level,
+            right: figures("right", level),
+            left: figures("left", level),
+        });
+        let findings = record.findings.iter().filter(|finding| finding.severity != "info").count();
+        Brief { levels: levels.into(), findings }
+    }
+}
+
+impl BriefFigures {
+    fn of(landmark: &LandmarkFigures, language: Language) -> BriefFigures {
+        BriefFigures {
+            girth_cm: rounding::cm_words(landmark.girth_tape_mm, language),
+            height_cm: rounding::cm_words(landmark.height_mm, language),
+            is_doubted: !landmark.doubts.is_empty(),
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! The page's own files, inside the binary, with the words of the station's language.
+
+use std::sync::Arc;
+
+use axum::Router;
+use axum::http::header::{CONTENT_TYPE, HeaderName};
+use axum::response::Html;
+use axum::routing::get;
+
+use super::{Door, Way};
+use crate::flow::page::words::{LABELS, label, say};
+use crate::record::{Language, sha256};
+
+const PAGE: &str = include_str!("page.html");
+const KIOSK: &str = include_str!("kiosk.html");
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+const ICON: &str = include_str!("icon.svg");
+const VIEWER: &str = include_str!("../../record/report/viewer.js");
+
+/// The header of an answer for programs.
+pub const JSON: (HeaderName, &str) = (CONTENT_TYPE, "application/json");
+
+/// The page, the kiosk and what they load.
+pub fn routes(door: &Door) -> Router<Arc<Door>> {
+    let language = door.station.config.language;
+    let html = |template: &str| Html(fill(template, language, door.way));
+    let (page, kiosk) = (html(PAGE), html(KIOSK));
+    let script = |text: &'static str| ([(CONTENT_TYPE, "text/javascript; charset=utf-8")], text);
+    let style = ([(CONTENT_TYPE, "text/css; charset=utf-8")], STYLE);
+    Router::new()
+        .route("/", get(async move || page.clone()))
+        .route("/kiosk", get(async move || kiosk.clone()))
+        .route("/page.css", get(async move || style))
+        .route("/icon.svg", get(async || ([(CONTENT_TYPE, "image/svg+xml")], ICON)))
+        .route("/page.js", get(async move || script(SCRIPT)))
+        .route("/viewer.js", get(async move || script(VIEWER)))
+}
+
+/// What a page is made of: one that was loaded from another version loads itself anew.
+pub fn version(language: Language) -> String {
+    let labels = labels(language);
+    let parts = [env!("CARGO_PKG_VERSION"), PAGE, KIOSK, STYLE, SCRIPT, VIEWER, &labels];
+    let hash = sha256(parts.join("\0").as_bytes());
+    hash.chars().take(16).collect()
+}
+
+/// The labels as an object for the script. `<` would end the element in which it stands.
+fn labels(language: Language) -> String {
+    let pairs = LABELS.iter().map(|(key, both)| format!("{key:?}:{:?}", say(language, *both)));
+    format!("{{{}}}", pairs.collect::<Vec<_>>().join(",")).replace('<', "\\u003c")
+}
+
+/// A page with its words: `{{page}}`, `{{language}}`, `{{way}}`, `{{labels}}`, and labels by key.
+fn fill(template: &str, language: Language, way: Way) -> String {
+    let mut parts = template.split("{{");
+    let mut text = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (key, rest) = part.split_once("}}").unwrap_or((part, ""));
+        match key {
+            "page" => text += &version(language),
+            "language" => text += say(language, ("en", "de")),
+            "way" => text += way.word(),
+            "labels" => text += &labels(language),
+            key => text += label(key, language).unwrap_or_default(),
+        }
+        text += rest;
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn keys(template: &str) -> Vec<&str> {
+        template.split("{{").skip(1).filter_map(|part| part.split("}}").next()).collect()
+    }
+
+    #[test]
+    fn every_word_of_the_page_is_known_and_every_known_word_is_used() {
+        let own = ["page", "language", "way", "labels"];
+        let of_script = SCRIPT.split("label(\"").skip(1).filter_map(|part| part.split('"').next());
+        let used: Vec<&str> = keys(PAGE).into_iter().chain(keys(KIOSK)).chain(of_script).collect();
+        assert!(used.len() > 20, "{used:?}");
+        for key in used.iter().filter(|key| !own.contains(key)) {
+            assert!(label(key, Language::En).is_some(), "{key} has no words");
+        }
+        // What a scan can be asked for, and its files, are labels by their own names.
+        let acts = ["assign", "release", "retry", "unassign"];
+        let hints = ["assign_hint", "release_hint", "unassign_hint"];
+        let files = ["legs.svg", "record.json", "report.html", "report.pdf"];
+        for (key, _) in LABELS {
+            let by_name = acts.contains(&key) || hints.contains(&key) || files.contains(&key);
+            assert!(by_name || used.contains(&key), "{key} is not used");
+        }
+    }
+
+    #[test]
+    fn a_page_is_filled_with_words_of_its_language() {
+        for language in [Language::En, Language::De] {
+            for template in [PAGE, KIOSK] {
+                let page = fill(template, language, Way::Local);
+                assert!(!page.contains("{{"), "{page}");
+                assert!(page.contains(&version(language)));
+            }
+        }
+        assert!(fill(PAGE, Language::De, Way::Local).contains("lang=\"de\""));
+        assert_ne!(version(Language::En), version(Language::De));
+    }
+
+    #[test]
+    fn labels_are_json_in_which_no_element_ends() {
+        for language in [Language::En, Language::De] {
+            let labels = labels(language);
+            let object: serde_json::Value = serde_json::from_str(&labels).unwrap();
+            assert_eq!(object.as_object().unwrap().len(), LABELS.len());
+            assert!(!labels.contains('<'));
+        }
+    }
+
+    #[test]
+    fn the_page_is_small() {
+        let sizes = [PAGE, KIOSK, STYLE, SCRIPT, VIEWER].map(str::len);
+        assert!(sizes.iter().sum::<usize>() < 300_000, "{sizes:?}");
+    }
+}

@@ -1,0 +1,399 @@
+"use strict";
+// Puts the station's snapshots into the page. Every text and figure comes ready from the station and
+// goes in as text, never as markup; what is decided here is only when to ask and what to redraw.
+
+const root = document.documentElement;
+const isKiosk = root.dataset.view === "kiosk";
+const isLocal = root.dataset.way === "local";
+const labels = JSON.parse(document.getElementById("labels").textContent);
+const label = (key) => labels[key] ?? key;
+const $ = (id) => document.getElementById(id);
+
+// ---- elements
+
+function make(name, properties = {}, ...children) {
+  const element = document.createElement(name);
+  for (const [key, value] of Object.entries(properties)) {
+    if (key === "class") element.className = value;
+    else if (key === "on") element.addEventListener("click", value);
+    else if (value !== undefined && value !== false) element.setAttribute(key, value === true ? "" : value);
+  }
+  element.append(...children.flat().filter((child) => child !== null && child !== undefined));
+  return element;
+}
+
+// A sign for each state, so that no colour says anything alone.
+const SIGNS = {
+  ready: ["M50 8a42 42 0 1 0 .1 0z"],
+  armed: ["M28 10h44M28 90h44M34 10c0 26 32 26 32 40s-32 14-32 40M66 10c0 26-32 26-32 40s32 14 32 40"],
+  receiving: ["M50 8a42 42 0 1 1-36 20"],
+  done: ["M14 54l26 26 46-58"],
+  attention: ["M50 10L94 88H6z", "M50 38v24M50 75v.5"],
+  no_export: ["M50 8a42 42 0 1 0 .1 0z", "M34 34l32 32M66 34L34 66"],
+  good: ["M14 54l26 26 46-58"],
+  wait: ["M50 12a38 38 0 1 0 .1 0z", "M50 28v24l16 10"],
+  bad: ["M50 10L94 88H6z", "M50 38v24M50 75v.5"],
+  away: ["M10 40c24-22 56-22 80 0M28 60c14-12 30-12 44 0M50 80v.5", "M14 90L86 10"],
+};
+
+function sign(state) {
+  const space = "http://www.w3.org/2000/svg";
+  const svg = document.createElementNS(space, "svg");
+  svg.setAttribute("viewBox", "0 0 100 100");
+  svg.setAttribute("aria-hidden", "true");
+  for (const line of SIGNS[state] ?? SIGNS.bad) {
+    const path = document.createElementNS(space, "path");
+    path.setAttribute("d", line);
+    svg.append(path);
+  }
+  if (state === "receiving") svg.classList.add("turning");
+  return svg;
+}
+
+// Redraws a part only when what it shows has changed, and keeps the focus on what had it.
+const drawn = new Map();
+function redraw(id, value, build) {
+  const place = $(id);
+  const text = JSON.stringify(value);
+  if (!place || drawn.get(id) === text) return;
+  drawn.set(id, text);
+  const held = place.contains(document.activeElement) ? document.activeElement.dataset.key : undefined;
+  place.replaceChildren(...[build(value)].flat().filter(Boolean));
+  if (held) place.querySelector(`[data-key="${CSS.escape(held)}"]`)?.focus();
+}
+
+// ---- what is decided
+
+let token = null;
+try {
+  token = localStorage.getItem("gaiter-token");
+} catch {
+  // Storage is switched off: the token lasts as long as the page.
+}
+
+// The token leaves the address bar before anybody can read it there.
+function takeToken() {
+  const found = /^#token=([0-9a-f]{64})$/.exec(location.hash);
+  if (!found) return false;
+  history.replaceState(null, "", location.pathname);
+  if (!isLocal) return false;
+  token = found[1];
+  try {
+    localStorage.setItem("gaiter-token", token);
+  } catch {
+    // As above.
+  }
+  return true;
+}
+
+function post(path, body) {
+  const headers = { "Authorization": `Bearer ${token}`, "Content-Type": "application/json" };
+  return fetch(path, { method: "POST", headers, body: JSON.stringify(body), credentials: "same-origin" });
+}
+
+// The cookie that lets the browser open reports by itself.
+async function enter() {
+  if (!token || !isLocal) return;
+  try {
+    const answer = await post("/enter", {});
+    if (answer.status === 401) forget((await answer.json()).sentence);
+  } catch {
+    // The station is away; the stream says so.
+  }
+}
+
+function forget(sentence) {
+  token = null;
+  try {
+    localStorage.removeItem("gaiter-token");
+  } catch {
+    // As above.
+  }
+  say(sentence, true);
+  drawn.clear();
+  if (last) show(last);
+}
+
+let saying = 0;
+function say(sentence, isBad) {
+  const said = $("said");
+  if (!said) return;
+  said.textContent = sentence;
+  said.toggleAttribute("data-bad", isBad);
+  clearTimeout(saying);
+  if (!isBad) saying = setTimeout(() => { said.textContent = ""; }, 15000);
+}
+
+async function decide(body) {
+  try {
+    const answer = await post("/ask", body);
+    const { sentence } = await answer.json();
+    if (answer.status === 401) forget(sentence);
+    else say(sentence, !answer.ok);
+  } catch {
+    say(label("away"), true);
+  }
+}
+
+// Asks before it decides: for a patient's id, or whether it is meant.
+function question(title, hint, wantsId, send) {
+  const dialog = $("question");
+  const field = $("question_id");
+  $("question_title").textContent = title;
+  $("question_hint").textContent = hint;
+  $("question_field").hidden = !wantsId;
+  field.required = wantsId;
+  field.value = "";
+  dialog.querySelector("form").onsubmit = (event) => {
+    event.preventDefault();
+    const id = field.value.trim();
+    if (wantsId && !id) return;
+    dialog.close();
+    send(id);
+  };
+  dialog.showModal();
+  if (wantsId) field.focus();
+}
+
+function button(text, key, on, isMain) {
+  return make("button", { type: "button", "data-key": key, class: isMain ? "main" : undefined, on }, text);
+}
+
+function act(verb, scan, isMain) {
+  const title = label(verb).replace(/ …$/, "");
+  const hint = labels[`${verb}_hint`] ?? "";
+  const send = (patient) => decide(verb === "assign" ? { ask: verb, scan, patient } : { ask: verb, scan });
+  const on = verb === "retry" ? () => send() : () => question(title, hint, verb === "assign", send);
+  return button(label(verb), `${verb} ${scan}`, on, isMain);
+}
+
+// ---- what is shown
+
+function time(at) {
+  const date = new Date(at);
+  const clock = { hour: "2-digit", minute: "2-digit", hourCycle: "h23" };
+  const isToday = date.toDateString() === new Date().toDateString();
+  const form = isToday ? clock : { day: "numeric", month: "short", ...clock };
+  return make("time", { datetime: at }, date.toLocaleString(root.lang, form));
+}
+
+const HEALTH = { delivered: "good", spooled: "wait", unassigned: "wait", held: "bad", refused: "bad" };
+
+function state(word, health) {
+  return make("span", { class: `state ${health}` }, sign(health), make("span", {}, word));
+}
+
+function cell(figures, name) {
+  const kind = name === "girth_cm" ? "girth" : undefined;
+  if (!figures) return make("td", { class: kind, "aria-label": label("not_found") }, "–");
+  const doubt = figures.is_doubted && kind ? make("abbr", { title: label("doubted") }, "?") : null;
+  return make("td", { class: kind }, figures[name], doubt);
+}
+
+function measures(of) {
+  const sides = ["right", "left"];
+  const head = make("tr", {}, make("td"), sides.map((side) => make("th", { scope: "colgroup", colspan: 2 }, label(side === "right" ? "right" : "left"))));
+  const units = make("tr", {}, make("th", { scope: "col" }, label("level")), sides.flatMap(() => [
+    make("th", { scope: "col" }, `${label("girth")} (${label("cm")})`),
+    make("th", { scope: "col" }, `${label("height")} (${label("cm")})`),
+  ]));
+  const rows = of.levels.map((level) => make("tr", {},
+    make("th", { scope: "row" }, level.level),
+    sides.flatMap((side) => [cell(level[side], "girth_cm"), cell(level[side], "height_cm")])));
+  return make("table", {}, make("thead", {}, head, units), make("tbody", {}, rows));
+}
+
+function patients(ids) {
+  return ids.map((id) => make("p", { class: "word" }, `${label("patient")} `, make("bdi", {}, id)));
+}
+
+function about(scan, canAct, ...more) {
+  const buttons = canAct ? scan.acts.map((verb, at) => act(verb, scan.scan, at === 0 && verb !== "unassign")) : [];
+  return [
+    make("h3", {}, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
+    ...patients(scan.patients),
+    make("p", { class: "quiet" }, `${label("scan")} ${scan.scan.slice(0, 8)}`),
+    scan.advice ? make("p", {}, `${scan.advice.what} ${scan.advice.next}`) : null,
+    scan.code ? make("p", { class: "quiet" }, `${label("code")}: ${scan.code}`) : null,
+    ...more,
+    buttons.length ? make("p", { class: "buttons" }, buttons) : null,
+  ].filter(Boolean);
+}
+
+function links(scan, showsIds) {
+  const files = scan.files.filter((file) => showsIds || file === "legs.svg");
+  const anchors = files.map((file) =>
+    make("a", { href: `/scan/${scan.scan}/${file}`, target: "_blank", rel: "noopener", "data-key": `${file} ${scan.scan}` }, label(file)));
+  if (showsIds && files.includes("record.json") && window.gaiterViewer) {
+    anchors.unshift(button(label("view"), `view ${scan.scan}`, () => view(scan.scan)));
+  }
+  return anchors.length ? make("p", { class: "links", "aria-label": label("files"), role: "group" }, anchors) : null;
+}
+
+function scanCard(scan, canAct, showsIds) {
+  if (!scan.measures) return make("article", { class: "card scan plain" }, make("div", { class: "about" }, about(scan, canAct)));
+  const drawing = scan.files.includes("legs.svg")
+    ? make("img", { class: "drawing", src: `/scan/${scan.scan}/legs.svg`, alt: label("drawing"), loading: "lazy" })
+    : make("p", { class: "quiet" }, label("no_measures"));
+  const findings = scan.measures.findings
+    ? make("p", { class: "quiet" }, `${scan.measures.findings} ${label("findings")}`)
+    : null;
+  return make("article", { class: "card scan" },
+    make("div", {}, drawing),
+    make("div", { class: "about" }, about(scan, canAct, findings, links(scan, showsIds))),
+    make("div", { class: "measures" }, measures(scan.measures)));
+}
+
+async function view(scan) {
+  const dialog = $("viewer");
+  const place = make("div");
+  $("viewer_body").replaceChildren(place);
+  dialog.showModal();
+  try {
+    const record = await (await fetch(`/scan/${scan}/record.json`)).json();
+    window.gaiterViewer.mount(place, record, { language: root.lang });
+  } catch {
+    place.textContent = label("away");
+  }
+}
+
+function nextPatient(next, isPaused, canAct) {
+  const named = next.id ? make("p", { class: next.id.length > 16 ? "id long" : "id" }, make("bdi", {}, next.id)) : null;
+  const parts = [named, make("p", {}, next.sentence), next.doubt ? make("p", { class: "bad" }, next.doubt) : null];
+  if (!canAct) return parts;
+  const name = () => question(label("name").replace(/ …$/, ""), label("name_hint"), true, (patient) => decide({ ask: "name_next", patient }));
+  const off = () => question(label("call_off"), label("call_off_hint"), false, () => decide({ ask: "call_off" }));
+  return [...parts, make("p", { class: "buttons" },
+    button(label("name"), "name", name, !isPaused),
+    next.can_be_called_off ? button(label("call_off"), "call_off", off) : null,
+    isPaused
+      ? button(label("resume"), "pause", () => decide({ ask: "resume" }), true)
+      : button(label("pause"), "pause", () => decide({ ask: "pause" })))];
+}
+
+function part(of) {
+  return make("li", {}, make("p", {}, of.name), state(of.word, of.health),
+    of.why ? make("p", { class: "why" }, of.why) : null);
+}
+
+function showLight(light) {
+  if (drawn.get("light") === JSON.stringify(light)) return;
+  drawn.set("light", JSON.stringify(light));
+  $("light").dataset.signal = light.signal;
+  $("word").textContent = light.word;
+  $("sentence").textContent = light.sentence;
+  $("sign").replaceChildren(sign(light.signal));
+}
+
+// A station that does not answer is not ready, whatever it said last.
+function away() {
+  showLight({ signal: "away", word: label("away_word"), sentence: label("away") });
+}
+
+let last = null;
+function show(station) {
+  last = station;
+  const canAct = isLocal && token !== null;
+  $("station").textContent = station.station;
+  document.title = `${station.light.word} – ${station.station}`;
+  const { light, ids } = station;
+  showLight(light);
+  const whole = { next: station.next, paused: station.paused, canAct };
+  redraw("next_body", whole, () => nextPatient(station.next, station.paused, canAct && !isKiosk));
+  if (isKiosk) {
+    const measured = station.scans.find((scan) => scan.measures);
+    redraw("last_body", measured ?? null, (scan) => scan
+      ? [measures(scan.measures)]
+      : make("p", { class: "quiet" }, label("no_scans")));
+    return;
+  }
+  const reading = $("reading");
+  reading.hidden = canAct;
+  reading.textContent = label(isLocal ? "read_only_token" : "read_only_network");
+  redraw("undecided_body", { scans: station.undecided, more: station.more_undecided, canAct }, ({ scans, more }) => [
+    ...scans.map((scan) => make("article", { class: "card" }, about(scan, canAct))),
+    scans.length ? null : make("p", { class: "empty" }, label("none_undecided")),
+    more ? make("p", { class: "more" }, `${more} ${label("more")}`) : null,
+  ]);
+  redraw("scans_body", { scans: station.scans, canAct, ids }, ({ scans }) => scans.length
+    ? scans.map((scan) => scanCard(scan, canAct && !["held", "refused"].includes(scan.state), ids))
+    : make("p", { class: "empty" }, label("no_scans")));
+  redraw("complaints", station.complaints, (complaints) => complaints.map((complaint) =>
+    make("li", {}, make("strong", { class: "bad" }, complaint.what), ` ${complaint.next} `,
+      make("span", { class: "quiet" }, `${label("code")}: ${complaint.code}`))));
+  redraw("parts", station.parts, (parts) => parts.map(part));
+}
+
+// A page of another version loads itself anew, once for each version.
+function take(text) {
+  heard = Date.now();
+  const station = JSON.parse(text);
+  if (station.page !== root.dataset.page) {
+    let before = null;
+    try {
+      before = sessionStorage.getItem("gaiter-version");
+      sessionStorage.setItem("gaiter-version", station.page);
+    } catch {
+      before = station.page;
+    }
+    if (before !== station.page) {
+      location.reload();
+      return;
+    }
+  }
+  show(station);
+}
+
+// ---- the stream, and what to do without one
+
+const query = isKiosk ? "?kiosk" : "";
+const SILENT_MS = 30000; // three beats
+const LOOK_MS = 3000;
+const ANEW_MS = 30000;
+let source = null;
+let heard = 0;
+let connected = 0;
+
+function connect() {
+  source?.close();
+  connected = Date.now();
+  source = new EventSource(`/stream${query}`);
+  source.onmessage = (event) => take(event.data);
+  source.addEventListener("beat", () => { heard = Date.now(); });
+  source.onerror = () => {
+    if (source.readyState === EventSource.CLOSED) ask();
+    else away();
+  };
+}
+
+async function ask() {
+  try {
+    const answer = await fetch(`/state${query}`);
+    if (!answer.ok) throw new Error(answer.statusText);
+    take(await answer.text());
+  } catch {
+    away();
+  }
+}
+
+// Too many streams, or one that has fallen silent: the page asks by itself, and tries a stream again.
+setInterval(() => {
+  const isOpen = source && source.readyState === EventSource.OPEN && Date.now() - heard < SILENT_MS;
+  if (isOpen) return;
+  if (source?.readyState !== EventSource.CONNECTING || Date.now() - heard >= SILENT_MS) ask();
+  if (Date.now() - connected >= ANEW_MS) connect();
+}, LOOK_MS);
+
+async function begin() {
+  takeToken();
+  await enter();
+  connect();
+}
+
+window.addEventListener("hashchange", () => { if (takeToken()) begin(); });
+if (!isKiosk) {
+  $("question_no").addEventListener("click", () => $("question").close());
+  $("viewer_no").addEventListener("click", () => $("viewer").close());
+  $("viewer").addEventListener("close", () => $("viewer_body").replaceChildren());
+}
+begin();

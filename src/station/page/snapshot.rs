@@ -1,0 +1,80 @@
+//! The station as the page shows it, at one moment.
+
+use std::path::PathBuf;
+
+use super::assets;
+use crate::flow::account::Whole;
+use crate::flow::page::{self, Known, ScanShown, Shown, Situation, Told};
+use crate::flow::{DeliveryState, ScanId};
+use crate::station::assembly::Station;
+use crate::station::journal::JournalError;
+use crate::station::overview::Overview;
+
+/// How many of the last scans are shown: what fits a screen.
+const LAST: u32 = 12;
+
+/// How many scans that wait for a decision are shown. More of them are no matter of clicks.
+const UNDECIDED: u32 = 20;
+
+/// The store whose folders the page reads.
+pub const STORE: &str = "folder";
+
+/// Looks now. Blocks, on the local disk only: what records say comes from the briefs, and the second
+/// value names the records that they should read.
+pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
+    let overview = Overview::take(station);
+    let booth = station.booth.state(station.now());
+    let named = station.booth.next_named();
+    let situation = Situation {
+        signal: booth.signal,
+        has_button: !station.config.buttons().is_empty(),
+        awaited: booth.awaited,
+        named: named.as_deref(),
+        is_in_doubt: booth.is_in_doubt,
+    };
+    let journal = station.custody.journal();
+    let (mut records, of_list) = (Vec::new(), |ids: Result<Vec<ScanId>, JournalError>| {
+        let wholes = ids.and_then(|ids| {
+            let wholes = ids.iter().map(|id| journal.whole(id));
+            wholes.filter_map(Result::transpose).collect::<Result<Vec<Whole>, _>>()
+        });
+        let wholes = wholes.inspect_err(|error| station.mind(error)).unwrap_or_default();
+        let shown: Vec<ScanShown> = wholes.iter().map(|whole| scan(station, whole)).collect();
+        (wholes, shown)
+    });
+    let (held, undecided) = of_list(journal.undecided(UNDECIDED));
+    let (last, scans) = of_list(journal.newest(LAST));
+    for whole in held.iter().chain(&last) {
+        records.extend(folder(whole).map(|folder| (whole.scan.clone(), folder)));
+    }
+    let waiting = overview
+        .tally
+        .as_ref()
+        .map_or(0, |tally| tally.held + tally.scans.get("refused").copied().unwrap_or_default());
+    let more = waiting.saturating_sub(undecided.len() as u64);
+    let version = assets::version(station.config.language);
+    let known = Known {
+        page: &version,
+        station: &station.config.station.id,
+        facts: &overview.facts,
+        complaints: &overview.complaints,
+        booth: situation,
+        now: overview.now,
+    };
+    (page::shown(&known, undecided, more, scans, station.config.language), records)
+}
+
+fn scan(station: &Station, whole: &Whole) -> ScanShown {
+    let told = station.page.briefs.of(&whole.scan).unwrap_or_else(Told::default);
+    page::scan_shown(whole, &told, station.config.language)
+}
+
+/// The folder of a scan's record, if it has one.
+pub fn folder(whole: &Whole) -> Option<PathBuf> {
+    let theirs = whole.deliveries.iter().filter(|delivery| {
+        delivery.store == STORE && delivery.state == DeliveryState::Delivered.word()
+    });
+    // A patient's record goes before nobody's, which is about to be taken back.
+    let of = theirs.max_by_key(|delivery| delivery.patient.is_some())?;
+    of.folder.as_ref().map(PathBuf::from)
+}

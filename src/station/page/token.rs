@@ -1,0 +1,164 @@
+//! The token without which nothing can be decided on the page: a file of the state folder, for the
+//! station's user only, as the control socket is.
+
+use std::fs::{self, File};
+use std::hint::black_box;
+use std::io::{self, Read};
+use std::os::unix::fs::PermissionsExt;
+use std::path::Path;
+
+use axum::http::{HeaderMap, header};
+
+use crate::record::sha256;
+use crate::store::durable;
+
+/// The token's file in the state folder.
+pub const FILE: &str = "page-token";
+
+/// The system's randomness, which never ends and is fit for secrets.
+const RANDOM: &str = "/dev/urandom";
+
+/// How much of it a token is: nobody guesses 256 bits.
+const BYTES: usize = 32;
+
+/// What allows reading only, for pages and files that a browser opens by itself.
+const COOKIE: &str = "gaiter-reader";
+
+/// The station's token, and what is made of it for reading.
+pub struct Token {
+    word: String,
+    reading: String,
+}
+
+/// A token is nobody's business, a log's least of all.
+impl std::fmt::Debug for Token {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Token")
+    }
+}
+
+impl Token {
+    /// The token of this state folder; made where there is none, or none that can be one.
+    ///
+    /// # Errors
+    /// Where its file can be neither read nor made.
+    pub fn take(state_dir: &Path) -> io::Result<Token> {
+        let path = state_dir.join(FILE);
+        match fs::read_to_string(&path) {
+            Ok(text) if is_one(text.trim()) => {
+                fs::set_permissions(&path, fs::Permissions::from_mode(0o600))?;
+                return Ok(Token::of(text.trim()));
+            }
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let mut random = [0_u8; BYTES];
+        File::open(RANDOM)?.read_exact(&mut random)?;
+        let word: String = random.iter().map(|byte| format!("{byte:02x}")).collect();
+        // Written beside and renamed, so that half a token is never found.
+        let beside = state_dir.join(format!(".{FILE}"));
+        match fs::remove_file(&beside) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        durable::write_new(&beside, format!("{word}\n").as_bytes())?;
+        fs::set_permissions(&beside, fs::Permissions::from_mode(0o600))?;
+        fs::rename(&beside, &path)?;
+        durable::sync_folder(state_dir)?;
+        Ok(Token::of(&word))
+    }
+
+    fn of(word: &str) -> Token {
+        let reading = sha256(format!("reading with {word}").as_bytes());
+        Token { word: word.to_owned(), reading }
+    }
+
+    /// The token itself, for the link.
+    pub fn word(&self) -> &str {
+        &self.word
+    }
+
+    /// The cookie that allows reading. Cookies are sent to every port of this machine, so it is not
+    /// the token, and nothing can be decided with it.
+    pub fn cookie(&self) -> String {
+        format!("{COOKIE}={}; Path=/; HttpOnly; SameSite=Strict", self.reading)
+    }
+
+    /// Whether a request shows the token.
+    pub fn is_shown_in(&self, headers: &HeaderMap) -> bool {
+        let shown = headers.get(header::AUTHORIZATION).and_then(|value| value.to_str().ok());
+        shown.and_then(|shown| shown.strip_prefix("Bearer ")).is_some_and(|it| same(it, &self.word))
+    }
+
+    /// Whether a request has the cookie.
+    pub fn is_read_with(&self, headers: &HeaderMap) -> bool {
+        let lines = headers.get_all(header::COOKIE).into_iter();
+        let pairs = lines.filter_map(|line| line.to_str().ok()).flat_map(|line| line.split(';'));
+        let mut values =
+            pairs.filter_map(|pair| pair.trim().strip_prefix(COOKIE)?.strip_prefix('='));
+        values.any(|value| same(value, &self.reading))
+    }
+}
+
+fn is_one(text: &str) -> bool {
+    text.len() == 2 * BYTES && text.bytes().all(|byte| byte.is_ascii_hexdigit())
+}
+
+/// Whether two words are the same, in a time that does not tell how far they agree.
+fn same(a: &str, b: &str) -> bool {
+    let differ = a.bytes().zip(b.bytes()).fold(0, |differ, (a, b)| black_box(differ | (a ^ b)));
+    a.len() == b.len() && differ == 0
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::MetadataExt;
+
+    use super::*;
+
+    fn headers(name: header::HeaderName, value: &str) -> HeaderMap {
+        HeaderMap::from_iter([(name, value.parse().unwrap())])
+    }
+
+    #[test]
+    fn a_token_is_made_once_for_its_owner_only_and_is_never_shown() {
+        let dir = tempfile::tempdir().unwrap();
+        let token = Token::take(dir.path()).unwrap();
+        assert!(is_one(token.word()));
+        let mode = fs::metadata(dir.path().join(FILE)).unwrap().mode();
+        assert_eq!(mode & 0o777, 0o600);
+        assert_eq!(Token::take(dir.path()).unwrap().word(), token.word());
+        assert_eq!(format!("{token:?}"), "Token");
+        let other = tempfile::tempdir().unwrap();
+        assert_ne!(Token::take(other.path()).unwrap().word(), token.word());
+    }
+
+    #[test]
+    fn half_a_token_is_made_anew_and_one_that_others_could_read_is_closed() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join(FILE);
+        fs::write(&path, "ab12\n").unwrap();
+        let token = Token::take(dir.path()).unwrap();
+        assert!(is_one(token.word()));
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o644)).unwrap();
+        assert_eq!(Token::take(dir.path()).unwrap().word(), token.word());
+        assert_eq!(fs::metadata(&path).unwrap().mode() & 0o777, 0o600);
+    }
+
+    #[test]
+    fn only_the_whole_token_counts_and_the_cookie_is_another_word() {
+        let word = "ab".repeat(BYTES);
+        let token = Token::of(&word);
+        let bearer = |text: &str| headers(header::AUTHORIZATION, text);
+        assert!(token.is_shown_in(&bearer(&format!("Bearer {word}"))));
+        for wrong in ["", "Bearer ", "Bearer ab", &word, &format!("Bearer {word}0")] {
+            assert!(!token.is_shown_in(&bearer(wrong)), "{wrong}");
+        }
+        let cookie = token.cookie();
+        let cookie = cookie.split(';').next().unwrap();
+        assert!(!cookie.contains(&word));
+        assert!(token.is_read_with(&headers(header::COOKIE, &format!("a=b; {cookie}"))));
+        assert!(!token.is_read_with(&headers(header::COOKIE, &format!("{COOKIE}={word}"))));
+        assert!(!token.is_shown_in(&headers(header::COOKIE, cookie)));
+    }
+}

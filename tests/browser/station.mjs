@@ -1,0 +1,166 @@
+// A real station in a folder of its own, and a real browser before it. Whatever is awaited is awaited
+// as a condition, never as a time.
+
+import { execFileSync, spawn } from "node:child_process";
+import { appendFileSync, mkdirSync, mkdtempSync, openSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { join, resolve } from "node:path";
+import { gunzipSync } from "node:zlib";
+import { chromium } from "playwright-core";
+
+const root = resolve(import.meta.dirname ?? new URL(".", import.meta.url).pathname, "../..");
+
+/** The program under test. */
+export const gaiter = resolve(root, process.env.GAITER_BIN ?? "target/debug/gaiter");
+
+/** How long a condition is awaited before a test fails: machines that test are busy. */
+export const PATIENCE_MS = 120_000;
+
+const FLAGS = [
+  "--headless", "--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=swiftshader",
+  "--enable-unsafe-swiftshader", "--disable-quic", "--no-first-run", "--disable-background-networking",
+  "--disable-component-update", "--disable-sync",
+];
+
+/** A scan that is quickly measured; each `n` gives other bytes of the same body. */
+export function body(n) {
+  const file = join(root, "fixtures/coarse/f_average.obj.gz");
+  return Buffer.concat([gunzipSync(readFileSync(file)), Buffer.from(`# ${n}\n`)]);
+}
+
+/** Awaits a condition. */
+export async function until(what, holds) {
+  const end = Date.now() + PATIENCE_MS;
+  for (;;) {
+    const found = await holds();
+    if (found) return found;
+    if (Date.now() > end) throw new Error(`${what} did not come`);
+    await new Promise((later) => setTimeout(later, 50));
+  }
+}
+
+/** A port that is free now. */
+function freePort() {
+  return new Promise((found) => {
+    const server = createServer();
+    server.listen(0, "127.0.0.1", () => {
+      const { port } = server.address();
+      server.close(() => found(port));
+    });
+  });
+}
+
+export class Station {
+  /** A station that is not started; `more` is added to its configuration. */
+  static async make({ pattern = "^P?[0-9]{1,12}$", fileName = "^(?<patient>P?[0-9]+)_", more = "" } = {}) {
+    const station = new Station();
+    station.dir = mkdtempSync(join(tmpdir(), "gaiter-browser-"));
+    station.port = await freePort();
+    for (const folder of ["export", "records"]) mkdirSync(join(station.dir, folder));
+    writeFileSync(join(station.dir, "station.toml"), `[station]
+id = "booth-1"
+state_dir = "${station.dir}/state"
+[scanner]
+export_dirs = ["${station.dir}/export"]
+quiet = "300ms"
+rescan = "500ms"
+file_name = '${fileName}'
+[patient]
+pattern = '${pattern}'
+[output]
+files = []
+[store.folder]
+path = "${station.dir}/records"
+[status]
+listen = "127.0.0.1:${station.port}"
+${more}`);
+    return station;
+  }
+
+  get origin() {
+    return `http://127.0.0.1:${this.port}`;
+  }
+
+  /** Starts it, and awaits its door. */
+  async start() {
+    const log = openSync(join(this.dir, "log"), "a");
+    const config = join(this.dir, "station.toml");
+    this.child = spawn(gaiter, ["run", "--config", config], { stdio: ["ignore", log, log] });
+    await until("the station", async () => {
+      try {
+        return (await fetch(`${this.origin}/healthz`)).ok;
+      } catch {
+        return false;
+      }
+    });
+    return this;
+  }
+
+  /** Stops it, and awaits its end. */
+  async stop() {
+    const { child } = this;
+    if (child.exitCode !== null) return;
+    const ended = new Promise((end) => child.once("exit", end));
+    child.kill("SIGTERM");
+    await ended;
+  }
+
+  /** Stops it and removes its folder. */
+  async end() {
+    await this.stop();
+    rmSync(this.dir, { recursive: true, force: true });
+  }
+
+  configure(more) {
+    appendFileSync(join(this.dir, "station.toml"), more);
+  }
+
+  export(name, bytes) {
+    writeFileSync(join(this.dir, "export", name), bytes);
+  }
+
+  verb(...words) {
+    return execFileSync(gaiter, [...words, "--config", join(this.dir, "station.toml")], { encoding: "utf8" });
+  }
+
+  /** The link with which one can decide. */
+  link() {
+    return this.verb("page").trim();
+  }
+
+  /** What the station says of itself to everybody. */
+  async state() {
+    return (await fetch(`${this.origin}/state`)).json();
+  }
+}
+
+/** A browser whose every request is noted, and none but the station's is let through. */
+export async function browse() {
+  const browser = await chromium.launch({ executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium", args: FLAGS });
+  return browser;
+}
+
+/** A tab that notes what leaves for elsewhere, what fails, and how many bytes came. */
+export async function tab(browser, station, options = {}) {
+  const context = await browser.newContext(options);
+  const page = await context.newPage();
+  page.setDefaultTimeout(PATIENCE_MS);
+  const noted = { elsewhere: [], faults: [], bytes: 0 };
+  const devtools = await context.newCDPSession(page);
+  await devtools.send("Network.enable");
+  const isHere = (url) => url.startsWith(`${station.origin}/`) || /^(data|blob|about):/.test(url);
+  devtools.on("Network.requestWillBeSent", ({ request }) => {
+    if (!isHere(request.url)) noted.elsewhere.push(request.url);
+  });
+  devtools.on("Network.loadingFinished", ({ encodedDataLength }) => { noted.bytes += encodedDataLength; });
+  await context.route("**", (route) => (isHere(route.request().url()) ? route.continue() : route.abort()));
+  page.on("pageerror", (error) => noted.faults.push(String(error)));
+  page.on("console", (message) => {
+    // Requests to a station that is away fail, and the browser says so by itself.
+    if (message.type() === "error" && !/ERR_CONNECTION|ERR_INCOMPLETE|ERR_EMPTY/.test(message.text())) {
+      noted.faults.push(message.text());
+    }
+  });
+  return { page, context, noted };
+}
