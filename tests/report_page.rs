@@ -206,7 +206,8 @@ fn what_is_missing_is_said_with_its_reason_and_never_left_blank() {
     });
     let mut bare = MADE.0.clone();
     for leg in &mut bare.legs {
-        (leg.landmarks.clear(), leg.estimates.clear());
+        leg.landmarks.clear();
+        leg.estimates.clear();
         (leg.shape, leg.foot, leg.surface, leg.axis) = (None, None, None, None);
         leg.sections.iter_mut().for_each(|section| section.outline = None);
         leg.volume = Default::default();
