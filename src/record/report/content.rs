@@ -221,7 +221,7 @@ impl Content {
             taken: report.taken(),
             facts: report.facts(),
             origin: report.say("Where this comes from", "Woher dies stammt"),
-            key: report.say("Girths at D, C, B1 and B", "Umfänge bei D, C, B1 und B"),
+            key: report.say("Girths at D, C, B1 and B (cm)", "Umfänge bei D, C, B1 und B (cm)"),
             levels: report.levels(),
             tables: report.tables(),
             surfaces: report.surfaces(),

@@ -41,7 +41,7 @@ pub(super) fn section(id: &str, title: &str, inside: &str) -> String {
 /// A table that may be wider than the page: it scrolls in a place of its own, by the keyboard too.
 pub(super) fn wide(named_by: &str, table: &str) -> String {
     let attributes =
-        format!(" class=\"wide\" role=\"region\" tabindex=\"0\" aria-labelledby=\"{named_by}\"");
+        format!(" class=\"wide\" role=\"group\" tabindex=\"0\" aria-labelledby=\"{named_by}\"");
     element("div", &attributes, table)
 }
 
