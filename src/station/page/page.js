@@ -192,7 +192,7 @@ function cell(figures, name) {
 
 function measures(of) {
   const sides = ["right", "left"];
-  const head = make("tr", {}, make("td"), sides.map((side) => make("th", { scope: "colgroup", colspan: 2 }, label(side === "right" ? "right" : "left"))));
+  const head = make("tr", {}, make("td"), sides.map((side) => make("th", { scope: "colgroup", colspan: 2 }, label(side))));
   const units = make("tr", {}, make("th", { scope: "col" }, label("level")), sides.flatMap(() => [
     make("th", { scope: "col" }, `${label("girth")} (${label("cm")})`),
     make("th", { scope: "col" }, `${label("height")} (${label("cm")})`),
