@@ -316,7 +316,7 @@ fn over_the_network_the_page_is_for_reading_only() {
 }
 
 #[test]
-fn ids_of_any_kind_come_as_they_are() {
+fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_code_point() {
     let booth = booth("");
     booth.reconfigure(|config| {
         let pattern = "pattern = '^P?[0-9]{1,12}$'";
@@ -327,12 +327,13 @@ fn ids_of_any_kind_come_as_they_are() {
     let site = Site::of(&booth, "local");
     let ids = ["<script>alert(1)<", "\"'`&amp;", "\u{202e}4711\u{2066}", "ab\u{300}\u{1f600}"];
     for (n, id) in ids.into_iter().enumerate() {
+        let seen = id.replace('\u{202e}', "[U+202E]").replace('\u{2066}', "[U+2066]");
         let answer = decide(&site, &json!({"ask": "name_next", "patient": id}));
         assert_eq!(answer.status, 200, "{id}: {}", answer.body);
         wait_for_state(&booth, &site, "the light", |state| state["light"]["signal"] == "armed");
         booth.export(&format!("x{n}.obj"), &coarse_body(n));
         booth.wait_for("the scan", || {
-            site.state_of(&site.operator())["scans"][0]["patients"][0] == id
+            site.state_of(&site.operator())["scans"][0]["patients"][0] == seen
         });
         wait_for_state(&booth, &site, "its end", |state| state["light"]["signal"] == "done");
     }

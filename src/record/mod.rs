@@ -17,6 +17,7 @@ pub mod report;
 pub mod rounding;
 pub mod schema;
 pub mod shape;
+pub mod shown;
 pub mod surface;
 
 pub use brief::{Brief, BriefFigures, BriefLevel};

@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::light::Situation;
 use super::words::say;
-use crate::record::Language;
+use crate::record::{Language, shown};
 
 /// The next patient on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -41,7 +41,7 @@ pub(super) fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
     );
     NextShown {
         sentence: sentences.join(" "),
-        id: booth.named.map(str::to_owned),
+        id: booth.named.map(shown::id),
         can_be_called_off: booth.named.is_some() || booth.awaited > 0,
         doubt: booth.is_in_doubt.then(|| say(language, doubt)),
     }

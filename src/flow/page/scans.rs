@@ -8,7 +8,7 @@ use super::words::say;
 use crate::flow::account::{Delivered, Whole};
 use crate::flow::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{DeliveryState, ScanState, capture};
-use crate::record::{Brief, Language};
+use crate::record::{Brief, Language, shown};
 
 /// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -146,7 +146,8 @@ fn patients(whole: &Whole) -> Vec<String> {
         .deliveries
         .iter()
         .filter(|of| if is_any_held { is_held(of) } else { !gone.contains(&of.state.as_str()) });
-    let mut ids: Vec<String> = theirs.filter_map(|of| of.patient.clone()).collect();
+    let mut ids: Vec<String> =
+        theirs.filter_map(|of| of.patient.as_deref().map(shown::id)).collect();
     ids.sort_unstable();
     ids.dedup();
     ids

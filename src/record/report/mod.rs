@@ -4,7 +4,6 @@ pub mod content;
 mod figure;
 mod html;
 mod pdf;
-mod shown;
 mod words;
 
 pub use content::Content;

@@ -91,10 +91,10 @@ const DE: Words = Words {
     radius_mm: "Radius, mm",
     points: "Punkte des Scans",
     fitted: "angepasste Kurve",
-    error: "Wie weit der Scan neben der Fläche liegt, abgerollt",
-    outside_mm: "mm außerhalb der Fläche",
+    error: "Wie weit der Scan neben der Oberfläche liegt, abgerollt",
+    outside_mm: "mm außerhalb der Oberfläche",
     unseen: "nicht gesehen",
-    no_surface: "keine Fläche",
+    no_surface: "keine Oberfläche",
 };
 
 impl Words {

@@ -3,9 +3,10 @@
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
-use super::super::{shown, words};
+use super::super::words;
 use super::{Fact, Report, Section};
 use crate::record::rounding::cm_words;
+use crate::record::shown;
 
 /// So many digits of a scan's hash tell it from all others of a clinic.
 const HASH_DIGITS: usize = 16;

@@ -1,12 +1,13 @@
 //! Doubts and findings in plain words.
 
+use super::super::words;
 use super::super::words::findings::{self, Plain};
 use super::super::words::messages;
-use super::super::{shown, words};
 use super::{Note, Report, Section, Weight};
 use crate::leg::Side;
 use crate::leg::finding::Severity;
 use crate::record::schema::FindingNote;
+use crate::record::shown;
 
 impl Report<'_> {
     pub(super) fn notes(&self) -> Section<Note> {

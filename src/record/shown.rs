@@ -2,7 +2,7 @@
 
 /// An id in which nothing is hidden: characters that are not seen, or that turn those around them
 /// about, stand as their code points, so that no id is taken for another.
-pub(super) fn id(text: &str) -> String {
+pub fn id(text: &str) -> String {
     let mut shown = String::new();
     for letter in text.chars() {
         if is_hidden(letter) {
