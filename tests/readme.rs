@@ -48,6 +48,9 @@ fn events(folder: &Path, found: &mut BTreeSet<String>) {
             events(&path, found);
             continue;
         }
+        if path.extension().is_none_or(|ending| ending != "rs") {
+            continue;
+        }
         let text = fs::read_to_string(&path).unwrap();
         // `info!(event = "code", …)`, and a `let (event, …) = ("code", …)` for a long line,
         // or a `let event` that chooses between two.

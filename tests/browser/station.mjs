@@ -53,7 +53,7 @@ function freePort() {
 
 export class Station {
   /** A station that is not started; `more` is added to its configuration. */
-  static async make({ pattern = "^P?[0-9]{1,12}$", fileName = "^(?<patient>P?[0-9]+)_", more = "" } = {}) {
+  static async make({ pattern = "^P?[0-9]{1,12}$", fileName = "^(?<patient>P?[0-9]+)_", more = "", quiet = "300ms" } = {}) {
     const station = new Station();
     station.dir = mkdtempSync(join(tmpdir(), "gaiter-browser-"));
     station.port = await freePort();
@@ -63,7 +63,7 @@ id = "booth-1"
 state_dir = "${station.dir}/state"
 [scanner]
 export_dirs = ["${station.dir}/export"]
-quiet = "300ms"
+quiet = "${quiet}"
 rescan = "500ms"
 file_name = '${fileName}'
 [patient]
