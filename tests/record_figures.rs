@@ -157,6 +157,30 @@ fn the_chart_names_every_level_across_the_leg_with_the_girth_of_the_record() {
 }
 
 #[test]
+fn no_curve_runs_through_the_girths_of_the_feet() {
+    for (body, language, figure) in figures().filter(|(.., figure)| figure.name == "girths") {
+        let feet: Vec<_> = figure
+            .picture
+            .marks
+            .iter()
+            .filter_map(place)
+            .filter(|(_, w)| w.contains(": "))
+            .collect();
+        assert_eq!(feet.len(), 2, "{body}, {language:?}");
+        let curves = figure.picture.marks.iter().filter_map(|mark| match mark {
+            Mark::Lines { lines, stroke: Some(stroke), .. } if stroke.width >= 2.0 => Some(lines),
+            _ => None,
+        });
+        for [x, y] in curves.flatten().flatten() {
+            for ([left, top, right, bottom], words) in &feet {
+                let is_in = (left..=right).contains(&x) && (top..=bottom).contains(&y);
+                assert!(!is_in, "{body}, {language:?}: {words} at {x}, {y}");
+            }
+        }
+    }
+}
+
+#[test]
 fn every_feature_point_of_the_papers_levels_has_its_name_on_its_section_and_on_its_curvature() {
     for (body, _, record) in BODIES.iter() {
         let figure = figure(record, "sections");

@@ -230,9 +230,9 @@ fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
         .collect()
 }
 
-/// The girths of the feet, which are no places on the curve: where the chart is empty.
+/// The girths of the feet, which are no places on the curve: where high up no leg is so thin.
 fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
-    let line = |(above, side): (usize, Side)| {
+    let line = |(row, side): (usize, Side)| {
         let leg = leg(record, side)?;
         let is_foot = |name: &str| Level::ALL.iter().any(|l| *l < Level::B && l.name() == name);
         let found = leg.landmarks.iter().map(|(name, l)| ("", name, l.girth_tape_mm));
@@ -242,10 +242,10 @@ fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
             .map(|(about, name, mm)| format!("{about}{name} {}", rounding::cm_words(mm, language)))
             .collect();
         let text = format!("{}: {}", words_.side(side), girths.join(", "));
-        let at = [GIRTHS_PX[1] - 8.0, ROWS_PX[1] - 10.0 - above as f64 * LINE];
-        (!girths.is_empty()).then(|| words(at, Anchor::End, SMALL, Ink::of(side), text))
+        let at = [GIRTHS_PX[0] + 8.0, ROWS_PX[0] + 18.0 + row as f64 * LINE];
+        (!girths.is_empty()).then(|| words(at, Anchor::Start, SMALL, Ink::of(side), text))
     };
-    SIDES.into_iter().rev().enumerate().filter_map(line).collect()
+    SIDES.into_iter().enumerate().filter_map(line).collect()
 }
 
 /// Whether a level's label stands on the right: that of the leg with the larger girth there.

@@ -70,10 +70,10 @@ impl Report<'_> {
             ),
             caption(
                 "error",
-                self.say("How far the scan lies off the surface", "Wie weit der Scan neben der Fläche liegt"),
+                self.say("How far the scan lies off the surface", "Wie weit der Scan neben der Oberfläche liegt"),
                 self.say(
                     "The skin unrolled: red lies outside the surface, blue inside, grey was not seen.",
-                    "Die Haut abgerollt: Rot liegt außerhalb der Fläche, Blau innerhalb, Grau war nicht \
+                    "Die Haut abgerollt: Rot liegt außerhalb der Oberfläche, Blau innerhalb, Grau war nicht \
                      zu sehen.",
                 ),
             ),
