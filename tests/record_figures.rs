@@ -173,7 +173,7 @@ fn no_curve_runs_through_the_girths_of_the_feet() {
         });
         for [x, y] in curves.flatten().flatten().copied() {
             for ([left, top, right, bottom], words) in &feet {
-                let is_in = (left..=right).contains(&x) && (top..=bottom).contains(&y);
+                let is_in = (*left..=*right).contains(&x) && (*top..=*bottom).contains(&y);
                 assert!(!is_in, "{body}, {language:?}: {words} at {x}, {y}");
             }
         }
