@@ -8,7 +8,7 @@
 //! | [`spline`] | pure | bases, fits, solvers, curves and surfaces; knows no legs |
 //! | [`leg`] | pure | scan → leg reports: the paper, a stage per file |
 //! | [`cad`] | pure | surface → CAD files and meshes, as bytes |
-//! | [`record`] | pure | reports → record: JSON, CSV, drawings, as bytes |
+//! | [`record`] | pure | reports → record: JSON, CSV, pictures, the report people read, as bytes |
 //! | [`flow`] | pure | the station's decisions as functions of state and `now` |
 //! | [`store`] | effects | record stores; idempotent `put` |
 //! | [`station`] | effects | watch, spool, journal, work, deliver |
