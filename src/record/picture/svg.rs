@@ -94,20 +94,34 @@ fn markup(mark: &Mark) -> String {
     }
 }
 
-/// A line through points, told by the ways between them.
+/// A line through points, told by the ways between them in whole tenths of px: such are written many
+/// times as fast as fractions.
 fn path(points: &[[f64; 2]]) -> String {
     let mut path = String::new();
     let tenths = |at: &[f64; 2]| at.map(|of| (of * 10.0).round() as i64);
     let mut last = [0, 0];
     for (index, point) in points.iter().map(tenths).enumerate() {
-        let way = if index == 0 { point } else { [point[0] - last[0], point[1] - last[1]] };
-        let [x, y] = way.map(|of| number(of as f64 / 10.0));
-        let gap = if y.starts_with('-') { "" } else { " " };
-        let command = ["l", "M"][usize::from(index == 0)];
-        let _ = write!(path, "{command}{x}{gap}{y}");
+        let [x, y] = if index == 0 { point } else { [point[0] - last[0], point[1] - last[1]] };
+        path.push(if index == 0 { 'M' } else { 'l' });
+        push_tenths(&mut path, x);
+        if y >= 0 {
+            path.push(' ');
+        }
+        push_tenths(&mut path, y);
         last = point;
     }
     path
+}
+
+/// Writes a number of tenths as a decimal.
+fn push_tenths(text: &mut String, tenths: i64) {
+    let (whole, rest) = (tenths.unsigned_abs() / 10, tenths.unsigned_abs() % 10);
+    let sign = if tenths < 0 { "-" } else { "" };
+    // Writing to memory does not fail.
+    let _ = match rest {
+        0 => write!(text, "{sign}{whole}"),
+        _ => write!(text, "{sign}{whole}.{rest}"),
+    };
 }
 
 fn looks(fill: Option<Ink>, stroke: Option<Stroke>) -> String {
