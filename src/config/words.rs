@@ -156,3 +156,15 @@ pub fn height_mm(text: &str) -> Option<f64> {
     let cm = text.trim().parse::<f64>().ok()?;
     (cm > HEIGHTS_CM.start && cm < HEIGHTS_CM.end).then_some(cm * 10.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_facing_has_the_same_word_in_records_as_here() {
+        for (word, facing) in FACINGS {
+            assert_eq!(facing.word(), *word);
+        }
+    }
+}

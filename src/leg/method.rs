@@ -206,6 +206,21 @@ pub enum FacingChoice {
     Declared(Axis),
 }
 
+impl FacingChoice {
+    /// The word used in records and in the configuration.
+    pub fn word(self) -> &'static str {
+        match self {
+            FacingChoice::Auto => "auto",
+            FacingChoice::Declared(Axis::PlusX) => "+x",
+            FacingChoice::Declared(Axis::MinusX) => "-x",
+            FacingChoice::Declared(Axis::PlusY) => "+y",
+            FacingChoice::Declared(Axis::MinusY) => "-y",
+            FacingChoice::Declared(Axis::PlusZ) => "+z",
+            FacingChoice::Declared(Axis::MinusZ) => "-z",
+        }
+    }
+}
+
 /// A signed axis of the export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {

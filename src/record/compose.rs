@@ -64,6 +64,7 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("scope", method.scope.word()),
         ("unit", unit),
         ("up", method.up.word()),
+        ("facing", method.facing.word()),
         ("fit", method.fit.word()),
         ("axis", method.axis.word()),
     ];

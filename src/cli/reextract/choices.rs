@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::cad::Output;
 use crate::cli::{Exit, explain_config};
-use crate::config::words::{self, UNITS, UPS};
+use crate::config::words::{self, FACINGS, UNITS, UPS};
 use crate::leg::method::{B1, Scope, UnitChoice};
 use crate::leg::{Method, Side};
 use crate::record::{Language, Record};
@@ -39,8 +39,8 @@ impl Choices {
     }
 }
 
-/// The default method with what was asked for when the record was made. The record does not say where
-/// the toes were declared to point; they are found, as always.
+/// The default method with what was asked for when the record was made. Records of older versions do
+/// not say where the toes were declared to point; there they are found from the feet.
 fn as_asked(record: &Record) -> Method {
     let mut method = Method::default();
     let said = |key: &str| record.made_by.method.get(key).map(String::as_str);
@@ -51,6 +51,8 @@ fn as_asked(record: &Record) -> Method {
     let unit = said("unit").and_then(|word| words::meaning(UNITS, word));
     method.unit = unit.unwrap_or(UnitChoice::Auto);
     method.up = said("up").and_then(|word| words::meaning(UPS, word)).unwrap_or(method.up);
+    let facing = said("facing").and_then(|word| words::meaning(FACINGS, word));
+    method.facing = facing.unwrap_or(method.facing);
     let heights = said("at_heights_mm").map(|list| list.split(", ").flat_map(str::parse).collect());
     method.at_heights_mm = heights.unwrap_or_default();
     let mm = |key| said(key)?.strip_suffix("mm")?.parse::<f64>().ok();
