@@ -143,6 +143,16 @@ test("every level's girth is told in cm with one decimal, as the language writes
   }
 });
 
+test("a girth in doubt has a question mark, and no other", () => {
+  const doubted = record();
+  doubted.legs[0].landmarks.C.doubts = ["gap"];
+  return viewing(async (page) => {
+    const asked = (await labels(page)).map(({ text }) => text).filter((text) => text.endsWith("?"));
+    assert.equal(asked.length, 1, `${asked}`);
+    assert.match(asked[0], new RegExp(`^C ${doubted.legs[0].side} .* cm \\?$`));
+  }, { given: doubted });
+});
+
 test("every layer draws something of its own", () => viewing(async (page) => {
   await showOnly(page, []);
   const pictures = [await picture(page, false)];

@@ -151,7 +151,9 @@ globalThis.gaiterViewer = (() => {
       if (!levels.has(level) && isPlace(along) && isPoint(foot) && isPoint(direction)) {
         levels.set(level, { level, ring: null, place: foot.map((f, k) => f + along * direction[k]) });
       }
-      if (levels.has(level)) levels.get(level).girthMm = landmark.girth_tape_mm;
+      if (!levels.has(level)) continue;
+      const isDoubted = Array.isArray(landmark.doubts) && landmark.doubts.length > 0;
+      Object.assign(levels.get(level), { girthMm: landmark.girth_tape_mm, isDoubted });
     }
     // Where labels compete for room, B, C and D go before B1.
     return [...levels.values()].sort((a, b) => a.level.length - b.level.length);
@@ -619,7 +621,7 @@ globalThis.gaiterViewer = (() => {
       return scene.legs.flatMap((leg) => [
         tag(() => 0, leg, (size) => this.besideLeg(leg, size), () => words[`${leg.side}Leg`]),
         ...leg.levels.map((level) => tag(() => 2, leg, (size, anchors) => this.besideLevel(leg, level, size, anchors), () =>
-          [level.level, words[leg.side], ...(this.shows.landmarks && level.girthMm ? [inCm(level.girthMm, words), "cm"] : [])].join(" "))),
+          [level.level, words[leg.side], ...(this.shows.landmarks && level.girthMm ? [inCm(level.girthMm, words), level.isDoubted ? "cm ?" : "cm"] : [])].join(" "))),
         ...leg.features.map((feature) => tag(() => (feature === this.hovered ? 1 : 3), leg, (size) => this.besideFeature(leg, feature, size), () =>
           (feature === this.hovered ? [feature.label, feature.level, words[leg.side], words[feature.kind]].join(" · ") : feature.label))),
       ]);
