@@ -1,12 +1,18 @@
 // A page under a strict content security policy, with the 3D view in it, in headless Chromium.
-import { readFile } from "node:fs/promises";
+import { readFile, readdir } from "node:fs/promises";
 import { createServer } from "node:http";
 import { fileURLToPath } from "node:url";
 import { inflateSync } from "node:zlib";
 
 import { chromium } from "playwright-core";
 
-const VIEWER = new URL("../../src/record/report/viewer.js", import.meta.url);
+const VIEWER = new URL("../../src/record/report/viewer/", import.meta.url);
+
+/** The parts of the script in the order of their names, as the program has them. */
+async function script() {
+  const names = (await readdir(VIEWER)).sort();
+  return (await Promise.all(names.map((name) => readFile(new URL(name, VIEWER), "utf8")))).join("");
+}
 
 /** What the report and the operator's page allow, and nothing else. */
 const POLICY = "default-src 'none'; script-src 'self'; style-src 'self'; base-uri 'none'; form-action 'none'";
@@ -27,7 +33,7 @@ const FLAGS = ["--no-sandbox", "--disable-gpu", "--use-gl=angle", "--use-angle=s
 
 /** The server and the browser; `open` gives a fresh page, `close` ends both. */
 export async function start() {
-  const files = { "/favicon.ico": ["image/x-icon", ""], "/": ["text/html", PAGE], "/watch.js": ["text/javascript", WATCH], "/viewer.js": ["text/javascript", await readFile(VIEWER)] };
+  const files = { "/favicon.ico": ["image/x-icon", ""], "/": ["text/html", PAGE], "/watch.js": ["text/javascript", WATCH], "/viewer.js": ["text/javascript", await script()] };
   const server = createServer((request, response) => {
     const [kind, body] = files[request.url] ?? ["text/plain", ""];
     response.writeHead(request.url in files ? 200 : 404, { "content-type": kind, "content-security-policy": POLICY });

@@ -8,16 +8,13 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
-use super::Content;
+use super::{Content, VIEWER};
 use crate::record::picture::figures::{self, Figure};
 use crate::record::picture::svg;
 use crate::record::{Language, Record};
 
 /// How the page looks.
 const STYLE: &str = include_str!("report.css");
-
-/// The view that can be turned.
-const VIEWER: &str = include_str!("viewer.js");
 
 /// Begins the view when the page is read; the record stands in the page.
 const BEGIN: &str = include_str!("begin.js");

@@ -4,9 +4,11 @@ pub mod content;
 mod figure;
 mod html;
 mod pdf;
+mod viewer;
 mod words;
 
 pub use content::Content;
 pub use figure::{Figure, Mark};
 pub use html::page;
 pub use pdf::{PdfFault, paper};
+pub use viewer::VIEWER;

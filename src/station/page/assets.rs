@@ -9,6 +9,7 @@ use axum::routing::get;
 
 use super::{Door, Way};
 use crate::flow::page::words::{LABELS, label, say};
+use crate::record::report::VIEWER;
 use crate::record::{Language, sha256};
 
 const PAGE: &str = include_str!("page.html");
@@ -16,7 +17,6 @@ const KIOSK: &str = include_str!("kiosk.html");
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 const ICON: &str = include_str!("icon.svg");
-const VIEWER: &str = include_str!("../../record/report/viewer.js");
 
 /// The header of an answer for programs.
 pub const JSON: (HeaderName, &str) = (CONTENT_TYPE, "application/json");

@@ -1,0 +1,133 @@
+  // ---- Reading: a record of any kind → what can be drawn. Nothing is trusted. ----
+
+  const isObject = (value) => typeof value === "object" && value !== null;
+  const isPlace = (value) => typeof value === "number" && Math.abs(value) <= FARTHEST_MM;
+  const isPoint = (value) => Array.isArray(value) && value.length === 3 && value.every(isPlace);
+  const isName = (value) => typeof value === "string" && value.length > 0 && value.length <= 12;
+  const isCount = (value, least) => Number.isInteger(value) && value >= least && value <= MOST_POINTS;
+
+  /** Little-endian 16-bit integers out of base64, or null. */
+  function readIntegers(text) {
+    if (typeof text !== "string" || text.length > MOST_POINTS * 8) return null;
+    let bytes;
+    try {
+      bytes = atob(text);
+    } catch {
+      return null;
+    }
+    if (bytes.length === 0 || bytes.length % 2 !== 0) return null;
+    return Int16Array.from({ length: bytes.length / 2 }, (_, at) =>
+      bytes.charCodeAt(2 * at) | (bytes.charCodeAt(2 * at + 1) << 8));
+  }
+
+  /** Points as x, y, z triples in mm, out of base64 in 0.1 mm, or null. */
+  function readPoints(text) {
+    const integers = readIntegers(text);
+    return integers && integers.length % 3 === 0 ? Float32Array.from(integers, (tenths) => tenths / 10) : null;
+  }
+
+  /** A grid that is closed around, with pairs of error in mm and 1 where it was seen; or null. */
+  function readGrid(source) {
+    const { rows, columns } = source;
+    if (!isCount(rows, 2) || !isCount(columns, 3) || rows * columns > MOST_POINTS) return null;
+    const points = readPoints(source.points);
+    if (!points || points.length !== 3 * rows * columns) return null;
+    let errors = null;
+    if (source.error !== undefined && source.error !== null) {
+      const hundredths = readIntegers(source.error);
+      if (!hundredths || hundredths.length !== rows * columns) return null;
+      errors = new Float32Array(2 * rows * columns);
+      hundredths.forEach((value, at) => errors.set(value === UNSEEN ? [0, 0] : [value / 100, 1], 2 * at));
+    }
+    return { rows, columns, points, errors, normals: normalsOf(rows, columns, points) };
+  }
+
+  /** A section as a ring: its points, its centre and a thin tube to draw; or null. */
+  function readRing(section, axis) {
+    const { centre_mm: centre, radius_mm: radii } = section.outline;
+    const axes = isObject(axis) ? [axis.front, axis.lateral, axis.direction] : [];
+    if (!isName(section.level) || !isPoint(centre) || axes.length !== 3 || !axes.every(isPoint)) return null;
+    if (!Array.isArray(radii) || radii.length < 3 || radii.length > 720 || !radii.every(isPlace)) return null;
+    const [front, lateral, up] = axes;
+    const at = (index, outMm, upMm) => {
+      const angle = (2 * index / radii.length - 1) * Math.PI;
+      const [forth, aside] = [Math.cos(angle), Math.sin(angle)].map((part) => part * (radii[index] + outMm));
+      return centre.map((c, k) => c + forth * front[k] + aside * lateral[k] + upMm * up[k]);
+    };
+    const [sides, columns] = [6, radii.length];
+    const tube = new Float32Array((sides + 1) * columns * 3);
+    for (let cell = 0; cell < (sides + 1) * columns; cell += 1) {
+      const around = 2 * Math.PI * Math.floor(cell / columns) / sides;
+      tube.set(at(cell % columns, RING_MM * Math.sin(around), RING_MM * Math.cos(around)), 3 * cell);
+    }
+    const grid = { rows: sides + 1, columns, points: tube, errors: null, normals: normalsOf(sides + 1, columns, tube) };
+    return { level: section.level, centre, outline: radii.map((_, index) => at(index, 0, 0)), grid };
+  }
+
+  /** The levels that have a ring, a girth or both. */
+  function readLevels(source, rings) {
+    const levels = new Map(rings.map((ring) => [ring.level, { level: ring.level, ring, place: ring.centre, girthMm: null }]));
+    const { foot_mm: foot, direction } = isObject(source.axis) ? source.axis : {};
+    const landmarks = isObject(source.landmarks) ? Object.entries(source.landmarks) : [];
+    for (const [level, landmark] of landmarks.slice(0, MOST_ITEMS)) {
+      if (!isName(level) || !isObject(landmark) || !isPlace(landmark.girth_tape_mm)) continue;
+      const along = landmark.along_axis_mm;
+      if (!levels.has(level) && isPlace(along) && isPoint(foot) && isPoint(direction)) {
+        levels.set(level, { level, ring: null, place: foot.map((f, k) => f + along * direction[k]) });
+      }
+      if (!levels.has(level)) continue;
+      const isDoubted = Array.isArray(landmark.doubts) && landmark.doubts.length > 0;
+      Object.assign(levels.get(level), { girthMm: landmark.girth_tape_mm, isDoubted });
+    }
+    // Where labels compete for room, B, C and D go before B1.
+    return [...levels.values()].sort((a, b) => a.level.length - b.level.length);
+  }
+
+  /** One leg; `damage` is called for every part that is there and cannot be read. */
+  function readLeg(source, damage) {
+    const read = (value, reader) => {
+      if (value === undefined || value === null) return null;
+      const found = isObject(value) ? reader(value) : null;
+      if (found === null) damage();
+      return found;
+    };
+    const list = (value, reader) => (Array.isArray(value) ? value.slice(0, MOST_ITEMS) : [])
+      .map((item) => read(item, reader)).filter((item) => item !== null);
+    const shape = read(source.shape, (value) => value);
+    if (!shape) return null;
+    const rings = list(source.sections, (section) => section).map((section) =>
+      read(section.outline, () => readRing(section, source.axis))).filter((ring) => ring !== null);
+    const centres = new Map(rings.map((ring) => [ring.level, ring.centre]));
+    const features = list(source.features, (feature) => {
+      const { level, label, kind, position_mm: place } = feature;
+      if (!isName(level) || !isName(label) || !["peak", "valley"].includes(kind) || !isPoint(place)) return null;
+      return { level, label, kind, place, centre: centres.get(level) || null };
+    });
+    const leg = {
+      side: source.side,
+      skin: read(shape.skin, readGrid),
+      surface: read(shape.surface, readGrid),
+      scan: read(shape.scan, (scan) => readPoints(scan.points)),
+      levels: readLevels(source, rings),
+      features,
+    };
+    if (!leg.skin && !leg.surface && !leg.scan) return null;
+    const clouds = [leg.skin && leg.skin.points, leg.surface && leg.surface.points, leg.scan].filter(Boolean);
+    return Object.assign(leg, { box: boxOf(clouds), balls: ballsOf(leg.skin || leg.surface) });
+  }
+
+  /** What of a record can be drawn, and the key of a sentence about the rest or null. */
+  function readScene(record) {
+    const [legs, sources] = [[], isObject(record) && Array.isArray(record.legs) ? record.legs : []];
+    let damaged = false;
+    for (const source of sources.filter(isObject)) {
+      const known = ["left", "right"].includes(source.side) && !legs.some((leg) => leg.side === source.side);
+      const leg = known ? readLeg(source, () => { damaged = true; }) : null;
+      if (!known) damaged = true;
+      if (leg) legs.push(leg);
+    }
+    if (legs.length === 0) return { legs, note: damaged ? "unreadable" : "noShape" };
+    const errors = legs.map((leg) => leg.surface && leg.surface.errors).filter(Boolean);
+    return { legs, note: damaged ? "damaged" : null, rangeMm: rangeOf(errors), box: boxOf(legs.map((leg) => leg.box)) };
+  }
+
