@@ -215,7 +215,7 @@ fn long_work_shows_how_far_it_is_on_a_terminal_only() {
     (0..3).for_each(|n| fs::write(scans.join(format!("{n}.obj")), coarse_body(n)).unwrap());
     let args = ["extract", scans.to_str().unwrap()];
     let mut shown = Shown::on_terminal(&args, Stream::Error, &[]);
-    let seen = shown.until(&booth, "the progress", |seen| seen.contains("2/3"));
+    let seen = shown.until(&booth, "the end", |seen| seen.contains("3/3"));
     assert!(seen.contains("measuring") && seen.contains(" left"), "{seen:?}");
     assert_eq!(shown.child.wait().unwrap().code(), Some(0));
     for (scan, environment) in [(Path::new("."), ("TERM", "dumb")), (Path::new("0.obj"), ("A", ""))]
