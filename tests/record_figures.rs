@@ -172,9 +172,9 @@ fn no_curve_runs_through_the_girths_of_the_feet() {
             Mark::Lines { lines, stroke: Some(stroke), .. } if stroke.width >= 2.0 => Some(lines),
             _ => None,
         });
-        for [x, y] in curves.flatten().flatten().copied() {
+        for [x, y] in curves.flatten().flatten() {
             for ([left, top, right, bottom], words) in &feet {
-                let is_in = (*left..=*right).contains(&x) && (*top..=*bottom).contains(&y);
+                let is_in = (*left..=*right).contains(x) && (*top..=*bottom).contains(y);
                 assert!(!is_in, "{body}, {language:?}: {words} at {x}, {y}");
             }
         }
