@@ -65,6 +65,7 @@ test("a scan arrives, and the light goes through its states", async () => {
     await page.getByRole("button", { name: "OK" }).click();
     await light(page, "armed");
     await shoot(page, "armed");
+    await station.looked();
     const bytes = body(0);
     station.export("x.obj", bytes);
     await light(page, "receiving");
@@ -228,6 +229,7 @@ test("hostile ids show as text, and nothing of them runs", async () => {
       const seen = id.replace("\u202e", "[U+202E]").replace("\u2066", "[U+2066]");
       await name(id);
       await light(page, "armed");
+      await station.looked();
       station.export(`x${n}.obj`, body(10 + n));
       await until(`the id ${n}`, async () =>
         (await page.locator("#scans_body bdi").allTextContents()).includes(seen));

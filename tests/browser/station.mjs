@@ -124,6 +124,16 @@ ${more}`);
     return execFileSync(gaiter, [...words, "--config", join(this.dir, "station.toml")], { encoding: "utf8" });
   }
 
+  /**
+   * Awaits that the export folder has been looked through since now: a file that is first seen before
+   * could have lain there already, and is held.
+   */
+  async looked() {
+    const asked = Date.now();
+    await until("a look at the export folder", () =>
+      Date.parse(JSON.parse(this.verb("status", "--json")).sources[0].last_look) > asked);
+  }
+
   /** The link with which one can decide. */
   link() {
     return this.verb("page").trim();
