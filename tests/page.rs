@@ -241,7 +241,7 @@ fn a_stream_tells_of_changes_and_ends_with_the_station() {
     let first = stream.next().unwrap();
     assert_eq!((&first["light"]["signal"], &first["ids"]), (&"ready".into(), &true.into()));
     assert_eq!(decide(&site, &json!({"ask": "name_next", "patient": "4711"})).status, 200);
-    // What comes before the folder was looked at again could have lain there.
+    looked(&booth);
     let armed = stream.find(|state| state["light"]["signal"] == "armed").unwrap();
     assert_eq!(armed["next"]["can_be_called_off"], true);
     booth.export("4711_a.obj", &coarse_body(0));
@@ -315,6 +315,18 @@ fn over_the_network_the_page_is_for_reading_only() {
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
+/// Waits until the export folder has been looked through again: what is first seen before could have
+/// lain there when the patient was named, and is held.
+fn looked(booth: &Booth) {
+    let last = || {
+        let status: Value =
+            serde_json::from_str(&stdout(&booth.gaiter(&["status", "--json"]))).unwrap();
+        status["sources"][0]["last_look"].clone()
+    };
+    let before = last();
+    booth.wait_for("another look", || last() != before);
+}
+
 #[test]
 fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_code_point() {
     let booth = booth("");
@@ -330,6 +342,7 @@ fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_c
         let seen = id.replace('\u{202e}', "[U+202E]").replace('\u{2066}', "[U+2066]");
         let answer = decide(&site, &json!({"ask": "name_next", "patient": id}));
         assert_eq!(answer.status, 200, "{id}: {}", answer.body);
+        looked(&booth);
         wait_for_state(&booth, &site, "the light", |state| state["light"]["signal"] == "armed");
         booth.export(&format!("x{n}.obj"), &coarse_body(n));
         booth.wait_for("the scan", || {
