@@ -18,7 +18,7 @@ pub fn of(record: &Record) -> String {
         if record.scan.unit_inferred { " (found)" } else { "" },
     );
     let sides = Side::BOTH.map(Side::word);
-    let legs = sides.map(|side| record.legs.iter().find(|leg| leg.side == side));
+    let legs = Side::BOTH.map(|side| record.leg(side));
     let _ = writeln!(text, "        {:^24}  {:^24}", sides[0], sides[1]);
     let _ = writeln!(text, "        {0:>11}  {1:>11}  {0:>11}  {1:>11}", "height cm", "girth cm");
     for level in Level::ALL.into_iter().filter(|level| is_shown(record, *level)) {

@@ -13,6 +13,9 @@ impl Side {
     /// Both sides, left first.
     pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
 
+    /// Both sides as they are told and drawn: seen from the front, the patient's right is on the left.
+    pub const FROM_FRONT: [Side; 2] = [Side::Right, Side::Left];
+
     /// `left` or `right`.
     pub fn word(self) -> &'static str {
         match self {

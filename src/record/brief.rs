@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::Language;
 use super::rounding;
 use super::schema::{LandmarkFigures, Record};
+use crate::leg::Side;
 
 /// The levels of a stocking that ends below the knee, from the foot up.
 const LEVELS: [&str; 4] = ["B", "B1", "C", "D"];
@@ -43,14 +44,14 @@ pub struct BriefFigures {
 impl Brief {
     /// The measures of a record in a language.
     pub fn of(record: &Record, language: Language) -> Brief {
-        let figures = |side: &str, level: &str| {
-            let leg = record.legs.iter().find(|leg| leg.side == side)?;
+        let figures = |side: Side, level: &str| {
+            let leg = record.leg(side)?;
             leg.landmarks.get(level).map(|landmark| BriefFigures::of(landmark, language))
         };
         let levels = LEVELS.map(|level| BriefLevel {
             level,
-            right: figures("right", level),
-            left: figures("left", level),
+            right: figures(Side::Right, level),
+            left: figures(Side::Left, level),
         });
         let findings = record.findings.iter().filter(|finding| finding.severity != "info").count();
         Brief { levels: levels.into(), findings }

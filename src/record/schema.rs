@@ -11,6 +11,7 @@ use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
 use super::provenance::{Acquired, Patient};
 use super::shape::{AxisFigures, OutlineFigures, ShapeFigures};
 use super::surface::SurfaceFigures;
+use crate::leg::Side;
 
 /// Name and number of this schema.
 pub const SCHEMA: &str = "gaiter.leg-record/1";
@@ -40,6 +41,13 @@ pub struct Record {
     pub differences: Option<DifferenceFigures>,
     /// What must be known.
     pub findings: Vec<FindingNote>,
+}
+
+impl Record {
+    /// The leg of a side, if it was measured.
+    pub fn leg(&self, side: Side) -> Option<&LegFigures> {
+        self.legs.iter().find(|leg| leg.side == side.word())
+    }
 }
 
 /// Program and method that made a record.

@@ -40,7 +40,7 @@ impl Row {
     /// Of a scan that was measured.
     pub fn measured(name: String, record: &Record) -> Row {
         let girths_mm = Side::BOTH.map(|side| {
-            let leg = record.legs.iter().find(|leg| leg.side == side.word());
+            let leg = record.leg(side);
             LEVELS.map(|level| Some(leg?.landmarks.get(level.name())?.girth_tape_mm))
         });
         Row { name, came: Came::Measured { girths_mm, findings: record.findings.len() } }

@@ -16,9 +16,6 @@ use crate::leg::Side;
 use crate::record::schema::LegFigures;
 use crate::record::{Language, Record};
 
-/// The sides in the order in which they are told.
-pub const SIDES: [Side; 2] = [Side::Right, Side::Left];
-
 /// Everything that a report says.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Content {
@@ -90,7 +87,7 @@ pub struct Levels {
 pub struct LevelColumns {
     /// Of the level.
     pub level: String,
-    /// Of the legs, each over two columns, in the order of [`SIDES`].
+    /// Of the legs, each over two columns, in the order of [`Side::FROM_FRONT`].
     pub legs: [String; 2],
     /// Of a girth, with its unit.
     pub girth: String,
@@ -109,7 +106,7 @@ pub struct LevelRow {
     pub place: String,
     /// Whether it is one of B, B1, C and D, for which every leg is searched.
     pub is_sought: bool,
-    /// Of each leg, in the order of [`SIDES`].
+    /// Of each leg, in the order of [`Side::FROM_FRONT`].
     pub legs: [LevelFigures; 2],
     /// Girth of the left leg minus that of the right, cm.
     pub difference: Figure,
@@ -245,14 +242,9 @@ impl Report<'_> {
         self.language.pick(english, german).to_owned()
     }
 
-    /// The figures of a leg, if it was measured.
-    fn leg(&self, side: Side) -> Option<&LegFigures> {
-        self.record.legs.iter().find(|leg| leg.side == side.word())
-    }
-
-    /// The figures of both legs in the order of [`SIDES`].
+    /// The figures of both legs in the order of [`Side::FROM_FRONT`].
     fn legs(&self) -> [Option<&LegFigures>; 2] {
-        SIDES.map(|side| self.leg(side))
+        Side::FROM_FRONT.map(|side| self.record.leg(side))
     }
 
     /// Whether somebody found something of this code about a leg, or about a level of it.

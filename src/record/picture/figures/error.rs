@@ -1,11 +1,11 @@
 //! The surface's error as a map: each leg unrolled as if seen from in front, its inner and outer side
 //! where the viewer sees them.
 
+use super::LEVELS;
 use super::plot::{
     Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
 };
 use super::words::Words;
-use super::{LEVELS, SIDES, leg};
 use crate::leg::Side;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::rounding;
@@ -35,7 +35,7 @@ pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Opti
     let heights = surfaces().flat_map(heights);
     let y = Scale { range: range(heights, 50.0)?, px: [ROWS_PX[1], ROWS_PX[0]] };
     let mut marks = Vec::new();
-    for (side, px) in SIDES.into_iter().zip(MAPS_PX) {
+    for (side, px) in Side::FROM_FRONT.into_iter().zip(MAPS_PX) {
         // The front is in the middle; lateral is to the viewer's left on the right leg.
         let range = match side {
             Side::Left => [-180.0, 180.0],
@@ -46,7 +46,7 @@ pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Opti
         marks.push(heading(title, Anchor::Middle, Ink::of(side), says.side(side)));
         marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
         marks.extend(around(&frame, says));
-        marks.extend(map(leg(record, side), &frame, says));
+        marks.extend(map(record.leg(side), &frame, says));
     }
     marks.push(words([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, says.height_cm));
     marks.extend(legend(language, says));

@@ -1,9 +1,9 @@
 //! The scan's own points on the planes of the levels and the curves fitted to them, in polar
 //! coordinates (paper, fig. 2d).
 
+use super::LEVELS;
 use super::plot::{Frame, SMALL, Scale, TEXT, heading, lines, range, words};
 use super::words::Words;
-use super::{LEVELS, SIDES, leg};
 use crate::leg::{Level, Side};
 use crate::record::picture::{Anchor, Ink, Mark, Picture};
 use crate::record::rounding;
@@ -31,14 +31,15 @@ pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Opti
     let sections = record.legs.iter().flat_map(|leg| &leg.sections);
     sections.filter_map(|section| section.outline.as_ref()).next()?;
     let mut marks = Vec::new();
-    for (half, side) in SIDES.into_iter().enumerate() {
+    for (half, side) in Side::FROM_FRONT.into_iter().enumerate() {
         let left = half as f64 * HALF;
         let ink = Ink::of(side);
         let title = [left + CHART_X[0], 18.0];
         marks.push(heading(title, Anchor::Start, ink, says.side(side)));
         marks.push(words([left + 4.0, 36.0], Anchor::Start, SMALL, Ink::Muted, says.radius_mm));
         for (row, level) in LEVELS.into_iter().enumerate() {
-            let section = leg(record, side)
+            let section = record
+                .leg(side)
                 .and_then(|leg| leg.sections.iter().find(|at| at.level == level.name()));
             let at = [left, TOP + row as f64 * ROW];
             marks.extend(cell(section, side, level, at, language, says));

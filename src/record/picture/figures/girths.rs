@@ -4,7 +4,6 @@ use super::plot::{
     Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
 };
 use super::words::Words;
-use super::{SIDES, leg};
 use crate::leg::{Level, Side};
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::rounding;
@@ -49,7 +48,7 @@ struct Place<'a> {
 
 /// The figure; none without any measured section.
 pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Option<Picture> {
-    let legs = || SIDES.into_iter().filter_map(|side| Some((side, leg(record, side)?)));
+    let legs = || Side::FROM_FRONT.into_iter().filter_map(|side| Some((side, record.leg(side)?)));
     let frame = frame(legs().map(|(_, leg)| leg))?;
     let mut marks = titles(words_);
     marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
@@ -198,7 +197,8 @@ fn diamond([x, y]: [f64; 2], size: f64) -> Vec<[f64; 2]> {
 
 /// The levels across the leg with their girths, the larger leg's labels on the right of the curves.
 fn levels(record: &Record, frame: &Frame, language: Language) -> Vec<Mark> {
-    let found: Vec<Place> = SIDES.into_iter().flat_map(|side| of_leg(record, side)).collect();
+    let found: Vec<Place> =
+        Side::FROM_FRONT.into_iter().flat_map(|side| of_leg(record, side)).collect();
     let mut marks = Vec::new();
     for at_right in [false, true] {
         let here: Vec<&Place> =
@@ -212,7 +212,7 @@ fn levels(record: &Record, frame: &Frame, language: Language) -> Vec<Mark> {
 }
 
 fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
-    let Some(leg) = leg(record, side) else { return Vec::new() };
+    let Some(leg) = record.leg(side) else { return Vec::new() };
     let is_across = |name: &str| Level::ALL.iter().any(|l| *l >= Level::B && l.name() == name);
     let found = leg.landmarks.iter().map(|(name, l)| (name, l.height_mm, l.girth_tape_mm, true));
     let estimates =
@@ -233,7 +233,7 @@ fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
 /// The girths of the feet, which are no places on the curve: where high up no leg is so thin.
 fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
     let line = |(row, side): (usize, Side)| {
-        let leg = leg(record, side)?;
+        let leg = record.leg(side)?;
         let is_foot = |name: &str| Level::ALL.iter().any(|l| *l < Level::B && l.name() == name);
         let found = leg.landmarks.iter().map(|(name, l)| ("", name, l.girth_tape_mm));
         let estimates = leg.estimates.iter().map(|(name, e)| ("≈ ", name, e.girth_tape_mm));
@@ -245,7 +245,7 @@ fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
         let at = [GIRTHS_PX[0] + 8.0, ROWS_PX[0] + 18.0 + row as f64 * LINE];
         (!girths.is_empty()).then(|| words(at, Anchor::Start, SMALL, Ink::of(side), text))
     };
-    SIDES.into_iter().enumerate().filter_map(line).collect()
+    Side::FROM_FRONT.into_iter().enumerate().filter_map(line).collect()
 }
 
 /// Whether a level's label stands on the right: that of the leg with the larger girth there.
@@ -310,7 +310,7 @@ fn steepest(side: Side, leg: &LegFigures, slopes: &Frame) -> Vec<Mark> {
 fn legend(words_: &Words) -> Vec<Mark> {
     let y = SIZE[1] - 14.0;
     let mut marks = Vec::new();
-    for (side, x) in SIDES.into_iter().zip([56.0, 176.0]) {
+    for (side, x) in Side::FROM_FRONT.into_iter().zip([56.0, 176.0]) {
         marks.push(line(side, [Some([x, y - 4.0]), Some([x + 26.0, y - 4.0])].into_iter()));
         marks.push(words([x + 34.0, y], Anchor::Start, TEXT, Ink::Text, words_.side(side)));
     }

@@ -10,8 +10,7 @@ mod words;
 
 use self::words::Words;
 use super::Picture;
-use crate::leg::{Level, Side};
-use crate::record::schema::LegFigures;
+use crate::leg::Level;
 use crate::record::{Language, Record};
 
 /// A figure with the name of its file.
@@ -48,13 +47,5 @@ pub fn overview(record: &Record, language: Language) -> Picture {
     parts.into_iter().flatten().fold(nothing, Picture::above)
 }
 
-/// The patient's right leg is on the left, as seen from the front.
-const SIDES: [Side; 2] = [Side::Right, Side::Left];
-
 /// The levels of the paper, the highest first, as they stand on a leg.
 const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];
-
-/// The leg of a side.
-fn leg(record: &Record, side: Side) -> Option<&LegFigures> {
-    record.legs.iter().find(|leg| leg.side == side.word())
-}

@@ -2,9 +2,9 @@
 //! fig. 4b and 4c). Seen from the feet with the front up, as in radiology: the patient's right is on
 //! the left.
 
+use super::LEVELS;
 use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
 use super::words::Words;
-use super::{LEVELS, SIDES, leg};
 use crate::leg::{Level, Side};
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::schema::{FeatureFigures, LegFigures};
@@ -45,7 +45,7 @@ pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Pict
     let range = range(curvatures.map(|per_mm| per_mm * 1000.0).chain([0.0]), 20.0)?;
     let sheet = Sheet { px_per_mm: RADIUS / largest_mm, per_metre: range, says };
     let mut marks = Vec::new();
-    for (half, side) in SIDES.into_iter().enumerate() {
+    for (half, side) in Side::FROM_FRONT.into_iter().enumerate() {
         let left = half as f64 * HALF;
         let ink = Ink::of(side);
         marks.push(heading([left + OUTLINE_X, 20.0], Anchor::Middle, ink, says.side(side)));
@@ -54,7 +54,7 @@ pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Pict
         marks.push(heading([left + middle, 20.0], Anchor::Middle, Ink::Text, says.curvature));
         for (row, level) in LEVELS.into_iter().enumerate() {
             let at = [left, TOP + row as f64 * ROW];
-            marks.extend(sheet.cell(leg(record, side), side, level, at));
+            marks.extend(sheet.cell(record.leg(side), side, level, at));
         }
     }
     let size = [WIDTH, TOP + LEVELS.len() as f64 * ROW];

@@ -5,7 +5,6 @@ use nalgebra::{Point3, Vector3};
 
 use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
 use super::words::Words;
-use super::{SIDES, leg};
 use crate::leg::Side;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::schema::LegFigures;
@@ -86,7 +85,8 @@ impl From {
 
 /// The figure; none of a record without shapes.
 pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Picture> {
-    let legs: Vec<Drawn> = SIDES.into_iter().filter_map(|side| Drawn::of(record, side)).collect();
+    let legs: Vec<Drawn> =
+        Side::FROM_FRONT.into_iter().filter_map(|side| Drawn::of(record, side)).collect();
     let views: Vec<(From, [f64; 2])> =
         From::ALL.into_iter().filter_map(|from| Some((from, extent(&legs, from)?))).collect();
     let points = || legs.iter().flat_map(Drawn::points);
@@ -117,7 +117,7 @@ pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Pict
 
 impl<'a> Drawn<'a> {
     fn of(record: &'a Record, side: Side) -> Option<Drawn<'a>> {
-        let leg = leg(record, side)?;
+        let leg = record.leg(side)?;
         let ShapeFigures { skin, scan, .. } = leg.shape.as_ref()?;
         let points = skin.points.as_points();
         let rows = points.chunks(skin.columns.max(1));

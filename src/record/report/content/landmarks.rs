@@ -2,7 +2,7 @@
 
 use super::super::words;
 use super::super::words::findings::short;
-use super::{Figure, Report, SIDES, Table, TableRow};
+use super::{Figure, Report, Table, TableRow};
 use crate::leg::{Level, Side};
 use crate::record::schema::{EstimateFigures, LandmarkFigures};
 
@@ -21,7 +21,7 @@ impl Report<'_> {
             ("Found by", "Gefunden durch"),
             ("Doubts", "Zweifel"),
         ];
-        let rows = SIDES.into_iter().flat_map(|side| self.landmarks_of(side)).collect();
+        let rows = Side::FROM_FRONT.into_iter().flat_map(|side| self.landmarks_of(side)).collect();
         Table {
             title: self.say("All levels as recorded (mm)", "Alle Messstellen wie im Datensatz (mm)"),
             explanation: Some(self.say(
@@ -36,7 +36,7 @@ impl Report<'_> {
     }
 
     fn landmarks_of(&self, side: Side) -> Vec<TableRow> {
-        let Some(leg) = self.leg(side) else { return Vec::new() };
+        let Some(leg) = self.record.leg(side) else { return Vec::new() };
         let head = |level: Level, about: &str| {
             format!("{}, {}{about}", level.name(), words::leg(side, self.language))
         };

@@ -2,7 +2,7 @@
 
 use super::super::words;
 use super::super::words::findings::short;
-use super::{Figure, LevelColumns, LevelFigures, LevelRow, Levels, Report, SIDES};
+use super::{Figure, LevelColumns, LevelFigures, LevelRow, Levels, Report};
 use crate::leg::{Level, Side};
 use crate::record::report::Mark;
 use crate::record::schema::{EstimateFigures, LandmarkFigures, LegFigures};
@@ -23,7 +23,8 @@ impl Report<'_> {
             title: self.say("Measures", "Maße"),
             columns: LevelColumns {
                 level: self.say("Level", "Messstelle"),
-                legs: SIDES.map(|side| words::leg_heading(side, self.language).to_owned()),
+                legs: Side::FROM_FRONT
+                    .map(|side| words::leg_heading(side, self.language).to_owned()),
                 girth: self.say("Girth (cm)", "Umfang (cm)"),
                 length: self.say("Length (cm)", "Länge (cm)"),
                 difference: self.say("Girth, left − right (cm)", "Umfang, links − rechts (cm)"),
@@ -46,14 +47,14 @@ impl Report<'_> {
             level: level.name().to_owned(),
             place: words::place(level, self.language).to_owned(),
             is_sought: Level::SOUGHT.contains(&level),
-            legs: SIDES.map(|side| self.level(side, level)),
+            legs: Side::FROM_FRONT.map(|side| self.level(side, level)),
             difference: self.difference(level),
         }
     }
 
     fn level(&self, side: Side, level: Level) -> LevelFigures {
         let name = level.name();
-        let Some(leg) = self.leg(side) else {
+        let Some(leg) = self.record.leg(side) else {
             return missing(self.no_leg(side));
         };
         match (leg.landmarks.get(name), leg.estimates.get(name)) {

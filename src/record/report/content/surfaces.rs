@@ -1,7 +1,7 @@
 //! How well the surfaces follow the scan, in plain words.
 
 use super::super::words;
-use super::{Report, SIDES, Section};
+use super::{Report, Section};
 use crate::leg::Side;
 use crate::record::rounding::{cm_words, mm_words, tenths_words};
 use crate::record::surface::SurfaceFigures;
@@ -10,13 +10,13 @@ impl Report<'_> {
     pub(super) fn surfaces(&self) -> Section {
         Section {
             title: self.say("Surfaces for the making", "Oberflächen für die Fertigung"),
-            entries: SIDES.into_iter().map(|side| self.surface(side)).collect(),
+            entries: Side::FROM_FRONT.into_iter().map(|side| self.surface(side)).collect(),
         }
     }
 
     fn surface(&self, side: Side) -> String {
         let heading = words::leg_heading(side, self.language);
-        let words = match self.leg(side).map(|leg| &leg.surface) {
+        let words = match self.record.leg(side).map(|leg| &leg.surface) {
             Some(Some(surface)) => self.quality(surface),
             Some(None) => self.say(
                 "there is no surface; the notes say why.",

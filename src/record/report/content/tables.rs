@@ -1,7 +1,7 @@
 //! Volumes, slices, feet, and heights that were asked for.
 
 use super::super::words;
-use super::{Figure, Report, SIDES, Table, TableRow};
+use super::{Figure, Report, Table, TableRow};
 use crate::leg::Side;
 use crate::record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures};
 use crate::record::report::Mark;
@@ -16,7 +16,7 @@ impl Report<'_> {
 
     /// Heads of a table with a column a leg and one or more of differences.
     fn columns(&self, first: String, differences: &[String]) -> Vec<String> {
-        let legs = SIDES.map(|side| words::leg_heading(side, self.language).to_owned());
+        let legs = Side::FROM_FRONT.map(|side| words::leg_heading(side, self.language).to_owned());
         [first].into_iter().chain(legs).chain(differences.iter().cloned()).collect()
     }
 
@@ -49,13 +49,13 @@ impl Report<'_> {
     fn ranges(&self) -> String {
         let cm = |mm| cm_words(mm, self.language);
         let of_leg = |side: Side| {
-            let volume = &self.leg(side)?.volume;
+            let volume = &self.record.leg(side)?.volume;
             let (from_mm, to_mm) = (volume.from_height_mm?, volume.to_height_mm?);
             let leg = words::leg(side, self.language);
             let to = self.say("to", "bis");
             Some(format!("{leg} {} {to} {} cm", cm(from_mm), cm(to_mm)))
         };
-        let legs: Vec<String> = SIDES.into_iter().filter_map(of_leg).collect();
+        let legs: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(of_leg).collect();
         let mut words = self.say(
             "The whole leg goes from its lowest to its highest measured section",
             "Das ganze Bein reicht vom untersten bis zum obersten gemessenen Schnitt",
@@ -78,14 +78,14 @@ impl Report<'_> {
         figure: fn(&VolumeFigures) -> (Option<f64>, Option<f64>),
         difference: Option<&VolumeDifferenceFigures>,
     ) -> Vec<Figure> {
-        let of_leg = |side: Side| match self.leg(side).map(|leg| figure(&leg.volume)) {
+        let of_leg = |side: Side| match self.record.leg(side).map(|leg| figure(&leg.volume)) {
             Some((Some(ml), sd_ml)) => Figure::ml(ml, sd_ml, self.language),
             Some((None, _)) => {
                 Figure::missing(self.language.pick("not measured whole", "nicht ganz gemessen"))
             }
             None => Figure::missing(self.no_leg(side)),
         };
-        SIDES.map(of_leg).into_iter().chain(self.volume_difference(difference)).collect()
+        Side::FROM_FRONT.map(of_leg).into_iter().chain(self.volume_difference(difference)).collect()
     }
 
     fn volume_difference(&self, difference: Option<&VolumeDifferenceFigures>) -> [Figure; 2] {
@@ -103,7 +103,7 @@ impl Report<'_> {
         let heights = &self.record.legs.iter().map(|leg| &leg.at).find(|at| !at.is_empty())?;
         let row = |(index, at): (usize, &AtFigures)| TableRow {
             head: format!("{} cm", cm_words(at.height_mm, self.language)),
-            figures: SIDES.map(|side| self.girth_asked(side, index)).into(),
+            figures: Side::FROM_FRONT.map(|side| self.girth_asked(side, index)).into(),
         };
         Some(Table {
             title: self.say(
@@ -117,7 +117,7 @@ impl Report<'_> {
     }
 
     fn girth_asked(&self, side: Side, index: usize) -> Figure {
-        let Some(leg) = self.leg(side) else { return Figure::missing(self.no_leg(side)) };
+        let Some(leg) = self.record.leg(side) else { return Figure::missing(self.no_leg(side)) };
         let girth = leg.at.get(index).and_then(|at| Some((at, at.girth_tape_mm?)));
         let Some((at, girth_mm)) = girth else {
             return Figure::missing(self.language.pick("not seen there", "dort nicht zu sehen"));
@@ -130,7 +130,7 @@ impl Report<'_> {
         let legs = self.legs();
         legs.iter().flatten().any(|leg| leg.foot.is_some()).then(|| {
             let figure = |side: Side, of: fn(&FootFigures) -> f64| {
-                let foot = self.leg(side).map(|leg| leg.foot.as_ref());
+                let foot = self.record.leg(side).map(|leg| leg.foot.as_ref());
                 match foot {
                     Some(Some(foot)) => Figure::plain(cm_words(of(foot), self.language)),
                     Some(None) => {
@@ -141,7 +141,7 @@ impl Report<'_> {
             };
             let row = |head: String, of: fn(&FootFigures) -> f64| TableRow {
                 head,
-                figures: SIDES.map(|side| figure(side, of)).into(),
+                figures: Side::FROM_FRONT.map(|side| figure(side, of)).into(),
             };
             Table {
                 title: self.say("Feet (cm)", "Füße (cm)"),
@@ -164,7 +164,7 @@ impl Report<'_> {
             let differences = self.record.differences.iter().flat_map(|of| &of.slices);
             let difference = differences.into_iter().find(|at| at.from_mm == slice.from_mm);
             let ends = [slice.from_mm, slice.to_mm].map(|mm| format!("{:.0}", mm / 10.0));
-            let legs = SIDES.map(figure).into_iter();
+            let legs = Side::FROM_FRONT.map(figure).into_iter();
             TableRow {
                 head: ends.join("–"),
                 figures: legs.chain(self.volume_difference(difference)).collect(),
@@ -182,7 +182,7 @@ impl Report<'_> {
     }
 
     fn slice(&self, side: Side, at: &SliceFigures) -> Figure {
-        let Some(leg) = self.leg(side) else { return Figure::missing(self.no_leg(side)) };
+        let Some(leg) = self.record.leg(side) else { return Figure::missing(self.no_leg(side)) };
         let slice = leg.volume.slices.iter().find(|slice| slice.from_mm == at.from_mm);
         match slice.and_then(|slice| Some((slice.ml?, slice.sd_ml))) {
             Some((ml, sd_ml)) => Figure::ml(ml, sd_ml, self.language),

@@ -5,7 +5,7 @@ use crate::leg::Side;
 use crate::record::picture::figures::Figure as Drawn;
 use crate::record::picture::svg;
 use crate::record::report::content::{
-    Content, LevelFigures, LevelRow, Note, SIDES, Section, Table, Weight,
+    Content, LevelFigures, LevelRow, Note, Section, Table, Weight,
 };
 use crate::record::report::{Figure, Mark};
 
@@ -26,7 +26,7 @@ pub(super) fn key_figures(content: &Content) -> String {
         let class = format!(" class=\"leg {}\"", side.word());
         element("div", &class, &format!("{heading}\n{}", element("dl", "", &entries)))
     };
-    let legs: String = SIDES.into_iter().enumerate().map(leg).collect();
+    let legs: String = Side::FROM_FRONT.into_iter().enumerate().map(leg).collect();
     let summary = words("a", " href=\"#notes\"", &content.summary);
     let summary = element("p", " class=\"summary\"", &summary);
     section("key", &content.key, &(element("div", " class=\"legs\"", &legs) + &summary))
@@ -92,7 +92,7 @@ fn note(content: &Content, note: &Note) -> String {
 pub(super) fn levels(content: &Content) -> String {
     let (levels, columns) = (&content.levels, &content.levels.columns);
     let column = |text: &str| words("th", " scope=\"col\"", text);
-    let legs: String = SIDES
+    let legs: String = Side::FROM_FRONT
         .into_iter()
         .zip(&columns.legs)
         .map(|(side, leg)| {
