@@ -77,9 +77,10 @@ enum Stream {
     Error,
 }
 
-/// Without what the tests' own terminal wants.
+/// Without what the tests' own terminal wants, and without `CI`, for which even a dumb terminal is
+/// given colours.
 fn plain(command: &mut Command) -> &mut Command {
-    ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE"].iter().for_each(|name| {
+    ["NO_COLOR", "CLICOLOR", "CLICOLOR_FORCE", "CI"].iter().for_each(|name| {
         command.env_remove(name);
     });
     command
