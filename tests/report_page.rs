@@ -19,7 +19,8 @@ use bodies::export;
 use gaiter::cad::Output;
 use gaiter::leg::{Level, Method, extract};
 use gaiter::record::gdt::{AttachmentFields, Charset, GdtRules, result};
-use gaiter::record::report::{Content, Mark, page};
+use gaiter::record::picture::figures;
+use gaiter::record::report::{self, Content, Mark};
 use gaiter::record::{
     FigureFormat, Language, Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile,
     Source, SourceKind, record_files, report_files, sha256,
@@ -48,6 +49,10 @@ static MADE: LazyLock<(Record, Vec<RecordFile>)> = LazyLock::new(|| {
     record_files(&extraction, &provenance, &method, &Output::default(), &choice, scan).unwrap()
 });
 
+fn made_page(record: &Record, language: Language) -> String {
+    report::page(record, language, &figures::all(record, language)).unwrap()
+}
+
 fn file(name: &str) -> String {
     let file = MADE.1.iter().find(|file| file.name == name);
     String::from_utf8(file.unwrap_or_else(|| panic!("no {name}")).bytes.clone()).unwrap()
@@ -75,7 +80,7 @@ fn girths_and_lengths_agree_on_page_csv_json_gdt_and_drawing_to_the_last_digit()
     };
     let taken = jiff::civil::date(2026, 11, 21).at(9, 15, 0, 0);
     let gdt = String::from_utf8(result(&record, &rules, taken, &[]).unwrap()).unwrap();
-    let [english, german] = LANGUAGES.map(|language| words(&page(&record, language).unwrap()));
+    let [english, german] = LANGUAGES.map(|language| words(&made_page(&record, language)));
     let content = Content::of(&record, Language::En);
     let mut seen = 0;
     for (index, side) in ["right", "left"].into_iter().enumerate() {
@@ -109,7 +114,7 @@ fn girths_and_lengths_agree_on_page_csv_json_gdt_and_drawing_to_the_last_digit()
 fn every_figure_of_the_landmarks_stands_in_the_page_as_in_the_record() {
     let json: serde_json::Value = serde_json::from_str(&file("record.json")).unwrap();
     for language in LANGUAGES {
-        let words = words(&page(&MADE.0, language).unwrap());
+        let words = words(&made_page(&MADE.0, language));
         for leg in json["legs"].as_array().unwrap() {
             for (level, figures) in leg["landmarks"].as_object().unwrap() {
                 for (name, figure) in figures.as_object().unwrap() {
@@ -126,7 +131,7 @@ fn every_figure_of_the_landmarks_stands_in_the_page_as_in_the_record() {
 #[test]
 fn a_page_is_whole_and_needs_nothing_from_elsewhere() {
     for language in LANGUAGES {
-        let page = page(&MADE.0, language).unwrap();
+        let page = made_page(&MADE.0, language);
         check_markup(&page);
         assert!(page.starts_with(&format!("<!doctype html>\n<html lang=\"{}\">", language.tag())));
         // Half of what is allowed: bodies differ.
@@ -142,7 +147,7 @@ fn a_page_is_whole_and_needs_nothing_from_elsewhere() {
 
 #[test]
 fn nothing_runs_or_paints_but_what_the_policy_names_by_its_hash() {
-    let page = page(&MADE.0, Language::En).unwrap();
+    let page = made_page(&MADE.0, Language::En);
     let inside = |begin: &str, end: &str| {
         let rest = page.split(begin).nth(1).unwrap();
         rest.split(end).next().unwrap().to_owned()
@@ -179,7 +184,7 @@ fn hostile_ids_are_text_and_nothing_in_them_is_hidden() {
         record.scan.unit = id.to_owned();
         record.made_by.gaiter = id.to_owned();
         for language in LANGUAGES {
-            let page = page(&record, language).unwrap();
+            let page = made_page(&record, language);
             check_markup(&page);
             assert_eq!(page.matches("<script").count(), 2, "{id}");
             assert_eq!(page.matches("</script").count(), 2, "{id}");
@@ -221,13 +226,13 @@ fn what_is_missing_is_said_with_its_reason_and_never_left_blank() {
         (&none, "leg not in the scan"),
     ] {
         for language in LANGUAGES {
-            let page = page(record, language).unwrap();
+            let page = made_page(record, language);
             check_markup(&page);
             for blank in ["<td></td>", "<dd></dd>", "<p></p>", "<span class=\"value\"></span>"] {
                 assert!(!page.contains(blank), "{reason}: {blank}");
             }
         }
-        assert!(words(&page(record, Language::En).unwrap()).contains(reason), "{reason}");
+        assert!(words(&made_page(record, Language::En)).contains(reason), "{reason}");
         let content = Content::of(record, Language::En);
         let names: Vec<&str> = content.levels.rows.iter().map(|row| row.level.as_str()).collect();
         for level in Level::SOUGHT.map(Level::name) {
@@ -253,7 +258,7 @@ fn the_right_leg_is_on_the_left_and_a_swapped_record_swaps_every_figure() {
             [&other.legs[1].girth, &other.legs[0].girth]
         );
     }
-    let page = page(&MADE.0, Language::En).unwrap();
+    let page = made_page(&MADE.0, Language::En);
     let [right, left] =
         ["class=\"leg right\"", "class=\"leg left\""].map(|of| page.find(of).unwrap());
     assert!(right < left);

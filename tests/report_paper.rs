@@ -12,7 +12,8 @@ use std::sync::LazyLock;
 
 use bodies::{export, record_of};
 use gaiter::leg::Method;
-use gaiter::record::report::paper;
+use gaiter::record::picture::figures;
+use gaiter::record::report;
 use gaiter::record::{Language, Patient, Record, Source, SourceKind};
 
 static RECORD: LazyLock<Record> =
@@ -144,9 +145,13 @@ fn places<'a>(bytes: &'a [u8], what: &'a [u8]) -> impl Iterator<Item = usize> + 
     found.map(|(at, _)| at)
 }
 
+fn paper(record: &Record, language: Language) -> Vec<u8> {
+    report::paper(record, language, &figures::all(record, language)).unwrap()
+}
+
 /// The words of a paper on all its pages, lines joined.
 fn said(record: &Record, language: Language) -> Vec<String> {
-    Paper::of(&paper(record, language).unwrap()).pages()
+    Paper::of(&paper(record, language)).pages()
 }
 
 fn with_id(id: &str) -> Record {
@@ -157,9 +162,9 @@ fn with_id(id: &str) -> Record {
 #[test]
 fn the_same_record_gives_the_same_bytes_and_they_are_small() {
     for language in LANGUAGES {
-        let bytes = paper(&RECORD, language).unwrap();
+        let bytes = paper(&RECORD, language);
         assert!(bytes.starts_with(b"%PDF-1.7"));
-        assert_eq!(bytes, paper(&RECORD, language).unwrap());
+        assert_eq!(bytes, paper(&RECORD, language));
         assert!(bytes.len() < 500_000, "{} bytes", bytes.len());
     }
 }

@@ -1,7 +1,7 @@
 //! The command line as types, with the help texts a technician reads.
 
-mod again;
 mod asking;
+mod reextract;
 mod report;
 
 use std::num::NonZeroUsize;
@@ -19,8 +19,8 @@ use crate::config::words::{
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 use crate::record::{FigureFormat, Language};
 use crate::station::measure::VERB;
-pub use again::ReextractArgs;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
+pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
 
 /// Where `run` and `check` look for the configuration when nobody names a file.

@@ -2,8 +2,9 @@
 
 use sha2::{Digest, Sha256};
 
-use super::papers::{self, FilesFault, ReportChoice};
+use super::picture::figures;
 use super::report::PdfFault;
+use super::report_files::{self, FilesFault, ReportChoice};
 use super::schema::FindingNote;
 use super::{Provenance, Record, compose, csv};
 use crate::cad::{CadFault, FileHeader, Output};
@@ -55,7 +56,9 @@ pub fn record_files(
     let mut record = compose::record(extraction, provenance, method);
     let (surfaces, notes) = surface_files(extraction, output);
     record.findings.extend(notes);
-    let paper = papers::paper(&record, choice.language);
+    // A finding that is added from here on is in no figure.
+    let figures = figures::all(&record, choice.language);
+    let paper = report_files::paper(&record, choice.language, &figures);
     record.findings.extend(paper.as_ref().err().map(no_paper));
     let mut json = serde_json::to_vec_pretty(&record)?;
     json.push(b'\n');
@@ -63,10 +66,10 @@ pub fn record_files(
         file("record.json", json),
         file("measurements.csv", csv::measurements(&record).into_bytes()),
     ];
-    files.push(papers::drawing(&record, choice.language));
-    files.push(papers::page(&record, choice.language)?);
+    files.push(report_files::drawing(&figures, choice.language));
+    files.push(report_files::page(&record, choice.language, &figures)?);
     files.extend(paper);
-    files.extend(papers::figure_files(&record, choice)?);
+    files.extend(report_files::figure_files(&figures, &choice.figures)?);
     files.extend(surfaces);
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
     let mut sums: String = files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect();

@@ -10,10 +10,10 @@ mod csv;
 mod files;
 pub mod gdt;
 mod language;
-mod papers;
 pub mod picture;
 mod provenance;
 pub mod report;
+mod report_files;
 pub mod rounding;
 pub mod schema;
 pub mod shape;
@@ -24,8 +24,8 @@ pub use brief::{Brief, BriefFigures, BriefLevel};
 pub use compose::record;
 pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
 pub use language::Language;
-pub use papers::{FigureFormat, FilesFault, ReportChoice, report_files};
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
 };
+pub use report_files::{FigureFormat, FilesFault, ReportChoice, report_files};
 pub use schema::Record;

@@ -7,10 +7,7 @@ pub type Both = (&'static str, &'static str);
 
 /// One of both.
 pub fn say(language: Language, both: Both) -> &'static str {
-    match language {
-        Language::En => both.0,
-        Language::De => both.1,
-    }
+    language.pick(both.0, both.1)
 }
 
 /// What is said when a decision was carried out, by its verb.

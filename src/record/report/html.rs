@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
 use super::{Content, VIEWER};
-use crate::record::picture::figures::{self, Figure};
+use crate::record::picture::figures::Figure;
 use crate::record::picture::svg;
 use crate::record::{Language, Record};
 
@@ -19,13 +19,17 @@ const STYLE: &str = include_str!("report.css");
 /// Begins the view when the page is read; the record stands in the page.
 const BEGIN: &str = include_str!("begin.js");
 
-/// The page of a record in a language. The same record gives the same bytes.
+/// The page of a record in a language, with its figures in that language. The same record gives the
+/// same bytes.
 ///
 /// # Errors
 /// Where a figure of the record cannot be written as JSON.
-pub fn page(record: &Record, language: Language) -> Result<String, serde_json::Error> {
+pub fn page(
+    record: &Record,
+    language: Language,
+    figures: &[Figure],
+) -> Result<String, serde_json::Error> {
     let content = Content::of(record, language);
-    let pictures = figures::all(record, language);
     // `<` within the JSON's strings could end the script's element; nothing else may hold it.
     let json = serde_json::to_string(record)?.replace('<', "\\u003c");
     let style = format!("{STYLE}{}", svg::dark_rules());
@@ -36,7 +40,7 @@ pub fn page(record: &Record, language: Language) -> Result<String, serde_json::E
          <script>{script}</script>\n</body>\n</html>\n",
         language.tag(),
         head(&content, &policy(&style, &script)),
-        body(&content, &pictures),
+        body(&content, figures),
     ))
 }
 
@@ -63,12 +67,12 @@ fn policy(style: &str, script: &str) -> String {
     )
 }
 
-fn body(content: &Content, pictures: &[Figure]) -> String {
+fn body(content: &Content, figures: &[Figure]) -> String {
     let parts = [
         parts::key_figures(content),
         parts::levels(content),
         parts::notes(content),
-        parts::pictures(content, pictures),
+        parts::pictures(content, figures),
         parts::view(content),
         parts::tables(content),
         parts::entries("surfaces", &content.surfaces),

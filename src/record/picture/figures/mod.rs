@@ -38,14 +38,16 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
     figures.into_iter().filter_map(there).collect()
 }
 
-/// The legs and their girths in one drawing, as far as the record has the data.
-pub fn overview(record: &Record, language: Language) -> Picture {
-    let words = Words::of(language);
-    let parts = [views::picture(record, language, words), girths::picture(record, language, words)];
-    let title = words.views.to_owned();
+/// The legs and their girths in one drawing, as far as they are among a record's figures.
+pub fn overview(figures: &[Figure], language: Language) -> Picture {
+    let parts = figures.iter().filter(|figure| OVERVIEW.contains(&figure.name));
+    let title = Words::of(language).views.to_owned();
     let nothing = Picture { title, size: [0.0, 0.0], marks: Vec::new() };
-    parts.into_iter().flatten().fold(nothing, Picture::above)
+    parts.map(|figure| figure.picture.clone()).fold(nothing, Picture::above)
 }
+
+/// The names of the figures that together show both legs at a glance.
+const OVERVIEW: [&str; 2] = ["views", "girths"];
 
 /// The levels of the paper, the highest first, as they stand on a leg.
 const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];

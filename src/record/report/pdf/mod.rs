@@ -15,7 +15,7 @@ use thiserror::Error;
 
 use self::flow::Flow;
 use super::Content;
-use crate::record::picture::figures;
+use crate::record::picture::figures::Figure;
 use crate::record::{Language, Record};
 
 /// Why there is no paper.
@@ -38,13 +38,13 @@ impl PdfFault {
     }
 }
 
-/// The paper of a record in a language. The same record gives the same bytes.
+/// The paper of a record in a language, with its figures in that language. The same record gives the
+/// same bytes.
 ///
 /// # Errors
 /// Where a font cannot be cut down, which the tests rule out.
-pub fn paper(record: &Record, language: Language) -> Result<Vec<u8>, PdfFault> {
+pub fn paper(record: &Record, language: Language, figures: &[Figure]) -> Result<Vec<u8>, PdfFault> {
     let content = Content::of(record, language);
-    let pictures = figures::all(record, language);
     let mut flow = Flow::new(&content);
     parts::front(&mut flow, &content);
     parts::levels(&mut flow, &content.levels);
@@ -52,7 +52,7 @@ pub fn paper(record: &Record, language: Language) -> Result<Vec<u8>, PdfFault> {
     parts::tables(&mut flow, &content.tables);
     parts::section(&mut flow, &content.surfaces);
     parts::section(&mut flow, &content.legend);
-    parts::pictures(&mut flow, &content.pictures, &pictures);
+    parts::pictures(&mut flow, &content.pictures, figures);
     parts::landmarks(&mut flow, &content.landmarks);
     document::bytes(flow.finished(), record, &content)
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::files::{RecordFile, file};
-use super::picture::figures;
+use super::picture::figures::{self, Figure};
 use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};
 use super::report::{self, PdfFault};
@@ -60,33 +60,38 @@ pub enum FilesFault {
 /// # Errors
 /// See [`FilesFault`].
 pub fn report_files(record: &Record, language: Language) -> Result<Vec<RecordFile>, FilesFault> {
-    Ok(vec![page(record, language)?, paper(record, language)?])
+    let figures = figures::all(record, language);
+    Ok(vec![page(record, language, &figures)?, paper(record, language, &figures)?])
 }
 
-pub(super) fn page(record: &Record, language: Language) -> Result<RecordFile, serde_json::Error> {
-    Ok(file(PAGE, report::page(record, language)?.into_bytes()))
+pub(super) fn page(
+    record: &Record,
+    language: Language,
+    figures: &[Figure],
+) -> Result<RecordFile, serde_json::Error> {
+    Ok(file(PAGE, report::page(record, language, figures)?.into_bytes()))
 }
 
-pub(super) fn paper(record: &Record, language: Language) -> Result<RecordFile, PdfFault> {
-    Ok(file(PAPER, report::paper(record, language)?))
+pub(super) fn paper(
+    record: &Record,
+    language: Language,
+    figures: &[Figure],
+) -> Result<RecordFile, PdfFault> {
+    Ok(file(PAPER, report::paper(record, language, figures)?))
 }
 
 /// Both legs and their girths as one drawing, which practice software and pages show.
-pub(super) fn drawing(record: &Record, language: Language) -> RecordFile {
-    file(DRAWING, svg::file(&figures::overview(record, language)).into_bytes())
+pub(super) fn drawing(figures: &[Figure], language: Language) -> RecordFile {
+    file(DRAWING, svg::file(&figures::overview(figures, language)).into_bytes())
 }
 
-/// The figures as files of their own, where they are wanted.
+/// The figures as files of their own, in the notations that are wanted.
 pub(super) fn figure_files(
-    record: &Record,
-    choice: &ReportChoice,
+    figures: &[Figure],
+    formats: &BTreeSet<FigureFormat>,
 ) -> Result<Vec<RecordFile>, PngFault> {
-    if choice.figures.is_empty() {
-        return Ok(Vec::new());
-    }
-    let drawn = figures::all(record, choice.language);
-    let files = drawn.iter().flat_map(|figure| {
-        choice.figures.iter().map(move |format| {
+    let files = figures.iter().flat_map(|figure| {
+        formats.iter().map(move |format| {
             let (ending, bytes) = match format {
                 FigureFormat::Svg => ("svg", svg::file(&figure.picture).into_bytes()),
                 FigureFormat::Png => ("png", png(&figure.picture, Theme::Light, PNG_SCALE)?),
