@@ -12,9 +12,9 @@ use std::sync::LazyLock;
 use std::{env, fs};
 
 use bodies::{export, record_of};
-use gaiter::leg::{Extraction, Method};
+use gaiter::leg::{Extraction, Method, Side};
 use gaiter::record::picture::figures::{Figure, all};
-use gaiter::record::picture::{Anchor, Mark};
+use gaiter::record::picture::{Anchor, Ink, Mark};
 use gaiter::record::{Language, Record};
 
 static BODIES: LazyLock<Vec<(String, Extraction, Record)>> = LazyLock::new(|| {
@@ -40,6 +40,9 @@ static BODIES: LazyLock<Vec<(String, Extraction, Record)>> = LazyLock::new(|| {
 });
 
 const LANGUAGES: [Language; 2] = [Language::En, Language::De];
+
+/// What the curves and marks of the legs are drawn with.
+static LEGS: LazyLock<[Ink; 2]> = LazyLock::new(|| Side::BOTH.map(Ink::of));
 
 /// Left, top, right, bottom of a line of words, px: letters are at most about 0.58 of their height
 /// wide in the mean, and reach from 0.73 above the line to 0.22 below it.
@@ -81,6 +84,49 @@ fn words_are_never_written_over_words() {
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// How much of a label of the chart may lie under a curve, px: its edge.
+const UNDER_MAX: f64 = 3.0;
+
+#[test]
+fn no_label_of_a_level_lies_on_the_mark_or_on_the_curve_of_the_other_leg() {
+    let mut faults = Vec::new();
+    for (body, language, figure) in figures().filter(|(.., figure)| figure.name == "girths") {
+        let marks = &figure.picture.marks;
+        let inks = |mark: &Mark| match mark {
+            Mark::Lines { lines, fill, stroke, .. } => {
+                let ink = fill.or(stroke.map(|stroke| stroke.ink));
+                ink.filter(|ink| LEGS.contains(ink)).map(|_| lines.clone())
+            }
+            _ => None,
+        };
+        let drawn: Vec<[[f64; 2]; 2]> = marks
+            .iter()
+            .filter_map(inks)
+            .flatten()
+            .flat_map(|line| line.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>())
+            .collect();
+        for (label, words) in marks.iter().filter_map(place) {
+            let is_level = words.starts_with(['B', 'C', 'D', 'E', 'F', 'G']) && words.len() < 8;
+            let [left, top, right, bottom] = label;
+            let inner = [left + UNDER_MAX, top, right - UNDER_MAX, bottom];
+            if is_level && drawn.iter().any(|pair| crosses(*pair, inner)) {
+                faults.push(format!("{body}, {language:?}: {words:?} {label:.0?}"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Whether a line between two places comes into a rectangle; looked at every half px.
+fn crosses([from, to]: [[f64; 2]; 2], [left, top, right, bottom]: [f64; 4]) -> bool {
+    let steps = (2.0 * (to[0] - from[0]).hypot(to[1] - from[1])).ceil().max(1.0);
+    (0..=steps as usize).any(|step| {
+        let share = step as f64 / steps;
+        let [x, y] = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+        (left..=right).contains(&x) && (top..=bottom).contains(&y)
+    })
 }
 
 #[test]

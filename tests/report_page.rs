@@ -328,6 +328,10 @@ fn the_report_of_a_record_read_back_is_that_of_its_folder_byte_for_byte() {
             assert!(fs::read(out.join(name)).unwrap() == fs::read(folder.join(name)).unwrap());
         }
     }
+    let told = gaiter(&["report", folder_arg, "--out", out_arg, "--json"]);
+    let told: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
+    let paths = ["report.html", "report.pdf"].map(|name| out.join(name).display().to_string());
+    assert_eq!(told, serde_json::json!({ "files": paths }));
     let names = fs::read_dir(&out).unwrap().count();
     assert_eq!(names, report_files(&MADE.0, Language::De).unwrap().len(), "nothing is left over");
     let refused = gaiter(&["report", folder_arg, "--out", folder_arg]);

@@ -66,6 +66,16 @@ impl Shown {
         &self.seen
     }
 
+    fn signal(&self, signal: Signal) {
+        kill_process(Pid::from_child(&self.child), signal).unwrap();
+    }
+
+    fn is_stopped(&self) -> bool {
+        let stat = fs::read_to_string(format!("/proc/{}/stat", self.child.id())).unwrap();
+        // The state comes after the name in brackets.
+        stat.rsplit_once(") ").unwrap().1.starts_with('T')
+    }
+
     fn interrupt(&mut self) -> ExitStatus {
         interrupt(&mut self.child)
     }
@@ -120,6 +130,13 @@ fn a_watch_is_renewed_in_place_and_leaves_the_terminal_as_it_was() {
     let first = seen.split(HOME).nth(1).unwrap();
     assert!(first.lines().count() <= 24, "{first}");
     assert!(first.contains("ready\u{1b}[0m") && first.contains("delivered"), "{first:?}");
+    // Ctrl-Z gives the shell its screen, and what goes on has its own again.
+    shown.signal(Signal::TSTP);
+    booth.wait_for("the stop", || shown.is_stopped());
+    shown.until(&booth, "the shell's screen", |seen| seen.ends_with(LEAVE));
+    shown.signal(Signal::CONT);
+    let again = |seen: &str| seen.rsplit_once(ENTER).is_some_and(|(_, seen)| seen.contains(HOME));
+    shown.until(&booth, "its screen again", |seen| seen.contains(LEAVE) && again(seen));
     // A station that is gone is told on the same screen.
     assert_eq!(daemon.stop().code(), Some(0));
     shown.until(&booth, "the missing station", |seen| seen.contains("no station runs"));

@@ -4,6 +4,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use serde_json::json;
+
 use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
 use crate::record::schema::SCHEMA;
@@ -16,22 +18,27 @@ const RECORD: &str = "record.json";
 /// Writes the report and prints where it lies.
 pub fn report(args: &ReportArgs) -> Exit {
     match made(args) {
-        Ok(paths) => {
-            let lines: String =
-                paths.iter().map(|path| format!("{}\n", shown(path.display()))).collect();
-            match print(lines) {
-                Ok(()) => Exit::Done,
-                Err(error) => {
-                    complain(format_args!("gaiter: the report is written, but: {error}"));
-                    Exit::Io
-                }
+        Ok(paths) => match print(told(&paths, args.json)) {
+            Ok(()) => Exit::Done,
+            Err(error) => {
+                complain(format_args!("gaiter: the report is written, but: {error}"));
+                Exit::Io
             }
-        }
+        },
         Err(fault) => {
             complain(format_args!("gaiter: {fault}"));
             fault.exit()
         }
     }
+}
+
+/// Where the report lies, a line for each file or as JSON.
+fn told(paths: &[PathBuf], as_json: bool) -> String {
+    if as_json {
+        let files: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
+        return format!("{}\n", json!({ "files": files }));
+    }
+    paths.iter().map(|path| format!("{}\n", shown(path.display()))).collect()
 }
 
 /// Why there is no report.

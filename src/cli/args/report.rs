@@ -18,4 +18,7 @@ pub struct ReportArgs {
     /// Where the report goes; the current folder where nothing is said
     #[arg(long, value_name = "DIR", default_value = ".", hide_default_value = true)]
     pub out: PathBuf,
+    /// Print where the files lie as one JSON object, for programs
+    #[arg(long)]
+    pub json: bool,
 }

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::time::Duration;
 
+use rustix::process;
 use tokio::runtime::{Builder, Runtime};
 use tokio::signal::unix::{Signal, SignalKind, signal};
 use tokio::task::spawn_blocking;
@@ -68,17 +69,31 @@ async fn run(args: &AskArgs) -> io::Result<Exit> {
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => return Ok(Exit::Done),
             Err(error) => return Err(error),
         }
-        if !signals.go_on().await {
-            return Ok(Exit::Done);
+        match signals.next().await {
+            Next::Look => {}
+            Next::Stop => place.stopped()?,
+            Next::End => return Ok(Exit::Done),
         }
     }
 }
 
-/// The signals that end it, and the one that tells of another size of the terminal.
+/// The signals that end it, that stop it for a while (Ctrl-Z), and that tell of another size of the
+/// terminal.
 struct Signals {
     interrupt: Signal,
     terminate: Signal,
+    stop: Signal,
     resize: Signal,
+}
+
+/// What comes after a look.
+enum Next {
+    /// Another.
+    Look,
+    /// Nothing until somebody lets it go on.
+    Stop,
+    /// Nothing.
+    End,
 }
 
 impl Signals {
@@ -86,6 +101,7 @@ impl Signals {
         Ok(Signals {
             interrupt: signal(SignalKind::interrupt())?,
             terminate: signal(SignalKind::terminate())?,
+            stop: signal(SignalKind::from_raw(process::Signal::TSTP.as_raw()))?,
             resize: signal(SignalKind::window_change())?,
         })
     }
@@ -97,13 +113,15 @@ impl Signals {
         }
     }
 
-    /// Waits until it is time for the next look, or the terminal has another size; false at the end.
-    async fn go_on(&mut self) -> bool {
+    /// Waits until it is time for the next look, or the terminal has another size, or a signal says
+    /// otherwise.
+    async fn next(&mut self) -> Next {
         tokio::select! {
-            () = sleep(EVERY) => true,
-            _ = self.resize.recv() => true,
-            _ = self.interrupt.recv() => false,
-            _ = self.terminate.recv() => false,
+            () = sleep(EVERY) => Next::Look,
+            _ = self.resize.recv() => Next::Look,
+            _ = self.stop.recv() => Next::Stop,
+            _ = self.interrupt.recv() => Next::End,
+            _ = self.terminate.recv() => Next::End,
         }
     }
 }
@@ -129,6 +147,18 @@ impl Place {
         let entered = Entered;
         write(ENTER)?;
         Ok(Place::Screen(entered))
+    }
+
+    /// Stops; the shell meanwhile has its own screen.
+    fn stopped(&self) -> io::Result<()> {
+        match self {
+            Place::Pipe | Place::Program => stop(),
+            Place::Screen(_) => {
+                write(LEAVE)?;
+                stop()?;
+                write(ENTER)
+            }
+        }
     }
 
     fn show(&self, look: Result<&Look, &AskFault>) -> io::Result<()> {
@@ -161,6 +191,11 @@ impl Place {
             }
         }
     }
+}
+
+/// Stops this process until it is told to go on, as Ctrl-Z does where nobody catches it.
+fn stop() -> io::Result<()> {
+    Ok(process::kill_process(process::getpid(), process::Signal::STOP)?)
 }
 
 /// The text of a look, or why there is none.

@@ -63,12 +63,12 @@ impl Easel {
                 self.paint(path_of(lines, *is_closed), *fill, *stroke);
             }
             Mark::Dots { at, radius, fill, stroke } => {
-                let mut path = PathBuilder::new();
+                // Each by itself: those that overlap lie over each other.
                 for dot in at {
                     let [x, y] = dot.map(|of| of as f32);
-                    path.push_circle(x, y, *radius as f32);
+                    let circle = PathBuilder::from_circle(x, y, *radius as f32);
+                    self.paint(circle, *fill, *stroke);
                 }
-                self.paint(path.finish(), *fill, *stroke);
             }
             Mark::Words { at, anchor, size, is_bold, ink, words } => {
                 let path = letters(words, *at, *anchor, *size, *is_bold);
@@ -219,6 +219,19 @@ mod tests {
         assert_eq!(rgb(&image, 16, 10), Ink::Right.colour(Theme::Light));
         assert_eq!(rgb(&image, 30, 10), Ink::Scan.colour(Theme::Light));
         assert_eq!(rgb(&image, 5, 15), Ink::Paper.colour(Theme::Light));
+    }
+
+    #[test]
+    fn dots_that_overlap_lie_over_each_other() {
+        let at = vec![[20.0, 10.0], [24.0, 10.0]];
+        let dots =
+            |stroke| Mark::Dots { at: at.clone(), radius: 6.0, fill: Some(Ink::Scan), stroke };
+        let scan = Ink::Scan.colour(Theme::Light);
+        let plain = image(vec![dots(None)], Theme::Light, 1.0);
+        assert_eq!([18, 22, 26].map(|x| rgb(&plain, x, 10)), [scan; 3]);
+        let drawn = image(vec![dots(Stroke::of(Ink::Text, 4.0))], Theme::Light, 1.0);
+        let text = Ink::Text.colour(Theme::Light);
+        assert_eq!([17, 26].map(|x| rgb(&drawn, x, 10)), [text, scan]);
     }
 
     #[test]

@@ -68,8 +68,8 @@ pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Op
         marks.push(lines(vec![zero], Ink::Muted, 1.0));
         for (side, leg) in legs() {
             marks.push(line(side, slope(leg, &slopes)));
-            marks.extend(steepest(side, leg, &slopes));
         }
+        marks.extend(steepest(record, &slopes));
     }
     marks.extend(legend(words_));
     Some(Picture { title: words_.girths.to_owned(), size: SIZE, marks })
@@ -195,14 +195,14 @@ fn diamond([x, y]: [f64; 2], size: f64) -> Vec<[f64; 2]> {
     vec![[x + size, y], [x, y + size], [x - size, y], [x, y - size]]
 }
 
-/// The levels across the leg with their girths, the larger leg's labels on the right of the curves.
+/// The levels across the leg with their girths, the labels on the outer sides of the two curves.
 fn levels(record: &Record, frame: &Frame, language: Language) -> Vec<Mark> {
     let found: Vec<Place> =
         Side::FROM_FRONT.into_iter().flat_map(|side| of_leg(record, side)).collect();
     let mut marks = Vec::new();
     for at_right in [false, true] {
         let here: Vec<&Place> =
-            found.iter().filter(|level| is_at_right(level, &found) == at_right).collect();
+            found.iter().filter(|level| level.is_at_right(record) == at_right).collect();
         let wished: Vec<f64> = here.iter().map(|level| frame.y.at(level.height_mm)).collect();
         for (level, y) in here.iter().zip(kept_apart(&wished, LINE)) {
             marks.extend(labelled(level, frame, y, at_right, language));
@@ -248,19 +248,41 @@ fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
     Side::FROM_FRONT.into_iter().enumerate().filter_map(line).collect()
 }
 
-/// Whether a level's label stands on the right: that of the leg with the larger girth there.
-fn is_at_right(level: &Place, all: &[Place]) -> bool {
-    let other = all.iter().find(|other| other.name == level.name && other.side != level.side);
-    match other {
-        Some(other) if other.girth_mm != level.girth_mm => level.girth_mm > other.girth_mm,
-        _ => level.side == Side::Left,
+impl Place<'_> {
+    /// Whether its label stands on the right.
+    fn is_at_right(&self, record: &Record) -> bool {
+        let line = record.leg(self.side.other()).map(curve);
+        is_outer_right(self.side, [self.girth_mm, self.height_mm], line)
     }
+}
+
+/// Whether a place lies to the right of the other leg's line, which its label there does not cross.
+fn is_outer_right(
+    side: Side,
+    [here, height_mm]: [f64; 2],
+    line: Option<impl Iterator<Item = Option<[f64; 2]>>>,
+) -> bool {
+    let places: Vec<[f64; 2]> = line.into_iter().flatten().flatten().collect();
+    let around = places.windows(2).find(|pair| pair[0][1] <= height_mm && height_mm <= pair[1][1]);
+    let there = around.map(|pair| {
+        let share = (height_mm - pair[0][1]) / (pair[1][1] - pair[0][1]).max(f64::MIN_POSITIVE);
+        pair[0][0] + share * (pair[1][0] - pair[0][0])
+    });
+    match there {
+        Some(there) if there != here => here > there,
+        _ => side == Side::Left,
+    }
+}
+
+/// How far from its place a label stands, px, and what of it.
+fn beside(at_right: bool) -> (f64, Anchor) {
+    if at_right { (ASIDE, Anchor::Start) } else { (-ASIDE, Anchor::End) }
 }
 
 /// A level's mark, and its label at the height `y`.
 fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Language) -> Vec<Mark> {
     let at = frame.at([level.girth_mm, level.height_mm]);
-    let (aside, anchor) = if at_right { (ASIDE, Anchor::Start) } else { (-ASIDE, Anchor::End) };
+    let (aside, anchor) = beside(at_right);
     let mark = match level.name {
         "B1" => diamond(at, 5.5),
         "C" => triangle(at, 5.5, true),
@@ -292,19 +314,37 @@ fn round([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     (0..16).map(corner).collect()
 }
 
-/// B1 on the slope.
-fn steepest(side: Side, leg: &LegFigures, slopes: &Frame) -> Vec<Mark> {
-    let Some(b1) = leg.landmarks.get(Level::B1.name()) else { return Vec::new() };
-    let far = |row: &[f64; 2]| (row[1] - b1.height_mm).abs();
-    let nearest = slope_rows(leg).flatten().min_by(|a, b| far(a).total_cmp(&far(b)));
-    let Some([slope, _]) = nearest else { return Vec::new() };
-    let at = slopes.at([slope, b1.height_mm]);
-    let mark = area(vec![diamond(at, 5.5)], Ink::of(side));
-    let (aside, anchor) = match side {
-        Side::Left => (ASIDE, Anchor::Start),
-        Side::Right => (-ASIDE, Anchor::End),
-    };
-    vec![mark, words([at[0] + aside, at[1] + TEXT / 3.0], anchor, TEXT, Ink::Text, "B1")]
+/// B1 on the slopes, the labels on the outer sides of the two.
+fn steepest(record: &Record, slopes: &Frame) -> Vec<Mark> {
+    let places: Vec<(Side, [f64; 2])> = Side::FROM_FRONT
+        .into_iter()
+        .filter_map(|side| Some((side, steepest_of(record.leg(side)?)?)))
+        .collect();
+    let mut marks = Vec::new();
+    for at_right in [false, true] {
+        let is_here = |(side, place): &&(Side, [f64; 2])| {
+            let line = record.leg(side.other()).map(slope_rows);
+            is_outer_right(*side, *place, line) == at_right
+        };
+        let here: Vec<&(Side, [f64; 2])> = places.iter().filter(is_here).collect();
+        let wished: Vec<f64> = here.iter().map(|(_, place)| slopes.at(*place)[1]).collect();
+        let (aside, anchor) = beside(at_right);
+        for ((side, place), y) in here.into_iter().zip(kept_apart(&wished, LINE)) {
+            let at = slopes.at(*place);
+            let label = [at[0] + aside, y + TEXT / 3.0];
+            marks.push(area(vec![diamond(at, 5.5)], Ink::of(*side)));
+            marks.push(words(label, anchor, TEXT, Ink::Text, Level::B1.name()));
+        }
+    }
+    marks
+}
+
+/// Slope and height of a leg's B1, if it was found.
+fn steepest_of(leg: &LegFigures) -> Option<[f64; 2]> {
+    let height_mm = leg.landmarks.get(Level::B1.name())?.height_mm;
+    let far = |row: &[f64; 2]| (row[1] - height_mm).abs();
+    let [slope, _] = slope_rows(leg).flatten().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+    Some([slope, height_mm])
 }
 
 fn legend(words_: &Words) -> Vec<Mark> {

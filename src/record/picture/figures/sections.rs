@@ -108,7 +108,7 @@ impl Sheet<'_> {
             let (sin, cos) = angle_deg.to_radians().sin_cos();
             [x + out * px * sin, y - px * cos]
         };
-        let radius = |angle_deg: f64| radius_mm(outline, angle_deg) * self.px_per_mm;
+        let radius = |angle_deg: f64| at_angle(&outline.radius_mm, angle_deg) * self.px_per_mm;
         let count = outline.radius_mm.len();
         let angle = |index: usize| -180.0 + 360.0 * index as f64 / count as f64;
         let line = (0..count).map(|i| place(angle(i), outline.radius_mm[i] * self.px_per_mm));
@@ -162,8 +162,10 @@ impl Sheet<'_> {
         for is_peak in [true, false] {
             let here: Vec<&&FeatureFigures> =
                 features.iter().filter(|feature| (feature.kind == "peak") == is_peak).collect();
+            // On the line: a feature is the middle of what is curved alike, not its extreme.
             let at = |feature: &FeatureFigures| {
-                frame.at([feature.angle_deg, feature.curvature_per_mm * 1000.0])
+                let per_mm = at_angle(&outline.curvature_per_mm, feature.angle_deg);
+                frame.at([feature.angle_deg, per_mm * 1000.0])
             };
             let wished: Vec<f64> = here.iter().map(|feature| at(feature)[0]).collect();
             for (feature, x) in here.iter().zip(kept_apart(&wished, 15.0)) {
@@ -178,15 +180,15 @@ impl Sheet<'_> {
     }
 }
 
-/// The radius at an angle, between the two that are told, mm.
-fn radius_mm(outline: &OutlineFigures, angle_deg: f64) -> f64 {
-    let count = outline.radius_mm.len();
+/// What a row around holds at an angle, between the two places that are told.
+fn at_angle(row: &[f64], angle_deg: f64) -> f64 {
+    let count = row.len();
     if count == 0 {
         return 0.0;
     }
     let place = (angle_deg + 180.0).rem_euclid(360.0) / 360.0 * count as f64;
     let (below, part) = (place as usize, place.fract());
-    let at = |index: usize| outline.radius_mm[index % count];
+    let at = |index: usize| row[index % count];
     at(below) + part * (at(below + 1) - at(below))
 }
 

@@ -37,10 +37,11 @@ fn draw_mark(pen: &mut Pen<'_>, mark: &Mark) {
             pen.content.stroke();
         }
         Mark::Dots { at, radius, fill, stroke } => {
+            // Each by itself: those that overlap lie over each other.
             for dot in at {
                 circle(pen.content, *dot, *radius);
+                paint(pen, *fill, *stroke);
             }
-            paint(pen, *fill, *stroke);
         }
         Mark::Words { at: [x, y], anchor, size, is_bold, ink, words } => {
             let letters = Type { size: *size, is_bold: *is_bold };
