@@ -339,6 +339,55 @@ fn the_report_of_a_record_read_back_is_that_of_its_folder_byte_for_byte() {
     assert!(fs::read(folder.join("report.html")).unwrap() == file("report.html").into_bytes());
 }
 
+/// A change of a record by hand, and what the refusal names.
+type Change = (fn(&mut serde_json::Value), &'static str);
+
+/// What no leg can have, each where a report would draw or tell it.
+const IMPOSSIBLE: [Change; 12] = [
+    (|r| r["legs"][0]["landmarks"]["C"]["girth_tape_mm"] = (-337.0).into(), "girth of C"),
+    (|r| r["legs"][0]["landmarks"]["C"]["girth_tape_mm"] = 1e300.into(), "girth of C"),
+    (|r| r["legs"][0]["landmarks"]["C"]["girth_sd_mm"] = (-3.0).into(), "standard errors of C"),
+    (|r| r["legs"][0]["landmarks"]["B"]["height_mm"] = 1e5.into(), "height of B"),
+    (|r| r["legs"][0]["side"] = "right".into(), "legs[1]"),
+    (|r| r["legs"][1]["side"] = "middle".into(), "legs[1]"),
+    (|r| r["legs"][0]["girth_curve"]["tape_mm"][5] = 1e9.into(), "girth_curve.tape_mm"),
+    (|r| r["legs"][0]["girth_curve"]["tape_mm"] = [1.0].as_slice().into(), "girth_curve.tape_mm"),
+    (|r| r["legs"][1]["sections"][2]["outline"]["radius_mm"][7] = 1e12.into(), "outline of"),
+    (|r| r["legs"][1]["sections"][2]["outline"]["curvature_per_mm"][7] = 1e5.into(), "outline of"),
+    (emptied, "radius_mm: 0 figures"),
+    (|r| r["legs"][0]["shape"]["skin"]["rows"] = 1_000_000_000.into(), "skin of its shape"),
+];
+
+fn emptied(record: &mut serde_json::Value) {
+    let outline = record["legs"][1]["sections"][2]["outline"].as_object_mut().unwrap();
+    let rows = outline.iter_mut().filter(|(name, _)| *name != "centre_mm");
+    rows.for_each(|(_, row)| *row = serde_json::Value::Array(Vec::new()));
+}
+
+#[test]
+fn a_record_that_was_changed_or_that_no_leg_can_have_gives_no_report() {
+    let place = tempfile::tempdir().unwrap();
+    let path = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+    let whole: serde_json::Value = serde_json::from_str(&file("record.json")).unwrap();
+    let refused = |what: &str, changed: &serde_json::Value, names: &str| {
+        fs::write(path("record.json"), serde_json::to_vec(changed).unwrap()).unwrap();
+        let said = gaiter(&["report", &path("record.json"), "--out", &path("out")]);
+        assert_eq!(code(&said), Some(65), "{what}: {}", stderr(&said));
+        assert!(stderr(&said).contains(names), "{what}: {}", stderr(&said));
+        assert!(!place.path().join("out").exists(), "{what}");
+    };
+    for (index, (change, names)) in IMPOSSIBLE.into_iter().enumerate() {
+        let mut changed = whole.clone();
+        change(&mut changed);
+        refused(&format!("change {index}"), &changed, names);
+    }
+    // A girth that can be, beside the sums of what was written.
+    fs::write(path("SHA256SUMS"), file("SHA256SUMS")).unwrap();
+    let mut changed = whole.clone();
+    changed["legs"][0]["landmarks"]["C"]["girth_tape_mm"] = 351.2.into();
+    refused("another girth", &changed, "is not what SHA256SUMS beside it says");
+}
+
 #[test]
 fn what_is_no_record_is_refused_with_the_code_of_its_kind() {
     let place = tempfile::tempdir().unwrap();

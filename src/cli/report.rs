@@ -1,5 +1,6 @@
 //! `gaiter report`: the report of a record, made anew from `record.json` alone.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,8 +10,8 @@ use serde_json::json;
 use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
 use crate::record::schema::SCHEMA;
-use crate::record::{FilesFault, Record, RecordFile, SUMS, report_files};
-use crate::store::durable;
+use crate::record::{FilesFault, Record, RecordFault, RecordFile, SUMS, report_files};
+use crate::store::{durable, sums};
 
 /// The record within its folder.
 const RECORD: &str = "record.json";
@@ -60,6 +61,24 @@ enum Fault {
         /// What is wrong with it.
         source: serde_json::Error,
     },
+    /// It was changed after it was written.
+    #[error(
+        "{}: is not what {SUMS} beside it says, so it was changed after it was written and cannot be \
+         trusted: take it from a copy, or measure the scan again with gaiter extract",
+        shown(path.display())
+    )]
+    Changed {
+        /// Which file.
+        path: PathBuf,
+    },
+    /// No leg can have its figures.
+    #[error("{}: is no record of a leg: {source}", shown(path.display()))]
+    Impossible {
+        /// Which file.
+        path: PathBuf,
+        /// What cannot be.
+        source: RecordFault,
+    },
     /// It is a record of another schema.
     #[error("{}: has the schema {}, this program knows {SCHEMA}", shown(path.display()), shown(schema))]
     OtherSchema {
@@ -94,7 +113,10 @@ impl Fault {
             Fault::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
                 Exit::NoFile
             }
-            Fault::NoRecord { .. } | Fault::OtherSchema { .. } => Exit::Unmeasurable,
+            Fault::NoRecord { .. }
+            | Fault::OtherSchema { .. }
+            | Fault::Changed { .. }
+            | Fault::Impossible { .. } => Exit::Unmeasurable,
             Fault::RecordFolder(_) => Exit::Usage,
             Fault::Files(_) => Exit::Internal,
             Fault::Unreadable { .. } | Fault::Write { .. } => Exit::Io,
@@ -139,9 +161,20 @@ fn read(path: &Path) -> Result<Record, Fault> {
     };
     let schema = |source| Fault::NoRecord { path: path.clone(), source };
     let record: Record = serde_json::from_slice(&bytes).map_err(schema)?;
-    if record.schema == SCHEMA {
-        Ok(record)
-    } else {
-        Err(Fault::OtherSchema { path, schema: record.schema })
+    if record.schema != SCHEMA {
+        return Err(Fault::OtherSchema { path, schema: record.schema });
     }
+    if is_changed(&path, &bytes) {
+        return Err(Fault::Changed { path });
+    }
+    record.checked().map_err(|source| Fault::Impossible { path, source })
+}
+
+/// Whether the sums beside a record say that it had other bytes when it was written.
+fn is_changed(path: &Path, bytes: &[u8]) -> bool {
+    let (folder, name) = (path.parent(), path.file_name().and_then(OsStr::to_str));
+    let (Some(folder), Some(name)) = (folder, name) else { return false };
+    // Where there are no sums to be read, nobody vouches for anything.
+    let sum = sums::sum_of(folder, name).ok().flatten();
+    sum.is_some_and(|sum| sum != sums::scan_id(bytes))
 }

@@ -12,12 +12,15 @@ use super::ask::AskFault;
 use super::paint::{self, painted};
 use super::screen::{self, wrapped};
 use super::{Exit, ask, complain, scans, shown};
-use crate::flow::account::Listed;
+use crate::flow::account::{Filter, Listed};
 use crate::flow::health::{age, bytes, words};
 use crate::station::control::protocol::{Answer, Request, SourceStatus, Status};
 
 /// So many of the last scans are shown: a screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;
+
+/// … and of those that are held so many of them, before all others: a person must look at them.
+const HELD_SCANS: u32 = 3;
 
 /// Width of the labels before the figures, with the gap behind it.
 const LABEL: usize = 11;
@@ -57,7 +60,7 @@ fn taken(answer: Answer) -> Option<Status> {
 /// What is on the screen.
 struct Look {
     status: Status,
-    /// The last scans, the newest first.
+    /// The last scans that are held, then the last of all, the newest first.
     scans: Vec<Listed>,
 }
 
@@ -66,13 +69,24 @@ impl Look {
         let status = ask::ask(&args.config, &Request::Status)?;
         let status = taken(status).ok_or_else(AskFault::another_answer)?;
         // A station that can only say how it is says that.
-        let request = Request::Scans { filter: None, limit: LAST_SCANS };
-        let scans = match ask::ask(&args.config, &request) {
+        let listed = |filter, limit| match ask::ask(&args.config, &Request::Scans { filter, limit })
+        {
             Ok(Answer::Scans(scans)) => scans,
             _ => Vec::new(),
         };
+        let is_any_held = status.scans.get("held").is_some_and(|count| *count > 0);
+        let held = if is_any_held { listed(Some(Filter::Held), HELD_SCANS) } else { Vec::new() };
+        let scans = held_first(held, listed(None, LAST_SCANS));
         Ok(Look { status, scans })
     }
+}
+
+/// The scans that are held, then the others, as many as there is room for.
+fn held_first(mut held: Vec<Listed>, mut newest: Vec<Listed>) -> Vec<Listed> {
+    newest.retain(|scan| held.iter().all(|held| held.scan != scan.scan));
+    held.append(&mut newest);
+    held.truncate(LAST_SCANS as usize);
+    held
 }
 
 /// One screen, painted; the first line says whether all is well.

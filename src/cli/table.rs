@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::leg::{Level, Side};
-use crate::record::rounding::cm_words;
+use crate::record::rounding::{cm_margin, cm_words};
 use crate::record::schema::LegFigures;
 use crate::record::{Language, Record};
 
@@ -27,6 +27,11 @@ pub fn of(record: &Record) -> String {
         let _ = writeln!(text, "  {level:<4}  {left}  {right}");
     }
     text += &feet(legs);
+    let missing: Vec<&str> =
+        Level::ALL.into_iter().filter(|level| !is_shown(record, *level)).map(Level::name).collect();
+    if !missing.is_empty() {
+        let _ = writeln!(text, "  not measured on either leg: {}", missing.join(", "));
+    }
     let asked = record.legs.first().map_or(&[][..], |leg| &leg.at);
     for (row, at) in asked.iter().enumerate() {
         let [left, right] = legs.map(|leg| at_cells(leg, row));
@@ -99,9 +104,9 @@ fn doubt(doubts: &[String]) -> &'static str {
     if doubts.is_empty() { "" } else { "?" }
 }
 
-/// What a figure is worth.
+/// What a figure is uncertain by, as the report tells it.
 fn worth(sd_mm: Option<f64>) -> String {
-    sd_mm.map_or(String::new(), |sd_mm| format!(" ±{:.2}", sd_mm / 10.0))
+    sd_mm.map_or(String::new(), |sd_mm| format!(" ±{:.1}", cm_margin(sd_mm)))
 }
 
 /// Millimetres as the clinic reads them: centimetres with one decimal.

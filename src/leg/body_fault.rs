@@ -16,7 +16,7 @@ pub enum BodyFault {
     /// No unit gives a plausible stature.
     #[error(
         "no unit makes this a standing person: {} units high along {} ({} × {} × {}); \
-         is the body whole in the scan, and is `up` right?",
+         check that the body is whole in the scan and that `up` is right",
         figure(*height), up.word(), figure(*x), figure(*y), figure(*z)
     )]
     NoPlausibleUnit {

@@ -5,6 +5,7 @@
 mod brief;
 pub mod change;
 pub mod chart;
+mod check;
 mod compose;
 mod csv;
 mod files;
@@ -21,6 +22,7 @@ pub mod shown;
 pub mod surface;
 
 pub use brief::{Brief, BriefFigures, BriefLevel};
+pub use check::RecordFault;
 pub use compose::record;
 pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
 pub use language::Language;

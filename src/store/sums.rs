@@ -88,6 +88,15 @@ pub fn scan_name(folder: &Path, scan: &ScanId) -> io::Result<Option<String>> {
     Ok(scan_of(folder)?.filter(|(found, _)| found == scan).map(|(_, name)| name))
 }
 
+/// The SHA-256 that a folder's `SHA256SUMS` lists for a file; none where it lists none.
+///
+/// # Errors
+/// Where the folder could not be read now.
+pub fn sum_of(folder: &Path, name: &str) -> io::Result<Option<ScanId>> {
+    let listed = read(folder)?.unwrap_or_default();
+    Ok(listed.into_iter().find(|(_, listed)| listed == name).map(|(sum, _)| sum))
+}
+
 /// The names that `SHA256SUMS` lists; none where it cannot be understood.
 ///
 /// # Errors

@@ -74,6 +74,15 @@ fn scan(state: &str) -> Listed {
     }
 }
 
+#[test]
+fn held_scans_stand_first_and_nothing_is_listed_twice() {
+    let named = |name: &str| Listed { scan: name.into(), ..scan("delivered") };
+    let list = |names: &[&str]| names.iter().map(|name| named(name)).collect::<Vec<_>>();
+    let shown = held_first(list(&["h1", "h2"]), list(&["a", "h1", "b", "c", "d"]));
+    let names: Vec<&str> = shown.iter().map(|scan| scan.scan.as_str()).collect();
+    assert_eq!(names, ["h1", "h2", "a", "b", "c"]);
+}
+
 /// The screen without its colours.
 fn screen(status: Status, scans: Vec<Listed>, columns: Option<usize>) -> String {
     anstream::adapter::strip_str(&table(&Look { status, scans }, columns)).to_string()

@@ -43,6 +43,9 @@ pub(super) fn shown(
     let sentence = match (booth.signal, first) {
         (Signal::Attention, Some(advice)) => format!("{} {}", advice.what, advice.next),
         (Signal::Attention, None) if is_any_undecided => say(language, DECIDE).to_owned(),
+        (Signal::Ready, _) if is_any_undecided => {
+            format!("{} {}", say(language, next_step(Signal::Ready, booth)), say(language, DECIDE))
+        }
         (signal, _) => say(language, next_step(signal, booth)).to_owned(),
     };
     let word = say(language, word(booth.signal));
@@ -50,8 +53,8 @@ pub(super) fn shown(
 }
 
 const DECIDE: Both = (
-    "A scan waits for your decision: see below.",
-    "Ein Scan wartet auf Ihre Entscheidung, siehe unten.",
+    "A scan waits for your decision on the page.",
+    "Ein Scan wartet auf der Seite auf Ihre Entscheidung.",
 );
 
 fn word(signal: Signal) -> Both {

@@ -23,7 +23,7 @@ pub use light::{LightShown, Situation};
 pub use next::NextShown;
 pub use parts::PartShown;
 pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
-pub use scans::{ScanShown, Told, shown as scan_shown};
+pub use scans::{ScanShown, Told, record_folder, shown as scan_shown};
 
 /// Name and number of the snapshot's schema.
 pub const SCHEMA: &str = "gaiter.page/1";

@@ -1,5 +1,7 @@
 //! A scan on the page: what became of it, why, and what a person can decide.
 
+use std::collections::BTreeSet;
+
 use jiff::Timestamp;
 use serde::Serialize;
 
@@ -133,12 +135,34 @@ fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
         }
         Place::Waiting => Vec::new(),
         Place::Nobodys => vec!["assign"],
+        // Of two patients' records a person takes the wrong one away, who sees both.
+        Place::Somebodys if theirs(whole).len() > 1 => Vec::new(),
         Place::Somebodys => vec!["unassign"],
     }
 }
 
-/// The ids of those whose it is, each once; of a held scan, of those for whom it is held.
+/// The folder in `store` of the record that may be opened from a scan: one that names nobody, or the
+/// only patient with whom the scan is shown. Whose name stands there never opens another's record.
+pub fn record_folder<'a>(whole: &'a Whole, store: &str) -> Option<&'a str> {
+    let shown = theirs(whole);
+    let may_be_opened = |of: &&Delivered| {
+        let is_theirs = |patient| shown.len() == 1 && shown.contains(patient);
+        of.patient.as_deref().is_none_or(is_theirs)
+    };
+    let is_there =
+        |of: &&Delivered| of.store == store && of.state == DeliveryState::Delivered.word();
+    let records = whole.deliveries.iter().filter(is_there).filter(may_be_opened);
+    // A patient's record goes before nobody's, which is about to be taken back.
+    records.max_by_key(|of| of.patient.is_some())?.folder.as_deref()
+}
+
+/// Those whose it is, as they are shown.
 fn patients(whole: &Whole) -> Vec<String> {
+    theirs(whole).into_iter().map(shown::id).collect()
+}
+
+/// The ids of those whose it is, each once; of a held scan, of those for whom it is held.
+fn theirs(whole: &Whole) -> BTreeSet<&str> {
     let gone = [DeliveryState::Withdrawing.word(), DeliveryState::Withdrawn.word()];
     let is_held = |of: &Delivered| of.state == DeliveryState::Held.word();
     let is_any_held = whole.deliveries.iter().any(is_held);
@@ -146,9 +170,5 @@ fn patients(whole: &Whole) -> Vec<String> {
         .deliveries
         .iter()
         .filter(|of| if is_any_held { is_held(of) } else { !gone.contains(&of.state.as_str()) });
-    let mut ids: Vec<String> =
-        theirs.filter_map(|of| of.patient.as_deref().map(shown::id)).collect();
-    ids.sort_unstable();
-    ids.dedup();
-    ids
+    theirs.filter_map(|of| of.patient.as_deref()).collect()
 }

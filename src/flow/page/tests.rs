@@ -36,6 +36,10 @@ fn delivery(patient: Option<&str>, state: &str, code: Option<&str>) -> Delivered
 }
 
 fn scan(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> ScanShown {
+    scan_shown(&whole(state, code, deliveries), &Told::default(), Language::En)
+}
+
+fn whole(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> Whole {
     let summary = Summary {
         state: state.to_owned(),
         first_seen: at(0),
@@ -45,8 +49,37 @@ fn scan(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> ScanShow
         code: code.map(str::to_owned),
         message: None,
     };
-    let whole = Whole { scan: "ab".repeat(32), summary, deliveries, history: Vec::new() };
-    scan_shown(&whole, &Told::default(), Language::En)
+    Whole { scan: "ab".repeat(32), summary, deliveries, history: Vec::new() }
+}
+
+/// The scan of these deliveries, each with a folder named after its patient.
+fn with_folders(deliveries: &[(Option<&str>, &str)]) -> Whole {
+    let deliveries = deliveries.iter().map(|(patient, state)| Delivered {
+        folder: (*state == "delivered").then(|| format!("of-{}", patient.unwrap_or("nobody"))),
+        ..delivery(*patient, state, None)
+    });
+    whole("delivered", None, deliveries.collect())
+}
+
+#[test]
+fn a_record_is_opened_from_a_scan_only_under_the_name_of_its_patient() {
+    let (first, second, nobody) = (Some("1"), Some("2"), None);
+    for (deliveries, folder) in [
+        (vec![(first, "delivered")], Some("of-1")),
+        (vec![(nobody, "delivered")], Some("of-nobody")),
+        (vec![(nobody, "delivered"), (first, "delivered")], Some("of-1")),
+        (vec![(first, "withdrawn"), (nobody, "delivered")], Some("of-nobody")),
+        // The same bytes came in for a second patient.
+        (vec![(first, "delivered"), (second, "held")], None),
+        (vec![(first, "delivered"), (second, "pending")], None),
+        (vec![(first, "delivered"), (second, "delivered")], None),
+        (vec![(nobody, "delivered"), (second, "held")], Some("of-nobody")),
+        (vec![(first, "pending")], None),
+    ] {
+        let whole = with_folders(&deliveries);
+        assert_eq!(record_folder(&whole, "folder"), folder, "{deliveries:?}");
+        assert_eq!(record_folder(&whole, "copy"), None);
+    }
 }
 
 #[test]
@@ -69,6 +102,25 @@ fn attention_says_first_what_is_most_wrong_and_what_to_do() {
     assert_eq!(light.sentence, "The station is paused. Resume to go on.");
     let light = page(booth(Signal::Attention), &[paused], Language::De).light;
     assert_eq!(light.sentence, "Die Station ist angehalten. Zum Weitermachen fortsetzen.");
+}
+
+#[test]
+fn a_station_that_is_ready_says_that_a_scan_waits_for_a_decision() {
+    let waiting = scan("refused", Some("no-leg"), vec![]);
+    let facts = Facts::new(at(0), 1);
+    let known = Known {
+        page: "1",
+        station: "b",
+        facts: &facts,
+        complaints: &[],
+        booth: booth(Signal::Ready),
+        now: at(1),
+    };
+    let light = shown(&known, vec![waiting], 0, Vec::new(), Language::En).light;
+    assert_eq!(
+        light.sentence,
+        "Press the button, then scan. A scan waits for your decision on the page."
+    );
 }
 
 #[test]
@@ -109,6 +161,13 @@ fn what_a_person_can_decide_follows_from_what_became_of_the_scan() {
             vec![delivery(Some("1"), "delivered", None)],
             "delivered",
             vec!["unassign"],
+        ),
+        (
+            "delivered",
+            None,
+            vec![delivery(Some("1"), "delivered", None), delivery(Some("2"), "delivered", None)],
+            "delivered",
+            vec![],
         ),
         ("spooled", None, vec![delivery(Some("1"), "pending", None)], "spooled", vec![]),
     ] {

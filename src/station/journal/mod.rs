@@ -19,7 +19,9 @@ mod schema;
 mod seal;
 mod sightings;
 
+use std::fs::{OpenOptions, Permissions};
 use std::io;
+use std::os::unix::fs::{OpenOptionsExt, PermissionsExt};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -172,6 +174,22 @@ impl JournalError {
     }
 }
 
+/// The mode of a file that is this user's alone.
+const PRIVATE: u32 = 0o600;
+
+/// Makes the journal a file that nobody else reads, whatever the folder lets them do: patients' ids are
+/// in it. SQLite gives its write-ahead log the same mode. What hinders this hinders SQLite next, which
+/// says so.
+fn make_private(path: &Path) {
+    let mut options = OpenOptions::new();
+    options.write(true).create(true).truncate(false).mode(PRIVATE);
+    let _ = options.open(path).and_then(|file| {
+        let mode = file.metadata()?.permissions().mode();
+        let is_open = mode & 0o077 != 0;
+        if is_open { file.set_permissions(Permissions::from_mode(PRIVATE)) } else { Ok(()) }
+    });
+}
+
 impl Journal {
     /// Opens the journal, made if there is none, and checks all of it: its pages, the seals of its
     /// rows, the chain of its history, and that it is not an older copy of itself.
@@ -179,6 +197,7 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`]; [`JournalError::is_ruin`] tells what heals by rebuilding.
     pub fn open(path: &Path) -> Result<Journal, JournalError> {
+        make_private(path);
         let mut connection = Connection::open(path)?;
         connection.busy_timeout(BUSY)?;
         set_durable(&connection)?;

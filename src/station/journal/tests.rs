@@ -13,6 +13,25 @@ fn journal() -> (tempfile::TempDir, Journal) {
     (dir, journal)
 }
 
+#[test]
+fn a_journal_is_its_users_alone_wherever_it_lies() {
+    use std::fs::{Permissions, metadata, set_permissions};
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("journal.db");
+    let modes = || {
+        ["journal.db", "journal.db-wal"]
+            .map(|name| metadata(dir.path().join(name)).unwrap().permissions().mode() & 0o777)
+    };
+    let journal = Journal::open(&path).unwrap();
+    assert_eq!(modes(), [0o600; 2]);
+    drop(journal);
+    // As an older version made it.
+    set_permissions(&path, Permissions::from_mode(0o644)).unwrap();
+    let _journal = Journal::open(&path).unwrap();
+    assert_eq!(modes(), [0o600; 2]);
+}
+
 fn row(digit: char) -> ScanRow {
     ScanRow {
         scan: ScanId::parse(&digit.to_string().repeat(64)).unwrap(),

@@ -45,9 +45,11 @@ struct Known {
 }
 
 impl Briefs {
-    /// What is known of a scan's record.
-    pub fn of(&self, scan: &str) -> Option<Told> {
-        self.inner().known.get(scan).map(|known| known.told.clone())
+    /// What is known of a scan's record in this folder.
+    pub fn of(&self, scan: &str, folder: &Path) -> Option<Told> {
+        let inner = self.inner();
+        let known = inner.known.get(scan).filter(|known| known.folder == folder);
+        known.map(|known| known.told.clone())
     }
 
     /// Grows whenever something else is known.

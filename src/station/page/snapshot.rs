@@ -3,9 +3,9 @@
 use std::path::PathBuf;
 
 use super::assets;
+use crate::flow::ScanId;
 use crate::flow::account::Whole;
 use crate::flow::page::{self, Known, ScanShown, Shown, Situation};
-use crate::flow::{DeliveryState, ScanId};
 use crate::station::assembly::Station;
 use crate::station::journal::JournalError;
 use crate::station::overview::Overview;
@@ -65,16 +65,12 @@ pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
 }
 
 fn scan(station: &Station, whole: &Whole) -> ScanShown {
-    let told = station.page.briefs.of(&whole.scan).unwrap_or_default();
+    let told = folder(whole).and_then(|folder| station.page.briefs.of(&whole.scan, &folder));
+    let told = told.unwrap_or_default();
     page::scan_shown(whole, &told, station.config.language)
 }
 
-/// The folder of a scan's record, if it has one.
+/// The folder of the record that may be opened from a scan, if there is one.
 pub fn folder(whole: &Whole) -> Option<PathBuf> {
-    let theirs = whole.deliveries.iter().filter(|delivery| {
-        delivery.store == STORE && delivery.state == DeliveryState::Delivered.word()
-    });
-    // A patient's record goes before nobody's, which is about to be taken back.
-    let of = theirs.max_by_key(|delivery| delivery.patient.is_some())?;
-    of.folder.as_ref().map(PathBuf::from)
+    page::record_folder(whole, STORE).map(PathBuf::from)
 }

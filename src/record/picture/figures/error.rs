@@ -94,8 +94,11 @@ fn map(leg: Option<&LegFigures>, frame: &Frame, says: &Words) -> Vec<Mark> {
     let [left, right] = frame.x.px;
     let wished: Vec<f64> = named.iter().map(|(_, y)| *y).collect();
     for ((name, y), label_y) in named.iter().zip(kept_apart(&wished, LINE)) {
+        // On paper of its own: the map is as bright in the dark theme.
+        let across = vec![vec![[left, *y], [right, *y]]];
+        marks.push(lines(across.clone(), Ink::Paper, 2.5));
         marks.push(Mark::Lines {
-            lines: vec![vec![[left, *y], [right, *y]]],
+            lines: across,
             is_closed: false,
             fill: None,
             stroke: Stroke::dashed(Ink::Text, 1.0, 4.0),

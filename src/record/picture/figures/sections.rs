@@ -152,7 +152,7 @@ impl Sheet<'_> {
         marks.extend(names.map(|(angle, name)| {
             words([frame.x.at(angle), below], Anchor::Middle, SMALL, Ink::Muted, name)
         }));
-        let count = outline.curvature_per_mm.len();
+        let count = outline.curvature_per_mm.len().max(1);
         let place = |index: usize| {
             let angle = -180.0 + 360.0 * index as f64 / count as f64;
             frame.at([angle, outline.curvature_per_mm[index % count] * 1000.0])

@@ -121,7 +121,8 @@ fn grouped(notes: impl Iterator<Item = Note>) -> Vec<Note> {
 
 fn one_of(group: Vec<Note>) -> Option<Note> {
     let first = group.first()?.clone();
-    let places: Vec<&str> = group.iter().map(|note| note.place.as_str()).collect();
+    let places: Vec<&str> =
+        group.iter().map(|note| note.place.as_str()).filter(|place| !place.is_empty()).collect();
     let message = if group.iter().all(|note| note.message == first.message) {
         first.message.clone()
     } else {

@@ -9,7 +9,7 @@ use crate::record::surface::SurfaceFigures;
 impl Report<'_> {
     pub(super) fn surfaces(&self) -> Section {
         Section {
-            title: self.say("Surfaces for the making", "Oberflächen für die Fertigung"),
+            title: self.say("Surfaces for making the stockings", "Oberflächen für die Fertigung"),
             entries: Side::FROM_FRONT.into_iter().map(|side| self.surface(side)).collect(),
         }
     }

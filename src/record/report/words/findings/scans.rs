@@ -151,10 +151,10 @@ pub(super) const TOLD: [Told; 18] = [
         code: "legs-differ",
         title: ["The legs differ", "Die Beine unterscheiden sich"],
         meaning: [
-            "They differ by 20 mm of girth at a level, or by 10 % of volume, and by more than the \
-             uncertainty: what clinics call a swelling. Nothing is wrong with the scan.",
-            "Sie unterscheiden sich um 20 mm Umfang an einer Messstelle oder um 10 % des Volumens, und \
-             um mehr als die Unsicherheit: was als Schwellung gilt. Am Scan ist nichts falsch.",
+            "They differ by 20 mm of girth or more at a level, or by 10 % of volume or more, and by \
+             more than the uncertainty: what clinics call a swelling. Nothing is wrong with the scan.",
+            "Sie unterscheiden sich um mindestens 20 mm Umfang an einer Messstelle oder um mindestens \
+             10 % des Volumens, und um mehr als die Unsicherheit: was als Schwellung gilt. Am Scan ist nichts falsch.",
         ],
         action: ["The clinician decides.", "Die Entscheidung liegt bei der Fachkraft."],
     },

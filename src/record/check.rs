@@ -1,0 +1,189 @@
+//! Whether a record that was read back can be one: what is drawn and told of it must be figures that a
+//! leg can have, for a file can have been changed since it was written.
+
+use super::Record;
+use super::schema::LegFigures;
+use super::shape::{OutlineFigures, ShapeFigures};
+use crate::leg::Side;
+
+/// Heights above the floor, mm: no leg reaches further, and none far below.
+const HEIGHTS_MM: [f64; 2] = [-500.0, 3000.0];
+
+/// Girths, standard errors and lengths along the skin, mm.
+const LENGTHS_MM: [f64; 2] = [0.0, 3000.0];
+
+/// Radii of a section, mm.
+const RADII_MM: [f64; 2] = [0.0, 1000.0];
+
+/// Curvatures, 1/mm: a section's finest waves have less than 1.
+const CURVATURES_PER_MM: [f64; 2] = [-2.0, 2.0];
+
+/// Growth of the girth along the leg, mm a mm: heel and instep have some 10.
+const SLOPES: [f64; 2] = [-100.0, 100.0];
+
+/// Angles around a section, degrees.
+const ANGLES_DEG: [f64; 2] = [-180.0, 180.0];
+
+/// Why a record cannot be one.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum RecordFault {
+    /// A leg is neither left nor right, or one is there twice.
+    #[error("side {side:?} in legs[{index}]: each leg is left or right, and each is there once")]
+    Side {
+        /// Which leg, from 0.
+        index: usize,
+        /// What it is called.
+        side: String,
+    },
+    /// A figure is outside of what can be.
+    #[error("{side} leg, {place}: {found} is not within {low} to {high}")]
+    Range {
+        /// Of which leg.
+        side: String,
+        /// Which figure.
+        place: String,
+        /// What was found.
+        found: f64,
+        /// The least that can be.
+        low: f64,
+        /// The most that can be.
+        high: f64,
+    },
+    /// A row has another number of figures than the row that it belongs to.
+    #[error("{side} leg, {place}: {found} figures, where there must be {needed}")]
+    Count {
+        /// Of which leg.
+        side: String,
+        /// Which row.
+        place: String,
+        /// How many were found.
+        found: usize,
+        /// How many there must be.
+        needed: usize,
+    },
+}
+
+impl Record {
+    /// The record, if legs can have its figures.
+    ///
+    /// # Errors
+    /// The first [`RecordFault`].
+    pub fn checked(self) -> Result<Record, RecordFault> {
+        for (index, leg) in self.legs.iter().enumerate() {
+            let is_side = Side::BOTH.iter().any(|side| side.word() == leg.side);
+            if !is_side || self.legs[..index].iter().any(|before| before.side == leg.side) {
+                return Err(RecordFault::Side { index, side: leg.side.clone() });
+            }
+            Checked { side: &leg.side }.leg(leg)?;
+        }
+        Ok(self)
+    }
+}
+
+/// The leg that is being checked.
+struct Checked<'a> {
+    side: &'a str,
+}
+
+impl Checked<'_> {
+    fn leg(&self, leg: &LegFigures) -> Result<(), RecordFault> {
+        for (level, of) in &leg.landmarks {
+            self.level(level, of.height_mm, of.girth_tape_mm, [of.height_sd_mm, of.girth_sd_mm])?;
+            let others = [Some(of.girth_contour_mm), of.surface_length_mm];
+            self.all(level, others.into_iter().flatten(), LENGTHS_MM)?;
+        }
+        for (level, of) in &leg.estimates {
+            self.level(level, of.height_mm, of.girth_tape_mm, [of.height_sd_mm, of.girth_sd_mm])?;
+        }
+        self.girth_curve(leg)?;
+        for section in &leg.sections {
+            if let Some(outline) = &section.outline {
+                self.outline(&format!("outline of {}", section.level), outline)?;
+            }
+        }
+        for feature in &leg.features {
+            let place = format!("{} of {}", feature.label, feature.level);
+            self.all(&place, [feature.angle_deg], ANGLES_DEG)?;
+            self.all(&place, [feature.curvature_per_mm], CURVATURES_PER_MM)?;
+        }
+        leg.shape.as_ref().map_or(Ok(()), |shape| self.shape(shape))
+    }
+
+    fn level(
+        &self,
+        level: &str,
+        height_mm: f64,
+        girth_mm: f64,
+        errors_mm: [Option<f64>; 2],
+    ) -> Result<(), RecordFault> {
+        self.all(&format!("height of {level}"), [height_mm], HEIGHTS_MM)?;
+        self.all(&format!("girth of {level}"), [girth_mm], LENGTHS_MM)?;
+        let errors = errors_mm.into_iter().flatten();
+        self.all(&format!("standard errors of {level}"), errors, LENGTHS_MM)
+    }
+
+    fn girth_curve(&self, leg: &LegFigures) -> Result<(), RecordFault> {
+        let curve = &leg.girth_curve;
+        let needed = curve.height_mm.len();
+        for (place, found) in [
+            ("girth_curve.along_axis_mm", curve.along_axis_mm.len()),
+            ("girth_curve.tape_mm", curve.tape_mm.len()),
+            ("girth_curve.contour_mm", curve.contour_mm.len()),
+        ] {
+            self.count(place, found, needed)?;
+        }
+        // Records of older versions have no slopes.
+        if !curve.slope.is_empty() {
+            self.count("girth_curve.slope", curve.slope.len(), needed)?;
+        }
+        self.all("girth_curve.height_mm", curve.height_mm.iter().flatten().copied(), HEIGHTS_MM)?;
+        self.all("girth_curve.tape_mm", curve.tape_mm.iter().flatten().copied(), LENGTHS_MM)?;
+        self.all("girth_curve.contour_mm", curve.contour_mm.iter().flatten().copied(), LENGTHS_MM)?;
+        self.all("girth_curve.slope", curve.slope.iter().flatten().copied(), SLOPES)
+    }
+
+    fn outline(&self, place: &str, outline: &OutlineFigures) -> Result<(), RecordFault> {
+        let angles = outline.radius_mm.len().max(1);
+        self.count(&format!("{place}, radius_mm"), outline.radius_mm.len(), angles)?;
+        let curvatures = &outline.curvature_per_mm;
+        self.count(&format!("{place}, curvature_per_mm"), curvatures.len(), angles)?;
+        let (seen, places) = (&outline.scan_radius_mm, &outline.scan_angle_deg);
+        self.count(&format!("{place}, scan_radius_mm"), seen.len(), places.len())?;
+        self.all(place, outline.radius_mm.iter().chain(seen).copied(), RADII_MM)?;
+        self.all(place, curvatures.iter().copied(), CURVATURES_PER_MM)?;
+        self.all(place, places.iter().copied(), ANGLES_DEG)
+    }
+
+    fn shape(&self, shape: &ShapeFigures) -> Result<(), RecordFault> {
+        let skin = &shape.skin;
+        let places = skin.rows.saturating_mul(skin.columns);
+        self.count("skin of its shape", skin.points.as_points().len(), places)?;
+        let Some(surface) = &shape.surface else { return Ok(()) };
+        let places = surface.rows.saturating_mul(surface.columns);
+        self.count("surface of its shape", surface.points.as_points().len(), places)?;
+        self.count("error of its surface", surface.error.as_errors_mm().len(), places)
+    }
+
+    fn count(&self, place: &str, found: usize, needed: usize) -> Result<(), RecordFault> {
+        if found == needed {
+            return Ok(());
+        }
+        let (side, place) = (self.side.to_owned(), place.to_owned());
+        Err(RecordFault::Count { side, place, found, needed })
+    }
+
+    fn all(
+        &self,
+        place: &str,
+        figures: impl IntoIterator<Item = f64>,
+        [low, high]: [f64; 2],
+    ) -> Result<(), RecordFault> {
+        match figures.into_iter().find(|figure| !(low..=high).contains(figure)) {
+            None => Ok(()),
+            Some(found) => {
+                let (side, place) = (self.side.to_owned(), place.to_owned());
+                Err(RecordFault::Range { side, place, found, low, high })
+            }
+        }
+    }
+}
