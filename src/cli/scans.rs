@@ -4,10 +4,9 @@ use std::fmt::Write;
 use std::os::unix::ffi::OsStringExt;
 
 use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
-use super::status::utc;
 use super::{Exit, ask, complain, shown};
 use crate::flow::account::{Happened, Listed, Whole};
-use crate::flow::health::bytes;
+use crate::flow::health::{bytes, utc};
 use crate::station::control::protocol::{Answer, Request};
 
 /// Lists scans.

@@ -13,7 +13,7 @@ use super::paint::{self, painted};
 use super::screen::{self, wrapped};
 use super::{Exit, ask, complain, scans, shown};
 use crate::flow::account::{Filter, Listed};
-use crate::flow::health::{age, bytes, words};
+use crate::flow::health::{age, bytes, utc, words};
 use crate::station::control::protocol::{Answer, Request, SourceStatus, Status};
 
 /// So many of the last scans are shown: a screen of 24 lines has room for them.
@@ -243,11 +243,6 @@ fn said_of(source: &SourceStatus, now: Timestamp) -> String {
         let _ = write!(text, ", {} passed over", source.ignored);
     }
     text
-}
-
-/// A time as every log and folder name has it, without its fraction.
-pub fn utc(time: Timestamp) -> String {
-    time.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()
 }
 
 #[cfg(test)]

@@ -146,7 +146,7 @@ pub fn why_held(code: &str) -> &'static str {
 /// What became of a scan, in words that follow "it"; `held` is why it is held, if it is.
 pub fn in_words(summary: &Summary, held: Option<&str>) -> String {
     if let Some(code) = held {
-        return format!("is held, for {}, and a person decides", why_held(code));
+        return format!("is held, for {}, until a person decides", why_held(code));
     }
     let refused = summary.state == ScanState::Refused.word();
     match &summary.code {

@@ -6,6 +6,7 @@ use jiff::Timestamp;
 
 use super::companions;
 use super::facts::{Facts, IntakeState, SourceFacts, SourceState, WaitingFile};
+use super::health::utc;
 
 /// Endings under which scanners and copying programs write what is not finished.
 pub const UNFINISHED: [&str; 2] = [".part", ".tmp"];
@@ -65,7 +66,7 @@ fn waits(file: &WaitingFile, intake: IntakeState) -> String {
 
 fn said(known: &Known) -> String {
     let scan = known.scan.as_ref().map_or("It".to_owned(), |scan| format!("Its scan {scan}"));
-    let at = known.at.map_or(String::new(), |at| format!(" at {at}"));
+    let at = known.at.map_or(String::new(), |at| format!(" ({})", utc(at)));
     format!("{scan} {}{at}.", known.state)
 }
 
@@ -99,7 +100,9 @@ fn unseen(source: &SourceFacts, path: &Path) -> String {
         return "It is no scan; it goes with the scan of the same name.".to_owned();
     }
     match source.last_look {
-        Some(at) => format!("No scan of that name was there at the last look, {at}."),
+        Some(at) => {
+            format!("No scan of that name was there at the last look, {}.", utc(at))
+        }
         None => "Its folder has not been looked through yet.".to_owned(),
     }
 }
@@ -169,7 +172,7 @@ mod tests {
             (SourceState::OutOfReach("Permission denied".into()), "Permission denied"),
             (SourceState::NotMounted("lacks the marker".into()), "export folder lacks the marker"),
             (SourceState::Stalled, "has not answered since"),
-            (SourceState::Watched, "was there at the last look, 1970-01-01T00:01:00Z"),
+            (SourceState::Watched, "was there at the last look, 1970-01-01 00:01:00 UTC"),
         ];
         for (state, expected) in states {
             let facts = facts(|source| source.state = state);

@@ -187,6 +187,11 @@ pub fn age(since: Timestamp, now: Timestamp) -> Duration {
     Duration::try_from(now.duration_since(since)).unwrap_or(Duration::MAX)
 }
 
+/// A time as people read it, without its fraction.
+pub fn utc(time: Timestamp) -> String {
+    time.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()
+}
+
 /// A duration as people say it, the largest unit that fits and no fraction.
 pub fn words(duration: Duration) -> String {
     const UNITS: [(u64, &str); 4] =

@@ -302,9 +302,12 @@ function show(station) {
   const whole = { next: station.next, paused: station.paused, canAct };
   redraw("next_body", whole, () => nextPatient(station.next, station.paused, canAct && !isKiosk));
   if (isKiosk) {
-    const measured = station.scans.find((scan) => scan.measures);
-    redraw("last_body", measured ?? null, (scan) => scan
-      ? [measures(scan.measures)]
+    const [newest] = station.scans;
+    redraw("last_body", newest ?? null, (scan) => scan
+      ? [
+          make("p", { class: "when" }, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
+          scan.measures ? measures(scan.measures) : null,
+        ]
       : make("p", { class: "quiet" }, label("no_scans")));
     return;
   }
