@@ -125,14 +125,23 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
         | "body-no-plausible-leg"
         | "body-two-legs"
         | "body-not-two-legs"
-        | "body-only-fragments"
-        | "body-no-plausible-unit"
-        | "body-unit-implausible" => (
+        | "body-only-fragments" => (
             (
                 "The scan does not show a whole body on two legs.",
                 "Der Scan zeigt keinen ganzen Körper auf zwei Beinen.",
             ),
             ("Scan again with the legs apart.", "Noch einmal scannen, die Beine auseinander."),
+        ),
+        "body-no-plausible-unit" | "body-unit-implausible" => (
+            (
+                "What the scan shows is not as large as a standing person.",
+                "Was der Scan zeigt, ist nicht so groß wie ein stehender Mensch.",
+            ),
+            (
+                "Scan again, the whole body in view. If it comes again: check scanner.up and scanner.unit.",
+                "Noch einmal scannen, der ganze Körper im Bild. Kommt es wieder: scanner.up und \
+                 scanner.unit prüfen.",
+            ),
         ),
         "body-facing-unclear" | "body-facing-contradicted" | "body-facing-vertical" => (
             ("Left and right cannot be told.", "Links und rechts sind nicht zu erkennen."),
