@@ -92,12 +92,16 @@ fn only_those_with_the_token_learn_whose_a_scan_is() {
     let scan = sha256(&bytes);
     let record = format!("/scan/{scan}/record.json");
     assert!(!site.get("/state", &[]).body.contains("4711"));
-    assert_eq!(site.get(&record, &[]).status, 403);
+    for file in ["record.json", "report.html", "report.pdf"] {
+        assert_eq!(site.get(&format!("/scan/{scan}/{file}"), &[]).status, 403, "{file}");
+    }
     assert_eq!(site.get(&format!("/scan/{scan}/legs.svg"), &[]).status, 200);
 
     let operator = site.operator();
     assert!(site.get("/state", &operator).body.contains("\"4711\""));
     assert!(!site.get("/state?kiosk", &operator).body.contains("4711"), "everybody sees the kiosk");
+    let kiosk = site.stream_of("/stream?kiosk", &operator).next().unwrap();
+    assert!(kiosk["ids"] == false && !kiosk.to_string().contains("4711"), "{kiosk}");
     let entered = site.post("/enter", "{}", &operator);
     assert_eq!(entered.status, 200);
     let cookie = entered.header("set-cookie").unwrap();
@@ -108,11 +112,10 @@ fn only_those_with_the_token_learn_whose_a_scan_is() {
     assert_eq!(answer.status, 200);
     let record: Value = serde_json::from_str(&answer.body).unwrap();
     assert_eq!(record["patient"]["id"], "4711");
-    assert_eq!(
-        site.post("/ask", "{\"ask\":\"pause\"}", &reader).status,
-        403,
-        "reading decides not"
-    );
+    let mut own = site.operator();
+    own.retain(|(name, _)| *name != "Authorization");
+    own.extend(reader.clone());
+    assert_eq!(site.post("/ask", "{\"ask\":\"pause\"}", &own).status, 401, "reading decides not");
     assert_eq!(daemon.stop().code(), Some(0));
     booth.reconfigure(|config| format!("{config}[page]\npatient_ids = \"everyone\"\n"));
     let daemon = booth.start();

@@ -283,4 +283,11 @@ fn a_lone_leg_is_drawn_alone_and_the_other_is_said_not_to_be_there() {
     assert_eq!(count(&figure(&record, "views"), "right leg"), 0);
     assert_eq!(count(&figure(&record, "sections"), "not found"), 4);
     assert_eq!(count(&figure(&record, "error"), "no surface"), 1);
+    // What is missing is the right leg's, which is on the left.
+    for (name, said) in [("sections", "not found"), ("fit", "not found"), ("error", "no surface")] {
+        let figure = figure(&record, name);
+        let words = words_of(&figure);
+        let mut missing = words.iter().filter(|(_, word)| *word == said);
+        assert!(missing.all(|([x, _], _)| *x < figure.picture.size[0] / 2.0), "{name}");
+    }
 }

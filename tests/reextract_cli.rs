@@ -161,8 +161,31 @@ fn a_damaged_record_is_refused_and_the_others_are_measured() {
     assert!(is_whole(&revision(&good, 2), &coarse_body(3)));
     assert!(!revision(&damaged, 2).exists() && !revision(&elsewhere, 2).exists());
     assert!(stdout(&output).starts_with("3 records: 0 unchanged, 1 with a new revision, 2 not"));
+    let for_programs = reextract(dir.path(), &["--dry-run", "--json"]);
+    assert_eq!(code(&for_programs), Some(65), "{}", stdout(&for_programs));
     let named = stderr(&reextract(dir.path(), &["--names"]));
     assert!(named.contains("4711/"), "folders are named where that is asked for: {named}");
+}
+
+#[test]
+fn what_an_older_gaiter_did_not_write_is_completed_only_where_that_is_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let old = store(dir.path(), "4711", AT, &coarse_body(1), &Method::default());
+    let path = old.join("record.json");
+    let before = fs::read(&path).unwrap();
+    let mut older = record(&old);
+    for leg in older["legs"].as_array_mut().unwrap() {
+        leg.as_object_mut().unwrap().remove("shape").unwrap();
+    }
+    let after = serde_json::to_vec(&older).unwrap();
+    fs::write(&path, &after).unwrap();
+    let sums = fs::read_to_string(old.join("SHA256SUMS")).unwrap();
+    fs::write(old.join("SHA256SUMS"), sums.replace(&sha256(&before), &sha256(&after))).unwrap();
+    assert_eq!(stdout(&reextract(dir.path(), &[])), "1 record: 1 unchanged\n");
+    assert!(!revision(&old, 2).exists());
+    let said = stdout(&reextract(dir.path(), &["--complete"]));
+    assert!(said.starts_with("1 record: 0 unchanged, 1 with a new revision\n"), "{said}");
+    assert_eq!(record(&revision(&old, 2))["revision"], 2);
 }
 
 #[test]

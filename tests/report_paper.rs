@@ -13,7 +13,7 @@ use std::sync::LazyLock;
 use bodies::{export, record_of};
 use gaiter::leg::Method;
 use gaiter::record::picture::figures;
-use gaiter::record::report;
+use gaiter::record::report::{self, Content};
 use gaiter::record::{Language, Patient, Record, Source, SourceKind};
 
 static RECORD: LazyLock<Record> =
@@ -271,5 +271,36 @@ fn tables_that_go_over_pages_repeat_their_heads_and_lose_no_row() {
     for index in 0..100 {
         let row = format!("{}–{}\n", 4 * index, 4 * index + 4);
         assert!(words.contains(&row), "{row}");
+    }
+}
+
+#[test]
+fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_what_to_do() {
+    let mut record = RECORD.clone();
+    for leg in &mut record.legs {
+        let (times, doubt) = if leg.side == "left" { (2.0, "folds") } else { (1.0, "gap") };
+        let c = leg.landmarks.get_mut("C").unwrap();
+        (c.girth_tape_mm, c.surface_length_mm) = (times * 200.0, Some(times * 150.0));
+        (c.girth_sd_mm, c.height_sd_mm) = (Some(times), Some(times * 3.0));
+        c.doubts = vec![doubt.to_owned()];
+        let e = leg.estimates.get_mut("E").unwrap();
+        (e.girth_tape_mm, e.girth_sd_mm) = (times * 190.0, Some(times * 2.0));
+        leg.landmarks.remove("G");
+    }
+    let words = said(&record, Language::En).concat();
+    let heads = "Right leg\nLeft leg\n\nLevel\nGirth (cm)\nLength (cm)\nGirth (cm)\nLength (cm)\n";
+    assert!(words.contains(heads), "{words}");
+    let figures = "20.0 ± 0.2 ?\n15.0 ± 0.6 ?\n40.0 ± 0.4 ?\n30.0 ± 1.2 ?\n";
+    assert!(words.contains(figures), "{words}");
+    assert!(words.contains("Skin partly not seen\nSkin folded\n"), "{words}");
+    assert!(words.contains("~19.0 ± 0.4\n") && words.contains("~38.0 ± 0.8\n"), "{words}");
+    let words = words.replace('\n', " ");
+    let content = Content::of(&record, Language::En);
+    assert!(words.contains(content.levels.left_out.as_ref().unwrap()), "{words}");
+    assert!(content.notes.entries.len() >= 2);
+    for note in &content.notes.entries {
+        for text in [Some(&note.title), note.meaning.as_ref(), note.action.as_ref()] {
+            assert!(words.contains(text.unwrap().as_str()), "{text:?} in {words}");
+        }
     }
 }

@@ -79,6 +79,89 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
     }
 }
 
+/// A code, words of its title in both languages, and of its meaning in German.
+const KEYWORDS: [[&str; 4]; 31] = [
+    ["level-absent", "absent", "fehlt", "nicht gefunden"],
+    ["level-implausible", "plausible", "plausibel", "120 cm"],
+    ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
+    ["flat", "uncertain", "unsicher", "fast gleich"],
+    ["double", "second", "zweite", "zweite Stelle"],
+    ["edge", "the end of what", "Rand", "vom Ende"],
+    ["gap", "partly", "teilweise", "30°"],
+    ["scatter", "scatter", "streuen", "nicht eine Haut"],
+    ["folds", "folded", "Falten", "Hautfalten"],
+    ["not-seen", "Skin not", "Haut nicht", "nicht zu messen"],
+    ["below-d", "below D", "unter D", "gefundenen D"],
+    ["sole-not-seen", "Sole", "Sohle", "Sohle"],
+    ["height-not-measured", "Height", "Höhe", "gewünschte Höhe"],
+    ["facing-unchecked", "not checked", "nicht geprüft", "Füße zeigen nicht"],
+    ["no-faces", "without a mesh", "ohne Netz", "nur Punkte"],
+    ["thighs-touch", "Thighs", "Oberschenkel", "berühren sich"],
+    ["proportions", "proportions", "Proportionen", "Der Schritt liegt"],
+    ["leg-cut", "its top", "bis oben", "gewissen Höhe"],
+    ["leg-not-measured", "Leg not measured", "nicht vermessen", "nicht zu vermessen"],
+    ["no-surface", "No surface", "Keine Oberfläche", "zu wenig vom Bein"],
+    ["surface-short", "too short", "zu kurz", "20 mm unter B"],
+    ["surface-holes", "holes", "Lücken", "Lücken glatt"],
+    ["ends-not-plane", "Solid", "Körper", "nicht eben"],
+    ["mesh-not-made", "Mesh", "Netz", "keine Dreiecke"],
+    ["paper-not-made", "paper", "PDF", "report.pdf"],
+    ["legs-differ", "differ", "unterscheiden", "Schwellung"],
+    ["ord-disagrees", "otherwise", "anders", "Scanner"],
+    ["ord-sides", "swapped", "vertauscht", "Bein"],
+    ["ord-unit", "unit", "Einheit", "Einheit"],
+    ["ord-unreadable", "not readable", "nicht lesbar", "Scan"],
+    ["ord-ambiguous", "Several", "Mehrere", "keine wurde verwendet"],
+];
+
+#[test]
+fn the_words_of_a_code_are_its_own_and_of_no_other() {
+    let known: BTreeSet<String> = KEYWORDS.iter().map(|[code, ..]| (*code).to_owned()).collect();
+    assert_eq!(known, codes());
+    for [code, english, german, meaning] in KEYWORDS {
+        let record = record(&[(code.to_owned(), String::new())]);
+        let notes = LANGUAGES.map(|language| Content::of(&record, language).notes.entries);
+        let [in_english, in_german] = notes.each_ref().map(|notes| &notes[0]);
+        assert!(in_english.title.contains(english), "{code}: {in_english:?}");
+        assert!(in_german.title.contains(german), "{code}: {in_german:?}");
+        assert!(in_german.meaning.as_ref().unwrap().contains(meaning), "{code}: {in_german:?}");
+    }
+}
+
+/// Words of messages whose exchange would hurt, and the same in German.
+const ALIKE: [[&str; 2]; 12] = [
+    ["the left leg's girth", "Umfang des linken Beins"],
+    ["the right leg's girth", "Umfang des rechten Beins"],
+    ["the left leg's volume", "Volumen des linken Beins"],
+    ["the right leg's volume", "Volumen des rechten Beins"],
+    ["calf girth", "Wadenumfang"],
+    ["ankle girth", "Knöchelumfang"],
+    ["body height", "Körpergröße"],
+    ["361 mm left", "links 361 mm"],
+    ["the skin is", "Die Haut ist"],
+    ["where the search begins", "wo die Suche beginnt"],
+    ["where the search ends", "wo die Suche endet"],
+    ["leg is seen up to", "Das Bein ist nur bis"],
+];
+
+#[test]
+fn a_message_in_german_is_about_the_same_leg_and_measure() {
+    let mut seen = BTreeSet::new();
+    for what in all() {
+        let finding = Finding { side: Some(Side::Left), level: None, what };
+        let message = finding.what.to_string();
+        let record = record(&[(finding.code().to_owned(), message.clone())]);
+        let german = Content::of(&record, Language::De).notes.entries[0].message.clone();
+        for [english, in_german] in ALIKE {
+            if message.contains(english) {
+                assert!(german.contains(in_german), "{message:?}: {german:?}");
+                seen.insert(english);
+            }
+        }
+    }
+    assert_eq!(seen.len(), ALIKE.len(), "{seen:?}");
+}
+
 #[test]
 fn a_code_of_a_later_version_is_told_by_its_message() {
     let record = record(&[("new-code".to_owned(), "something new".to_owned())]);

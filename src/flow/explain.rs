@@ -156,7 +156,7 @@ mod tests {
         let path = Path::new("/e/a.obj");
         assert_eq!(
             of_file(&facts(|_| ()), path, Some(known.clone())),
-            "Its scan 0123abcd was delivered at 1970-01-01T00:00:05Z."
+            "Its scan 0123abcd was delivered (1970-01-01 00:00:05 UTC)."
         );
         let facts = facts(|source| {
             source.waiting.insert(path.into(), waiting("is still being written", false));

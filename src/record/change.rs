@@ -202,6 +202,51 @@ mod tests {
         differs(&|new| new["findings"] = json!([]));
     }
 
+    /// A record without legs, with these doubts of C by leg.
+    fn record(doubts: &[&str]) -> Record {
+        let note = |leg: &&str| json!({"code": "gap", "severity": "warning", "leg": leg, "level": "C", "message": ""});
+        let findings: Vec<Value> = doubts.iter().map(note).collect();
+        let record = json!({
+            "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
+            "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
+            "scan": {"sha256": "0", "format": "obj", "unit": "mm", "unit_inferred": false,
+                     "points": 0, "triangles": 0},
+            "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+                     "facing_from": "feet", "from_export": vec![0.0; 16]},
+            "legs": [], "differences": null, "findings": findings,
+        });
+        serde_json::from_value(record).unwrap()
+    }
+
+    fn between(old: &Record, new: &Record) -> Changes {
+        changes(old, &serde_json::to_value(old).unwrap(), new).unwrap()
+    }
+
+    #[test]
+    fn a_finding_that_came_and_one_that_went_are_told_each_at_its_place() {
+        let found = between(&record(&["left"]), &record(&["right"]));
+        assert_eq!(found.sameness, Sameness::Differs);
+        assert_eq!(found.new_findings, record(&["right"]).findings);
+        assert_eq!(found.gone_findings, record(&["left"]).findings);
+        let found = between(&record(&["left"]), &record(&["left", "right"]));
+        assert_eq!((found.new_findings.len(), found.gone_findings.len()), (1, 0));
+    }
+
+    #[test]
+    fn whatever_the_scan_shows_otherwise_is_another_result_and_who_says_so_is_none() {
+        let old = record(&[]);
+        let differs = |change: fn(&mut Record)| {
+            let mut new = old.clone();
+            change(&mut new);
+            between(&old, &new).sameness
+        };
+        assert_eq!(differs(|new| new.body.facing_deg = 90.0), Sameness::Differs);
+        assert_eq!(differs(|new| new.findings = record(&["left"]).findings), Sameness::Differs);
+        assert_eq!(differs(|new| new.scan.unit = "cm".to_owned()), Sameness::Differs);
+        assert_eq!(differs(|new| new.revision = 2), Sameness::Same);
+        assert_eq!(differs(|new| new.made_by.gaiter = "9".to_owned()), Sameness::Same);
+    }
+
     #[test]
     fn a_change_is_what_the_later_figure_has_more() {
         assert_eq!(Change { old: 178.3, new: 178.1 }.by(), -0.2);

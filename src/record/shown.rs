@@ -34,4 +34,23 @@ mod tests {
         assert_eq!(id("P12 <b>\"Müller\" שלום"), "P12 <b>\"Müller\" שלום");
         assert_eq!(id("1\u{202E}32\u{0}\u{200B}\n"), "1[U+202E]32[U+0000][U+200B][U+000A]");
     }
+
+    #[test]
+    fn every_kind_of_letter_that_nobody_sees_is_shown() {
+        let hidden = [
+            // Blanks, and marks that are seen at the end of a line only.
+            "\u{A0}\u{2003}\u{2028}\u{3000}\u{AD}\u{34F}",
+            // Directions of writing, and their ends.
+            "\u{61C}\u{200E}\u{200F}\u{202A}\u{202E}\u{2066}\u{2069}",
+            // Joiners, variants, what fills or begins a text.
+            "\u{200B}\u{200D}\u{2060}\u{FE00}\u{FE0F}\u{FEFF}\u{115F}\u{1160}\u{17B4}\u{180B}",
+            "\u{3164}\u{FFA0}\u{FFF9}\u{FFFB}",
+            // Private use, tags, more variants; controls.
+            "\u{E000}\u{F8FF}\u{E0001}\u{E0FFF}\u{F0000}\u{10FFFF}\u{7F}\u{85}",
+        ];
+        for letter in hidden.concat().chars() {
+            let shown = format!("1[U+{:04X}]2", u32::from(letter));
+            assert_eq!(id(&format!("1{letter}2")), shown);
+        }
+    }
 }

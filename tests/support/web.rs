@@ -130,8 +130,12 @@ impl Site {
     }
 
     pub fn stream(&self, headers: &[Header]) -> Stream {
+        self.stream_of("/stream", headers)
+    }
+
+    pub fn stream_of(&self, path: &str, headers: &[Header]) -> Stream {
         let host = format!("127.0.0.1:{}", self.port);
-        let mut lines = BufReader::new(self.send("GET", "/stream", &host, "", headers));
+        let mut lines = BufReader::new(self.send("GET", path, &host, "", headers));
         let mut head = String::new();
         while lines.read_line(&mut head).unwrap() > 2 {}
         Stream { status: status(&head), lines }

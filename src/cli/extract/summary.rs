@@ -101,10 +101,42 @@ fn totals(rows: &[Row]) -> String {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::json;
+
     use super::*;
 
     fn row(name: &str, girths_mm: [[Option<f64>; 4]; 2], findings: usize) -> Row {
         Row { name: name.to_owned(), came: Came::Measured { girths_mm, findings } }
+    }
+
+    #[test]
+    fn a_row_has_the_girths_of_the_left_leg_first_and_counts_each_finding_once() {
+        let leg = |side: &str, girth_mm: f64| {
+            json!({
+                "side": side, "tilt_deg": 1.0,
+                "landmarks": {"C": {"by": "x", "height_mm": 300.0, "along_axis_mm": 301.0,
+                    "girth_tape_mm": girth_mm, "girth_contour_mm": 381.0, "height_sd_mm": null,
+                    "girth_sd_mm": null, "doubts": []}},
+                "girth_curve": {"height_mm": [], "along_axis_mm": [], "tape_mm": [],
+                    "contour_mm": [], "r2": 1.0, "rms_mm": 0.0},
+                "sections": [], "features": [], "surface": null,
+            })
+        };
+        let record = json!({
+            "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
+            "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
+            "scan": {"sha256": "0", "format": "obj", "unit": "mm", "unit_inferred": false,
+                     "points": 0, "triangles": 0},
+            "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+                     "facing_from": "feet", "from_export": vec![0.0; 16]},
+            "legs": [leg("right", 380.0), leg("left", 412.0)], "differences": null,
+            "findings": [{"code": "x", "severity": "info", "leg": null, "level": null,
+                          "message": ""}],
+        });
+        let record: Record = serde_json::from_value(record).unwrap();
+        let of = |girth_mm: f64| [None, None, Some(girth_mm), None];
+        let measured = Row::measured("a.obj".to_owned(), &record);
+        assert_eq!(measured, row("a.obj", [of(412.0), of(380.0)], 1));
     }
 
     #[test]

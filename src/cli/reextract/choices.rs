@@ -63,3 +63,37 @@ fn as_asked(record: &Record) -> Method {
     }
     method
 }
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+    use crate::leg::method::{Axis, FacingChoice, Unit, Up};
+
+    #[test]
+    fn what_a_record_was_asked_for_is_asked_again() {
+        let record = json!({
+            "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
+            "acquired": null,
+            "made_by": {"gaiter": "0.1.0", "method": {
+                "scope": "right leg", "unit": "cm", "up": "z", "facing": "-x",
+                "at_heights_mm": "300, 412.5", "g_below_crotch": "40mm", "b1_above_b": "70mm",
+            }},
+            "scan": {"sha256": "0", "format": "obj", "unit": "cm", "unit_inferred": false,
+                     "points": 0, "triangles": 0},
+            "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
+                     "facing_from": "feet", "from_export": vec![0.0; 16]},
+            "legs": [], "differences": null, "findings": [],
+        });
+        let record: Record = serde_json::from_value(record).unwrap();
+        let (method, ..) = Choices::Default.for_record(&record);
+        assert_eq!(method.scope, Scope::Leg(Side::Right));
+        assert_eq!(method.unit, UnitChoice::Declared(Unit::Cm));
+        assert_eq!(method.up, Up::Z);
+        assert_eq!(method.facing, FacingChoice::Declared(Axis::MinusX));
+        assert_eq!(method.at_heights_mm, [300.0, 412.5]);
+        assert_eq!(method.levels.g_below_crotch_mm, 40.0);
+        assert_eq!(method.levels.b1, B1::AboveB { distance_mm: 70.0 });
+    }
+}

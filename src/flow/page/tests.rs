@@ -124,6 +124,76 @@ fn a_station_that_is_ready_says_that_a_scan_waits_for_a_decision() {
 }
 
 #[test]
+fn what_is_wrong_is_said_before_a_decision_is_asked_for_and_of_many_faults_the_first() {
+    let complaint =
+        |code: &str| Complaint { code: code.into(), message: "x".into(), remedy: "y".into() };
+    let facts = Facts::new(at(0), 1);
+    let sentence = |complaints: &[Complaint]| {
+        let booth = booth(Signal::Attention);
+        let known = Known { page: "1", station: "b", facts: &facts, complaints, booth, now: at(1) };
+        let held = vec![delivery(Some("1"), "held", Some("export-late"))];
+        let undecided = vec![scan("delivered", None, held)];
+        shown(&known, undecided, 0, Vec::new(), Language::En).light.sentence
+    };
+    let both = [complaint("disk-low"), complaint("paused")];
+    assert!(sentence(&both).starts_with("The disk is nearly full."), "{}", sentence(&both));
+    assert_eq!(sentence(&[]), "A scan waits for your decision on the page.");
+}
+
+#[test]
+fn a_decision_that_is_missing_goes_before_what_is_under_way() {
+    let held = delivery(Some("2"), "held", Some("export-late"));
+    let shown = scan("spooled", None, vec![delivery(Some("1"), "pending", None), held]);
+    assert_eq!((shown.state, shown.acts), ("held", vec!["release", "assign"]));
+    let back = vec![delivery(Some("1"), "pending", None), delivery(None, "delivered", None)];
+    assert_eq!(scan("spooled", None, back).state, "spooled");
+}
+
+#[test]
+fn a_press_that_may_have_gone_unheard_is_told() {
+    for language in BOTH {
+        let doubt = |is_in_doubt| {
+            let booth = Situation { is_in_doubt, ..booth(Signal::Ready) };
+            page(booth, &[], language).next.doubt
+        };
+        assert!(doubt(true).is_some() && doubt(false).is_none());
+    }
+}
+
+#[test]
+fn a_store_that_takes_nothing_is_tried_again_first_and_bad_when_that_lasts() {
+    let mut facts = Facts::new(at(0), 1);
+    let fault = Some("No space left".to_owned());
+    facts.stores.insert("folder", crate::flow::facts::StoreFacts { fault, since: at(0) });
+    let health = |second: i64| {
+        let parts = parts::shown(&facts, at(second), Language::En);
+        let store = parts.into_iter().find(|part| part.name == "Records").unwrap();
+        (store.health, store.why)
+    };
+    let why = || Some("No space left".to_owned());
+    assert_eq!([health(4), health(5)], [("wait", why()), ("bad", why())]);
+}
+
+#[test]
+fn a_reason_is_of_its_own_code() {
+    use crate::flow::{capture, identity};
+    for (code, english, german) in [
+        (capture::AMBIGUOUS, "more than one", "mehr als einer"),
+        (capture::UNCLEAR, "before the button", "bevor der Knopf"),
+        (capture::LATE, "after the time", "nach der Zeit"),
+        (capture::UNHEARD, "gone unheard", "nicht gehört"),
+        (identity::NO_PRESS, "Nobody pressed", "Niemand hat"),
+        (identity::PATIENTS_DIFFER, "Two sources", "Zwei Quellen"),
+        (identity::SAME_SCAN_OTHER_PATIENT, "somebody else", "andere Person"),
+    ] {
+        for (language, words) in BOTH.into_iter().zip([english, german]) {
+            let advice = of_held(code, language);
+            assert!(advice.what.contains(words), "{code}: {advice:?}");
+        }
+    }
+}
+
+#[test]
 fn a_complaint_that_is_not_known_is_said_as_the_station_says_it() {
     let unknown =
         Complaint { code: "new".into(), message: "it burns".into(), remedy: "run".into() };

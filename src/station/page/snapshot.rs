@@ -74,3 +74,49 @@ fn scan(station: &Station, whole: &Whole) -> ScanShown {
 pub fn folder(whole: &Whole) -> Option<PathBuf> {
     page::record_folder(whole, STORE).map(PathBuf::from)
 }
+
+#[cfg(test)]
+mod tests {
+    use jiff::Timestamp;
+
+    use super::*;
+    use crate::flow::account::{Delivered, Summary};
+
+    fn delivery(store: &str, patient: Option<&str>, state: &str, folder: &str) -> Delivered {
+        Delivered {
+            patient: patient.map(str::to_owned),
+            store: store.to_owned(),
+            state: state.to_owned(),
+            code: None,
+            attempts: 0,
+            next_at: None,
+            folder: Some(folder.to_owned()),
+        }
+    }
+
+    #[test]
+    fn the_patients_record_goes_before_nobodys_and_one_that_is_not_there_before_none() {
+        let summary = Summary {
+            state: "delivered".to_owned(),
+            first_seen: Timestamp::UNIX_EPOCH,
+            file_time: None,
+            format: "obj".to_owned(),
+            size: 1,
+            code: None,
+            message: None,
+        };
+        let folder_of = |deliveries: Vec<Delivered>| {
+            let (scan, summary) = ("ab".repeat(32), summary.clone());
+            folder(&Whole { scan, summary, deliveries, history: Vec::new() })
+        };
+        let theirs = || delivery(STORE, Some("1"), "delivered", "/1");
+        let nobodys = || delivery(STORE, None, "delivered", "/_unassigned");
+        assert_eq!(folder_of(vec![nobodys(), theirs()]), Some("/1".into()));
+        assert_eq!(folder_of(vec![theirs(), nobodys()]), Some("/1".into()));
+        assert_eq!(folder_of(vec![nobodys()]), Some("/_unassigned".into()));
+        let others = ["withdrawn", "withdrawing", "held", "pending"];
+        let others = others.map(|state| delivery(STORE, Some("1"), state, "/1"));
+        assert_eq!(folder_of(others.into()), None);
+        assert_eq!(folder_of(vec![delivery("copy", Some("1"), "delivered", "/copy")]), None);
+    }
+}

@@ -160,5 +160,7 @@ mod tests {
         assert!(token.is_read_with(&headers(header::COOKIE, &format!("a=b; {cookie}"))));
         assert!(!token.is_read_with(&headers(header::COOKIE, &format!("{COOKIE}={word}"))));
         assert!(!token.is_shown_in(&headers(header::COOKIE, cookie)));
+        let reading = cookie.split_once('=').unwrap().1;
+        assert!(!token.is_shown_in(&bearer(&format!("Bearer {reading}"))), "it is for reading");
     }
 }
