@@ -151,6 +151,14 @@ mod tests {
     }
 
     #[test]
+    fn a_point_weighs_most_at_the_node_next_to_it() {
+        assert_eq!(shares(3.0), [(3, 1.0), (4, 0.0)]);
+        let [(below, least), (above, most)] = shares(7.75);
+        assert_eq!((below, above), (7, 8));
+        assert!((least - 0.25).abs() < 1e-12 && (most - 0.75).abs() < 1e-12);
+    }
+
+    #[test]
     fn rows_reach_from_end_to_end_and_a_hole_is_not_seen() {
         let hole = |u: f64, v: f64| (u - 90.0).hypot(RADIUS_MM * v) < 25.0;
         let found = map(|u, v| (!hole(u, v)).then_some(0.0));

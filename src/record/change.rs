@@ -248,6 +248,16 @@ mod tests {
     }
 
     #[test]
+    fn what_is_said_of_the_legs_is_compared() {
+        let record = record(&[]);
+        let mut written = serde_json::to_value(&record).unwrap();
+        assert_eq!(changes(&record, &written, &record).unwrap().sameness, Sameness::Same);
+        // As it was written it had a leg, which the later one has lost.
+        written["legs"] = json!([{"side": "left", "tilt_deg": 3.1}]);
+        assert_eq!(changes(&record, &written, &record).unwrap().sameness, Sameness::Differs);
+    }
+
+    #[test]
     fn a_change_is_what_the_later_figure_has_more() {
         assert_eq!(Change { old: 178.3, new: 178.1 }.by(), -0.2);
         assert_eq!(Change { old: 0.1, new: 0.3 }.by(), 0.2);

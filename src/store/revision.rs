@@ -129,6 +129,13 @@ pub fn families(at: &Path) -> Result<Vec<Family>, StoreFault> {
     Ok(found)
 }
 
+/// The folder of the latest revision of the record in this folder: itself where there is no later one,
+/// or where that cannot be told now.
+pub fn latest(folder: &Path) -> PathBuf {
+    let family = families(folder).ok().and_then(|mut families| families.pop());
+    family.map_or_else(|| folder.to_owned(), |family| family.latest().1.clone())
+}
+
 /// Removes what a run that was killed left staged in a patient's folder. What a run holds that still
 /// works, here or elsewhere, stays.
 ///

@@ -129,9 +129,12 @@ ${more}`);
    * could have lain there already, and is held.
    */
   async looked() {
+    const last = () => Date.parse(JSON.parse(this.verb("status", "--json")).sources[0].last_look);
     const asked = Date.now();
-    await until("a look at the export folder", () =>
-      Date.parse(JSON.parse(this.verb("status", "--json")).sources[0].last_look) > asked);
+    await until("a look at the export folder", () => last() > asked);
+    // It may have begun before.
+    const first = last();
+    await until("a look that began since", () => last() > first);
   }
 
   /** The link with which one can decide. */

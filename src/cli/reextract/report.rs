@@ -209,6 +209,7 @@ fn findings(told: &[Told]) -> String {
 mod tests {
     use super::*;
     use crate::record::change::{Changes, Sameness};
+    use crate::record::schema::FindingNote;
 
     fn place(leg: &str, level: &str) -> Place {
         Place { leg: leg.to_owned(), level: level.to_owned() }
@@ -253,6 +254,24 @@ deadbeef  1 > 3         0.00                0.00            +left D
 01234567  1 > 2        -0.60 left B         0.00
 ";
         assert!(said.ends_with(rows), "{said}");
+    }
+
+    #[test]
+    fn findings_that_came_are_counted_apart_from_those_that_went() {
+        let note = |code: &str| FindingNote {
+            code: code.to_owned(),
+            severity: "info".to_owned(),
+            leg: None,
+            level: None,
+            message: String::new(),
+        };
+        let mut one = told("01234567", vec![], vec![], Some(2));
+        one.again.changes.new_findings = vec![note("gap"), note("gap"), note("legs-differ")];
+        one.again.changes.gone_findings = vec![note("legs-differ")];
+        assert_eq!(
+            findings(&[one]),
+            "\nfindings   new  gone\n             2     0  gap\n             1     1  legs-differ\n"
+        );
     }
 
     #[test]

@@ -14,6 +14,7 @@ use super::files::FILES;
 use crate::flow::page::Told;
 use crate::record::{Brief, Language, Record};
 use crate::station::assembly::Station;
+use crate::store::revision;
 
 /// What was read is read anew after this time: a report may have been made since.
 const FRESH: Duration = Duration::from_secs(60);
@@ -98,7 +99,7 @@ pub fn read(station: &Arc<Station>, records: Vec<(String, PathBuf)>) {
     let station = Arc::clone(station);
     spawn_blocking(move || {
         for (scan, folder) in due {
-            let told = told(&folder, station.config.language);
+            let told = told(&revision::latest(&folder), station.config.language);
             station.page.briefs.note(scan, folder, told, station.now());
         }
         station.page.briefs.inner().is_reading = false;

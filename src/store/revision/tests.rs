@@ -58,6 +58,12 @@ fn records_are_found_in_a_store_at_a_patient_and_alone_and_nothing_else_is() {
     let store = Store::with(&[A, A10, A2, B, "notes/x", "%zz/20261121T091500Z_89abcdef", staged]);
     assert_eq!(store.latest(""), [A10, B]);
     assert_eq!(store.latest("4711"), [A10]);
+    assert_eq!(
+        [A, A2, A10].map(|record| latest(&store.at(record))),
+        [A10; 3].map(|of| store.at(of))
+    );
+    let elsewhere = store.at("nobody/20261121T091500Z_01234567");
+    assert_eq!(latest(&elsewhere), elsewhere);
     assert_eq!((store.latest(A), store.latest(A2)), (vec![A10.into()], vec![A10.into()]));
     assert_eq!(store.latest("notes"), [""; 0]);
     assert!(families(&store.at("missing")).is_err());
