@@ -50,7 +50,12 @@ pub async fn worker(station: Arc<Station>, mut stop: Stop) -> Result<(), JoinErr
         match listen(&path) {
             Ok(listener) => {
                 said = false;
-                serve(&station, &listener, &path, &mut stop).await;
+                let clients = Arc::new(Semaphore::new(MOST_CLIENTS));
+                serve(&station, &listener, &clients, &path, &mut stop).await;
+                // Without its name nobody else finds it. At the next start it is made anew in any case.
+                let _ = fs::remove_file(&path);
+                let left = answer_those_who_wait(&station, listener, &clients);
+                let _ = left.inspect_err(|error| warn!(event = "control-unavailable", %error));
             }
             Err(error) => {
                 if !std::mem::replace(&mut said, true) {
@@ -63,8 +68,6 @@ pub async fn worker(station: Arc<Station>, mut stop: Stop) -> Result<(), JoinErr
             }
         }
     }
-    // At the next start it is made anew in any case.
-    let _ = fs::remove_file(&path);
     Ok(())
 }
 
@@ -81,8 +84,13 @@ fn listen(path: &Path) -> io::Result<UnixListener> {
 }
 
 /// Serves until a stop is asked for or the socket's name is no longer that of this socket.
-async fn serve(station: &Arc<Station>, listener: &UnixListener, path: &Path, stop: &mut Stop) {
-    let clients = Arc::new(Semaphore::new(MOST_CLIENTS));
+async fn serve(
+    station: &Arc<Station>,
+    listener: &UnixListener,
+    clients: &Arc<Semaphore>,
+    path: &Path,
+    stop: &mut Stop,
+) {
     let made = inode(path);
     loop {
         let accepted = tokio::select! {
@@ -94,7 +102,7 @@ async fn serve(station: &Arc<Station>, listener: &UnixListener, path: &Path, sto
                 }
                 continue;
             }
-            accepted = next(&clients, listener) => accepted,
+            accepted = next(clients, listener) => accepted,
         };
         let Ok((stream, permit)) = accepted else {
             // No file descriptors are left; a hot loop would not free any.
@@ -118,6 +126,30 @@ async fn next(
 ) -> io::Result<(UnixStream, Permit)> {
     let permit = Arc::clone(clients).acquire_owned().await.map_err(io::Error::other)?;
     Ok((listener.accept().await?.0, permit))
+}
+
+/// Answers those who had connected before the socket lost its name: a question that is asked while the
+/// station reloads is not cut off.
+///
+/// # Errors
+/// Where the listener cannot be asked without waiting.
+fn answer_those_who_wait(
+    station: &Arc<Station>,
+    listener: UnixListener,
+    clients: &Arc<Semaphore>,
+) -> io::Result<()> {
+    let listener = listener.into_std()?;
+    while let Ok((stream, _)) = listener.accept() {
+        stream.set_nonblocking(true)?;
+        let stream = UnixStream::from_std(stream)?;
+        let (station, clients) = (Arc::clone(station), Arc::clone(clients));
+        tokio::spawn(async move {
+            let Ok(permit) = clients.acquire_owned().await else { return };
+            // A client that goes away or says nothing has its answer already.
+            let _ = converse(&station, stream, &Arc::new(permit)).await;
+        });
+    }
+    Ok(())
 }
 
 /// One request, one answer. The permit is kept until the journal has been asked, too, so that
