@@ -67,7 +67,9 @@ fn a_record_that_was_changed_or_that_no_leg_can_have_gives_no_report() {
     fs::write(path("SHA256SUMS"), format!("{written}  record.json\n")).unwrap();
     let mut changed = whole.clone();
     changed["legs"][0]["landmarks"]["C"]["girth_tape_mm"] = 351.2.into();
-    refused("another girth", &changed, "is not what SHA256SUMS beside it says");
+    refused("another girth", &changed, "is not what SHA256SUMS says");
+    fs::write(path("SHA256SUMS"), "no sums\n").unwrap();
+    refused("sums that cannot be read", &whole, "is no sum and name");
 }
 
 #[test]

@@ -11,7 +11,8 @@ use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
 use crate::record::schema::SCHEMA;
 use crate::record::{FilesFault, Record, RecordFault, RecordFile, SUMS, report_files};
-use crate::store::{durable, sums};
+use crate::store::durable;
+use crate::store::sums::{self, SumsFault};
 
 /// The record within its folder.
 const RECORD: &str = "record.json";
@@ -61,15 +62,17 @@ enum Fault {
         /// What is wrong with it.
         source: serde_json::Error,
     },
-    /// It was changed after it was written.
+    /// It, or the sums beside it, was changed after it was written.
     #[error(
-        "{}: is not what {SUMS} beside it says, so it was changed after it was written and cannot be \
-         trusted: take it from a copy, or measure the scan again with gaiter extract",
-        shown(path.display())
+        "{}: cannot be trusted, for something in its folder was changed after it was written: {}: take \
+         it from a copy, or measure the scan again with gaiter extract",
+        shown(path.display()), shown(source)
     )]
     Changed {
         /// Which file.
         path: PathBuf,
+        /// What is not as it was.
+        source: SumsFault,
     },
     /// No leg can have its figures.
     #[error("{}: is no record of a leg: {source}", shown(path.display()))]
@@ -164,17 +167,12 @@ fn read(path: &Path) -> Result<Record, Fault> {
     if record.schema != SCHEMA {
         return Err(Fault::OtherSchema { path, schema: record.schema });
     }
-    if is_changed(&path, &bytes) {
-        return Err(Fault::Changed { path });
+    let (folder, name) = (path.parent(), path.file_name().and_then(OsStr::to_str));
+    if let (Some(folder), Some(name)) = (folder, name) {
+        let vouched = sums::check_file(folder, name, &bytes);
+        let vouched =
+            vouched.map_err(|source| Fault::Unreadable { path: folder.join(SUMS), source })?;
+        vouched.map_err(|source| Fault::Changed { path: path.clone(), source })?;
     }
     record.checked().map_err(|source| Fault::Impossible { path, source })
-}
-
-/// Whether the sums beside a record say that it had other bytes when it was written.
-fn is_changed(path: &Path, bytes: &[u8]) -> bool {
-    let (folder, name) = (path.parent(), path.file_name().and_then(OsStr::to_str));
-    let (Some(folder), Some(name)) = (folder, name) else { return false };
-    // Where there are no sums to be read, nobody vouches for anything.
-    let sum = sums::sum_of(folder, name).ok().flatten();
-    sum.is_some_and(|sum| sum != sums::scan_id(bytes))
 }

@@ -21,14 +21,14 @@ pub fn of(record: &Record) -> String {
     let legs = Side::BOTH.map(|side| record.leg(side));
     let _ = writeln!(text, "        {:^24}  {:^24}", sides[0], sides[1]);
     let _ = writeln!(text, "        {0:>11}  {1:>11}  {0:>11}  {1:>11}", "height cm", "girth cm");
-    for level in Level::ALL.into_iter().filter(|level| is_shown(record, *level)) {
+    for level in Level::ALL.into_iter().filter(|level| record.has_row(*level)) {
         let level = level.name();
         let [left, right] = legs.map(|leg| cells(leg, level));
         let _ = writeln!(text, "  {level:<4}  {left}  {right}");
     }
     text += &feet(legs);
     let missing: Vec<&str> =
-        Level::ALL.into_iter().filter(|level| !is_shown(record, *level)).map(Level::name).collect();
+        Level::ALL.into_iter().filter(|level| !record.has_row(*level)).map(Level::name).collect();
     if !missing.is_empty() {
         let _ = writeln!(text, "  not measured on either leg: {}", missing.join(", "));
     }
@@ -46,14 +46,6 @@ pub fn of(record: &Record) -> String {
     }
     text.pop();
     text
-}
-
-/// Levels that every leg is searched for always have a row; the others where there is a figure.
-fn is_shown(record: &Record, level: Level) -> bool {
-    let has = |leg: &LegFigures| {
-        leg.landmarks.contains_key(level.name()) || leg.estimates.contains_key(level.name())
-    };
-    Level::SOUGHT.contains(&level) || record.legs.iter().any(has)
 }
 
 /// The lengths of the feet, where one is seen.

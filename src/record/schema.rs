@@ -11,7 +11,7 @@ use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
 use super::provenance::{Acquired, Patient};
 use super::shape::{AxisFigures, OutlineFigures, ShapeFigures};
 use super::surface::SurfaceFigures;
-use crate::leg::Side;
+use crate::leg::{Level, Side};
 
 /// Name and number of this schema.
 pub const SCHEMA: &str = "gaiter.leg-record/1";
@@ -47,6 +47,14 @@ impl Record {
     /// The leg of a side, if it was measured.
     pub fn leg(&self, side: Side) -> Option<&LegFigures> {
         self.legs.iter().find(|leg| leg.side == side.word())
+    }
+
+    /// Whether a level has a row in tables: one for which every leg is searched, or that a leg has.
+    pub fn has_row(&self, level: Level) -> bool {
+        let name = level.name();
+        let has =
+            |leg: &LegFigures| leg.landmarks.contains_key(name) || leg.estimates.contains_key(name);
+        Level::SOUGHT.contains(&level) || self.legs.iter().any(has)
     }
 }
 

@@ -88,13 +88,18 @@ pub fn scan_name(folder: &Path, scan: &ScanId) -> io::Result<Option<String>> {
     Ok(scan_of(folder)?.filter(|(found, _)| found == scan).map(|(_, name)| name))
 }
 
-/// The SHA-256 that a folder's `SHA256SUMS` lists for a file; none where it lists none.
+/// Checks bytes against what a folder's `SHA256SUMS` says of the file of this name. Where there are no
+/// sums, or none of this file, nobody vouches for it.
 ///
 /// # Errors
-/// Where the folder could not be read now.
-pub fn sum_of(folder: &Path, name: &str) -> io::Result<Option<ScanId>> {
-    let listed = read(folder)?.unwrap_or_default();
-    Ok(listed.into_iter().find(|(_, listed)| listed == name).map(|(sum, _)| sum))
+/// Outer: the sums could not be read now. Inner: the bytes are others, or the sums cannot be understood.
+pub fn check_file(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<Result<(), SumsFault>> {
+    let Some(sums) = readable(fs::read(folder.join(SUMS)))? else { return Ok(Ok(())) };
+    Ok(parse(&sums).and_then(|listed| {
+        let is_other = |(sum, listed): &(ScanId, String)| listed == name && *sum != scan_id(bytes);
+        let name = name.to_owned();
+        if listed.iter().any(is_other) { Err(SumsFault::Differs { name }) } else { Ok(()) }
+    }))
 }
 
 /// The names that `SHA256SUMS` lists; none where it cannot be understood.

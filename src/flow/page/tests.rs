@@ -55,7 +55,7 @@ fn whole(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> Whole {
 /// The scan of these deliveries, each with a folder named after its patient.
 fn with_folders(deliveries: &[(Option<&str>, &str)]) -> Whole {
     let deliveries = deliveries.iter().map(|(patient, state)| Delivered {
-        folder: (*state == "delivered").then(|| format!("of-{}", patient.unwrap_or("nobody"))),
+        folder: Some(format!("of-{}", patient.unwrap_or("nobody"))),
         ..delivery(*patient, state, None)
     });
     whole("delivered", None, deliveries.collect())
@@ -74,6 +74,8 @@ fn a_record_is_opened_from_a_scan_only_under_the_name_of_its_patient() {
         (vec![(first, "delivered"), (second, "pending")], None),
         (vec![(first, "delivered"), (second, "delivered")], None),
         (vec![(nobody, "delivered"), (second, "held")], Some("of-nobody")),
+        (vec![(first, "delivered"), (nobody, "delivered")], Some("of-1")),
+        (["withdrawn", "withdrawing", "held", "pending"].map(|state| (first, state)).into(), None),
         (vec![(first, "pending")], None),
     ] {
         let whole = with_folders(&deliveries);

@@ -10,7 +10,7 @@ use crate::record::schema::{EstimateFigures, LandmarkFigures, LegFigures};
 impl Report<'_> {
     pub(super) fn levels(&self) -> Levels {
         let (shown, others): (Vec<_>, Vec<_>) =
-            Level::ALL.into_iter().rev().partition(|level| self.is_shown(*level));
+            Level::ALL.into_iter().rev().partition(|level| self.record.has_row(*level));
         let names: Vec<&str> = others.iter().map(|level| level.name()).collect();
         let left_out = (!names.is_empty()).then(|| {
             let words = self.say(
@@ -35,13 +35,6 @@ impl Report<'_> {
     }
 
     /// Levels that every leg is searched for always have a row; the others where there is a figure.
-    fn is_shown(&self, level: Level) -> bool {
-        let name = level.name();
-        let has =
-            |leg: &LegFigures| leg.landmarks.contains_key(name) || leg.estimates.contains_key(name);
-        Level::SOUGHT.contains(&level) || self.record.legs.iter().any(has)
-    }
-
     fn row(&self, level: Level) -> LevelRow {
         LevelRow {
             level: level.name().to_owned(),
