@@ -27,6 +27,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use rusqlite::{Connection, Transaction};
+use tracing::warn;
 
 use crate::flow::IllegalStep;
 use crate::store::durable;
@@ -178,16 +179,17 @@ impl JournalError {
 const PRIVATE: u32 = 0o600;
 
 /// Makes the journal a file that nobody else reads, whatever the folder lets them do: patients' ids are
-/// in it. SQLite gives its write-ahead log the same mode. What hinders this hinders SQLite next, which
-/// says so.
-fn make_private(path: &Path) {
+/// in it. SQLite gives its write-ahead log the same mode.
+///
+/// # Errors
+/// Where it stays open to others. A file that cannot be had is SQLite's to tell, which comes next.
+fn make_private(path: &Path) -> io::Result<()> {
     let mut options = OpenOptions::new();
     options.write(true).create(true).truncate(false).mode(PRIVATE);
-    let _ = options.open(path).and_then(|file| {
-        let mode = file.metadata()?.permissions().mode();
-        let is_open = mode & 0o077 != 0;
-        if is_open { file.set_permissions(Permissions::from_mode(PRIVATE)) } else { Ok(()) }
-    });
+    let Ok(file) = options.open(path) else { return Ok(()) };
+    let mode = file.metadata()?.permissions().mode();
+    let is_open = mode & 0o077 != 0;
+    if is_open { file.set_permissions(Permissions::from_mode(PRIVATE)) } else { Ok(()) }
 }
 
 impl Journal {
@@ -197,7 +199,9 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`]; [`JournalError::is_ruin`] tells what heals by rebuilding.
     pub fn open(path: &Path) -> Result<Journal, JournalError> {
-        make_private(path);
+        if let Err(error) = make_private(path) {
+            warn!(event = "journal-not-private", %error);
+        }
         let mut connection = Connection::open(path)?;
         connection.busy_timeout(BUSY)?;
         set_durable(&connection)?;
