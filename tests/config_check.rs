@@ -1,6 +1,6 @@
 //! `gaiter` as a program: what the command line and `check` end with, and what they print.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::panic)]
 
 #[path = "support/verb.rs"]
 mod verb;
@@ -158,6 +158,93 @@ fn a_quiet_time_above_the_rescan_is_a_warning_and_no_fault() {
     let output = check(&station(root.path(), "quiet = \"30s\"\n"), &[]);
     assert_eq!(code(&output), Some(0));
     assert!(stdout(&output).contains("warn  timing"), "{}", stdout(&output));
+}
+
+/// What `check` says of the file names `names` under the expression of the shipped file's example.
+fn check_names(names: &[&str]) -> Output {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "file_name = '^(?<patient>P?[0-9]+)_'\n");
+    names.iter().for_each(|name| fs::write(root.path().join("export").join(name), "x").unwrap());
+    let output = check(&file, &[]);
+    assert_eq!(code(&output), Some(0), "{}", stdout(&output));
+    assert!(output.stderr.is_empty(), "ids go to standard output only: {}", stderr(&output));
+    output
+}
+
+#[test]
+fn names_that_would_take_a_date_for_a_person_are_a_warning_and_no_fault() {
+    let said = stdout(&check_names(&["20261122_0915.obj", "20261122_0920.obj", "scan.obj"]));
+    assert!(said.contains("3 names: 2 with a patient's id, 1 without, 0 with one that"), "{said}");
+    assert!(said.contains("      20261122_0915.obj → 20261122\n"), "{said}");
+    let warning = "every scan of 22 November 2026 would go to a patient 20261122";
+    let warned = said.lines().find(|line| line.contains(warning)).unwrap();
+    assert!(warned.starts_with("warn  file names") && warned.ends_with("[looks-like-a-date]"));
+}
+
+#[test]
+fn names_that_would_take_a_counter_for_a_person_are_a_warning() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "file_name = '^(?<patient>P?[0-9]+)_'\n");
+    // Their times say their order, whatever they are called.
+    for (age, name) in [(3, "9_z.obj"), (2, "10_a.obj"), (1, "11_b.obj")] {
+        let export = fs::File::create(root.path().join("export").join(name)).unwrap();
+        let written = std::time::SystemTime::now() - std::time::Duration::from_secs(age * 60);
+        export.set_modified(written).unwrap();
+    }
+    let output = check(&file, &["--json"]);
+    assert_eq!(code(&output), Some(0));
+    let report = json(&output);
+    let rows = report["checks"].as_array().unwrap().iter();
+    let rows: Vec<_> = rows.filter(|row| row["check"] == "file names").collect();
+    assert_eq!(rows[0]["examples"][0]["name"], "11_b.obj", "the newest first");
+    assert_eq!(rows[0]["examples"][2]["patient"], "9");
+    assert!(rows[1]["detail"].as_str().unwrap().contains("from 9 to 11"), "{}", rows[1]);
+    assert_eq!(rows[1]["verdict"], "warn");
+}
+
+#[test]
+fn names_that_name_patients_are_shown_without_a_warning() {
+    let names = ["4711_left.obj", "P12_front.obj", "0815_20261122.obj", "1234567890123_a.obj"];
+    let said = stdout(&check_names(&names));
+    assert!(said.contains("4 names: 3 with a patient's id, 0 without, 1 with one that"), "{said}");
+    for example in ["4711_left.obj → 4711", "P12_front.obj → P12", "0815_20261122.obj → 0815"]
+    {
+        assert!(said.contains(example), "{said}");
+    }
+    assert!(!said.contains("warn  file names"), "{said}");
+}
+
+#[test]
+fn a_name_in_the_export_folder_cannot_forge_a_line_of_the_check() {
+    let said = stdout(&check_names(&["4711_\u{1b}[2J\nfail  x.obj"]));
+    assert!(said.contains(r"4711_\u{1b}[2J\nfail  x.obj → 4711"), "{said}");
+}
+
+#[test]
+fn of_many_names_the_newest_are_looked_at() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "file_name = '^(?<patient>P?[0-9]+)_'\n");
+    let old = fs::File::create(root.path().join("export/20261122_a.obj")).unwrap();
+    old.set_modified(std::time::UNIX_EPOCH).unwrap();
+    for n in 0..2000 {
+        fs::write(root.path().join(format!("export/{}_a.obj", 7000 - 3 * n)), "").unwrap();
+    }
+    let said = stdout(&check(&file, &[]));
+    assert!(said.contains("the newest 2000 of 2001 names: 2000 with a patient's id"), "{said}");
+    assert_eq!(said.matches(" → ").count(), 5, "{said}");
+    assert!(!said.contains("20261122"), "{said}");
+}
+
+#[test]
+fn without_an_expression_one_line_says_that_file_names_name_nobody() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    fs::write(root.path().join("export/20261122_a.obj"), "").unwrap();
+    let said = stdout(&check(&file, &[]));
+    let lines: Vec<&str> = said.lines().filter(|line| line.contains("file name")).collect();
+    let [line] = lines[..] else { panic!("{said}") };
+    assert!(line.starts_with("ok    file names") && line.ends_with("file names name nobody"));
+    assert!(!said.contains("20261122"), "{said}");
 }
 
 #[test]

@@ -76,7 +76,7 @@ fn metrics_and_health_follow_the_station_and_name_nobody() {
     assert!(text.contains("\ngaiter_disk_free_bytes "), "{text}");
 
     fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
-    let other = [coarse(), b"# other\n".to_vec()].concat();
+    let other = support::rescanned(coarse(), 1);
     booth.export("990013_Mustermann.obj", &other);
     booth.wait_for("ill health", || {
         let (status, codes) = page(port, "/healthz");

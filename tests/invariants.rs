@@ -43,9 +43,9 @@ impl World {
         world.entry("spool", DELIVERED, "intake.json");
         world.entry("quarantine", REFUSED, "reason.json");
         world.journal(&format!(
-            "CREATE TABLE scans (sha256, state);
+            "CREATE TABLE scans (sha256, state, closed);
              CREATE TABLE deliveries (sha256, patient, state);
-             INSERT INTO scans VALUES ('{0}', 'delivered'), ('{1}', 'refused');
+             INSERT INTO scans (sha256, state) VALUES ('{0}', 'delivered'), ('{1}', 'refused');
              INSERT INTO deliveries VALUES ('{0}', '4711', 'delivered'), ('{0}', '0815', 'held'),
                                            ('{1}', '4711', 'refused');",
             sha256(DELIVERED),

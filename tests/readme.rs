@@ -6,8 +6,8 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-/// Files whose `code` functions give codes to records, `reason.json` or standard error.
-const SOURCES: [&str; 12] = [
+/// Files whose `code` functions give codes to records, `reason.json`, standard error or `check`.
+const SOURCES: [&str; 13] = [
     "src/scan/fault.rs",
     "src/leg/mod.rs",
     "src/leg/body_fault.rs",
@@ -20,6 +20,7 @@ const SOURCES: [&str; 12] = [
     "src/record/gdt/order.rs",
     "src/record/report/pdf/mod.rs",
     "src/cli/reextract/again.rs",
+    "src/flow/name_check.rs",
 ];
 
 /// Codes that a source hands out: what stands in quotes behind an arrow.

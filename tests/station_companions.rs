@@ -73,3 +73,62 @@ fn of_two_files_of_measures_none_is_believed_and_none_is_taken_for_the_scans() {
     assert!(!record.join("scanner.ord").exists());
     assert_eq!(daemon.stop().code(), Some(0));
 }
+
+#[test]
+fn what_lies_beside_two_scans_of_one_stem_names_neither() {
+    let booth = Booth::new();
+    booth.reconfigure(|config| {
+        let sidecar = "[patient]\nsidecar = '^PATIENT=(?<patient>.+)$'\nsidecar_wait = \"0s\"\n";
+        config.replace("[patient]\n", sidecar)
+    });
+    fs::write(booth.path("export/x_a.ord"), "PATIENT=4711\n").unwrap();
+    booth.export("x a.obj", &coarse(1));
+    booth.export("x_a.obj", &coarse(2));
+    let daemon = booth.start();
+    booth.wait_for_records(2);
+    assert_eq!(fs::read_dir(booth.path("records/_unassigned")).unwrap().count(), 2);
+    assert!(!booth.path("records/4711").exists());
+    let log = booth.log();
+    assert_eq!(log.matches("companion-shared").count(), 2, "{log}");
+
+    fs::write(booth.path("export/y.ord"), "PATIENT=4712\n").unwrap();
+    booth.export("y.obj", &coarse(3));
+    booth.wait_for_records(3);
+    record(&booth, "4712");
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+/// Bytes of the files under a folder.
+fn size(folder: &Path) -> u64 {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap());
+    let size = |entry: fs::DirEntry| match entry.metadata().unwrap() {
+        found if found.is_dir() => size(&entry.path()),
+        found => found.len(),
+    };
+    entries.map(size).sum()
+}
+
+#[test]
+fn a_thousand_links_to_what_lies_beside_a_scan_cost_next_to_nothing() {
+    let booth = Booth::new();
+    booth.reconfigure(|config| config + "[retention]\nspool = \"24h\"\n");
+    let first = booth.path("export/0_colours");
+    fs::write(&first, vec![b'#'; 1_000_000]).unwrap();
+    for n in 0..1000_u32 {
+        let bits = (0..10).map(|bit| if n >> bit & 1 == 1 { '+' } else { ' ' });
+        let name: String = bits.collect();
+        fs::hard_link(&first, booth.path("export").join(format!("4711_{name}a.mtl"))).unwrap();
+    }
+    let daemon = booth.start();
+    booth.export("4711___________a.obj", &coarse(1));
+    booth.wait_for_records(1);
+    let taken = size(&booth.path("state"));
+    assert!((4_000_000..6_000_000).contains(&taken), "{taken} bytes");
+    let log = booth.log();
+    let left_out = log.lines().find(|line| line.contains("companions-left-out")).unwrap();
+    assert!(left_out.contains("count=996"), "{left_out}");
+
+    booth.export("4712_a.obj", &coarse(2));
+    booth.wait_for_records(2);
+    assert_eq!(daemon.stop().code(), Some(0));
+}

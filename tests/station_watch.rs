@@ -7,23 +7,13 @@
 mod support;
 
 use std::fs::{self, File};
-use std::io::{Read, Write};
+use std::io::Write;
 use std::os::unix::fs::{FileExt, symlink};
-use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use rustix::fs::{CWD, Mode, mkfifoat};
 use support::invariants::PutKind;
-use support::{Booth, names, sha256};
-
-/// A small body that is measured quickly; each `n` gives other bytes.
-fn body(n: usize) -> Vec<u8> {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/coarse/f_average.obj.gz");
-    let mut bytes = Vec::new();
-    flate2::read::GzDecoder::new(File::open(file).unwrap()).read_to_end(&mut bytes).unwrap();
-    bytes.extend(format!("# {n}\n").bytes());
-    bytes
-}
+use support::{Booth, coarse_body as body, names, sha256};
 
 /// A booth with other lines in the section of the configuration that has this header.
 fn booth_with(header: &str, lines: &str) -> Booth {

@@ -11,6 +11,7 @@ use gaiter::flow::trigger::ear::{Hearing, Shows};
 use gaiter::flow::trigger::report::Pattern;
 use gaiter::flow::trigger::token::Tokens;
 use gaiter::flow::trigger::{Ear, Input};
+use gaiter::record::SourceKind;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
@@ -39,6 +40,20 @@ fn nearly_a_press() -> impl Strategy<Value = Vec<u8>> {
         Just(b"\n".to_vec()),
         Just(b"AT\r".to_vec()),
         Just(b"PRE".to_vec()),
+        Just(b"xPRESS\r".to_vec()),
+        Just(b" HOLD\n".to_vec()),
+        vec(any::<u8>(), 0..80),
+    ];
+    vec(piece, 0..30).prop_map(|pieces| pieces.concat())
+}
+
+/// Cards, whole and spoiled.
+fn cards() -> impl Strategy<Value = Vec<u8>> {
+    let piece = prop_oneof![
+        "[0-9]{1,6}".prop_map(String::into_bytes),
+        Just(b"\r".to_vec()),
+        Just(b"\r\n".to_vec()),
+        Just(b" ".to_vec()),
         vec(any::<u8>(), 0..80),
     ];
     vec(piece, 0..30).prop_map(|pieces| pieces.concat())
@@ -67,14 +82,14 @@ fn press(closing: &[u64], held: u64, opening: &[u64]) -> Vec<(u64, bool)> {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Where no line ends as a token there is no press, however it is cut and whenever it comes. (A
-    /// line whose beginning was dropped in a pause may be a token; so those are left out as well.)
+    /// Where no line is a token there is no press, however it is cut and whenever it comes: the tail
+    /// of a line whose beginning was dropped in a pause is none either.
     #[test]
     fn garbage_never_presses(
         bytes in nearly_a_press(), cuts in vec((1..70_usize, 0..700_u64), 1..40),
     ) {
         let mut lines = bytes.split(|byte| matches!(byte, b'\r' | b'\n'));
-        prop_assume!(!lines.any(|line| TOKENS.iter().any(|token| line.ends_with(token.as_bytes()))));
+        prop_assume!(!lines.any(|line| TOKENS.iter().any(|token| line == token.as_bytes())));
         let (mut ear, mut rest, mut now) = (serial(), &bytes[..], ms(0));
         for (length, pause) in cuts.into_iter().cycle().take(3000) {
             let (piece, then) = rest.split_at(length.min(rest.len()));
@@ -87,6 +102,34 @@ proptest! {
         // And it is as good as new.
         let press = ear.hear(&Input::Bytes(b"PRESS\n".to_vec()), now + ms(1000));
         prop_assert_eq!(press, [Heard::Press(Press::Short)]);
+    }
+
+    /// Each line of a reader is heard once, in its order: as its own id, or as one that was not
+    /// understood; never as a part of itself, however it is cut and whenever it comes.
+    #[test]
+    fn a_line_of_a_reader_is_its_id_or_unread(
+        bytes in cards(), cuts in vec((1..20_usize, 0..700_u64), 1..40),
+    ) {
+        let (mut ear, mut rest, mut now) = (Ear::for_ids(Codes::default()), &bytes[..], ms(0));
+        let mut heard = Vec::new();
+        for (length, pause) in cuts.into_iter().cycle().take(3000) {
+            let (piece, then) = rest.split_at(length.min(rest.len()));
+            now += ms(pause);
+            heard.extend(ear.hear(&Input::Bytes(piece.to_vec()), now));
+            rest = then;
+        }
+        heard.extend(ear.hear(&Input::Nothing, now + ms(500)));
+        let lines: Vec<&[u8]> = bytes
+            .split(|byte| matches!(byte, b'\r' | b'\n'))
+            .filter(|line| !line.is_empty())
+            .collect();
+        prop_assert_eq!(heard.len(), lines.len());
+        for (heard, line) in heard.iter().zip(lines) {
+            match heard {
+                Heard::Named { id, .. } => prop_assert_eq!(id.as_bytes(), line.trim_ascii()),
+                heard => prop_assert_eq!(heard, &Heard::Unread { by: SourceKind::Reader }),
+            }
+        }
     }
 
     /// One press is one, whatever its contact does for a while when it closes and when it opens,

@@ -1,4 +1,4 @@
-//! `gaiter retry`, `release`, `assign`, `unassign`, `patient`, `page`, `pause` and `resume`: what a
+//! `gaiter retry`, `release`, `assign`, `unassign`, `give-up`, `patient`, `page`, `pause` and `resume`: what a
 //! person decides.
 
 use std::io::{self, BufRead, IsTerminal, Read, Write};
@@ -30,10 +30,17 @@ pub fn unassign(args: &OneArgs) -> Exit {
     ask::sentence(&args.ask, &Request::Unassign { scan: args.scan.clone() })
 }
 
+/// A refused or held scan needs no decision any more.
+pub fn give_up(args: &OneArgs) -> Exit {
+    ask::sentence(&args.ask, &Request::GiveUp { scan: args.scan.clone() })
+}
+
 /// Whose the next scan is.
 pub fn patient(verb: &PatientVerb) -> Exit {
     match verb {
-        PatientVerb::Set(args) => with_patient(args, |patient| Request::NameNext { patient }),
+        PatientVerb::Set(args) => {
+            with_patient(args, |patient| Request::NameNext { patient, replace: true })
+        }
         PatientVerb::Clear(args) => ask::sentence(args, &Request::CallOff),
         PatientVerb::Show(args) => ask::sentence(args, &Request::Next),
     }

@@ -111,6 +111,11 @@ pub enum Verb {
     Assign(OneArgs),
     /// Take a scan back from its patient: its record goes to _unassigned and leaves the patient's folder
     Unassign(OneArgs),
+    /// Say that a refused scan needs no decision any more, or a held one that somebody has already
+    ///
+    /// It is not asked about any more. Its bytes stay as long as the configuration says, and until then
+    /// it can still be tried again or assigned.
+    GiveUp(OneArgs),
     /// Say whose the next scan is
     #[command(subcommand)]
     Patient(PatientVerb),

@@ -1,6 +1,7 @@
 //! `gaiter check`: the configuration, and when it has no fault the folders and disks it names.
 
 mod environment;
+mod names;
 
 use std::path::Path;
 
@@ -9,9 +10,10 @@ use serde::Serialize;
 
 use super::args::CheckArgs;
 use super::paint::{self, painted};
-use super::{Exit, complain, exit_of, explain_config, print};
+use super::{Exit, ask, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, ConfigFault};
-use environment::{Row, Verdict};
+use crate::station::control::protocol::{Answer, Request};
+use environment::{Example, Row, Verdict};
 
 /// Checks the configuration, then the environment, and prints both.
 ///
@@ -33,6 +35,7 @@ pub fn check(args: &CheckArgs) -> Exit {
             Ok(config) => {
                 let mut rows = vec![Row::ok("configuration", &args.config, "no fault")];
                 rows.extend(environment::rows(&config));
+                rows.extend(habit(&args.config, &config));
                 (paint::print(table(&rows)), worst(&rows))
             }
             Err(error) => return explain_config(&error),
@@ -45,6 +48,15 @@ pub fn check(args: &CheckArgs) -> Exit {
             Exit::Io
         }
     }
+}
+
+/// What the running station has seen of the practice's orders, where the configuration should say
+/// otherwise; none where no station runs.
+fn habit(file: &Path, config: &Config) -> Option<Row> {
+    config.patient.orders.as_ref()?;
+    let Ok(Answer::Status(status)) = ask::ask(file, &Request::Status) else { return None };
+    let advice = status.booth.advice?;
+    Some(Row::at("orders", "patient.orders.when", Verdict::Warn, advice))
 }
 
 fn worst(rows: &[Row]) -> Exit {
@@ -70,13 +82,19 @@ fn table(rows: &[Row]) -> String {
         .map(|row| {
             let Row { verdict, detail, .. } = row;
             let verdict = painted(colour(*verdict), format_args!("{:4}", verdict.word()));
-            format!("{verdict}  {:check$}  {:place$}  {detail}\n", row.check, row.place)
+            let examples: String = row.examples.iter().map(example).collect();
+            format!("{verdict}  {:check$}  {:place$}  {detail}\n{examples}", row.check, row.place)
         })
         .collect();
     let count = |verdict| rows.iter().filter(|row| row.verdict == verdict).count();
     let (ok, warn, fail) = (count(Verdict::Ok), count(Verdict::Warn), count(Verdict::Fail));
     text += &format!("{ok} ok, {warn} to look at, {fail} failed\n");
     text
+}
+
+/// A file's name and the patient that it names, below the check that met them.
+fn example(example: &Example) -> String {
+    format!("      {} → {}\n", shown(&example.name), shown(&example.patient))
 }
 
 /// What `--json` prints: one object, whatever was found.
@@ -123,6 +141,7 @@ fn report(file: &Path, read: Result<Config, ConfigError>) -> (Report, Exit) {
     let exit = match &read {
         Ok(config) => {
             checks = environment::rows(config);
+            checks.extend(habit(file, config));
             worst(&checks)
         }
         Err(error) => {

@@ -58,6 +58,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Release(args) => act::release(&args),
         Verb::Assign(args) => act::assign(&args),
         Verb::Unassign(args) => act::unassign(&args),
+        Verb::GiveUp(args) => act::give_up(&args),
         Verb::Patient(verb) => act::patient(&verb),
         Verb::GdtOrder(args) => order::order(&args),
         Verb::Page(args) => act::page(&args),

@@ -25,17 +25,25 @@ pub fn list(scans: &[Listed]) -> String {
         return "no scan\n".to_owned();
     }
     let mut text = format!(
-        "{:8}  {:23}  {:9}  {:6}  {:>8}  {}\n",
+        "{:8}  {:23}  {:11}  {:6}  {:>8}  {}\n",
         "scan", "first seen", "state", "format", "size", "why"
     );
     for scan in scans {
-        let state = if scan.held { "held" } else { &scan.state };
+        let state = match scan {
+            Listed { closed: Some(_), .. } => "closed",
+            Listed { held: true, .. } => "held",
+            Listed { withdrawing: true, .. } => "withdrawing",
+            Listed { state, .. } => state,
+        };
         let mut why = scan.code.clone().unwrap_or_default();
+        if let Some(closed) = &scan.closed {
+            why = format!("{closed} {why}");
+        }
         if scan.attempts > 0 && scan.state == "spooled" {
             why = format!("{} attempts {why}", scan.attempts);
         }
         let line = format!(
-            "{:8}  {:23}  {state:9}  {:6}  {:>8}  {}",
+            "{:8}  {:23}  {state:11}  {:6}  {:>8}  {}",
             scan.scan,
             utc(scan.first_seen),
             scan.format,
@@ -70,11 +78,15 @@ fn detail(whole: &Whole) -> String {
         let message = summary.message.as_deref().unwrap_or_default();
         rows.push(("refused", format!("[{code}] {message}")));
     }
+    rows.extend(summary.closed.clone().map(|why| ("closed", why)));
+    rows.extend(whole.candidates.iter().map(|id| ("may be of", id.clone())));
+    rows.extend(whole.preview.clone().map(|folder| ("preview", folder)));
     for delivery in &whole.deliveries {
         rows.push(("", String::new()));
         rows.push(("patient", delivery.patient.clone().unwrap_or_else(|| "nobody named".into())));
         let code = delivery.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
-        rows.push(("store", format!("{}: {}{code}", delivery.store, delivery.state)));
+        let to_go = if delivery.is_to_go() { ", to be taken back" } else { "" };
+        rows.push(("store", format!("{}: {}{code}{to_go}", delivery.store, delivery.state)));
         if delivery.attempts > 0 {
             let next = delivery.next_at.map(|at| format!(", next {}", utc(at)));
             rows.push(("attempts", format!("{}{}", delivery.attempts, next.unwrap_or_default())));

@@ -121,6 +121,7 @@ fn table(look: &Look, columns: Option<usize>) -> String {
 fn rows(status: &Status) -> Vec<(String, String)> {
     let now = status.now;
     let mut rows = vec![("light".to_owned(), at_booth(status))];
+    rows.extend(status.booth.advice.clone().map(|advice| ("orders".to_owned(), advice)));
     rows.extend(around(status, now));
     let oldest = match (&status.oldest, status.oldest_age_s) {
         (Some(oldest), Some(age_s)) => format!(
@@ -133,7 +134,12 @@ fn rows(status: &Status) -> Vec<(String, String)> {
     let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
     row("oldest", oldest);
     let words_of = ["spooled", "delivered", "refused", "held"];
-    let counts = words_of.map(|word| format!("{} {word}", status.scans.get(word).unwrap_or(&0)));
+    let mut counts: Vec<String> = words_of
+        .map(|word| format!("{} {word}", status.scans.get(word).unwrap_or(&0)))
+        .into_iter()
+        .collect();
+    let back = status.scans.get("withdrawing").filter(|count| **count > 0);
+    counts.extend(back.map(|count| format!("{count} to be taken back")));
     let counts = if status.scans.is_empty() { "unknown".to_owned() } else { counts.join(", ") };
     row("scans", counts);
     let last = status.last.as_ref().map(|last| {

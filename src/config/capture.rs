@@ -9,6 +9,7 @@ use super::OrdersConfig;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
 use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER};
+use crate::flow::OrdersWhen;
 use crate::flow::capture::Rules;
 use crate::flow::check_digit::CheckDigit;
 
@@ -43,15 +44,17 @@ pub struct PatientConfig {
     pub check_digit: CheckDigit,
     /// The expression on a line of the scanner's own measures that holds the id.
     pub sidecar: Option<Regex>,
+    /// How long a scan waits for those measures; nothing waits without that expression.
+    pub sidecar_wait: Duration,
     /// `[patient.orders]`: where orders of practice software come in, if anywhere.
     pub orders: Option<OrdersConfig>,
 }
 
 impl CaptureConfig {
-    /// The rules of captures, for a station with buttons on these ports.
-    pub fn rules(&self, buttons: &BTreeSet<&str>) -> Rules {
+    /// The rules of captures, for a station with buttons on these ports and the practice's habit.
+    pub fn rules(&self, buttons: &BTreeSet<&str>, orders: OrdersWhen) -> Rules {
         let CaptureConfig { window, late, name_lasts, .. } = *self;
-        Rules { by_press: !buttons.is_empty(), window, late, name_lasts }
+        Rules { by_press: !buttons.is_empty(), window, late, name_lasts, orders }
     }
 }
 
@@ -68,6 +71,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<(CaptureConfig, PatientConfi
     let pattern = reader.text("patient.pattern", pattern, parse::patient_pattern);
     let check = reader.text("patient.check_digit", Default("none"), parse::word(CHECK_DIGITS));
     let sidecar = reader.text("patient.sidecar", Default(""), parse::or_none(parse::file_name));
+    let bounds = Bounds { least: "0s", most: "10m" };
+    let wait = reader.text("patient.sidecar_wait", Default("30s"), parse::duration_in(bounds));
     let bounds = Bounds { least: "10s", most: "24h" };
     let lasts = reader.text("patient.expires", Default("15m"), parse::duration_in(bounds));
     let capture = CaptureConfig {
@@ -76,6 +81,12 @@ pub(super) fn config(reader: &mut Reader) -> Option<(CaptureConfig, PatientConfi
         without_trigger: without?.value,
         name_lasts: lasts?.value,
     };
-    let (pattern, check_digit) = (pattern?.value, check?.value);
-    Some((capture, PatientConfig { pattern, check_digit, sidecar: sidecar?.value, orders: None }))
+    let patient = PatientConfig {
+        pattern: pattern?.value,
+        check_digit: check?.value,
+        sidecar: sidecar?.value,
+        sidecar_wait: wait?.value,
+        orders: None,
+    };
+    Some((capture, patient))
 }

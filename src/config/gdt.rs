@@ -7,7 +7,7 @@ use super::fault::What;
 use super::parse::{self, Bounds, or_none};
 use super::reader::{Absent, Found, Reader};
 use super::words::Words;
-use crate::flow::Mask;
+use crate::flow::{Mask, OrdersWhen};
 use crate::record::gdt::rules::FileName;
 use crate::record::gdt::{AttachmentFields, Charset, GdtRules, Product, Reference};
 
@@ -39,6 +39,8 @@ pub struct OrdersConfig {
     pub path: PathBuf,
     /// Which files are orders.
     pub files: Mask,
+    /// When they come.
+    pub when: OrdersWhen,
     /// What becomes of an order that was read.
     pub after: AfterOrder,
     /// The character set of an order that names none.
@@ -80,6 +82,10 @@ const REFERENCES: Words<Reference> =
     &[("full", Reference::Full), ("relative", Reference::Relative), ("name", Reference::Name)];
 
 const AFTERS: Words<AfterOrder> = &[("delete", AfterOrder::Delete), ("keep", AfterOrder::Keep)];
+
+/// `patient.orders.when`
+const WHENS: Words<OrdersWhen> =
+    &[("before-press", OrdersWhen::BeforePress), ("after-press", OrdersWhen::AfterPress)];
 
 /// `store.gdt.time`: whether times are told in UTC.
 const TIMES: Words<bool> = &[("local", false), ("utc", true)];
@@ -160,6 +166,7 @@ pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
     use Absent::Default;
     let path = reader.text("patient.orders.path", Default(""), parse::full_path_or_none);
     let files = reader.text("patient.orders.files", Default("*.gdt"), mask);
+    let when = reader.text("patient.orders.when", Default("before-press"), parse::word(WHENS));
     let after = reader.text("patient.orders.after", Default("delete"), parse::word(AFTERS));
     let charset = reader.text("patient.orders.charset", Default("cp1252"), parse::word(CHARSETS));
     let lenient = reader.flag("patient.orders.lenient", "false");
@@ -174,6 +181,7 @@ pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
         Some(Some(OrdersConfig {
             path,
             files: files?.value,
+            when: when?.value,
             after: after?.value,
             charset: charset?.value,
             lenient: lenient?.value,

@@ -18,15 +18,27 @@ fn keys() -> Vec<Key> {
     reader.keys
 }
 
-/// The shipped file as (key with sections, the line that sets it, the remarks above it).
+/// The key and the value of a line that sets one and says nothing else.
+fn setting(line: &str) -> Option<(&str, &str)> {
+    line.split_once(" = ").filter(|_| DeTable::parse(line).is_ok())
+}
+
+/// A key that the shipped file shows and does not set: its line without the `# ` before it.
+fn off(line: &str) -> Option<&str> {
+    line.strip_prefix("# ").filter(|line| setting(line).is_some())
+}
+
+/// The shipped file as (key with sections, the line that sets or shows it, the remarks above it).
 fn entries() -> Vec<(String, &'static str, String)> {
     let (mut section, mut remarks, mut entries) = ("", String::new(), Vec::new());
     for line in SHIPPED.lines() {
-        if let Some(remark) = line.strip_prefix('#') {
+        if let Some((name, _)) = off(line).and_then(setting) {
+            entries.push((format!("{section}.{name}"), line, std::mem::take(&mut remarks)));
+        } else if let Some(remark) = line.strip_prefix('#') {
             remarks.push_str(remark);
         } else if let Some(name) = line.strip_prefix('[') {
             section = name.trim_end_matches(']');
-        } else if let Some((name, _)) = line.split_once(" = ") {
+        } else if let Some((name, _)) = setting(line) {
             entries.push((format!("{section}.{name}"), line, std::mem::take(&mut remarks)));
         } else {
             remarks.clear();
@@ -58,6 +70,8 @@ fn every_key_is_shown_with_its_default_or_as_having_none() {
             Absent::Default(_) => format!("Default: {value}."),
         };
         assert!(remarks.contains(&said), "{path} does not say: {said}");
+        let has_none = matches!(key.absent, Absent::Nothing(_));
+        assert_eq!(off(line).is_some(), has_none, "{path}: off is what has no default");
         let (Absent::Required(text) | Absent::Nothing(text) | Absent::Default(text)) = key.absent;
         assert_eq!(value.trim_matches(['[', ']', '"', '\'']), text.trim_matches(['[', ']']));
     }
@@ -72,13 +86,24 @@ fn leaving_out_a_key_with_a_default_changes_nothing() {
         let without = load(&SHIPPED.replace(&format!("\n{line}\n"), "\n"));
         match key.absent {
             Absent::Default(_) => assert_eq!(said(without.unwrap()), whole, "{line}"),
-            Absent::Nothing(_) => assert!(without.is_ok(), "{line}"),
+            Absent::Nothing(_) => assert_eq!(said(without.unwrap()), whole, "{line}"),
             Absent::Required(_) => {
                 let faults = without.unwrap_err();
                 let missing: Vec<&str> = faults.iter().map(|fault| fault.key.as_str()).collect();
                 assert_eq!(missing, [key.path]);
             }
         }
+    }
+}
+
+#[test]
+fn a_key_that_is_off_loads_once_its_line_is_taken_into_use() {
+    let lines: Vec<&str> = SHIPPED.lines().filter(|line| off(line).is_some()).collect();
+    assert_eq!(lines, ["# file_name = '^(?<patient>P?[0-9]+)_'"]);
+    assert!(load(SHIPPED).unwrap().scanner.file_name.is_none(), "no file name names a patient");
+    for line in lines {
+        let on = load(&SHIPPED.replace(line, off(line).unwrap())).unwrap();
+        assert_eq!(on.scanner.file_name.unwrap().as_str(), "^(?<patient>P?[0-9]+)_");
     }
 }
 

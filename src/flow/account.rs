@@ -9,6 +9,7 @@ use super::capture;
 use super::facts::StoreFacts;
 use super::health::{age, words};
 use super::identity::{NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
+use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use super::{DeliveryState, ScanState};
 
 /// A scan, when it was first seen, and where it is.
@@ -43,6 +44,10 @@ pub struct Listed {
     pub attempts: u64,
     /// When the next attempt is due.
     pub next_at: Option<Timestamp>,
+    /// Why it needs no decision any more, though it was refused or held: `given-up` or `superseded`.
+    pub closed: Option<String>,
+    /// A record of it lies, or may lie, where it is to be taken back.
+    pub withdrawing: bool,
 }
 
 /// Which scans a list is of.
@@ -77,6 +82,10 @@ pub struct Whole {
     pub summary: Summary,
     /// Its deliveries, in the order of patients and stores.
     pub deliveries: Vec<Delivered>,
+    /// The ids of those whose it may be, where it is held.
+    pub candidates: Vec<String>,
+    /// The folder in which its legs can be seen while it is held.
+    pub preview: Option<String>,
     /// What happened to it, oldest first.
     pub history: Vec<Happened>,
 }
@@ -109,6 +118,8 @@ pub struct Summary {
     pub code: Option<String>,
     /// Likewise, for people.
     pub message: Option<String>,
+    /// Why it needs no decision any more, though it was refused or held: `given-up` or `superseded`.
+    pub closed: Option<String>,
 }
 
 /// One delivery.
@@ -130,16 +141,41 @@ pub struct Delivered {
     pub folder: Option<String>,
 }
 
+impl Delivered {
+    /// Whether its record lies, or may lie, where it is not to stay: it is to be taken back.
+    pub fn is_to_go(&self) -> bool {
+        let unwanted = [UNASSIGNED, SUPERSEDED, HANDED_OVER];
+        self.state == DeliveryState::Withdrawing.word()
+            || self.state == DeliveryState::Delivered.word()
+                && self.code.as_deref().is_some_and(|code| unwanted.contains(&code))
+    }
+
+    /// Whether its record lies in the store for whose scan it is.
+    pub fn is_there(&self) -> bool {
+        self.state == DeliveryState::Delivered.word() && !self.is_to_go()
+    }
+}
+
 /// Why a scan is held, in words, by its code.
 pub fn why_held(code: &str) -> &'static str {
     match code {
         capture::AMBIGUOUS => "it could be of more than one of those who were named or scanned",
-        capture::UNCLEAR => "it may have lain there before the button was pressed or a name said",
+        capture::UNCLEAR => "it may have been written before the button was pressed or a name said",
         capture::LATE => "it came after the time in which the export of the press is awaited",
         capture::UNHEARD => "a press of the button may have gone unheard",
+        capture::UNREAD => "a card or an order before it could not be read",
+        capture::REPEATED => "the order that names its patient came a second time",
         NO_PRESS => "nobody pressed the button for it",
         PATIENTS_DIFFER => "two sources name different patients",
         _ => "its bytes came in for a second patient",
+    }
+}
+
+/// Why a scan that was refused or held needs no decision any more, in words.
+fn why_closed(closed: &str) -> &'static str {
+    match closed {
+        "superseded" => "the same patient's next scan was delivered",
+        _ => "a person gave it up",
     }
 }
 
@@ -166,7 +202,11 @@ pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestam
     };
     if summary.state == ScanState::Refused.word() {
         let why = summary.message.as_deref().unwrap_or("the reason lies beside it");
-        return format!("Scan {scan} lies in quarantine [{}]: {why}.", code(&summary.code));
+        let code = code(&summary.code);
+        let closed = summary.closed.as_deref().map(why_closed);
+        let closed =
+            closed.map_or(String::new(), |why| format!("; it needs no decision, for {why}"));
+        return format!("Scan {scan} lies in quarantine [{code}]: {why}{closed}.");
     }
     if let Some(pending) = in_state(DeliveryState::Pending) {
         let waited = words(age(summary.first_seen, now));
@@ -196,7 +236,8 @@ pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestam
             }
         };
     }
-    if let Some(held) = in_state(DeliveryState::Held) {
+    let held = in_state(DeliveryState::Held).filter(|_| summary.closed.is_none());
+    if let Some(held) = held {
         let code = held.code.as_deref().unwrap_or(SAME_SCAN_OTHER_PATIENT);
         let why = why_held(code);
         return format!(
@@ -204,8 +245,14 @@ pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestam
              (gaiter release or gaiter assign)."
         );
     }
-    let done = in_state(DeliveryState::Delivered);
-    let unassigned = done.is_some_and(|delivery| delivery.patient.is_none());
+    let mut done = whole.deliveries.iter().filter(|delivery| delivery.is_there());
+    if in_state(DeliveryState::Withdrawing).is_some() {
+        return format!(
+            "Scan {scan} was taken back, and its record has not left the folder it was taken back from \
+             yet; it is tried for as long as it takes (gaiter show {scan})."
+        );
+    }
+    let unassigned = done.next().is_some_and(|delivery| delivery.patient.is_none());
     let whose = if unassigned {
         "nobody named its patient, so it lies under _unassigned"
     } else {

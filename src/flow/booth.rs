@@ -15,6 +15,18 @@ pub enum Heard {
         /// Who named it.
         by: SourceKind,
     },
+    /// An order names its patient with the same words as one that was heard before, at a newer time:
+    /// whether the patient comes again is a question.
+    Repeated {
+        /// The id.
+        id: String,
+    },
+    /// Somebody tried to name the patient of the next scan, and it could not be understood: an order
+    /// was refused, a card misread, a line cut off, a check digit wrong.
+    Unread {
+        /// Who tried.
+        by: SourceKind,
+    },
 }
 
 /// How long the button was held.

@@ -1,13 +1,24 @@
 //! Captures: which export belongs to which press of the button, and so to which patient.
 //!
-//! A press opens a capture. The next export that is first seen after it, within its window, belongs
-//! to it. Nothing is guessed: where an export could belong to more than one patient's capture, where
-//! it may have lain there before the press, or where it comes after the window, it is held, and a
-//! person decides.
+//! With a button a press opens a capture; without one, naming the patient does. The laws:
 //!
-//! A station without a button opens a capture when somebody names the next patient. Where no capture
-//! in question has a patient nothing can be mistaken, and nothing is held: what is not certainly the
-//! export of a press counts as one without.
+//! 1. **Written during the capture.** An export belongs to a capture only if its content was written
+//!    after that capture opened and before another one opened ([`super::writing`] tells when). With a
+//!    button only presses open captures; a name that comes during one is for the next.
+//! 2. **Known scans answer nothing**, neither by their bytes nor by their geometry.
+//! 3. **A capture ends** with a measured scan; by a person; or, where no byte of an export was seen for
+//!    it, after `window + late` (without a button: `expires + late`). A refusal opens it again for the
+//!    same time. An export without a new press is its own then; naming the same patient again joins it;
+//!    another press holds the next export for both.
+//! 4. **The booth overrides.** Card, page and verb replace the name that waits. An order never does: two
+//!    orders that wait make both candidates, until the booth says which. An order that comes while a
+//!    press without a name is open, or soon after one, is in doubt with it; where the practice orders
+//!    after the press (`patient.orders.when`) it pairs with the one press that is open.
+//! 5. **A failed naming disarms**: what could not be read puts the name that waits in doubt.
+//! 6. **Journal first.** A command is tried on a copy; the copy counts once it is in the journal.
+//!
+//! Where no capture in question has a patient nothing can be mistaken, and nothing is held: what is not
+//! certainly the export of a press counts as one without.
 //!
 //! | what happens | what becomes of it |
 //! |---|---|
@@ -18,144 +29,60 @@
 //! | two exports after one press | the first is the capture's, the second unpressed |
 //! | no export within the window | the capture expires: an alarm |
 //! | an export after the window | held: `export-late` |
-//! | an export that a look before the press cannot rule out | held: `capture-unclear` |
-//! | a press while another scan is measured | as any other: an export counts when it is first seen |
-//! | an order of the practice software names another patient before the press | held: `capture-ambiguous`, unless somebody at the booth says who it is |
+//! | an export that may have been written before the press | held: `capture-unclear` |
 //! | the port was away at or shortly before the press, or since | held: `press-unheard`, where the capture has a patient |
 //! | the station restarts in between | likewise, for it heard nothing meanwhile |
 //! | the machine restarts in between | the capture expires |
 //! | the clock on the wall jumps | nothing: times are since the machine's start |
 
+mod names;
 mod outcome;
+mod types;
 
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use crate::record::SourceKind;
-pub use outcome::{CalledOff, Judged, NamedNext, Passed};
+use super::orders_when::OrdersWhen;
+use super::writing::Appeared;
+pub use names::{Next, Said};
+pub use outcome::{CalledOff, Judged, NamedNext, Passed, Pressed, Why};
+pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules};
 
 /// Finding: the export could belong to captures of different patients.
-pub const AMBIGUOUS: &str = "capture-ambiguous";
+pub const AMBIGUOUS: &str = Why::Ambiguous.code();
 
-/// Finding: the export may have lain there before the press.
-pub const UNCLEAR: &str = "capture-unclear";
+/// Finding: the export may have been written before the press.
+pub const UNCLEAR: &str = Why::Unclear.code();
 
 /// Finding: the export came after the window of the press it must belong to.
-pub const LATE: &str = "export-late";
+pub const LATE: &str = Why::Late.code();
 
 /// Finding: nobody listened for a while, and a press that was not heard may have made this export.
-pub const UNHEARD: &str = "press-unheard";
+pub const UNHEARD: &str = Why::Unheard.code();
 
-/// Times that rule captures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Rules {
-    /// Captures are opened by presses; without a button, by naming the patient.
-    pub by_press: bool,
-    /// How long the export of a press is awaited.
-    pub window: Duration,
-    /// How long after its window an export may still come, and is held.
-    pub late: Duration,
-    /// How long a patient's name waits for its press, or without a button for its export.
-    pub name_lasts: Duration,
-}
+/// Finding: somebody tried to name a patient before the export, and it could not be read.
+pub const UNREAD: &str = Why::Unread.code();
 
-/// The patient whom somebody named for the next scan.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Named {
-    /// The id, allowed as one.
-    pub id: String,
-    /// Who named it.
-    pub by: SourceKind,
-}
-
-/// The name that waits for a press.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Next {
-    /// Who.
-    pub named: Named,
-    /// When it was said; as in [`Capture`].
-    pub at: Duration,
-    /// An order named somebody else than the name that waited: whoever stands in the booth may be
-    /// either.
-    pub is_doubtful: bool,
-}
-
-/// The time in which the export of a press is awaited. All times are since the machine's start.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Capture {
-    /// Its number in the journal.
-    pub number: i64,
-    /// When the button was pressed, or the patient named.
-    pub opened: Duration,
-    /// The end of its window.
-    pub until: Duration,
-    /// What opened it.
-    pub by: Opener,
-    /// Whose scan it is said to be.
-    pub patient: Option<Named>,
-    /// Why its export is still to come.
-    pub state: CaptureState,
-    /// Why its export could be another's, besides what other captures show.
-    pub doubt: Option<Doubt>,
-}
-
-/// Why the export of a capture could be another patient's.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Doubt {
-    /// An export that could have been its own was held.
-    Shared,
-    /// A press may have gone unheard.
-    Unheard,
-}
-
-impl Doubt {
-    /// The finding's code.
-    pub const fn code(self) -> &'static str {
-        match self {
-            Doubt::Shared => AMBIGUOUS,
-            Doubt::Unheard => UNHEARD,
-        }
-    }
-}
-
-/// What opened a capture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Opener {
-    /// The button.
-    Press,
-    /// The patient's name, where there is no button.
-    Name,
-}
-
-/// The states of a capture whose export has not come.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CaptureState {
-    /// Its export is awaited.
-    Open,
-    /// Its window is over.
-    Expired,
-    /// A person called it off.
-    CalledOff,
-}
-
-/// When an export appeared, as far as looks can tell; times as in [`Capture`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Appeared {
-    /// The beginning of the last look that did not find it; none where there was no look before.
-    pub absent: Option<Duration>,
-    /// The end of the first look that found it.
-    pub seen: Duration,
-}
+/// Finding: the order that names the patient is one that was heard before.
+pub const REPEATED: &str = Why::Repeated.code();
 
 /// The captures whose exports have not come, in the order in which they were opened, and the
-/// patient's name that waits for a press.
-#[derive(Debug, Clone)]
+/// patients' names that wait for a press.
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Captures {
     rules: Rules,
     waiting: Vec<Capture>,
     next: Option<Next>,
     hearing: Hearing,
+    /// When the button was last pressed without a certain name, to which an order may still come.
+    unsure_press: Option<Duration>,
+    /// When somebody was named without a button and it could not be read: whoever was named before may
+    /// have left by then.
+    unread: Vec<Duration>,
 }
+
+/// So many namings that failed are remembered, the last ones.
+const UNREAD_MOST: usize = 64;
 
 /// Whether presses are heard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -167,16 +94,49 @@ enum Hearing {
 }
 
 impl Captures {
-    /// As the journal has them after a start, at which nobody has listened yet.
-    pub fn new(rules: Rules, waiting: Vec<Capture>, next: Option<Next>) -> Captures {
-        let mut captures = Captures { rules, waiting, next, hearing: Hearing::Deaf };
-        captures.deaf();
+    /// As the journal has them after a start, at which nobody has listened yet. `unsure_press` is when
+    /// the button was last pressed without a certain name.
+    pub fn new(
+        rules: Rules,
+        waiting: Vec<Capture>,
+        next: Option<Next>,
+        unsure_press: Option<Duration>,
+    ) -> Captures {
+        let hearing = Hearing::Deaf;
+        let unread = Vec::new();
+        let mut captures = Captures { rules, waiting, next, hearing, unsure_press, unread };
+        // Whatever was pressed or said before may have been lost with the run before.
+        for capture in &mut captures.waiting {
+            capture.doubt.get_or_insert(Doubt::Unheard);
+        }
         captures
+    }
+
+    /// The same, where namings failed at these times; see [`Captures::unread_at`].
+    pub fn with_unread(self, unread: Vec<Duration>) -> Captures {
+        Captures { unread, ..self }
+    }
+
+    /// When somebody was named without a button and it could not be read.
+    pub fn unread_at(&self) -> &[Duration] {
+        &self.unread
     }
 
     /// A port is away: the exports of presses that are not heard may pass for those of others.
     pub fn deaf(&mut self) {
         self.hearing = Hearing::Deaf;
+        self.doubt_presses();
+    }
+
+    /// A press was heard and could not be kept: its export may pass for that of another.
+    pub fn missed_press(&mut self, now: Duration) {
+        if self.hearing != Hearing::Deaf {
+            self.hearing = Hearing::Since(now);
+        }
+        self.doubt_presses();
+    }
+
+    fn doubt_presses(&mut self) {
         let by_press = |capture: &&mut Capture| capture.by == Opener::Press;
         for capture in self.waiting.iter_mut().filter(by_press) {
             capture.doubt.get_or_insert(Doubt::Unheard);
@@ -195,14 +155,33 @@ impl Captures {
         &self.waiting
     }
 
-    /// The patient's name that waits for a press.
+    /// The patients' names that wait for a press.
     pub fn next(&self) -> Option<&Next> {
         self.next.as_ref()
     }
 
-    /// Whether an export is awaited.
+    /// When the button was last pressed without a certain name.
+    pub fn unsure_press(&self) -> Option<Duration> {
+        self.unsure_press
+    }
+
+    /// Whether the export of a press is awaited that nobody has seen yet. One that was refused may be
+    /// followed by another, and nobody has pressed for that.
     pub fn is_armed(&self) -> bool {
-        self.waiting.iter().any(|capture| capture.state == CaptureState::Open)
+        let is_open =
+            |capture: &Capture| capture.state == CaptureState::Open && !capture.is_refused;
+        self.waiting.iter().any(is_open)
+    }
+
+    /// Whether a press without a name awaits its export.
+    pub fn has_unnamed_press(&self) -> bool {
+        let is_unnamed = |capture: &Capture| capture.by == Opener::Press && capture.is_unnamed();
+        self.waiting.iter().any(is_unnamed)
+    }
+
+    /// When orders come, by the configuration.
+    pub fn orders_when(&self) -> OrdersWhen {
+        self.rules.orders
     }
 
     /// Whether a press at this time would be in doubt, for one before it may have gone unheard.
@@ -213,40 +192,28 @@ impl Captures {
         self.rules.by_press && !heard_long
     }
 
-    /// The button was pressed: a capture with this number, with the patient whose name waited.
-    pub fn pressed(&mut self, number: i64, now: Duration) -> &Capture {
-        self.drop_old_name(now);
-        let next = self.next.take();
-        let doubt = next.as_ref().filter(|next| next.is_doubtful).map(|_| Doubt::Shared);
-        let patient = next.map(|next| next.named);
-        let opened = self.open(number, now, self.rules.window, Opener::Press, patient);
-        opened.doubt = doubt.or(opened.doubt);
-        opened
-    }
-
-    /// Somebody named the patient of the next scan. `number` is the number of the capture that may
-    /// be opened.
-    pub fn named(&mut self, named: Named, number: i64, now: Duration) -> NamedNext {
-        if self.rules.by_press {
-            self.drop_old_name(now);
-            let replaced = self.next.as_ref().is_some_and(|next| next.named.id != named.id);
-            let was_doubtful = self.next.as_ref().is_some_and(|next| next.is_doubtful);
-            // An order comes from the desk, and who is at the booth is not known there.
-            let is_doubtful = named.by == SourceKind::Order && (replaced || was_doubtful);
-            self.next = Some(Next { named, at: now, is_doubtful });
-            return NamedNext::Waits { replaced };
+    /// The button was pressed: a capture with this number, with the patient whose name waited; or that
+    /// of the same patient whose export was refused goes on.
+    pub fn pressed(&mut self, number: i64, now: Duration) -> Pressed {
+        self.drop_old_names(now);
+        let (patient, others, doubt) = self.use_next();
+        if (patient.is_none() && others.is_empty()) || doubt == Some(Doubt::Crossed) {
+            self.unsure_press = Some(now);
         }
-        let until = now + self.rules.name_lasts;
-        let newest = self.waiting.last_mut().filter(|capture| {
-            let same = capture.patient.as_ref().is_some_and(|patient| patient.id == named.id);
-            same && capture.state == CaptureState::Open && now <= capture.until
+        let refused = patient.as_ref().filter(|_| doubt.is_none()).and_then(|patient| {
+            self.waiting.iter().position(|known| known.is_refused && known.is_of(&patient.id))
         });
-        if let Some(capture) = newest {
-            capture.until = until;
-            return NamedNext::Prolonged(capture.clone());
+        let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
+        if let Some(place) = refused {
+            let capture = &mut self.waiting[place];
+            (capture.until, capture.state) = (now + self.rules.window, CaptureState::Open);
+            (capture.is_refused, capture.doubt) = (false, unheard);
+            return Pressed::Joined(capture.clone());
         }
-        let lasts = self.rules.name_lasts;
-        NamedNext::Opened(self.open(number, now, lasts, Opener::Name, Some(named)).clone())
+        let window = self.rules.window;
+        let opened = self.open(number, now, window, Opener::Press, patient);
+        (opened.others, opened.doubt) = (others, doubt.or(unheard));
+        Pressed::Opened(opened.clone())
     }
 
     fn open(
@@ -257,89 +224,123 @@ impl Captures {
         by: Opener,
         patient: Option<Named>,
     ) -> &mut Capture {
-        let (state, until) = (CaptureState::Open, now + lasts);
         let doubt = self.is_in_doubt(now).then_some(Doubt::Unheard);
-        self.waiting.push(Capture { number, opened: now, until, by, patient, state, doubt });
+        self.waiting.push(Capture {
+            number,
+            opened: now,
+            until: now + lasts,
+            by,
+            patient,
+            others: Vec::new(),
+            state: CaptureState::Open,
+            is_refused: false,
+            doubt,
+        });
         let last = self.waiting.len() - 1;
         &mut self.waiting[last]
     }
 
-    /// A person calls off what waits. The scanner may be at work for a press all the same, so its
-    /// export would not pass for another's; a name alone moves no scanner.
+    /// A person gives up what waits: captures whose exports will not come, and names.
     pub fn call_off(&mut self) -> CalledOff {
-        let is_open = |capture: &&mut Capture| capture.state == CaptureState::Open;
-        let mut captures = Vec::new();
-        for capture in self.waiting.iter_mut().filter(is_open) {
-            capture.state = CaptureState::CalledOff;
-            captures.push(capture.number);
-        }
-        self.waiting.retain(|capture| {
-            capture.by == Opener::Press || capture.state != CaptureState::CalledOff
-        });
+        let captures = self.waiting.drain(..).map(|capture| capture.number).collect();
         CalledOff { captures, name: self.next.take().is_some() }
+    }
+
+    /// The export that answered a capture was refused: another is awaited for the same time again.
+    pub fn refused(&mut self, capture: Capture, now: Duration) -> &Capture {
+        let lasts = match capture.by {
+            Opener::Press => self.rules.window,
+            Opener::Name => self.rules.name_lasts,
+        };
+        let (state, until) = (CaptureState::Open, now + lasts);
+        // What may have gone unheard since then puts it in doubt like those that wait.
+        let unheard =
+            (capture.by == Opener::Press && self.is_in_doubt(now)).then_some(Doubt::Unheard);
+        let doubt = capture.doubt.or(unheard);
+        let place = self.waiting.partition_point(|known| known.number < capture.number);
+        self.waiting.insert(place, Capture { state, until, is_refused: true, doubt, ..capture });
+        &self.waiting[place]
     }
 
     /// Which capture an export belongs to; nothing is changed before [`Captures::answer`].
     pub fn judge(&self, export: Appeared) -> Judged {
-        let may_be_its = |capture: &&Capture| {
-            capture.opened < export.seen && export.seen <= capture.until + self.rules.late
-        };
-        let all: Vec<&Capture> = self.waiting.iter().filter(may_be_its).collect();
-        let Some(oldest) = all.first() else { return Judged::Unpressed };
-        let ids: BTreeSet<Option<&str>> = all.iter().map(|capture| id(capture)).collect();
-        let named = ids.iter().flatten().count();
-        let patient = all.iter().find_map(|capture| capture.patient.clone());
-        let patient = patient.filter(|_| named == 1);
+        let late = self.rules.late;
+        let all: Vec<&Capture> =
+            self.waiting.iter().filter(|capture| capture.may_have(export, late)).collect();
+        if all.is_empty() {
+            return Judged::Unpressed;
+        }
         let is_after = |capture: &&&Capture| export.absent.is_some_and(|at| at >= capture.opened);
         let after: Vec<&&Capture> = all.iter().filter(is_after).collect();
         let in_time = |capture: &&&&Capture| {
             capture.state == CaptureState::Open && export.seen <= capture.until
         };
         let its_own = after.iter().find(in_time).map(|capture| (**capture).clone());
-        if named == 0 {
+        let ids: BTreeSet<Option<&str>> = all.iter().flat_map(|capture| ids(capture)).collect();
+        if ids.iter().flatten().next().is_none() {
             // Whose scan it is cannot be mistaken where no capture in question says it.
             return its_own.map_or(Judged::Unpressed, Judged::Of);
         }
         let shared = (ids.len() > 1).then_some(Doubt::Shared);
-        if let Some(doubt) = shared.or(all.iter().find_map(|capture| capture.doubt)) {
-            let doubtful = all[1..].iter().map(|capture| capture.number).collect();
-            let answered = Some(oldest.number);
-            return Judged::Held { code: doubt.code(), patient, answered, doubtful };
+        let of_one = |capture: &&Capture| capture.doubt.or(self.unread_between(capture, export));
+        if let Some(doubt) = shared.or(all.iter().find_map(of_one)) {
+            // Without a button it may be the export of whoever could not be read, and that of the one
+            // who was named is still to come.
+            let may_be_nobodys = doubt == Doubt::Unread && !self.rules.by_press;
+            return held(doubt.why(), &all, !may_be_nobodys);
         }
-        let Some(oldest) = after.first() else {
-            return Judged::Held { code: UNCLEAR, patient, answered: None, doubtful: Vec::new() };
-        };
-        its_own.map_or_else(
-            || {
-                let answered = Some(oldest.number);
-                Judged::Held { code: LATE, patient, answered, doubtful: Vec::new() }
-            },
-            Judged::Of,
-        )
+        match (its_own, after.is_empty()) {
+            (Some(capture), _) => Judged::Of(capture),
+            (None, true) => held(Why::Unclear, &all, false),
+            (None, false) => held(Why::Late, &all[..1], true),
+        }
+    }
+
+    /// Whether a naming failed after a name opened a capture and before an export began.
+    fn unread_between(&self, capture: &Capture, export: Appeared) -> Option<Doubt> {
+        let is_between = |at: &Duration| capture.opened <= *at && *at < export.seen;
+        let any = capture.by == Opener::Name && self.unread.iter().any(is_between);
+        any.then_some(Doubt::Unread)
+    }
+
+    /// Which capture a content belongs to; nothing is changed before [`Captures::answer`].
+    pub fn judge_content(&self, content: &Content) -> Judged {
+        if content.is_known {
+            return Judged::Unpressed;
+        }
+        let judged = self.judge(content.began);
+        match &content.completes {
+            Some(patient) => judged.completing(patient.as_ref()),
+            None => judged,
+        }
     }
 
     /// The export was taken: what it answered waits no more.
     pub fn answer(&mut self, judged: &Judged) {
-        let (answered, in_doubt) = match judged {
+        let (answered, in_doubt, candidates) = match judged {
             Judged::Unpressed => return,
-            Judged::Of(capture) => (Some(capture.number), &[][..]),
-            Judged::Held { answered, doubtful, .. } => (*answered, doubtful.as_slice()),
+            Judged::Of(capture) => (Some(capture.number), &[][..], &[][..]),
+            Judged::Held { answered, doubtful, candidates, .. } => {
+                (*answered, doubtful.as_slice(), candidates.as_slice())
+            }
         };
         self.waiting.retain(|capture| Some(capture.number) != answered);
         for capture in self.waiting.iter_mut().filter(|c| in_doubt.contains(&c.number)) {
             capture.doubt = Some(Doubt::Shared);
+            candidates.iter().for_each(|named| capture.may_also_be(named));
         }
     }
 
     /// Time has passed. `coming` are the times at which files were first seen that have not settled:
     /// a capture with such a file does not expire.
     pub fn pass(&mut self, now: Duration, coming: &[Duration]) -> Passed {
-        let mut passed = Passed { name_expired: self.drop_old_name(now), ..Passed::default() };
+        let mut passed = Passed { name_expired: self.drop_old_names(now), ..Passed::default() };
         for capture in self.waiting.iter_mut().filter(|c| c.state == CaptureState::Open) {
             let is_coming = |seen: &Duration| capture.opened < *seen && *seen <= capture.until;
             if now > capture.until && !coming.iter().any(is_coming) {
                 capture.state = CaptureState::Expired;
-                passed.expired.push(capture.number);
+                // Of one that was refused somebody knows already.
+                passed.expired.extend((!capture.is_refused).then_some(capture.number));
             }
         }
         let late = self.rules.late;
@@ -351,16 +352,33 @@ impl Captures {
         passed.over = self.waiting.extract_if(.., over).map(|capture| capture.number).collect();
         passed
     }
-
-    fn drop_old_name(&mut self, now: Duration) -> bool {
-        let lasts = self.rules.name_lasts;
-        let old = self.next.take_if(|next| now > next.at + lasts);
-        old.is_some()
-    }
 }
 
-fn id(capture: &Capture) -> Option<&str> {
-    capture.patient.as_ref().map(|named| named.id.as_str())
+/// The ids that a capture names; none within where it names nobody.
+fn ids(capture: &Capture) -> Vec<Option<&str>> {
+    if capture.is_unnamed() {
+        return vec![None];
+    }
+    capture.named().map(|named| Some(named.id.as_str())).collect()
+}
+
+/// An export that a person must decide upon, for captures that may all be meant. `answers` says
+/// whether the oldest of them waits no more.
+fn held(why: Why, all: &[&Capture], answers: bool) -> Judged {
+    let mut candidates: Vec<Named> = Vec::new();
+    for named in all.iter().flat_map(|capture| capture.named()) {
+        if candidates.iter().all(|known| known.id != named.id) {
+            candidates.push(named.clone());
+        }
+    }
+    let patient = match candidates.as_slice() {
+        [one] => Some(one.clone()),
+        _ => None,
+    };
+    let mut numbers = all.iter().map(|capture| capture.number);
+    let answered = numbers.next().filter(|_| answers);
+    let doubtful = if answers { numbers.collect() } else { Vec::new() };
+    Judged::Held { why, patient, candidates, answered, doubtful }
 }
 
 #[cfg(test)]

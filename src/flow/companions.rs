@@ -12,13 +12,29 @@ use crate::scan::{Format, ord};
 /// The endings of what scanners write beside a scan: their own measures, and the colours of an OBJ.
 pub const ENDINGS: [&str; 2] = ["ord", "mtl"];
 
+/// A larger file beside a scan is not kept with it, bytes: no measures are larger, and the colours of
+/// an OBJ take some hundred bytes.
+const BYTES_MAX: u64 = ord::BYTES_MAX as u64;
+
+/// So many files beside a scan are kept with it. A scanner writes one of each ending; names that
+/// differ in letter case or separators only can be hundreds.
+const FILES_MAX: usize = 8;
+
+/// So much do the files beside a scan take at most, bytes: less than a scan itself.
+const ALL_BYTES_MAX: u64 = 4 * BYTES_MAX;
+
 /// A scan and what belongs to it, as one look found them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Group {
     /// The state of the scan itself.
     pub stamp: Stamp,
-    /// The files beside it, in name order.
+    /// The files beside it that are kept with it, in name order.
     pub companions: Vec<Companion>,
+    /// How many files beside it are not kept, because they are too large or too many.
+    pub left_out: usize,
+    /// Files lie beside it that may as well belong to another scan, under the same stem: they are
+    /// kept with neither.
+    pub is_shared: bool,
     /// Whether the scanner has said that it is finished.
     pub done: Done,
 }
@@ -49,7 +65,7 @@ pub enum Done {
 impl From<Stamp> for Group {
     /// A scan alone.
     fn from(stamp: Stamp) -> Group {
-        Group { stamp, companions: Vec::new(), done: Done::NotAsked }
+        Group { stamp, companions: Vec::new(), left_out: 0, is_shared: false, done: Done::NotAsked }
     }
 }
 
@@ -59,23 +75,45 @@ pub fn is_companion(name: &OsStr) -> bool {
         .is_some_and(|(_, ending)| ENDINGS.iter().any(|known| known.as_bytes() == ending))
 }
 
+/// Whether a companion may name the patient of a scan: it was created or rewritten since the scan
+/// before under this stem was taken with the companion as `used`. A change of its name, mode or links
+/// is neither.
+pub fn is_fresh(companion: &Stamp, used: Option<&Stamp>) -> bool {
+    let content = |stamp: &Stamp| (stamp.dev, stamp.ino, stamp.size, stamp.mtime_ns);
+    used.is_none_or(|used| content(companion) != content(used))
+}
+
+/// What a scan and what is kept with it take of a disk, bytes.
+pub fn bytes(scan: &Stamp, companions: &[Companion]) -> u64 {
+    companions.iter().fold(scan.size, |sum, file| sum.saturating_add(file.stamp.size))
+}
+
 /// The scans of a look with what belongs to each; `done` tells of each scan's done file.
 pub fn groups(
     scans: BTreeMap<PathBuf, Stamp>,
     companions: BTreeMap<PathBuf, Stamp>,
     done: impl Fn(&Path) -> Done,
 ) -> BTreeMap<PathBuf, Group> {
-    let mut beside: BTreeMap<Stem, Vec<(PathBuf, Stamp)>> = BTreeMap::new();
+    let mut beside: BTreeMap<Stem, Beside> = BTreeMap::new();
     for (path, stamp) in companions {
         if let Some(stem) = stem(&path) {
-            beside.entry(stem).or_default().push((path, stamp));
+            beside.entry(stem).or_default().files.push((path, stamp));
         }
     }
+    for stem in scans.keys().filter_map(|path| stem(path)) {
+        beside.entry(stem).and_modify(|beside| beside.scans += 1);
+    }
     let grouped = scans.into_iter().map(|(path, stamp)| {
-        let files = stem(&path).and_then(|stem| beside.get(&stem));
-        let companions = named(files.map_or(&[], Vec::as_slice));
-        let done = done(&path);
-        (path, Group { stamp, companions, done })
+        let group = Group { done: done(&path), ..Group::from(stamp) };
+        let group = match stem(&path).and_then(|stem| beside.get(&stem)) {
+            None => group,
+            Some(beside) if beside.scans > 1 => Group { is_shared: true, ..group },
+            Some(beside) => {
+                let (companions, left_out) = kept(&beside.files);
+                Group { companions, left_out, ..group }
+            }
+        };
+        (path, group)
     });
     grouped.collect()
 }
@@ -83,9 +121,37 @@ pub fn groups(
 /// The folder of a file and the stem that files of one scan share.
 type Stem = (PathBuf, Vec<u8>);
 
+/// What lies under a stem.
+#[derive(Debug, Default)]
+struct Beside {
+    /// The files that are no scans, in name order.
+    files: Vec<(PathBuf, Stamp)>,
+    /// How many scans.
+    scans: usize,
+}
+
 fn stem(path: &Path) -> Option<Stem> {
     let (stem, _) = ord::parted(path.file_name()?.as_bytes())?;
     Some((path.parent()?.to_owned(), stem))
+}
+
+/// Which of the files beside a scan are kept with it, in name order, and how many are not.
+fn kept(files: &[(PathBuf, Stamp)]) -> (Vec<Companion>, usize) {
+    let is_measures = |file: &Companion| file.name_ending.ends_with(ENDINGS[0]);
+    // Measures first: of two of them both must be kept, so that neither is believed.
+    let (measures, others): (Vec<_>, Vec<_>) = named(files).into_iter().partition(is_measures);
+    let (mut kept, mut bytes): (Vec<Companion>, u64) = (Vec::new(), 0);
+    for file in measures.into_iter().chain(others) {
+        let size = file.stamp.size;
+        let is_small = size <= BYTES_MAX && bytes + size <= ALL_BYTES_MAX;
+        if is_small && kept.len() < FILES_MAX {
+            bytes += size;
+            kept.push(file);
+        }
+    }
+    kept.sort_by(|a, b| a.path.cmp(&b.path));
+    let left_out = files.len() - kept.len();
+    (kept, left_out)
 }
 
 fn named(files: &[(PathBuf, Stamp)]) -> Vec<Companion> {
@@ -150,7 +216,7 @@ mod tests {
 
     #[test]
     fn files_of_one_stem_in_one_folder_belong_together() {
-        let scans = files(&["/e/a b.obj", "/e/c.ply", "/e/c.stl", "/f/a b.obj"]);
+        let scans = files(&["/e/a b.obj", "/e/c.ply", "/f/a b.obj"]);
         let beside = files(&["/e/a+b.ORD", "/e/a_b.ord", "/e/a b.mtl", "/e/c.ord", "/e/d.ord"]);
         let groups = groups(scans, beside, |_| Done::NotAsked);
         let of = |scan: &str| -> Vec<(&str, &str)> {
@@ -162,8 +228,82 @@ mod tests {
             [("/e/a b.mtl", "mtl"), ("/e/a+b.ORD", "ord"), ("/e/a_b.ord", "2.ord")]
         );
         assert_eq!(of("/e/c.ply"), [("/e/c.ord", "ord")]);
-        assert_eq!(of("/e/c.stl"), [("/e/c.ord", "ord")]);
         assert_eq!(of("/f/a b.obj"), []);
+    }
+
+    #[test]
+    fn what_may_belong_to_two_scans_belongs_to_neither() {
+        let scans = files(&["/e/a b.obj", "/e/a_b.obj", "/e/c.ply", "/e/c.stl", "/e/d.obj"]);
+        let scans = scans.into_iter().chain(files(&["/f/c.ply", "/f/c c.ply", "/f/c+c.ply"]));
+        let beside = files(&["/e/a b.ord", "/e/a+b.mtl", "/e/c.ord", "/e/d.ord", "/f/c.ord"]);
+        let groups = groups(scans.collect(), beside, |_| Done::NotAsked);
+        let told = |scan: &str| {
+            let group = &groups[Path::new(scan)];
+            (group.is_shared, group.companions.len(), group.left_out)
+        };
+        for scan in ["/e/a b.obj", "/e/a_b.obj", "/e/c.ply", "/e/c.stl"] {
+            assert_eq!(told(scan), (true, 0, 0), "{scan}");
+        }
+        for scan in ["/e/d.obj", "/f/c.ply"] {
+            assert_eq!(told(scan), (false, 1, 0), "{scan}");
+        }
+        assert_eq!(told("/f/c c.ply"), (false, 0, 0), "nothing lies beside the two");
+    }
+
+    /// How many of so many files of measures and of colours, of so many bytes each, are kept with a
+    /// scan of 10 bytes; how many are not; what they take with it.
+    fn bounded(measures: usize, colours: usize, size: u64) -> (usize, usize, usize, u64) {
+        let name = |ending: &str, n: usize| format!("/e/{}.{ending}", "a_".repeat(20) + &spelt(n));
+        let names = (0..measures).map(|n| name("ord", n));
+        let names = names.chain((0..colours).map(|n| name("mtl", n)));
+        let stamp = |size| Stamp { size, ..stamp(1) };
+        let beside: BTreeMap<_, _> = names.map(|name| (name.into(), stamp(size))).collect();
+        assert_eq!(beside.len(), measures + colours);
+        let scan = PathBuf::from(format!("/e/{}.obj", "a_".repeat(20) + &spelt(0)));
+        let scans = BTreeMap::from([(scan.clone(), stamp(10))]);
+        let group = groups(scans, beside, |_| Done::NotAsked).remove(&scan).unwrap();
+        let kept = group.companions.iter().filter(|file| file.name_ending.ends_with("ord"));
+        let kept = kept.count();
+        let colours = group.companions.len() - kept;
+        (kept, colours, group.left_out, bytes(&group.stamp, &group.companions))
+    }
+
+    /// A number in separators, which all are the same in a stem.
+    fn spelt(n: usize) -> String {
+        (0..10).map(|bit| if n >> bit & 1 == 1 { ' ' } else { '+' }).collect()
+    }
+
+    #[test]
+    fn what_is_kept_with_a_scan_is_bounded_in_number_and_size_before_anything_is_read() {
+        assert_eq!(bounded(1, 1, 100), (1, 1, 0, 210));
+        assert_eq!(bounded(0, 8, 1000), (0, 8, 0, 8010));
+        assert_eq!(bounded(0, 9, 1000), (0, 8, 1, 8010));
+        assert_eq!(bounded(0, 1000, BYTES_MAX), (0, 4, 996, 10 + ALL_BYTES_MAX));
+        assert_eq!(bounded(0, 1, BYTES_MAX + 1), (0, 0, 1, 10));
+    }
+
+    #[test]
+    fn two_files_of_measures_are_both_kept_however_much_else_there_is() {
+        assert_eq!(bounded(2, 900, 1), (2, 6, 894, 18));
+        assert_eq!(bounded(2, 900, BYTES_MAX), (2, 2, 898, 10 + ALL_BYTES_MAX));
+    }
+
+    #[test]
+    fn a_companion_is_fresh_once_it_is_made_or_written_anew() {
+        let used = Stamp { dev: 1, ino: 2, size: 3, mtime_ns: 4, ctime_ns: 5 };
+        let cases = [
+            (used, false, "nothing"),
+            (Stamp { ctime_ns: 6, ..used }, false, "chmod or link"),
+            (Stamp { mtime_ns: 6, ..used }, true, "the same size written"),
+            (Stamp { mtime_ns: 3, ..used }, true, "an older time restored"),
+            (Stamp { size: 4, ..used }, true, "grown"),
+            (Stamp { ino: 3, ..used }, true, "another file"),
+            (Stamp { dev: 2, ..used }, true, "another disk"),
+        ];
+        for (now, fresh, what) in cases {
+            assert_eq!(is_fresh(&now, Some(&used)), fresh, "{what}");
+        }
+        assert!(is_fresh(&used, None), "no scan had it before");
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 
 use regex::Regex;
 
-use super::capture::Named;
+use super::capture::{Judged, Named};
 use super::check_digit::CheckDigit;
 use crate::record::{Patient, Source, SourceKind};
 
@@ -127,6 +127,23 @@ impl Identity {
             && self.whole_id.is_match(id)
             && self.check_digit.holds(id)
     }
+}
+
+/// Whose scan it is by the capture that it answers, its file name and what lies beside it. One that is
+/// known is held for nothing but what its own name says; `hold_unpressed` is whether exports without a
+/// press are held.
+pub fn of_judged(
+    judged: &Judged,
+    is_known: bool,
+    hold_unpressed: bool,
+    says: [NameSays; 2],
+) -> Whose {
+    let (named, held) = match judged {
+        Judged::Of(capture) => (capture.patient.as_ref(), None),
+        Judged::Held { why, patient, .. } => (patient.as_ref(), Some(why.code())),
+        Judged::Unpressed => (None, (hold_unpressed && !is_known).then_some(NO_PRESS)),
+    };
+    whose(named, held, says)
 }
 
 /// Whose scan it is: the patient who was named before, what the scan's file name says, and what lies

@@ -9,7 +9,8 @@
 //!          refused                                           Retry
 //! ```
 //!
-//! Finish, Deliver, Refuse and Gone are the station's own steps; the others need a person.
+//! Finish, Deliver, Refuse and Gone are the station's own steps, and so is Keep, back from withdrawing to
+//! delivered; the others need a person.
 
 /// Where a scan is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -44,11 +45,21 @@ pub enum DeliveryState {
     Held,
     /// It will not be made: the scan was refused.
     Refused,
-    /// It was made for nobody; now that the patient has the record, this one is to be taken back.
+    /// It was made, or may have been, for nobody or for somebody whose scan it is not; now that whose it
+    /// is has the record, this one is to be taken back.
     Withdrawing,
     /// It was taken back.
     Withdrawn,
 }
+
+/// The code of a delivered record that a person takes back from its patient.
+pub const UNASSIGNED: &str = "unassigned";
+
+/// The code of a delivery that was to be made when a person decided otherwise: it may have been made.
+pub const SUPERSEDED: &str = "superseded";
+
+/// The code of a record that was to be taken back from a store that gives nothing back.
+pub const HANDED_OVER: &str = "result-handed-over";
 
 /// What may happen to a delivery.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -65,6 +76,8 @@ pub enum DeliveryStep {
     Withdraw,
     /// The store has taken it back.
     Gone,
+    /// The store gives nothing back: it stays there.
+    Keep,
 }
 
 /// A step that the state does not allow; always a fault of ours.
@@ -144,13 +157,14 @@ impl DeliveryState {
     /// [`IllegalStep`] where the state does not allow it.
     pub fn after(self, step: DeliveryStep) -> Result<DeliveryState, IllegalStep> {
         use DeliveryState::{Delivered, Held, Pending, Refused, Withdrawing, Withdrawn};
-        use DeliveryStep::{Deliver, Gone, Refuse, Release, Retry, Withdraw};
+        use DeliveryStep::{Deliver, Gone, Keep, Refuse, Release, Retry, Withdraw};
         let illegal = |step| Err(IllegalStep { state: self.word(), step });
         match (self, step) {
             (Pending, Deliver) => Ok(Delivered),
             (Pending, Refuse) => Ok(Refused),
             (Refused, Retry) | (Held, Release) => Ok(Pending),
             (Delivered, Withdraw) => Ok(Withdrawing),
+            (Withdrawing, Keep) => Ok(Delivered),
             (Withdrawing, Gone) => Ok(Withdrawn),
             (_, Deliver) => illegal("deliver"),
             (_, Refuse) => illegal("refuse"),
@@ -158,6 +172,7 @@ impl DeliveryState {
             (_, Release) => illegal("release"),
             (_, Withdraw) => illegal("withdraw"),
             (_, Gone) => illegal("gone"),
+            (_, Keep) => illegal("keep"),
         }
     }
 }
@@ -181,8 +196,8 @@ mod tests {
 
     #[test]
     fn a_record_that_was_taken_back_stays_away() {
-        use DeliveryStep::{Deliver, Gone, Refuse, Release, Retry, Withdraw};
-        for step in [Deliver, Refuse, Retry, Release, Withdraw, Gone] {
+        use DeliveryStep::{Deliver, Gone, Keep, Refuse, Release, Retry, Withdraw};
+        for step in [Deliver, Refuse, Retry, Release, Withdraw, Gone, Keep] {
             assert!(DeliveryState::Withdrawn.after(step).is_err());
         }
     }

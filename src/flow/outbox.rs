@@ -27,6 +27,9 @@ pub enum Ended {
     ForGood,
     /// It is to be tried again; the fault is not the store's.
     PutOff,
+    /// A record that was to be taken back was changed by somebody and stays until a person has looked
+    /// after it: it is tried again.
+    Kept,
     /// It is to be tried again, and the store asked whether it is in reach.
     StoreFailed,
 }

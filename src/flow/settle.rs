@@ -7,6 +7,8 @@
 //! A settled file is offered at every look until the caller says what became of it:
 //! [`Settling::taken`], [`Settling::cut_short`], [`Settling::changed`] or [`Settling::failed`].
 
+mod lineage;
+mod memory;
 mod turns;
 mod wait;
 
@@ -15,9 +17,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::backoff;
-use super::capture::Appeared;
 use super::companions::{Companion, Done, Group};
 use super::stamp::Stamp;
+use super::writing::{Appeared, Mark, Writing};
+use lineage::Lineages;
+pub use lineage::Passer;
+pub use memory::{Memory, Remembered};
 pub use wait::{Wait, Waiting};
 
 /// What one look at a folder found.
@@ -48,10 +53,23 @@ pub struct Settled {
     pub stamp: Stamp,
     /// What goes with it, unchanged for as long.
     pub companions: Vec<Companion>,
+    /// How many files beside it do not, because they are too large or too many.
+    pub left_out: usize,
+    /// Files beside it may as well belong to another scan, and go with neither.
+    pub is_shared: bool,
     /// Its rest has been awaited long enough: it is to be taken even if it is cut short.
     pub awaited: bool,
-    /// When it appeared, on the clock of the looks.
-    pub appeared: Appeared,
+    /// How it was written, as far as looks can tell, on their clock.
+    pub writing: Writing,
+    /// It was taken before, and what lies beside it has come or changed since.
+    pub has_late_companion: bool,
+}
+
+impl Settled {
+    /// What it takes of a disk with what goes with it, bytes.
+    pub fn bytes(&self) -> u64 {
+        super::companions::bytes(&self.stamp, &self.companions)
+    }
 }
 
 /// The files of one folder on their way to being settled.
@@ -60,7 +78,14 @@ pub struct Settling {
     quiet: Duration,
     short_wait: Duration,
     overdue: Duration,
+    /// How long a scan's companions are awaited; none where they name nobody.
+    companion_wait: Option<Duration>,
     files: BTreeMap<PathBuf, Watched>,
+    /// Files that are no scans, by their present names: temporary names of scans to come.
+    passers: BTreeMap<PathBuf, Passer>,
+    /// What the run before knew of files that were not taken, and what is known of those that have just
+    /// left a name that is no scan's.
+    remembered: Vec<Remembered>,
     /// When the last look at the folder began that could be believed.
     last_look: Option<Duration>,
     /// How many files have had their turn; see [`turns`].
@@ -70,9 +95,12 @@ pub struct Settling {
 #[derive(Debug, Clone)]
 struct Watched {
     group: Group,
+    writing: Writing,
     /// When it appeared, or changed after it was taken: it waits to be taken since then, however often
     /// it changes.
-    appeared: Appeared,
+    since: Duration,
+    /// Its content has changed since part of it was read last.
+    is_unmarked: bool,
     /// Since when the scan itself has not changed.
     unchanged_since: Duration,
     /// Since when neither it nor what belongs to it has changed.
@@ -82,6 +110,8 @@ struct Watched {
     /// The folder was out of reach; the quiet time starts when the file is seen again.
     is_lost: bool,
     is_overdue: bool,
+    /// What lies beside it has come or changed since it was taken.
+    has_late_companion: bool,
 }
 
 /// What a file waits for while it does not change.
@@ -98,29 +128,38 @@ enum Next {
 }
 
 impl Watched {
-    fn new(group: Group, appeared: Appeared, now: Duration) -> Watched {
+    fn new(group: Group, writing: Writing, now: Duration) -> Watched {
         Watched {
             group,
-            appeared,
+            writing,
+            since: now,
+            is_unmarked: true,
             unchanged_since: now,
             quiet_since: now,
             failures: 0,
             next: Next::Quiet,
             is_lost: false,
             is_overdue: false,
+            has_late_companion: false,
         }
     }
 
-    /// The file as it is after a look that found it like this; `appeared` is for one that is new.
-    fn seen(mut self, group: Group, appeared: Appeared) -> Watched {
-        let (is_taken, now) = (self.next == Next::Taken, appeared.seen);
-        if self.group.stamp != group.stamp || self.is_lost {
-            let appeared = if is_taken { appeared } else { self.appeared };
+    /// The file as it is after a look that found it like this; `news` is what is known of the content
+    /// of a file whose stamp has changed, and `asks` whether what lies beside it names the patient.
+    fn seen(mut self, group: Group, news: Option<Writing>, now: Duration, asks: bool) -> Watched {
+        let is_taken = self.next == Next::Taken;
+        if news.is_some() || self.is_lost {
+            let since = if is_taken { now } else { self.since };
             let is_overdue = self.is_overdue && !is_taken;
-            return Watched { is_overdue, ..Watched::new(group, appeared, now) };
+            let writing = news.unwrap_or(self.writing);
+            return Watched { since, is_overdue, ..Watched::new(group, writing, now) };
         }
-        // What comes to a scan that has been taken comes too late.
-        if self.group != group && !is_taken {
+        let has_news_beside = self.group.companions != group.companions;
+        if is_taken && asks && has_news_beside && !group.companions.is_empty() {
+            // It comes late, and may name the patient all the same.
+            (self.next, self.has_late_companion) = (Next::Quiet, true);
+            (self.since, self.quiet_since) = (now, now);
+        } else if self.group != group && !is_taken {
             self.quiet_since = now;
         }
         self.group = group;
@@ -134,7 +173,25 @@ impl Settling {
     pub fn new(quiet: Duration, short_wait: Duration, overdue: Duration) -> Settling {
         let short_wait = short_wait.max(quiet);
         let files = BTreeMap::new();
-        Settling { quiet, short_wait, overdue, files, last_look: None, turns: 0 }
+        let (passers, remembered) = (BTreeMap::new(), Vec::new());
+        let (companion_wait, last_look, turns) = (None, None, 0);
+        Settling {
+            quiet,
+            short_wait,
+            overdue,
+            companion_wait,
+            files,
+            passers,
+            remembered,
+            last_look,
+            turns,
+        }
+    }
+
+    /// The same where what lies beside a scan names its patient: a scan waits so long for it, and is
+    /// offered once more where it comes later.
+    pub fn awaiting_companions(self, wait: Duration) -> Settling {
+        Settling { companion_wait: Some(wait), ..self }
     }
 
     /// Takes in a look; returns the files to be taken now, each in its turn: fresh files first, and of every few one that waits long.
@@ -146,17 +203,39 @@ impl Settling {
             }
             return Vec::new();
         };
+        let mut news = self.news(&seen, when);
         let mut before = std::mem::take(&mut self.files);
-        let appeared = Appeared { absent: self.last_look, seen: when.ended };
         for (path, group) in seen {
-            let file = match before.remove(&path) {
-                Some(known) => known.seen(group, appeared),
-                None => Watched::new(group, appeared, when.ended),
+            let known = before.remove(&path);
+            let file = match (known, news.remove(&path)) {
+                (Some(known), writing) => {
+                    let asks = self.companion_wait.is_some();
+                    known.seen(group, writing, when.ended, asks)
+                }
+                (None, Some(writing)) => Watched::new(group, writing, when.ended),
+                (None, None) => continue,
             };
             self.files.insert(path, file);
         }
+        self.remembered.clear();
         self.last_look = Some(when.began);
         self.due(when.began)
+    }
+
+    /// What is known of the contents of files that are new or have changed since the last look.
+    fn news(&self, seen: &BTreeMap<PathBuf, Group>, when: LookTime) -> BTreeMap<PathBuf, Writing> {
+        let is_news = |(path, group): &(&PathBuf, &Group)| {
+            self.files.get(*path).is_none_or(|known| known.group.stamp != group.stamp)
+        };
+        let mut news = seen.iter().filter(is_news).peekable();
+        if news.peek().is_none() {
+            return BTreeMap::new();
+        }
+        let lineages = Lineages::of(&self.files, &self.passers, &self.remembered);
+        let appeared = Appeared { absent: self.last_look, seen: when.ended };
+        let news =
+            news.map(|(path, group)| (path.clone(), lineages.writing(path, group.stamp, appeared)));
+        news.collect()
     }
 
     fn due(&self, now: Duration) -> Vec<Settled> {
@@ -166,8 +245,11 @@ impl Settling {
                 path: path.clone(),
                 stamp: file.group.stamp,
                 companions: file.group.companions.clone(),
+                left_out: file.group.left_out,
+                is_shared: file.group.is_shared,
                 awaited: now.saturating_sub(file.unchanged_since) >= self.short_wait,
-                appeared: file.appeared,
+                writing: file.writing.clone(),
+                has_late_companion: file.has_late_companion,
             };
             (file.unchanged_since, settled)
         });
@@ -185,6 +267,11 @@ impl Settling {
             return None;
         }
         let quiet = file.quiet_since + self.quiet;
+        let is_alone = file.group.companions.is_empty() && !file.group.is_shared;
+        let quiet = match self.companion_wait.filter(|_| is_alone) {
+            Some(wait) => quiet.max(file.since + wait),
+            None => quiet,
+        };
         match file.next {
             Next::Quiet => Some(quiet),
             Next::Rest => Some(quiet.max(file.unchanged_since + self.short_wait)),
@@ -198,9 +285,19 @@ impl Settling {
         self.files.values().filter_map(|file| self.due_at(file)).min()
     }
 
-    /// The file has been taken in this state; it is not offered again until it changes.
+    /// The file has been taken in this state, or refused unread; it is not offered again until it
+    /// changes.
     pub fn taken(&mut self, settled: &Settled) {
         self.had_its_turn(settled, |file| file.next = Next::Taken);
+    }
+
+    /// The file was read whole in the state that settled.
+    pub fn read(&mut self, settled: &Settled, mark: &Mark) {
+        let offered = self.files.get_mut(&settled.path);
+        if let Some(file) = offered.filter(|file| file.group.stamp == settled.stamp) {
+            file.writing.known(mark.clone());
+            file.is_unmarked = false;
+        }
     }
 
     /// The file's own format shows that more is to come; it is offered again once it has changed
@@ -244,7 +341,7 @@ impl Settling {
     /// When the files appeared that are not taken yet.
     pub fn coming(&self) -> impl Iterator<Item = Duration> {
         let untaken = self.files.values().filter(|file| file.next != Next::Taken);
-        untaken.map(|file| file.appeared.seen)
+        untaken.map(|file| file.writing.first_seen())
     }
 
     /// How many files have become overdue since this was asked last.

@@ -12,6 +12,7 @@
 pub mod content;
 pub mod fault;
 pub mod format;
+pub mod geometry;
 mod look;
 mod obj;
 pub mod ord;
@@ -27,6 +28,7 @@ use nalgebra::Point3;
 pub use content::Content;
 pub use fault::{CutSign, Place, ScanFault};
 pub use format::Format;
+pub use geometry::geometry;
 
 /// One export of the scanner, undecorated: no unit, no up axis, no order that means anything.
 ///

@@ -25,8 +25,17 @@ pub enum Act {
     Assign(String),
     /// A scan is not its patient's: it is nobody's again.
     Unassign,
-    /// The next scan is of the patient of this id, by the word of this source.
-    NameNext(String, SourceKind),
+    /// A refused scan, or a held one that is somebody's already, needs no decision any more.
+    GiveUp,
+    /// The next scan is of this patient.
+    NameNext {
+        /// The id.
+        id: String,
+        /// Who says so.
+        by: SourceKind,
+        /// Another patient who is named and was not scanned is so no more.
+        replaces: bool,
+    },
     /// Whoever was named for the next scan is not, and no press awaits its export.
     CallOff,
     /// No scan is to be taken or delivered until somebody resumes.
@@ -47,12 +56,18 @@ pub enum ActFault {
     /// The scan's state gives no occasion.
     #[error("{0}")]
     NoOccasion(&'static str),
+    /// It could be of more than one patient, and the decision says not of which.
+    #[error("it could be of more than one patient: say whose it is with gaiter assign")]
+    Several,
     /// The bytes are gone.
     #[error("its bytes are not at the station any more: let the scanner export it again")]
     NoBytes,
     /// The id is against `patient.pattern`.
     #[error("this is no patient id that patient.pattern and patient.check_digit allow")]
     NotAnId,
+    /// Another patient is named, and is not to be replaced.
+    #[error("another patient is named and was not scanned; nothing was changed")]
+    AnotherNamed,
     /// The scan is somebody's.
     #[error("the scan is a named patient's already; nothing was changed")]
     Somebodys,
@@ -74,8 +89,10 @@ impl ActFault {
             ActFault::NoScan => "no-scan-named",
             ActFault::Unknown => "unknown-scan",
             ActFault::NoOccasion(_) => "no-occasion",
+            ActFault::Several => "scan-of-several",
             ActFault::NoBytes => "bytes-gone",
             ActFault::NotAnId => "patient-id-not-allowed",
+            ActFault::AnotherNamed => "another-is-named",
             ActFault::Somebodys => "scan-of-a-patient",
             ActFault::Custody(_) => "custody-failed",
             ActFault::Journal(_) => "journal-failed",
@@ -96,7 +113,8 @@ pub fn act(station: &Station, scan: Option<&ScanId>, act: &Act) -> Result<String
         Act::Release => release(station, known(station, scan)?),
         Act::Assign(id) => assign(station, known(station, scan)?, id),
         Act::Unassign => unassign(station, known(station, scan)?),
-        Act::NameNext(id, by) => return name_next(station, id, *by),
+        Act::GiveUp => give_up(station, known(station, scan)?),
+        Act::NameNext { id, by, replaces } => return name_next(station, id, *by, *replaces),
         Act::CallOff => return call_off(station),
     };
     if let Err(ActFault::Custody(fault)) = &said {
@@ -119,9 +137,10 @@ fn retry(station: &Station, row: ScanRow) -> Result<String, ActFault> {
             Ok(format!("scan {scan} is measured again; {} to be made", deliveries(count)))
         }
         Acted::NoBytes => Err(ActFault::NoBytes),
-        Acted::Nothing => {
+        Acted::Nothing | Acted::Several | Acted::Somebodys => {
             let journal = station.custody.journal();
-            if journal.deliveries_in(&row.scan, DeliveryState::Pending)?.is_empty() {
+            let is_any = |state| journal.deliveries_in(&row.scan, state).map(|due| !due.is_empty());
+            if !is_any(DeliveryState::Pending)? && !is_any(DeliveryState::Withdrawing)? {
                 let why = "it was not refused and nothing of it waits; there is nothing to retry";
                 return Err(ActFault::NoOccasion(why));
             }
@@ -139,13 +158,32 @@ fn release(station: &Station, row: ScanRow) -> Result<String, ActFault> {
             Ok(format!("scan {scan} is released; {} to be made", deliveries(count)))
         }
         Acted::NoBytes => Err(ActFault::NoBytes),
-        Acted::Nothing => Err(ActFault::NoOccasion("it is not held; there is nothing to release")),
+        Acted::Several => Err(ActFault::Several),
+        Acted::Nothing | Acted::Somebodys => {
+            Err(ActFault::NoOccasion("it is not held; there is nothing to release"))
+        }
+    }
+}
+
+fn give_up(station: &Station, row: ScanRow) -> Result<String, ActFault> {
+    let scan = short(&row.scan);
+    match station.custody.give_up(&row.scan)? {
+        Acted::Done(_) => {
+            info!(event = "scan-given-up", scan);
+            Ok(format!("scan {scan} is given up: it needs no decision any more"))
+        }
+        Acted::Nothing | Acted::NoBytes | Acted::Several | Acted::Somebodys => {
+            let why = "it was not refused, and it is not held beside somebody's record, or it was given \
+                       up before; there is nothing to give up";
+            Err(ActFault::NoOccasion(why))
+        }
     }
 }
 
 fn assign(station: &Station, row: ScanRow, id: &str) -> Result<String, ActFault> {
     let patient = station.identity.patient(id, SourceKind::Operator).ok_or(ActFault::NotAnId)?;
     if !station.custody.journal().owners(&row.scan)?.is_empty() {
+        // Said before its bytes are looked for.
         return Err(ActFault::Somebodys);
     }
     let scan = short(&row.scan);
@@ -155,7 +193,8 @@ fn assign(station: &Station, row: ScanRow, id: &str) -> Result<String, ActFault>
             info!(event = "scan-assigned", scan);
             Ok(format!("scan {scan} is assigned; {} to be made", deliveries(count)))
         }
-        Acted::NoBytes | Acted::Nothing => Err(ActFault::NoBytes),
+        Acted::Somebodys => Err(ActFault::Somebodys),
+        Acted::NoBytes | Acted::Nothing | Acted::Several => Err(ActFault::NoBytes),
     }
 }
 
@@ -170,7 +209,7 @@ fn unassign(station: &Station, row: ScanRow) -> Result<String, ActFault> {
         }
     };
     let scan = short(&row.scan);
-    let unassign = |stored| station.custody.unassign(&row, stored);
+    let unassign = |stored| station.custody.unassign(&row, owner, stored);
     match with_bytes(station, &row.scan, Some(owner), unassign)? {
         Acted::Done(_) => {
             info!(event = "scan-unassigned", scan);
@@ -181,24 +220,56 @@ fn unassign(station: &Station, row: ScanRow) -> Result<String, ActFault> {
                 false => said,
             })
         }
-        Acted::NoBytes | Acted::Nothing => Err(ActFault::NoBytes),
+        Acted::Nothing | Acted::Several | Acted::Somebodys => {
+            Err(ActFault::NoOccasion("somebody else has just decided whose it is"))
+        }
+        Acted::NoBytes => Err(ActFault::NoBytes),
     }
 }
 
-fn name_next(station: &Station, id: &str, by: SourceKind) -> Result<String, ActFault> {
+fn name_next(
+    station: &Station,
+    id: &str,
+    by: SourceKind,
+    replaces: bool,
+) -> Result<String, ActFault> {
+    if !replaces {
+        let patient = station.identity.patient(id, by).ok_or(ActFault::NotAnId)?;
+        if named_unscanned(station).iter().any(|named| *named != patient.id) {
+            return Err(ActFault::AnotherNamed);
+        }
+    }
     let next = station.name_patient(id, by).map_err(|fault| match fault {
         NameFault::NotAnId => ActFault::NotAnId,
         NameFault::Journal(error) => ActFault::Journal(error),
     })?;
     Ok(match next {
-        NamedNext::Waits { replaced: false } => "the next press of the button is this patient's",
-        NamedNext::Waits { replaced: true } => {
+        NamedNext::Waits { in_doubt: true, .. } => {
+            "it is not certain whose the next press is: its scan will be held; read the card at the \
+             booth, or name the patient on the page or by gaiter patient set"
+        }
+        NamedNext::Waits { replaced: false, .. } => "the next press of the button is this patient's",
+        NamedNext::Paired(_) => "the press that is open is this patient's",
+        NamedNext::Waits { replaced: true, .. } => {
             "the next press of the button is this patient's, and not of the one who was named before"
         }
-        NamedNext::Opened(_) => "the next export is this patient's",
+        NamedNext::Opened(_, given_up) if given_up.is_empty() => "the next export is this patient's",
+        NamedNext::Opened(..) => {
+            "the next export is this patient's, and not of the one who was named before"
+        }
         NamedNext::Prolonged(_) => "the next export is this patient's already; it is awaited longer",
     }
     .to_owned())
+}
+
+/// Those who are named and were not scanned: their names wait for a press, or without a button for an
+/// export. The export of a press is its own patient's, whoever is named next.
+fn named_unscanned(station: &Station) -> Vec<String> {
+    let mut named = station.booth.next_ids();
+    if station.config.buttons().is_empty() {
+        named.extend(station.booth.awaited_ids());
+    }
+    named
 }
 
 fn call_off(station: &Station) -> Result<String, ActFault> {

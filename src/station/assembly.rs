@@ -10,23 +10,27 @@ use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
+use rustix::time::{ClockId, clock_gettime};
 use tokio::sync::Notify;
 use tracing::{error, info, warn};
 
 use super::board::Board;
 use super::booth::Booth;
 use super::custody::{Custody, CustodyFault};
+use super::decisions::Decisions;
 use super::error::{StationError, chain};
 use super::event::Observer;
 use super::gate::Gate;
 use super::journal::{JournalError, StateLock};
 use super::page::Desk;
+use super::preview::Previews;
 use super::quarantine::Quarantine;
 use super::rebuild;
 use super::spool::Spool;
 use crate::config::{Config, GdtStoreConfig};
 use crate::flow::facts::{Alarm, IntakeState, StoreFacts};
-use crate::flow::{Facts, Identity, ScanId};
+use crate::flow::health::counted;
+use crate::flow::{Facts, Identity, OrdersWhen, ScanId};
 use crate::store::gdt::Attach;
 use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault, durable};
 
@@ -47,6 +51,8 @@ pub struct Station {
     pub booth: Booth,
     /// The operator's page.
     pub page: Desk,
+    /// What held scans show of their legs.
+    pub previews: Previews,
     gate: Gate,
     /// Who looks on.
     pub observer: Observer,
@@ -58,6 +64,8 @@ pub struct Station {
     hurried: Mutex<Vec<ScanId>>,
     ready_stores: Mutex<BTreeSet<String>>,
     started: Instant,
+    /// The machine's clock when the station's began.
+    offset: Duration,
 }
 
 impl Station {
@@ -89,11 +97,17 @@ impl Station {
         // After the journal: where there is a spool there was one, and where it is missing it was lost.
         let spool = Spool::open(state_dir).map_err(state)?;
         let quarantine = Quarantine::open(state_dir).map_err(state)?;
+        let decisions = Decisions::open(state_dir).map_err(state)?;
         let paused = opened.journal.is_paused().map_err(CustodyFault::from);
         let paused = paused.map_err(StationError::Recovery)?;
-        let custody =
-            Custody::new(opened.journal, spool, quarantine, names, config.retention.spool)
-                .with_named_only(named_only);
+        let custody = Custody::new(
+            opened.journal,
+            (spool, quarantine),
+            decisions,
+            names,
+            config.retention.spool,
+        )
+        .with_named_only(named_only);
         // Ruin that shows only now: the next start finds no journal and makes it anew.
         let failed = |fault: CustodyFault| match rebuild::is_ruin(&fault) {
             true => rebuild::give_up(&journal, custody.journal())
@@ -113,15 +127,23 @@ impl Station {
             let message = format!("the journal was rebuilt, for {why}");
             facts.alarms.insert("journal-rebuilt", Alarm { message, since: Timestamp::now() });
         }
+        // After the scans that a lost journal must learn of first.
+        let unreadable = custody.carry_out().map_err(failed)?;
+        if !unreadable.is_empty() {
+            facts.alarms.insert("decisions-unreadable", unreadable_decisions(unreadable.len()));
+        }
         if paused {
             facts.intake = IntakeState::Paused;
         }
         let (folders, buttons) = (config.scanner.export_dirs.len(), config.buttons());
-        let rules = config.capture.rules(&buttons);
+        let orders = config.patient.orders.as_ref();
+        let orders = orders.map_or(OrdersWhen::default(), |orders| orders.when);
+        let rules = config.capture.rules(&buttons, orders);
         let booth = Booth::open(custody.journal(), rules, folders, buttons);
         let booth = booth.map_err(CustodyFault::from).map_err(failed)?;
         info!(event = "station-open", adopted, first_start);
         let of = &config.station;
+        let previews = Previews::of(&of.state_dir);
         let gate = Gate::new(of.state_dir.clone(), of.disk_floor_bytes);
         Ok(Station {
             config,
@@ -131,6 +153,7 @@ impl Station {
             board: Board::new(facts),
             booth,
             page: Desk::default(),
+            previews,
             gate,
             observer,
             work: Notify::new(),
@@ -139,12 +162,14 @@ impl Station {
             hurried: Mutex::new(Vec::new()),
             ready_stores: Mutex::new(BTreeSet::new()),
             started: Instant::now(),
+            offset: since_boot(),
         })
     }
 
-    /// The daemon's own monotonic clock.
+    /// The daemon's own monotonic clock: the machine's since its start, so that a time that stands in
+    /// the journal means the same to the next run. It stands still while the machine sleeps.
     pub fn now(&self) -> Duration {
-        self.started.elapsed()
+        self.offset + self.started.elapsed()
     }
 
     /// The store of this name in the journal, if the configuration has it.
@@ -279,6 +304,23 @@ impl Station {
         self.note_store(name, Some(STALLED.to_owned()));
         true
     }
+}
+
+/// The machine's clock since its start, its sleeps included.
+fn since_boot() -> Duration {
+    let time = clock_gettime(ClockId::Boottime);
+    let nanoseconds = u32::try_from(time.tv_nsec).unwrap_or(0);
+    Duration::new(time.tv_sec.unsigned_abs(), nanoseconds)
+}
+
+/// What people decided about some scans cannot be read any more.
+fn unreadable_decisions(count: usize) -> Alarm {
+    let message = format!(
+        "what was decided about {} cannot be read: where the journal is lost, too, a record may lie \
+         where it was taken back from",
+        counted(count, "scan")
+    );
+    Alarm { message, since: Timestamp::now() }
 }
 
 fn journal_file(config: &Config) -> PathBuf {

@@ -9,7 +9,6 @@ use std::fs;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use rustix::time::{ClockId, clock_gettime};
 use tokio::sync::{Notify, watch};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -21,10 +20,11 @@ use super::error::chain;
 use super::journal::{CaptureRow, Journal, JournalError};
 use super::overview::Overview;
 use super::stop::Stop;
-use crate::flow::ScanId;
 use crate::flow::booth::Signal;
-use crate::flow::capture::{Appeared, Capture, CaptureState, Captures, Judged, Rules};
+use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
 use crate::flow::light::{Light, Outcome, Scene};
+use crate::flow::order_habit::{OrderCame, OrdersComeLate, orders_come_late};
+use crate::flow::{OrdersWhen, ScanId};
 pub use hearing::NameFault;
 
 /// How often the light is looked after: a person sees no shorter delay.
@@ -43,9 +43,8 @@ pub struct Booth {
     signal: watch::Sender<Signal>,
     /// Told at each press: what lies in the export folders now was there before it.
     looks: Vec<Arc<Notify>>,
+    /// What tells this start of the machine from another.
     boot: String,
-    /// The machine's clock when the station's began.
-    offset: Duration,
 }
 
 #[derive(Debug)]
@@ -58,6 +57,8 @@ struct Inner {
     coming: BTreeMap<usize, Vec<Duration>>,
     /// Scans that came in and whose records are not all delivered.
     in_work: BTreeSet<ScanId>,
+    /// When the last orders came.
+    orders: Vec<OrderCame>,
     missed: bool,
     last: Option<(Outcome, Duration)>,
 }
@@ -65,7 +66,6 @@ struct Inner {
 /// The captures, held while an export is taken: no press or other export comes in between.
 #[derive(Debug)]
 pub struct Held<'a> {
-    booth: &'a Booth,
     inner: MutexGuard<'a, Inner>,
 }
 
@@ -80,6 +80,8 @@ pub struct BoothState {
     pub is_named: bool,
     /// A press may have gone unheard a short while ago.
     pub is_in_doubt: bool,
+    /// Most orders come after the press, and the configuration expects them before it.
+    pub orders_come_late: Option<OrdersComeLate>,
 }
 
 impl Booth {
@@ -93,22 +95,24 @@ impl Booth {
         folders: usize,
         buttons: BTreeSet<&'static str>,
     ) -> Result<Booth, JournalError> {
-        let offset = since_boot();
         let boot = boot_id();
         let is_ours = |row: &CaptureRow| row.boot == boot && !boot.is_empty();
         let (ours, others): (Vec<CaptureRow>, Vec<CaptureRow>) =
             journal.captures_waiting()?.into_iter().partition(is_ours);
         // The machine was off: whatever a press had begun is over.
         let others: Vec<i64> = others.iter().map(|row| row.capture.number).collect();
-        let next = journal.next_named()?;
-        let name_is_over = next.as_ref().is_some_and(|(_, of)| *of != boot);
-        if !others.is_empty() || name_is_over {
-            journal.expired(&others, name_is_over)?;
-            journal.captures_over(&others)?;
+        let names = journal.names()?;
+        let is_name_over = names.as_ref().is_some_and(|names| names.boot != boot);
+        if !others.is_empty() || is_name_over {
+            journal.captures_of_before(&others, is_name_over)?;
         }
-        let next = next.filter(|_| !name_is_over).map(|(next, _)| next);
+        let names = names.filter(|_| !is_name_over);
+        let (next, unsure_press, unread) = names.map_or((None, None, Vec::new()), |names| {
+            (names.next, names.unsure_press, names.unread)
+        });
         let waiting = ours.into_iter().map(|row| row.capture).collect();
-        let mut captures = Captures::new(rules, waiting, next);
+        let mut captures = Captures::new(rules, waiting, next, unsure_press);
+        captures = captures.with_unread(unread);
         if buttons.is_empty() {
             captures.hears(Duration::ZERO);
         }
@@ -118,12 +122,13 @@ impl Booth {
             away: buttons,
             coming: BTreeMap::new(),
             in_work: BTreeSet::new(),
+            orders: journal.orders_came()?,
             missed: !others.is_empty(),
             last: None,
         };
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
-        Ok(Booth { inner: Mutex::new(inner), signal, looks, boot, offset })
+        Ok(Booth { inner: Mutex::new(inner), signal, looks, boot })
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
@@ -142,13 +147,12 @@ impl Booth {
 
     /// Holds the captures while an export is taken.
     pub fn hold(&self) -> Held<'_> {
-        Held { booth: self, inner: self.inner() }
+        Held { inner: self.inner() }
     }
 
     /// Notes when the files of an export folder appeared that are coming in.
     pub fn coming(&self, place: usize, seen: impl Iterator<Item = Duration>) {
-        let seen = seen.map(|at| self.offset + at).collect();
-        self.inner().coming.insert(place, seen);
+        self.inner().coming.insert(place, seen.collect());
     }
 
     /// A scan ended, or needs a person; `now` is of the station's clock.
@@ -167,13 +171,49 @@ impl Booth {
             signal: *self.signal.borrow(),
             awaited: inner.captures.waiting().iter().filter(is_open).count(),
             is_named: inner.captures.next().is_some(),
-            is_in_doubt: inner.captures.is_in_doubt(self.offset + now),
+            is_in_doubt: inner.captures.is_in_doubt(now),
+            orders_come_late: match inner.captures.orders_when() {
+                OrdersWhen::BeforePress => orders_come_late(&inner.orders),
+                OrdersWhen::AfterPress => None,
+            },
         }
     }
 
     /// The name that waits for a press.
     pub fn next_named(&self) -> Option<String> {
-        self.inner().captures.next().map(|next| next.named.id.clone())
+        self.next_ids().into_iter().next()
+    }
+
+    /// The ids of whoever may be next: one where that is certain.
+    pub fn next_ids(&self) -> Vec<String> {
+        let inner = self.inner();
+        let names = inner.captures.next().map_or(&[][..], |next| &next.names);
+        names.iter().map(|said| said.named.id.clone()).collect()
+    }
+
+    /// The ids of those whose exports are awaited, each once.
+    pub fn awaited_ids(&self) -> Vec<String> {
+        let inner = self.inner();
+        let open = |capture: &&Capture| capture.state == CaptureState::Open;
+        let mut ids: Vec<String> = Vec::new();
+        for capture in inner.captures.waiting().iter().filter(open) {
+            for named in capture.named() {
+                if !ids.contains(&named.id) {
+                    ids.push(named.id.clone());
+                }
+            }
+        }
+        ids
+    }
+
+    /// When the last capture was opened that waits; none while none does.
+    pub fn last_opened(&self) -> Option<Duration> {
+        self.inner().captures.waiting().iter().map(|capture| capture.opened).max()
+    }
+
+    /// What tells this start of the machine from another.
+    pub fn boot(&self) -> &str {
+        &self.boot
     }
 
     fn scene(&self, not_ready: bool) -> Scene {
@@ -191,13 +231,11 @@ impl Booth {
 
 impl Held<'_> {
     /// Which capture an export belongs to; its times are of the station's clock.
-    pub fn judge(&self, appeared: Appeared) -> Judged {
-        let offset = self.booth.offset;
-        let absent = appeared.absent.map(|at| offset + at);
-        self.inner.captures.judge(Appeared { absent, seen: offset + appeared.seen })
+    pub fn judge(&self, content: &Content) -> Judged {
+        self.inner.captures.judge_content(content)
     }
 
-    /// The export was taken as a new scan, or held.
+    /// The export stands in the journal, or its bytes in the spool with what it answers.
     pub fn answer(&mut self, judged: &Judged, scan: &ScanId, held: bool) {
         self.inner.captures.answer(judged);
         if *judged != Judged::Unpressed {
@@ -240,13 +278,6 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
         }
     }
     Ok(())
-}
-
-/// The machine's clock since its start, its sleeps included.
-fn since_boot() -> Duration {
-    let time = clock_gettime(ClockId::Boottime);
-    let nanoseconds = u32::try_from(time.tv_nsec).unwrap_or(0);
-    Duration::new(time.tv_sec.unsigned_abs(), nanoseconds)
 }
 
 /// What tells one start of the machine from another; empty where the system does not say, and then

@@ -3,6 +3,10 @@
 //! between the two leaves bytes too many, never too few.
 
 mod acts;
+mod decided;
+mod intake;
+mod known;
+mod lost;
 mod recover;
 
 use std::io;
@@ -13,14 +17,12 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
-use super::journal::{Due, Entry, Journal, JournalError, ScanRow};
-use super::quarantine::{Quarantine, Reason};
-use super::spool::{Companion, Intake, Spool};
-use crate::flow::capture::{AMBIGUOUS, Judged, LATE, UNCLEAR, UNHEARD};
-use crate::flow::identity::{
-    self, ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT,
-};
-use crate::flow::{ScanId, ScanState, Verdict, Whose};
+use super::decisions::Decisions;
+use super::journal::{Due, Entry, Journal, JournalError};
+use super::quarantine::{Quarantine, Reason, Stage};
+use super::spool::{Companion, Spool};
+use crate::flow::capture::Judged;
+use crate::flow::{ScanId, ScanState, Verdict, Whose, identity};
 use crate::record::Patient;
 use crate::scan::Format;
 
@@ -30,6 +32,7 @@ pub struct Custody {
     journal: Journal,
     spool: Spool,
     quarantine: Quarantine,
+    decisions: Decisions,
     /// The stores' names in the journal.
     stores: Vec<&'static str>,
     /// Those among them that take no record for nobody.
@@ -61,6 +64,10 @@ pub struct Arrival<'a> {
     pub pressed_at: Option<Timestamp>,
     /// What the scanner wrote beside it.
     pub companions: &'a [Companion],
+    /// The hash of its geometry, hexadecimal; '' where it has none.
+    pub geometry: &'a str,
+    /// The scan that it is, by its bytes or its geometry, where that came in before.
+    pub known: Option<ScanId>,
 }
 
 /// Why custody could not change; it is as before, or recovers at the next start or attempt.
@@ -81,18 +88,18 @@ pub enum CustodyFault {
 }
 
 impl Custody {
-    /// Custody over an open journal, spool and quarantine, for the stores of these names. Spooled
-    /// bytes that have served are `kept` so long.
+    /// Custody over an open journal, spool and quarantine, with what people decided, for the stores of
+    /// these names. Spooled bytes that have served are `kept` so long.
     pub fn new(
         journal: Journal,
-        spool: Spool,
-        quarantine: Quarantine,
+        (spool, quarantine): (Spool, Quarantine),
+        decisions: Decisions,
         stores: Vec<&'static str>,
         kept: Duration,
     ) -> Custody {
         let (change, untidy) = (Mutex::new(()), AtomicBool::new(false));
         let named_only = Vec::new();
-        Custody { journal, spool, quarantine, stores, named_only, kept, change, untidy }
+        Custody { journal, spool, quarantine, decisions, stores, named_only, kept, change, untidy }
     }
 
     /// The same, where stores of these names take no record for nobody.
@@ -116,21 +123,23 @@ impl Custody {
         &self.spool
     }
 
-    /// Takes bytes in, if they say anything new. Durable when this returns.
+    /// Takes bytes in, if they say anything new. Durable when this returns. Where the journal fails
+    /// after the bytes are kept, [`Custody::enter_kept`] goes on.
     ///
     /// # Errors
     /// See [`CustodyFault`].
     pub fn admit(&self, arrival: &Arrival<'_>) -> Result<Verdict, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let scan = arrival.scan;
-        if self.journal.scan(scan)?.is_none() && self.spool.holds(scan) {
-            // An earlier attempt kept the bytes and failed at the journal, or at their name's sync.
-            io("syncing the spool", self.spool.sync())?;
-            self.adopt(scan)?;
+        if self.is_lost(scan)? {
+            self.take_in_again(arrival)?;
         }
-        let known = self.journal.scan(scan)?;
+        let row_known = self.journal.scan(scan)?;
         let patient = arrival.whose.patient.as_ref();
-        let patients = self.journal.patients(scan)?;
+        let patients = match &arrival.known {
+            Some(known) => self.journal.patients(known)?,
+            None => Vec::new(),
+        };
         let sighted = patient.map(|patient| patient.id.as_str());
         let verdict = match identity::judge(patients.iter().map(Option::as_deref), sighted) {
             Verdict::Already => return Ok(Verdict::Already),
@@ -141,7 +150,8 @@ impl Custody {
             Verdict::Held(code) => Some(code),
             Verdict::New | Verdict::Already => None,
         };
-        let intake = intake(arrival, known.as_ref(), held);
+        let candidates = candidates(arrival, held);
+        let intake = intake(arrival, row_known.as_ref(), held, candidates.clone());
         let row = row(&intake, scan);
         // A held scan that was refused before has its bytes in quarantine already.
         let kept = self.spool.holds(scan) || (held.is_some() && self.quarantine.holds(scan));
@@ -152,8 +162,11 @@ impl Custody {
             io("keeping a scan", kept)?;
         }
         let (claims, judged) = (arrival.whose.claims.as_slice(), &arrival.judged);
-        let entry = Entry { row: &row, patient, held, claims, judged };
+        let (geometry, candidates) = (arrival.geometry, candidates.as_slice());
+        let entry = Entry { row: &row, patient, held, claims, judged, geometry, candidates };
         self.journal.enter(&entry, &self.stores_for(patient))?;
+        // What a lost journal does not know of these bytes may have been decided before.
+        self.carry_out_of(scan)?;
         Ok(verdict)
     }
 
@@ -226,6 +239,9 @@ impl Custody {
         let mut gone = io("giving up refused files", self.quarantine.remove_notes(before))?;
         for scan in io("listing the quarantine", self.quarantine.entries())? {
             if self.journal.rests_since(&scan, ScanState::Refused, before)? {
+                if self.quarantine.holds_bytes(&scan) {
+                    self.journal.let_go_of(&scan)?;
+                }
                 let removed = io("giving up a refused scan", self.quarantine.remove(&scan))?;
                 gone += usize::from(removed);
             }
@@ -233,16 +249,26 @@ impl Custody {
         Ok(gone)
     }
 
-    /// A store will never take a record. Where other deliveries of the scan are still to be made,
-    /// its bytes stay for them; else the scan is refused. Gives the reason that stands.
+    /// A delivery is refused for good. Where only its store will never take the record and others of
+    /// the scan are still to be made, the bytes stay for them; else the scan is refused. Gives the
+    /// reason that stands; none where somebody decided otherwise meanwhile.
     ///
     /// # Errors
     /// See [`CustodyFault`].
-    pub fn refuse_at_store(&self, due: &Due, reason: Reason) -> Result<Reason, CustodyFault> {
-        if self.journal.refused_at_store(due, &reason.code)? {
-            return Ok(reason);
+    pub fn refuse_delivery(
+        &self,
+        due: &Due,
+        reason: Reason,
+    ) -> Result<Option<Reason>, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        if !self.journal.is_to_be_made(due)? {
+            return Ok(None);
         }
-        self.refuse(&due.scan, reason)
+        let of_store = reason.stage == Stage::Store;
+        if of_store && self.journal.refused_at_store(due, &reason.code)? {
+            return Ok(Some(reason));
+        }
+        self.refused(&due.scan, reason).map(Some)
     }
 
     /// A scan is refused for good; its bytes go to quarantine. Gives the reason that stands.
@@ -251,6 +277,10 @@ impl Custody {
     /// See [`CustodyFault`].
     pub fn refuse(&self, scan: &ScanId, reason: Reason) -> Result<Reason, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        self.refused(scan, reason)
+    }
+
+    fn refused(&self, scan: &ScanId, reason: Reason) -> Result<Reason, CustodyFault> {
         // An attempt that failed at the journal left its reason in quarantine: that one stands.
         let earlier = io("reading a reason", self.quarantine.reason(scan))?;
         let quarantined = self.quarantined(scan, &reason);
@@ -275,65 +305,12 @@ impl Custody {
     }
 }
 
-/// What is known of bytes that have come in. The time of first sight is fixed once.
-fn intake(arrival: &Arrival<'_>, known: Option<&ScanRow>, held: Option<&str>) -> Intake {
-    let now = Timestamp::now();
-    let now = Timestamp::from_second(now.as_second()).unwrap_or(now);
-    let not_an_id = arrival.whose.not_an_id.then_some(ID_NOT_ALLOWED);
-    let findings = held.into_iter().chain(not_an_id).map(str::to_owned).collect();
-    Intake {
-        sha256: arrival.scan.to_string(),
-        format: arrival.format.ending().to_owned(),
-        size: u64::try_from(arrival.bytes.len()).unwrap_or(u64::MAX),
-        first_seen: known.map_or(now, |row| row.first_seen),
-        file_time: known.map_or(arrival.file_time, |row| row.file_time),
-        pressed_at: known.map_or(arrival.pressed_at, |row| row.pressed_at),
-        patient: arrival.whose.patient.clone(),
-        held: held.is_some(),
-        findings,
-    }
-}
-
-/// Why a scan of the spool is held; an older intake does not say.
-fn held_code(intake: &Intake) -> Option<&'static str> {
-    let codes = [AMBIGUOUS, UNCLEAR, LATE, UNHEARD, NO_PRESS, PATIENTS_DIFFER];
-    let found = codes.into_iter().find(|code| intake.findings.iter().any(|found| found == code));
-    intake.held.then_some(found.unwrap_or(SAME_SCAN_OTHER_PATIENT))
-}
-
-/// What was known of a scan whose bytes come back into the spool.
-fn intake_of(row: &ScanRow, patient: Option<&Patient>) -> Intake {
-    Intake {
-        sha256: row.scan.to_string(),
-        format: row.format.clone(),
-        size: row.size,
-        first_seen: row.first_seen,
-        file_time: row.file_time,
-        pressed_at: row.pressed_at,
-        patient: patient.cloned(),
-        held: false,
-        findings: Vec::new(),
-    }
-}
-
-/// The journal's row of an intake. Held bytes have nothing to be delivered by itself.
-fn row(intake: &Intake, scan: &ScanId) -> ScanRow {
-    ScanRow {
-        scan: scan.clone(),
-        format: intake.format.clone(),
-        size: intake.size,
-        first_seen: intake.first_seen,
-        file_time: intake.file_time,
-        pressed_at: intake.pressed_at,
-        state: if intake.held { ScanState::Delivered } else { ScanState::Spooled },
-    }
-}
-
 fn io<T>(what: &'static str, result: io::Result<T>) -> Result<T, CustodyFault> {
     result.map_err(|source| CustodyFault::Io { what, source })
 }
 
 pub use acts::Acted;
+use intake::{candidates, held_code, intake, intake_of, row};
 
 #[cfg(test)]
 mod tests;

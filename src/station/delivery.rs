@@ -19,7 +19,7 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::chance;
 use super::error::chain;
-use super::journal::{Due, Task};
+use super::journal::{Due, KEPT, Task};
 use super::stop::Stop;
 use super::work::{self, Ready};
 use crate::flow::Outbox;
@@ -201,7 +201,11 @@ impl Bench {
         let station = Arc::clone(station);
         let noted = spawn_blocking(move || {
             let next_at = Timestamp::now().checked_add(pause).unwrap_or(Timestamp::MAX);
-            let code = if ended == Ended::StoreFailed { "store-unavailable" } else { "put-off" };
+            let code = match ended {
+                Ended::StoreFailed => "store-unavailable",
+                Ended::Kept => KEPT,
+                Ended::PutOff | Ended::ForGood => "put-off",
+            };
             let noted = station.custody.journal().put_off(&due, code, next_at);
             noted.inspect_err(|error| station.mind(error))
         });

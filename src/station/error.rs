@@ -87,6 +87,8 @@ pub enum Worker {
     Orders,
     /// Measures scans and makes deliveries.
     Delivery,
+    /// Shows the legs of held scans.
+    Preview,
     /// Keeps captures and the light.
     Booth,
     /// Lets go what has served.
@@ -108,6 +110,7 @@ impl fmt::Display for Worker {
             Worker::Intake { folder } => write!(f, "the intake of export folder {folder}"),
             Worker::Orders => f.write_str("the orders"),
             Worker::Delivery => f.write_str("the delivery"),
+            Worker::Preview => f.write_str("the previews"),
             Worker::Booth => f.write_str("the booth"),
             Worker::Housekeeping => f.write_str("the housekeeping"),
             Worker::Http => f.write_str("the metrics and health"),

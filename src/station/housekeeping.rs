@@ -77,7 +77,7 @@ fn let_go(station: &Station) -> Result<(), CustodyFault> {
         gone[1] = custody.let_go_quarantined(before)?;
     }
     if let Some(before) = before(kept.journal, now) {
-        gone[2] = custody.journal().forget(before)?;
+        gone[2] = custody.forget(before)?;
     }
     if gone != [0; 3] {
         let [spooled, quarantined, scans] = gone;

@@ -3,6 +3,7 @@
 //! Whatever touches the folder runs in a thread that may hang (see [`super::patience`]); the worker
 //! itself never blocks, so it stays able to stop, to beat and to say that the share stalls.
 
+mod memory;
 mod notes;
 
 use std::collections::BTreeSet;
@@ -24,7 +25,8 @@ use super::stop::Stop;
 use super::take::{self, Admitted, TakeFault, Taken};
 use super::watch::Watch;
 use crate::flow::mount::MountGuard;
-use crate::flow::{Look, LookTime, Settled, Settling};
+use crate::flow::settle::Memory;
+use crate::flow::{Look, LookTime, Mark, Settled, Settling};
 use notes::Notes;
 
 /// The shortest time from one look to the next, however many hints there are.
@@ -55,6 +57,8 @@ struct Intake {
     notes: Notes,
     beat: Beat,
     next_forgetting: Duration,
+    /// What the journal has of the looks.
+    kept: Option<Memory>,
 }
 
 /// What a round came to.
@@ -81,6 +85,13 @@ pub async fn worker(
 ) -> Result<(), JoinError> {
     let scanner = &station.config.scanner;
     let settling = Settling::new(scanner.quiet, scanner.short_wait, scanner.watch.overdue);
+    let memory = memory::recall(&station, &folder).await?;
+    let settling = settling.remembering(memory);
+    let patient = &station.config.patient;
+    let settling = match patient.sidecar {
+        Some(_) => settling.awaiting_companions(patient.sidecar_wait),
+        None => settling,
+    };
     let guard = MountGuard::new(scanner.watch.expected.clone());
     let hint = Arc::new(Notify::new());
     let pressed = station.booth.look(place);
@@ -88,7 +99,9 @@ pub async fn worker(
     let notes = Notes::new(Arc::clone(&station), place, &folder);
     let mut looked = Some(looked);
     let next_forgetting = station.now() + FORGETTING;
-    let mut intake = Intake { station, folder, guard, settling, notes, beat, next_forgetting };
+    let kept = None;
+    let mut intake =
+        Intake { station, folder, guard, settling, notes, beat, next_forgetting, kept };
     while !stop.is_requested() {
         let Some(round) = intake.round(watch, &mut stop).await? else { break };
         watch = round.watch;
@@ -169,11 +182,14 @@ impl Intake {
             patiently(DEADLINE, stop, look, || self.beat(), || self.notes.stalled()).await?;
         let Some((watch, armed, found, when)) = looked else { return Ok(None) };
         self.notes.watched(armed);
-        let look = self.notes.found(found, &mut self.guard);
+        let (look, passers) = self.notes.found(found, &mut self.guard);
         if let Look::Seen(scans) = &look {
             self.forget_gone(scans.keys().cloned().collect()).await?;
+            self.settling.pass_over(passers, when);
         }
         let due = self.settling.observe(look, when);
+        self.mark(stop).await?;
+        self.remember().await?;
         self.notes.waiting(&mut self.settling);
         Ok(Some((watch, due, when.ended.saturating_sub(when.began))))
     }
@@ -232,7 +248,7 @@ impl Intake {
 
     /// Takes one file and notes what became of it; says whether the gate was open.
     async fn take(&mut self, settled: Settled, stop: &mut Stop) -> Result<bool, JoinError> {
-        let station = Arc::clone(&self.station);
+        let (station, began) = (Arc::clone(&self.station), self.station.now());
         let (settled, admitted) = spawn_blocking(move || {
             let admitted = take::admitted(&station, &settled);
             (settled, admitted)
@@ -250,15 +266,27 @@ impl Intake {
         // A stop while the share hangs leaves the file to the next start.
         let Some(read) = read else { return Ok(true) };
         let station = Arc::clone(&self.station);
-        let (settled, taken) = spawn_blocking(move || {
+        // Where no capture waits it does not matter, and a backlog has many files to compare with.
+        let is_awaited = self.station.booth.last_opened().is_some();
+        let began_at = |export: &Export| match is_awaited {
+            true => self.settling.began(&settled, &export.bytes),
+            false => settled.writing.began(&export.bytes),
+        };
+        let read = read.map(|export| export.map(|export| (began_at(&export), export)));
+        let (settled, taken, mark) = spawn_blocking(move || {
+            let mut mark = None;
             let taken = read.and_then(|export| match export {
-                Some(export) => take::take(&station, &settled, &export),
+                Some((content_began, export)) => {
+                    mark = Some(Mark::of(began, station.now(), &export.bytes));
+                    take::take(&station, &settled, content_began, &export)
+                }
                 None => Ok(Taken::Changed),
             });
-            (settled, taken)
+            (settled, taken, mark)
         })
         .await?;
         let now = self.station.now();
+        mark.into_iter().for_each(|mark| self.settling.read(&settled, &mark));
         match taken {
             Ok(Taken::Done) => self.settling.taken(&settled),
             Ok(Taken::CutShort) => self.settling.cut_short(&settled),

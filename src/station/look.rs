@@ -25,11 +25,17 @@ const DEPTH_MAX: usize = 4;
 /// folder may hold years of other files.
 const IGNORED_MAX: usize = 1000;
 
+/// How many files that are no scans as they are called now are followed: one of them may be the
+/// temporary name of a scan to come.
+const PASSERS_MAX: usize = 1000;
+
 /// What a look found.
 #[derive(Debug)]
 pub struct Found {
     /// Regular files whose ending says that they are scans, with what belongs to them.
     pub scans: BTreeMap<PathBuf, Group>,
+    /// Regular files that are no scans as they are called now, hidden ones too; not all of many.
+    pub passers: BTreeMap<PathBuf, Stamp>,
     /// Others, hidden and unfinished ones aside, and why they are passed over; not all of many.
     pub ignored: BTreeMap<PathBuf, &'static str>,
     /// How many others there are.
@@ -61,6 +67,7 @@ struct Walk<'a> {
     pulse: &'a Pulse,
     scans: BTreeMap<PathBuf, Stamp>,
     companions: BTreeMap<PathBuf, Stamp>,
+    passers: BTreeMap<PathBuf, Stamp>,
     done: BTreeMap<PathBuf, Stamp>,
     ignored: BTreeMap<PathBuf, &'static str>,
     ignored_count: usize,
@@ -73,6 +80,7 @@ impl<'a> Walk<'a> {
             pulse,
             scans: BTreeMap::new(),
             companions: BTreeMap::new(),
+            passers: BTreeMap::new(),
             done: BTreeMap::new(),
             ignored: BTreeMap::new(),
             ignored_count: 0,
@@ -91,7 +99,8 @@ impl<'a> Walk<'a> {
             // A file that cannot be examined is one that is not there yet.
             let Ok(kind) = entry.file_type() else { continue };
             if is_hidden {
-                // A done file may be called so.
+                // A done file may be called so, or a scan that is being written.
+                self.passer(path);
             } else if kind.is_dir() {
                 self.folder(path, depth)?;
             } else if Format::of_file_name(&text).is_ok() {
@@ -99,6 +108,7 @@ impl<'a> Walk<'a> {
             } else if companions::is_companion(&name) {
                 self.regular(path, &mut |walk| &mut walk.companions);
             } else {
+                self.passer(path.clone());
                 self.ignore(path, "does not end as a scan does");
             }
             names.insert(name);
@@ -122,6 +132,17 @@ impl<'a> Walk<'a> {
         }
         kept(self).insert(path.clone(), stamp(&metadata));
         Some(path)
+    }
+
+    /// Follows a file that is no scan as it is called now.
+    fn passer(&mut self, path: PathBuf) {
+        if self.passers.len() == PASSERS_MAX {
+            return;
+        }
+        let metadata = path.symlink_metadata().ok().filter(Metadata::is_file);
+        if let Some(metadata) = metadata {
+            self.passers.insert(path, stamp(&metadata));
+        }
     }
 
     fn folder(&mut self, path: PathBuf, depth: usize) -> io::Result<()> {
@@ -164,13 +185,13 @@ impl<'a> Walk<'a> {
     }
 
     fn found(self, mount: Mount) -> Found {
-        let Walk { config, scans, companions, done, ignored, ignored_count, .. } = self;
+        let Walk { config, scans, companions, passers, done, ignored, ignored_count, .. } = self;
         let done = |scan: &Path| match &config.done_file {
             None => Done::NotAsked,
             Some(rule) => done.get(&rule.of(scan)).copied().map_or(Done::Missing, Done::There),
         };
         let scans = companions::groups(scans, companions, done);
-        Found { scans, ignored, ignored_count, mount }
+        Found { scans, passers, ignored, ignored_count, mount }
     }
 }
 

@@ -75,6 +75,8 @@ fn of_scans(registry: &mut Registry, overview: &Overview) {
     family(registry, "scans", "Scans in the journal by state", states);
     let help = "Scans that wait for a person's decision";
     gauge(registry, "scans_held", help, tally.held as f64);
+    let help = "Scans whose record lies where it is to be taken back";
+    gauge(registry, "scans_withdrawing", help, tally.withdrawing as f64);
     let deliveries = tally.deliveries.iter().map(|((store, state), count)| {
         ([("store", store.clone()), ("state", state.clone())], *count as f64)
     });

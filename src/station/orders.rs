@@ -1,13 +1,20 @@
 //! Orders of practice software: files that name the patient of the next scan.
 //!
-//! An order names its patient at most once. It is noted as seen before it is heard, and removed
+//! An order names its patient at most once. It is noted as heard before it is heard, and removed
 //! after: whatever cuts that off, no old order is heard again when another patient stands in the
-//! booth. An order that cannot be read is set aside with its reason and named to a person.
+//! booth. Which file is a new order is decided by [`crate::flow::order_news`]. One that cannot be read
+//! is set aside with its reason and named to a person.
 
 mod aside;
+mod known;
 mod look;
+mod read;
+mod removal;
+mod take;
 
+use std::collections::BTreeMap;
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -22,15 +29,15 @@ use super::chance;
 use super::error::chain;
 use super::journal::JournalError;
 use super::patience::{DEADLINE, LOOK_UP, Pulse, patiently};
-use super::source;
 use super::stop::Stop;
-use crate::config::{AfterOrder, OrdersConfig};
+use crate::config::OrdersConfig;
 use crate::flow::booth::Heard;
 use crate::flow::facts::Alarm;
-use crate::flow::{Look, LookTime, Settled, Settling};
+use crate::flow::{Look, LookTime, OrderState, Settled, Settling};
 use crate::record::SourceKind;
-use crate::record::gdt::order::{self, ORDER_MOST};
+use crate::record::gdt::order;
 use crate::record::gdt::{Charset, Order, OrderFault};
+use take::{Taken, take};
 
 /// The alarm of a station that had lost its journal.
 const JOURNAL_REBUILT: &str = "journal-rebuilt";
@@ -40,6 +47,9 @@ const OUT_OF_REACH: &str = "orders-out-of-reach";
 
 /// Alarm: an order could not be read and was set aside.
 const REFUSED: &str = "order-refused";
+
+/// Alarm: an order came again with the same words.
+const REPEATED: &str = "order-repeated";
 
 /// Alarm: an order was read and cannot be deleted.
 const NOT_REMOVED: &str = "order-not-removed";
@@ -61,12 +71,11 @@ enum TakeFault {
     Journal(#[from] JournalError),
 }
 
-/// What became of an order.
-enum Taken {
-    /// It was dealt with in this state.
-    Done,
-    /// It changed while it was read.
-    Changed,
+/// The orders of one folder on their way to being heard.
+struct Orders {
+    settling: Settling,
+    /// What was known of orders that were noted and could not be heard, for the journal failed.
+    unheard: BTreeMap<PathBuf, Option<OrderState>>,
 }
 
 /// Looks for orders until it is asked to stop.
@@ -80,7 +89,8 @@ pub async fn worker(
     mut stop: Stop,
 ) -> Result<(), JoinError> {
     let config = Arc::new(config);
-    let mut settling = Settling::new(config.quiet, config.quiet, config.max_age);
+    let settling = Settling::new(config.quiet, config.quiet, config.max_age);
+    let mut orders = Orders { settling, unheard: BTreeMap::new() };
     let mut in_reach = true;
     let mut forgotten = station.board.facts().alarms.contains_key(JOURNAL_REBUILT);
     while !stop.is_requested() {
@@ -89,52 +99,85 @@ pub async fn worker(
         let (theirs, of) = (Arc::clone(&config), Arc::clone(&station));
         let look = move |pulse: &Pulse| {
             let began = of.now();
-            let found = look::look(&theirs.path, &theirs.files, pulse);
-            if forgotten && let Ok(orders) = &found {
-                pass_over(&of, orders);
-            }
+            let found = looked(&of, &theirs, forgotten, pulse);
             (found, LookTime { began, ended: of.now() })
         };
         let looked = patiently(DEADLINE, &mut stop, look, alive, stalled).await?;
         let Some((found, when)) = looked else { break };
         forgotten &= found.is_err();
         let look = told(&station, found, &mut in_reach);
-        let mut due = settling.observe(look, when);
-        // Of two that came at once, the later one names the patient.
-        due.sort_by_key(|settled| settled.stamp.mtime_ns);
-        for settled in due {
+        for settled in orders.due(look, when) {
             let (theirs, of, order) = (Arc::clone(&config), Arc::clone(&station), settled.clone());
-            let taking = move |pulse: &Pulse| take(&of, &theirs, &order, pulse);
+            let before = orders.unheard.get(&settled.path).cloned();
+            let taking = move |pulse: &Pulse| take(&of, &theirs, &order, before, pulse);
             let stalled = || out_of_reach(&station, "it does not answer");
             let taken = patiently(DEADLINE, &mut stop, taking, alive, stalled).await?;
-            let now = station.now();
-            match taken {
-                None => return Ok(()),
-                Some(Ok(Taken::Done)) => settling.taken(&settled),
-                Some(Ok(Taken::Changed)) => settling.changed(&settled, now),
-                Some(Err(fault)) => {
-                    warn!(event = "order-put-off", error = chain(&fault));
-                    if let TakeFault::Journal(error) = &fault {
-                        station.mind(error);
-                    }
-                    settling.failed(&settled, now, chance::unit());
+            let Some(taken) = taken else { return Ok(()) };
+            if let Err(fault) = &taken {
+                warn!(event = "order-put-off", error = chain(fault));
+                if let TakeFault::Journal(error) = fault {
+                    station.mind(error);
                 }
             }
+            orders.taken(&settled, taken, station.now());
         }
         rest(&config, &station, &beat, &mut stop).await;
     }
     Ok(())
 }
 
-/// A journal that was lost knew which of these had been heard. To hear one twice may give one patient
-/// another's scan; so none of them is.
-fn pass_over(station: &Station, orders: &look::Orders) {
-    for (path, order) in orders {
-        if let Err(error) = station.custody.journal().sighted(path, order.stamp, None) {
-            station.mind(&error);
+/// A look, and what the journal learns from it before anything is heard. Blocks.
+///
+/// # Errors
+/// Where the folder cannot be listed, or the journal fails: nothing may be heard then.
+fn looked(
+    station: &Station,
+    config: &OrdersConfig,
+    forgotten: bool,
+    pulse: &Pulse,
+) -> io::Result<look::Found> {
+    let found = look::look(&config.path, &config.files, pulse)?;
+    let noted = match forgotten {
+        true => known::pass_over(station, &found, pulse),
+        false => known::update(station, config, &found, pulse),
+    };
+    noted.map_err(|error| {
+        station.mind(&error);
+        io::Error::other(chain(&error))
+    })?;
+    Ok(found)
+}
+
+impl Orders {
+    /// The orders to be dealt with after a look; of two that came at once, the later one names the
+    /// patient.
+    fn due(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
+        if let Look::Seen(there) = &look {
+            self.unheard.retain(|path, _| there.contains_key(path));
+        }
+        let mut due = self.settling.observe(look, when);
+        due.sort_by_key(|settled| settled.stamp.mtime_ns);
+        due
+    }
+
+    fn taken(&mut self, settled: &Settled, taken: Result<Taken, TakeFault>, now: Duration) {
+        match taken {
+            Ok(Taken::Done) => {
+                self.unheard.remove(&settled.path);
+                self.settling.taken(settled);
+            }
+            Ok(Taken::Changed) => self.settling.changed(settled, now),
+            Ok(Taken::Unheard(known)) => {
+                self.unheard.insert(settled.path.clone(), known);
+                self.settling.failed(settled, now, chance::unit());
+            }
+            Ok(Taken::Later) => {
+                self.unheard.remove(&settled.path);
+                self.settling.failed(settled, now, chance::unit());
+            }
+            Err(_) => self.settling.failed(settled, now, chance::unit()),
         }
     }
-    warn!(event = "orders-passed-over", count = orders.len());
 }
 
 /// Waits for the next look, and beats meanwhile.
@@ -154,14 +197,14 @@ async fn rest(config: &OrdersConfig, station: &Station, beat: &Beat, stop: &mut 
 }
 
 /// What a look found; a change of the folder's reach is told.
-fn told(station: &Station, found: io::Result<look::Orders>, in_reach: &mut bool) -> Look {
+fn told(station: &Station, found: io::Result<look::Found>, in_reach: &mut bool) -> Look {
     match found {
-        Ok(orders) => {
+        Ok(found) => {
             if !std::mem::replace(in_reach, true) {
                 info!(event = "orders-in-reach");
             }
             station.board.note(|facts| drop(facts.alarms.remove(OUT_OF_REACH)));
-            Look::Seen(orders)
+            Look::Seen(found.orders)
         }
         Err(error) => {
             if std::mem::replace(in_reach, false) {
@@ -185,71 +228,8 @@ fn alarm(station: &Station, code: &'static str, message: String) {
     });
 }
 
-/// Deals with one order. Blocks.
-fn take(
-    station: &Station,
-    config: &OrdersConfig,
-    settled: &Settled,
-    pulse: &Pulse,
-) -> Result<Taken, TakeFault> {
-    let journal = station.custody.journal();
-    if journal.was_sighted(&settled.path, settled.stamp)? {
-        // It is to stay, or is no order; or the last run ended before it was removed.
-        if config.after == AfterOrder::Delete && is_order(settled, config, pulse) {
-            remove(station, settled);
-        }
-        return Ok(Taken::Done);
-    }
-    if settled.stamp.size > ORDER_MOST {
-        let fault = OrderFault::TooLarge { bytes: settled.stamp.size };
-        journal.sighted(&settled.path, settled.stamp, None)?;
-        refused(station, fault.code(), &fault.to_string(), "it was left where it lies");
-        return Ok(Taken::Done);
-    }
-    let read = source::bytes(&settled.path, settled.stamp, pulse);
-    let read = read.map_err(|source| TakeFault::Io { what: "reading an order", source })?;
-    let Some(bytes) = read else { return Ok(Taken::Changed) };
-    let order = order::read(&bytes, config.charset, config.lenient);
-    match order {
-        Err(OrderFault::OtherKind { found }) => {
-            // Results and orders may share a folder: this one is for another program.
-            journal.sighted(&settled.path, settled.stamp, None)?;
-            info!(event = "order-passed-over", kind = found);
-            return Ok(Taken::Done);
-        }
-        Err(fault) => {
-            set_aside(station, &bytes, fault.code(), &fault.to_string())?;
-            journal.sighted(&settled.path, settled.stamp, None)?;
-            refused(station, fault.code(), &fault.to_string(), "it lies in orders-refused");
-        }
-        Ok(_) if is_old(settled, config.max_age) => {
-            let message = "it is older than patient.orders.max_age and names nobody any more";
-            set_aside(station, &bytes, "order-too-old", message)?;
-            journal.sighted(&settled.path, settled.stamp, None)?;
-            refused(station, "order-too-old", message, "it lies in orders-refused");
-        }
-        Ok(order) => {
-            journal.sighted(&settled.path, settled.stamp, None)?;
-            hear(station, order);
-        }
-    }
-    if config.after == AfterOrder::Delete {
-        remove(station, settled);
-    }
-    Ok(Taken::Done)
-}
-
-/// Whether a file that was seen before is an order or was set aside as one, and not another
-/// program's.
-fn is_order(settled: &Settled, config: &OrdersConfig, pulse: &Pulse) -> bool {
-    let is_small = settled.stamp.size <= ORDER_MOST;
-    let read = is_small.then(|| source::bytes(&settled.path, settled.stamp, pulse));
-    let Some(Ok(Some(bytes))) = read else { return false };
-    let order = order::read(&bytes, config.charset, config.lenient);
-    !matches!(order, Err(OrderFault::OtherKind { .. }))
-}
-
-/// Reads an order that somebody brings.
+/// Reads an order that somebody brings; one that cannot be read puts the name that waits in doubt.
+/// Blocks.
 ///
 /// # Errors
 /// Why it is none.
@@ -257,45 +237,16 @@ pub fn brought(station: &Station, bytes: &[u8]) -> Result<Order, OrderFault> {
     let config = station.config.patient.orders.as_ref();
     let (charset, lenient) =
         config.map_or((Charset::Cp1252, false), |config| (config.charset, config.lenient));
-    let order = order::read(bytes, charset, lenient)?;
-    info!(event = "order-taken");
-    Ok(order)
-}
-
-fn hear(station: &Station, order: Order) {
-    info!(event = "order-taken");
-    station.board.note(|facts| drop(facts.alarms.remove(REFUSED)));
-    station.hear(&Heard::Named { id: order.patient, by: SourceKind::Order });
-}
-
-fn set_aside(station: &Station, bytes: &[u8], code: &str, message: &str) -> Result<(), TakeFault> {
-    let kept = aside::keep(&station.config.station.state_dir, bytes, code, message);
-    kept.map_err(|source| TakeFault::Io { what: "setting an order aside", source })
-}
-
-fn refused(station: &Station, code: &str, message: &str, place: &str) {
-    warn!(event = "order-refused", code);
-    let message = format!("an order of the practice software was refused ({code}): {message}");
-    alarm(station, REFUSED, format!("{message}; {place}"));
-}
-
-/// By the file's own time; a clock that lies ahead makes none old.
-fn is_old(settled: &Settled, max_age: Duration) -> bool {
-    let age_ns = Timestamp::now().as_nanosecond() - settled.stamp.mtime_ns;
-    u128::try_from(age_ns).is_ok_and(|age_ns| age_ns > max_age.as_nanos())
-}
-
-/// Removes an order if it is still the one that was read. Where that fails it is told and the order
-/// is not heard again.
-fn remove(station: &Station, settled: &Settled) {
-    match look::remove(&settled.path, settled.stamp) {
-        Ok(()) => station.board.note(|facts| drop(facts.alarms.remove(NOT_REMOVED))),
-        Err(error) => {
-            warn!(event = "order-not-removed", error = %error);
-            let message = "an order was read and cannot be deleted from its folder".to_owned();
-            alarm(station, NOT_REMOVED, format!("{message}: {error}"));
+    let order = order::read(bytes, charset, lenient);
+    match &order {
+        Ok(_) => take::tell_taken(station),
+        // It is another program's.
+        Err(OrderFault::OtherKind { .. }) => {}
+        Err(_) => {
+            station.hear(&Heard::Unread { by: SourceKind::Order });
         }
     }
+    order
 }
 
 #[cfg(test)]

@@ -108,14 +108,28 @@ fn set_aside(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(aside)
 }
 
-/// Enters every record that a store holds into the journal.
+/// Enters every record that a store holds into the journal; those that must not stay there, by a
+/// person's word, when all others are known.
 ///
 /// # Errors
 /// See [`SearchFault`]; what was entered stays, and the store is searched again.
 pub fn search(custody: &Custody, store: &RecordStore) -> Result<(), SearchFault> {
     let records = store.records().map_err(SearchFault::Store)?;
+    let mut against = Vec::new();
     for record in &records {
-        custody.found(record, store.name())?;
+        match custody.contradicts(record)? {
+            true => against.push(record),
+            false => custody.found(record, store.name())?,
+        }
+    }
+    for record in against {
+        let stored = match custody.holds(&record.scan) {
+            true => None,
+            false => store
+                .stored_scan(&record.scan, record.patient.as_deref())
+                .map_err(SearchFault::Store)?,
+        };
+        custody.found_against(record, store.name(), stored)?;
     }
     custody.journal().searched(store.name())?;
     info!(event = "store-searched", store = store.name(), records = records.len());

@@ -2,7 +2,9 @@
 
 use std::fs::File;
 use std::io::{self, Read};
+use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::Path;
+use std::time::Duration;
 
 use jiff::Timestamp;
 use rustix::fs::{Mode, OFlags};
@@ -11,12 +13,10 @@ use rustix::io::Errno;
 use super::look;
 use super::patience::Pulse;
 use super::spool::Companion;
-use crate::flow::{ScanId, Settled, Stamp};
-use crate::scan::ord;
+use crate::flow::writing::END_BYTES;
+use crate::flow::{Mark, ScanId, Settled, Stamp};
+use crate::scan::{self, Format};
 use crate::store::sums;
-
-/// A larger companion is none and is left out, bytes.
-const COMPANION_BYTES_MAX: u64 = ord::BYTES_MAX as u64;
 
 /// How much is read at a time, bytes: a step that a slow share makes well within the deadline.
 const PIECE_BYTES: u64 = 1 << 20;
@@ -28,11 +28,13 @@ pub struct Export {
     pub bytes: Vec<u8>,
     /// Their id.
     pub scan: ScanId,
+    /// The hash of their geometry, hexadecimal; '' where they have none.
+    pub geometry: String,
     /// The file's own time of last change.
     pub file_time: Option<Timestamp>,
     /// What goes with it.
     pub companions: Vec<Companion>,
-    /// How many companions are left out because they are too large or cannot be read.
+    /// How many files beside it are left out because they are too large, too many or cannot be read.
     pub left_out: usize,
 }
 
@@ -43,31 +45,57 @@ pub struct Export {
 /// Any other I/O error at the scan itself.
 pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
     let Some(bytes) = bytes(&settled.path, settled.stamp, pulse)? else { return Ok(None) };
-    let (mut companions, mut left_out) = (Vec::new(), 0);
+    let (mut companions, mut left_out) = (Vec::new(), settled.left_out);
     for companion in &settled.companions {
-        let is_small = companion.stamp.size <= COMPANION_BYTES_MAX;
-        let read = is_small.then(|| self::bytes(&companion.path, companion.stamp, pulse));
         let name_ending = companion.name_ending.clone();
-        match read {
-            Some(Ok(Some(bytes))) => companions.push(Companion { name_ending, bytes }),
-            Some(Ok(None)) => return Ok(None),
+        match self::bytes(&companion.path, companion.stamp, pulse) {
+            Ok(Some(bytes)) => companions.push(Companion { name_ending, bytes }),
+            Ok(None) => return Ok(None),
             // A scan is not lost for what lies beside it.
-            Some(Err(_)) | None => left_out += 1,
+            Err(_) => left_out += 1,
         }
     }
     let file_time = Timestamp::from_nanosecond(settled.stamp.mtime_ns).ok();
     let scan = sums::scan_id(&bytes);
-    Ok(Some(Export { scan, bytes, file_time, companions, left_out }))
+    let geometry = geometry(&settled.path, &bytes);
+    Ok(Some(Export { scan, geometry, bytes, file_time, companions, left_out }))
 }
+
+fn geometry(path: &Path, bytes: &[u8]) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let format = Format::of_file_name(&name).ok();
+    let parts = format.map(|format| scan::geometry(bytes, format)).unwrap_or_default();
+    if parts.is_empty() { String::new() } else { sums::of_parts(bytes, &parts).to_string() }
+}
+
+/// The ends of the part of a file that a look found in this state; none where it cannot be read, or is
+/// shorter by now. `now` tells the time.
+pub fn mark(path: &Path, stamp: Stamp, now: impl Fn() -> Duration) -> Option<Mark> {
+    let began = now();
+    let file = File::from(rustix::fs::open(path, READ, Mode::empty()).ok()?);
+    let end = |offset: u64| {
+        let length = stamp.size.min(END_BYTES as u64);
+        let mut end = vec![0; usize::try_from(length).ok()?];
+        file.read_exact_at(&mut end, offset).ok()?;
+        Some(end)
+    };
+    let is_file = file.metadata().is_ok_and(|metadata| {
+        (metadata.dev(), metadata.ino()) == (stamp.dev, stamp.ino) && metadata.is_file()
+    });
+    let (head, tail) = (end(0)?, end(stamp.size.saturating_sub(END_BYTES as u64))?);
+    is_file.then(|| Mark::new(began, now(), stamp.size, &head, &tail))
+}
+
+/// A link or a pipe may have taken a file's place: neither follow nor wait.
+const READ: OFlags =
+    OFlags::RDONLY.union(OFlags::NOFOLLOW).union(OFlags::NONBLOCK).union(OFlags::CLOEXEC);
 
 /// The bytes of a file, if it is in this state before and after; else none.
 ///
 /// # Errors
 /// Any other I/O error.
 pub fn bytes(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Vec<u8>>> {
-    // A link or a pipe may have taken the file's place: neither follow nor wait.
-    let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
-    let mut file = match rustix::fs::open(path, flags, Mode::empty()) {
+    let mut file = match rustix::fs::open(path, READ, Mode::empty()) {
         Ok(file) => File::from(file),
         Err(Errno::NOENT | Errno::LOOP | Errno::NXIO) => return Ok(None),
         Err(error) => return Err(error.into()),
@@ -93,16 +121,23 @@ fn in_state(file: &File, stamp: Stamp) -> io::Result<bool> {
 #[cfg(test)]
 mod tests {
     use std::fs;
-    use std::time::Duration;
 
     use super::*;
-    use crate::flow;
-    use crate::flow::capture::Appeared;
+    use crate::flow::{self, Appeared, Writing};
 
     fn settled(path: &Path) -> Settled {
         let stamp = look::stamp(&path.symlink_metadata().unwrap());
-        let appeared = Appeared { absent: None, seen: Duration::ZERO };
-        Settled { path: path.to_owned(), stamp, companions: Vec::new(), awaited: false, appeared }
+        let writing = Writing::new(Appeared { absent: None, seen: Duration::ZERO });
+        Settled {
+            path: path.to_owned(),
+            stamp,
+            companions: Vec::new(),
+            left_out: 0,
+            is_shared: false,
+            awaited: false,
+            writing,
+            has_late_companion: false,
+        }
     }
 
     fn read(settled: &Settled) -> Option<Export> {
@@ -153,12 +188,17 @@ mod tests {
         let at = |name: &str| dir.path().join(name);
         fs::write(at("a.obj"), "v 0 0 0\n").unwrap();
         fs::write(at("a.ord"), "MEASURE Calf=1\n").unwrap();
-        File::create(at("a.mtl")).unwrap().set_len(COMPANION_BYTES_MAX + 1).unwrap();
+        fs::write(at("a.mtl"), "newmtl skin\n").unwrap();
         let mut settled = settled(&at("a.obj"));
         settled.companions = ["mtl", "ord"].map(|ending| beside(&at("a"), ending)).to_vec();
+        settled.left_out = 3;
         let export = read(&settled).unwrap();
-        let ord = Companion { name_ending: "ord".into(), bytes: b"MEASURE Calf=1\n".to_vec() };
-        assert_eq!((export.companions, export.left_out), (vec![ord], 1));
+        let kept = |name_ending: &str, text: &str| Companion {
+            name_ending: name_ending.into(),
+            bytes: text.into(),
+        };
+        let both = vec![kept("mtl", "newmtl skin\n"), kept("ord", "MEASURE Calf=1\n")];
+        assert_eq!((export.companions, export.left_out), (both, 3));
         fs::write(at("a.ord"), "MEASURE Calf=2\nMEASURE").unwrap();
         assert!(read(&settled).is_none());
     }

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use super::chance;
 use crate::flow::ScanId;
+use crate::flow::capture::Judged;
 use crate::record::Patient;
 use crate::store::durable;
 
@@ -45,6 +46,20 @@ pub struct Intake {
     pub held: bool,
     /// Codes of what a person should know.
     pub findings: Vec<String>,
+    /// The hash of its coordinates and faces as written, hexadecimal; '' where it has none.
+    #[serde(default)]
+    pub geometry: String,
+    /// The capture it answers.
+    #[serde(default = "unpressed")]
+    pub judged: Judged,
+    /// Everybody whose scan it may be, where that is not certain.
+    #[serde(default)]
+    pub candidates: Vec<String>,
+}
+
+/// What the first intakes did not say.
+fn unpressed() -> Judged {
+    Judged::Unpressed
 }
 
 /// A file that came with a scan.
@@ -62,6 +77,8 @@ pub struct Companion {
 enum Versioned {
     #[serde(rename = "gaiter.intake/1")]
     V1(Intake),
+    #[serde(rename = "gaiter.intake/2")]
+    V2(Intake),
 }
 
 const INTAKE: &str = "intake.json";
@@ -127,7 +144,7 @@ impl Spool {
         for Companion { name_ending, bytes } in companions {
             durable::write_new(&staged.join(file_name(name_ending)), bytes)?;
         }
-        let text = serde_json::to_vec_pretty(&Versioned::V1(intake))?;
+        let text = serde_json::to_vec_pretty(&Versioned::V2(intake))?;
         durable::write_new(&staged.join(INTAKE), &text)?;
         durable::sync_folder(staged)?;
         durable::rename_new(staged, &self.entry(scan))?;
@@ -207,7 +224,7 @@ pub(super) fn entries(folder: &Path) -> io::Result<Vec<ScanId>> {
 /// The intake in a scan's folder.
 pub(super) fn read_intake(entry: &Path) -> io::Result<Intake> {
     let text = fs::read(entry.join(INTAKE))?;
-    let Versioned::V1(intake) = serde_json::from_slice(&text)
+    let (Versioned::V1(intake) | Versioned::V2(intake)) = serde_json::from_slice(&text)
         .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
     Ok(intake)
 }
@@ -231,6 +248,9 @@ mod tests {
             patient: None,
             held: false,
             findings: Vec::new(),
+            geometry: String::new(),
+            judged: Judged::Unpressed,
+            candidates: Vec::new(),
         }
     }
 
@@ -248,7 +268,7 @@ mod tests {
         assert_eq!(spool.intake(&scan).unwrap(), intake(&scan));
         assert_eq!(fs::read(spool.scan_file(&scan, "obj")).unwrap(), b"abc");
         let text = fs::read_to_string(spool.entry(&scan).join(INTAKE)).unwrap();
-        assert!(text.contains("\"schema\": \"gaiter.intake/1\""), "{text}");
+        assert!(text.contains("\"schema\": \"gaiter.intake/2\""), "{text}");
         spool.remove(&scan).unwrap();
         spool.remove(&scan).unwrap();
         assert!(spool.entries().unwrap().is_empty());

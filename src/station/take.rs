@@ -14,12 +14,14 @@ use super::event::{StationEvent, short};
 use super::journal::JournalError;
 use super::quarantine::{self, Reason, Stage};
 use super::source::Export;
+use super::spool::Companion;
 use crate::config::WithoutTrigger;
-use crate::flow::capture::{Judged, Opener};
+use crate::flow::capture::{Content, Judged, Opener};
+use crate::flow::companions;
 use crate::flow::facts::IntakeState;
-use crate::flow::identity::{self, ID_NOT_ALLOWED, NO_PRESS};
+use crate::flow::identity::{self, ID_NOT_ALLOWED};
 use crate::flow::light::Outcome;
-use crate::flow::{NameSays, Settled, Verdict, Whose};
+use crate::flow::{Appeared, NameSays, Settled, Verdict};
 use crate::scan::{self, Format};
 use crate::store::sums;
 
@@ -64,9 +66,9 @@ pub enum TakeFault {
 /// tell of it. Blocks.
 pub fn dealt_with(station: &Station, settled: Vec<Settled>) -> (Vec<Settled>, Vec<Settled>) {
     let journal = station.custody.journal();
-    settled
-        .into_iter()
-        .partition(|file| journal.was_sighted(&file.path, file.stamp).unwrap_or(false))
+    settled.into_iter().partition(|file| {
+        !file.has_late_companion && journal.was_sighted(&file.path, file.stamp).unwrap_or(false)
+    })
 }
 
 /// Whether a settled file may be read; one that is too large is refused here. Blocks.
@@ -79,7 +81,8 @@ pub fn admitted(station: &Station, settled: &Settled) -> Result<Admitted, TakeFa
         station.custody.journal().sighted(&settled.path, settled.stamp, None)?;
         return Ok(Admitted::Refused);
     }
-    if station.intake_gate(settled.stamp.size) != IntakeState::Open {
+    let bytes = companions::bytes(&settled.stamp, &settled.companions);
+    if station.intake_gate(bytes) != IntakeState::Open {
         return Ok(Admitted::Shut);
     }
     let file = settled.path.file_name().unwrap_or_default().to_owned();
@@ -87,11 +90,16 @@ pub fn admitted(station: &Station, settled: &Settled) -> Result<Admitted, TakeFa
     Ok(Admitted::ToBeRead)
 }
 
-/// Takes a settled file that has been read. Blocks.
+/// Takes a settled file that has been read, whose content began then. Blocks.
 ///
 /// # Errors
 /// [`TakeFault`], after which the file is to be offered again.
-pub fn take(station: &Station, settled: &Settled, export: &Export) -> Result<Taken, TakeFault> {
+pub fn take(
+    station: &Station,
+    settled: &Settled,
+    began: Appeared,
+    export: &Export,
+) -> Result<Taken, TakeFault> {
     let file = settled.path.file_name().unwrap_or_default();
     let name = file.to_string_lossy();
     // A look offers no other files.
@@ -100,29 +108,9 @@ pub fn take(station: &Station, settled: &Settled, export: &Export) -> Result<Tak
         station.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
         return Ok(Taken::CutShort);
     }
-    let says = [station.identity.of_file_name(&name), beside(station, export)];
-    // No press and no other export may come between the judgement and what is done by it.
-    let mut booth = station.booth.hold();
-    let judged = booth.judge(settled.appeared);
-    let whose = whose(station, &judged, says);
-    let not_an_id = whose.not_an_id;
-    let verdict = station.custody.admit(&Arrival {
-        scan: &export.scan,
-        bytes: &export.bytes,
-        format,
-        file_time: export.file_time,
-        whose,
-        pressed_at: pressed_at(station, &judged)?,
-        judged: judged.clone(),
-        companions: &export.companions,
-    })?;
-    match verdict {
-        Verdict::New => booth.answer(&judged, &export.scan, false),
-        Verdict::Held(_) => booth.answer(&judged, &export.scan, true),
-        // It is not the export that a press awaits.
-        Verdict::Already => {}
-    }
-    drop(booth);
+    let companions = fresh(station, settled, export)?;
+    let says = [station.identity.of_file_name(&name), beside(station, &companions)];
+    let (verdict, not_an_id) = admit(station, began, export, (format, &companions), says)?;
     if let Verdict::Held(_) = verdict {
         station.booth.ended(&export.scan, Outcome::NeedsPerson, station.now());
     }
@@ -133,33 +121,100 @@ pub fn take(station: &Station, settled: &Settled, export: &Export) -> Result<Tak
     if export.left_out > 0 {
         warn!(event = "companions-left-out", scan, count = export.left_out);
     }
+    if settled.is_shared {
+        warn!(event = "companion-shared", scan);
+    }
     announce(station, settled, export, verdict);
-    // Last: where it fails the file is read again, and known.
     let journal = station.custody.journal();
+    for companion in &settled.companions {
+        journal.sighted(&companion.path, companion.stamp, Some(&export.scan))?;
+    }
+    // Last: where it fails the file is read again, and known.
     journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
     Ok(Taken::Done)
 }
 
+/// What lies beside an export and was made for it: not what an earlier scan under the same stem was
+/// taken with, and left behind.
+fn fresh(
+    station: &Station,
+    settled: &Settled,
+    export: &Export,
+) -> Result<Vec<Companion>, JournalError> {
+    let journal = station.custody.journal();
+    let mut fresh = Vec::new();
+    for file in &export.companions {
+        let its = settled.companions.iter().find(|its| its.name_ending == file.name_ending);
+        let Some(its) = its else { continue };
+        let used = journal.sighted_as(&its.path)?;
+        let used = used.filter(|(_, scan)| scan.as_ref().is_some_and(|scan| *scan != export.scan));
+        if companions::is_fresh(&its.stamp, used.map(|(stamp, _)| stamp).as_ref()) {
+            fresh.push(file.clone());
+        } else {
+            info!(event = "companion-stale", scan = export.scan.short());
+        }
+    }
+    Ok(fresh)
+}
+
+/// Gives an export to custody, for the capture that it answers.
+fn admit(
+    station: &Station,
+    began: Appeared,
+    export: &Export,
+    (format, companions): (Format, &[Companion]),
+    says: [NameSays; 2],
+) -> Result<(Verdict, bool), TakeFault> {
+    let (custody, scan) = (&station.custody, &export.scan);
+    // No press and no other export may come between the judgement and what is done by it.
+    let mut booth = station.booth.hold();
+    if let Some(judged) = custody.enter_kept(scan)? {
+        booth.answer(&judged, scan, false);
+        station.work.notify_one();
+    }
+    let known = custody.known(scan, &export.geometry)?;
+    let content = Content {
+        began,
+        is_known: known.is_some(),
+        completes: match &known {
+            Some(_) => None,
+            None => custody.completed_by(&export.bytes)?,
+        },
+    };
+    let judged = booth.judge(&content);
+    let hold = station.config.capture.without_trigger == WithoutTrigger::Hold;
+    let whose = identity::of_judged(&judged, content.is_known, hold, says);
+    let not_an_id = whose.not_an_id;
+    let admitted = custody.admit(&Arrival {
+        scan,
+        bytes: &export.bytes,
+        format,
+        file_time: export.file_time,
+        whose,
+        pressed_at: pressed_at(station, &judged)?,
+        judged: judged.clone(),
+        companions,
+        geometry: &export.geometry,
+        known,
+    });
+    match &admitted {
+        Ok(Verdict::New) => booth.answer(&judged, scan, false),
+        Ok(Verdict::Held(_)) => booth.answer(&judged, scan, true),
+        Ok(Verdict::Already) => {}
+        // Its bytes may be kept already, and with them what it answers: no other export may.
+        Err(_) if custody.spool().holds(scan) => booth.answer(&judged, scan, true),
+        Err(_) => {}
+    }
+    Ok((admitted?, not_an_id))
+}
+
 /// What the scanner's own measures beside a scan say; those of two such files say nothing.
-fn beside(station: &Station, export: &Export) -> NameSays {
-    let mut measures = export.companions.iter().filter(|file| file.name_ending.ends_with("ord"));
+fn beside(station: &Station, companions: &[Companion]) -> NameSays {
+    let mut measures = companions.iter().filter(|file| file.name_ending.ends_with("ord"));
     match (measures.next(), measures.next()) {
         (Some(file), None) => station.identity.of_sidecar(&String::from_utf8_lossy(&file.bytes)),
         _ => NameSays::Nothing,
     }
-}
-
-/// Whose scan it is.
-fn whose(station: &Station, judged: &Judged, says: [NameSays; 2]) -> Whose {
-    let (named, held) = match judged {
-        Judged::Of(capture) => (capture.patient.as_ref(), None),
-        Judged::Held { code, patient, .. } => (patient.as_ref(), Some(*code)),
-        Judged::Unpressed => match station.config.capture.without_trigger {
-            WithoutTrigger::Process => (None, None),
-            WithoutTrigger::Hold => (None, Some(NO_PRESS)),
-        },
-    };
-    identity::whose(named, held, says)
 }
 
 /// When the button was pressed for an export that is certainly its own.

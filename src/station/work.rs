@@ -1,28 +1,32 @@
 //! The work on one scan: measured in a process of its own, its record put into a store or taken
 //! back from it, the journal told. All of it blocks.
 
+use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::assembly::Station;
 use super::custody::CustodyFault;
 use super::error::chain;
 use super::event::{StationEvent, short};
-use super::journal::{Due, JournalError, ScanRow};
+use super::journal::{Due, JournalError, KEPT, ScanRow};
 use super::measure::{self, Answer, Job, Limits, Measured};
 use super::quarantine::{Reason, Stage};
-use crate::flow::ScanState;
 use crate::flow::acquired::acquired;
+use crate::flow::facts::Alarm;
+use crate::flow::lifecycle::HANDED_OVER;
 use crate::flow::light::Outcome;
 use crate::flow::outbox::Ended;
-use crate::record::{FIRST_REVISION, Provenance, RecordFile};
-use crate::store::{Delivery, StoreFault};
+use crate::flow::{Facts, ScanState};
+use crate::record::{FIRST_REVISION, Patient, Provenance, RecordFile};
+use crate::store::{Delivery, Misfit, StoreFault};
 
 /// A measurement that ends without an answer is tried so often before the scan is refused: its
 /// process may have been killed by somebody else, but a file that kills it will do so again.
-const CRASHES_MAX: u32 = 3;
+pub const CRASHES_MAX: u32 = 3;
 
 /// A scan that has been measured for a patient.
 #[derive(Debug)]
@@ -36,6 +40,9 @@ pub struct Ready {
 enum Setback {
     /// It never will.
     Refused(Reason),
+    /// The record that was to be taken back was changed by somebody, for this reason: it stays where
+    /// it is until a person has looked after it.
+    Kept(Misfit),
     /// It may later.
     PutOff { code: &'static str, error: String },
     /// It may when the store is in reach.
@@ -52,43 +59,14 @@ pub fn prepare(station: &Station, due: &Due, threads: usize) -> Result<Ready, En
 
 fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setback> {
     let row = row(station, due)?;
-    let spool = station.custody.spool();
-    let scan_file = spool.scan_file(&row.scan, &row.format);
-    let length = |path: &Path| std::fs::metadata(path).map(|metadata| metadata.len());
-    let lost = |error: std::io::Error| spool_fault(error, &row);
-    let ord_files = spool.companions(&row.scan, "ord").map_err(lost)?;
-    let ord_file = match ord_files.as_slice() {
-        [file] => Some(file.as_path()),
-        _ => None,
-    };
-    let config = &station.config;
-    let job = Job {
-        config: config.text.clone(),
-        provenance: Provenance {
-            station: Some(config.station.id.clone()),
-            patient: due.patient.clone(),
-            acquired: Some(acquired(row.pressed_at, row.file_time, row.first_seen)),
-            sha256: row.scan.to_string(),
-            revision: FIRST_REVISION,
-        },
-        ending: row.format.clone(),
-        scan_bytes: length(&scan_file).map_err(lost)?,
-        ord_files: ord_files.len(),
-        ord_bytes: ord_file.map(length).transpose().map_err(lost)?.unwrap_or(0),
-        threads,
-        limits: Limits {
-            memory_bytes: config.measure.memory_bytes,
-            cpu: config.measure.cpu,
-            wall: config.measure.wall,
-        },
-    };
     let began = Instant::now();
-    let measured = measure::measure(&row.scan, &job, &scan_file, ord_file);
+    let measured = from_spool(station, &row, due.patient.clone(), threads);
+    let measured = measured.map_err(|error| spool_fault(error, &row))?;
     note_measured(station, began.elapsed());
     let refused = |code: &str, message: String| {
         Err(Setback::Refused(Reason::new(code, message, Stage::Measure, row.first_seen)))
     };
-    match measured.map_err(lost)? {
+    match measured {
         Measured::Answered(Answer::Files(files)) => Ok(Ready { row, files }),
         Measured::Answered(Answer::Refused { code, message }) => refused(&code, message),
         Measured::Trouble(trouble) if !trouble.may_pass() => {
@@ -103,14 +81,56 @@ fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setba
     }
 }
 
+/// Measures a spooled scan for this patient on so many threads.
+///
+/// # Errors
+/// Where its bytes cannot be read, or the measuring process does not start.
+pub fn from_spool(
+    station: &Station,
+    row: &ScanRow,
+    patient: Option<Patient>,
+    threads: usize,
+) -> io::Result<Measured> {
+    let spool = station.custody.spool();
+    let scan_file = spool.scan_file(&row.scan, &row.format);
+    let length = |path: &Path| std::fs::metadata(path).map(|metadata| metadata.len());
+    let ord_files = spool.companions(&row.scan, "ord")?;
+    let ord_file = match ord_files.as_slice() {
+        [file] => Some(file.as_path()),
+        _ => None,
+    };
+    let config = &station.config;
+    let job = Job {
+        config: config.text.clone(),
+        provenance: Provenance {
+            station: Some(config.station.id.clone()),
+            patient,
+            acquired: Some(acquired(row.pressed_at, row.file_time, row.first_seen)),
+            sha256: row.scan.to_string(),
+            revision: FIRST_REVISION,
+        },
+        ending: row.format.clone(),
+        scan_bytes: length(&scan_file)?,
+        ord_files: ord_files.len(),
+        ord_bytes: ord_file.map(length).transpose()?.unwrap_or(0),
+        threads,
+        limits: Limits {
+            memory_bytes: config.measure.memory_bytes,
+            cpu: config.measure.cpu,
+            wall: config.measure.wall,
+        },
+    };
+    measure::measure(&row.scan, &job, &scan_file, ord_file)
+}
+
 fn row(station: &Station, due: &Due) -> Result<ScanRow, Setback> {
     let row = station.custody.journal().scan(&due.scan)?;
     Ok(row.ok_or(JournalError::Unknown { what: "scan" })?)
 }
 
 /// Bytes that are not in the spool any more were removed from outside.
-fn spool_fault(error: std::io::Error, row: &ScanRow) -> Setback {
-    if error.kind() == std::io::ErrorKind::NotFound {
+fn spool_fault(error: io::Error, row: &ScanRow) -> Setback {
+    if error.kind() == io::ErrorKind::NotFound {
         let message = "its bytes were removed from the spool from outside".to_owned();
         let reason = Reason::new("spool-lost", message, Stage::Intake, row.first_seen);
         return Setback::Refused(reason);
@@ -129,6 +149,10 @@ fn note_measured(station: &Station, took: Duration) {
 pub fn put(station: &Station, due: &Due, ready: &Ready) -> Ended {
     let put = || -> Result<(), Setback> {
         let Ready { row, files } = ready;
+        if !station.custody.journal().is_to_be_made(due)? {
+            // Somebody decided otherwise while it was measured: nobody gets what is not theirs.
+            return Ok(());
+        }
         let store = station.store(&due.store).ok_or_else(|| no_store(due))?;
         let receipt = store
             .put(&Delivery {
@@ -169,15 +193,21 @@ pub fn withdraw(station: &Station, due: &Due) -> Ended {
             let error = "nobody else has the record yet".to_owned();
             return Err(Setback::PutOff { code: "withdrawal-early", error });
         };
+        let scan = short(&due.scan);
         match store.withdraw(&due.scan, from, keeper.as_deref()) {
-            Err(StoreFault::Permanent(_)) => {
-                // Somebody worked on it by hand: it stays where it is.
-                warn!(event = "withdrawn-record-kept", scan = short(&due.scan));
+            Err(StoreFault::Permanent(Misfit::HandedOver)) => {
+                warn!(event = "withdrawn-record-kept", scan, code = HANDED_OVER);
+                journal.left_there(due)?;
+                return Ok(());
             }
+            Err(StoreFault::Permanent(misfit)) => return Err(Setback::Kept(misfit)),
             other => other.map_err(|fault| of_store(fault, &row))?,
         }
         journal.withdrawn(due)?;
-        info!(event = "record-withdrawn", scan = short(&due.scan), store = due.store);
+        info!(event = "record-withdrawn", scan, store = due.store);
+        if !journal.keeps_changed_records()? {
+            station.board.note(|facts| drop(facts.alarms.remove(KEPT)));
+        }
         Ok(())
     };
     match withdraw() {
@@ -199,8 +229,15 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
         ("custody-failed", chain(&fault), Ended::PutOff)
     };
     let (code, error, ended) = match setback {
-        Setback::Refused(reason) => match refuse(station, due, reason) {
-            Ok(Reason { code, message, .. }) => {
+        Setback::Refused(reason) => match station.custody.refuse_delivery(due, reason) {
+            Ok(None) => return Ended::ForGood,
+            Ok(Some(Reason { code, message, stage, .. })) => {
+                if stage != Stage::Store
+                    && let Err(error) = station.reopen_capture(&due.scan)
+                {
+                    station.mind(&error);
+                    warn!(event = "journal-failed", error = chain(&error));
+                }
                 warn!(event = "scan-refused", scan, code);
                 let scan = Some(scan);
                 station.booth.ended(&due.scan, Outcome::NeedsPerson, station.now());
@@ -209,6 +246,10 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
             }
             Err(fault) => custody_failed(fault),
         },
+        Setback::Kept(misfit) => {
+            station.board.note(note_kept);
+            (KEPT, misfit.to_string(), Ended::Kept)
+        }
         Setback::StoreFailed { code, error } => {
             station.note_store(&due.store, Some(format!("{code}: {error}")));
             (code, error, Ended::StoreFailed)
@@ -221,11 +262,12 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
     ended
 }
 
-fn refuse(station: &Station, due: &Due, reason: Reason) -> Result<Reason, CustodyFault> {
-    match reason.stage {
-        Stage::Store => station.custody.refuse_at_store(due, reason),
-        Stage::Intake | Stage::Measure => station.custody.refuse(&due.scan, reason),
-    }
+/// A person must know that a record lies where it was taken back from.
+fn note_kept(facts: &mut Facts) {
+    let message = "a record that was taken back was changed by somebody and still lies in the folder \
+                   of the patient it is not of";
+    let alarm = Alarm { message: message.to_owned(), since: Timestamp::now() };
+    facts.alarms.entry(KEPT).or_insert(alarm);
 }
 
 /// A store's fault; its path, which holds the patient's id, stays out of logs and journal.

@@ -12,7 +12,7 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::error::{StationError, Worker};
 use super::stop::Stop;
-use super::{booth, control, delivery, housekeeping, http, intake, orders, trigger};
+use super::{booth, control, delivery, housekeeping, http, intake, orders, preview, trigger};
 
 /// The workers, their names and their beats.
 pub struct Workers {
@@ -40,6 +40,8 @@ impl Workers {
         }
         let beat = workers.beat(Worker::Delivery, station);
         workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), beat, stop.clone()));
+        let beat = workers.beat(Worker::Preview, station);
+        workers.spawn(Worker::Preview, preview::worker(Arc::clone(station), beat, stop.clone()));
         let beat = workers.beat(Worker::Housekeeping, station);
         let task = housekeeping::worker(Arc::clone(station), beat, stop.clone());
         workers.spawn(Worker::Housekeeping, task);

@@ -4,6 +4,7 @@
 //! then the staged folder; then it is renamed, never over another, and the patient's folder is
 //! synced. So a folder under its final name is whole, and a receipt survives a power cut.
 
+mod owner;
 mod search;
 
 use std::fs;
@@ -130,14 +131,6 @@ impl FolderStore {
         // Also where it was there already: the run that made it may have crashed before this.
         tried("syncing", &patient, durable::sync_folder(&patient))?;
         Ok(Receipt { folder: place, already_there })
-    }
-
-    /// The patient's folder, made durable under the root.
-    fn patient_folder(&self, patient: Option<&str>) -> Result<PathBuf, StoreFault> {
-        let folder = self.root.join(naming::patient_folder(patient));
-        tried("making", &folder, durable::make_folder_once(&folder))?;
-        tried("syncing", &self.root, durable::sync_folder(&self.root))?;
-        Ok(folder)
     }
 }
 

@@ -123,6 +123,15 @@ pub enum Misfit {
     /// The record's place is taken by something that is not this scan's whole record.
     #[error("its folder exists and is not this scan's whole record: {0}")]
     Occupied(sums::SumsFault),
+    /// The patient's folder is a link, which may lead into another patient's.
+    #[error("the patient's folder is a symbolic link")]
+    FolderIsLink,
+    /// The patient's folder cannot be told from another's.
+    #[error(
+        "the store has a folder whose name is this patient's but for upper and lower case: it may be \
+         another patient's"
+    )]
+    FolderClash,
     /// A record for nobody, and practice software takes none.
     #[error("it names no patient, and practice software takes none without")]
     Nobodys,
@@ -150,6 +159,8 @@ impl StoreFault {
             StoreFault::Transient { .. } => "store-unavailable",
             StoreFault::NotFetched => "result-not-fetched",
             StoreFault::Permanent(Misfit::Occupied(_)) => "store-place-occupied",
+            StoreFault::Permanent(Misfit::FolderIsLink) => "patient-folder-is-a-link",
+            StoreFault::Permanent(Misfit::FolderClash) => "patient-folder-clash",
             StoreFault::Permanent(Misfit::HandedOver) => "result-handed-over",
             StoreFault::Permanent(_) => "store-misfit",
         }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::io;
+use std::ops::Range;
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -46,6 +47,15 @@ pub enum SumsFault {
 /// The SHA-256 of bytes as a scan id.
 pub fn scan_id(bytes: &[u8]) -> ScanId {
     ScanId::of_digest(Sha256::digest(bytes).into())
+}
+
+/// The SHA-256 of parts of bytes, one after the other.
+pub fn of_parts(bytes: &[u8], parts: &[Range<usize>]) -> ScanId {
+    let mut digest = Sha256::new();
+    for part in parts {
+        digest.update(&bytes[part.clone()]);
+    }
+    ScanId::of_digest(digest.finalize().into())
 }
 
 /// Checks that a folder holds every file its `SHA256SUMS` lists, bytes and all, and that its scan

@@ -2,37 +2,14 @@
 
 import assert from "node:assert/strict";
 import { createHash } from "node:crypto";
-import { readFileSync } from "node:fs";
-import { join } from "node:path";
-import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { PATIENCE_MS, Station, body, browse, tab, until } from "./station.mjs";
+import { Station, at, body, browse, light, shoot, tab, until, violations } from "./station.mjs";
 
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const sha256 = (bytes) => createHash("sha256").update(bytes).digest("hex");
-
-// Screenshots for people to look at go here, if anywhere.
-const shots = process.env.GAITER_SHOTS;
-const shoot = (page, name) => (shots ? page.screenshot({ path: join(shots, `${name}.png`), fullPage: true }) : null);
 
 let browser;
 before(async () => { browser = await browse(); });
 after(async () => { await browser.close(); });
-
-/** Runs a test before a station that is ended whatever comes of it. */
-async function at(station, run) {
-  try {
-    await station.start();
-    await run(station);
-  } finally {
-    await station.end();
-  }
-}
-
-/** Awaits the light. */
-function light(page, signal) {
-  return page.waitForSelector(`#light[data-signal="${signal}"]`, { timeout: PATIENCE_MS });
-}
 
 /** Notes every signal that the page's light shows from now on. */
 async function watchLight(page) {
@@ -42,13 +19,6 @@ async function watchLight(page) {
     new MutationObserver(() => window.seen.push(element.dataset.signal))
       .observe(element, { attributes: true, attributeFilter: ["data-signal"] });
   });
-}
-
-/** What axe-core finds wrong. It is put in by the browser's own tools, which no policy hinders. */
-async function violations(page) {
-  await page.evaluate(axe);
-  const { violations } = await page.evaluate(() => window.axe.run(document));
-  return violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => `${node.html} ${node.failureSummary}`).join("; ")}`);
 }
 
 test("a scan arrives, and the light goes through its states", async () => {
@@ -102,13 +72,15 @@ test("assign, take back, retry and release work by clicking", async () => {
     await card.getByRole("button", { name: "Assign" }).click();
     await page.getByLabel("Patient's id").fill("not one");
     await page.getByRole("button", { name: "OK" }).click();
-    await page.waitForSelector("#said[data-bad]");
-    assert.match(await page.locator("#said").textContent(), /no patient's id/);
-    await card.getByRole("button", { name: "Assign" }).click();
+    await page.locator("#question_fault").getByText("no patient's id").waitFor();
+    assert.equal(await page.getByLabel("Patient's id").inputValue(), "not one", "what was typed is lost");
     await page.getByLabel("Patient's id").fill("4711");
     await page.getByLabel("Patient's id").press("Enter");
     await card.getByText("4711").waitFor();
-    await card.getByRole("button", { name: "Take back" }).waitFor();
+    const question = page.locator("#question");
+    await card.getByRole("button", { name: "Take back" }).click();
+    assert.match(await question.textContent(), /Take back from 4711.*leaves 4711's folder/s);
+    await question.getByRole("button", { name: "Cancel" }).click();
 
     // The same bytes for somebody else are held.
     station.export("4712_a.obj", body(1));
@@ -117,7 +89,8 @@ test("assign, take back, retry and release work by clicking", async () => {
     await light(page, "attention");
     await shoot(page, "attention");
     await held.getByRole("button", { name: "Release" }).click();
-    await page.getByRole("button", { name: "OK" }).click();
+    assert.match(await question.textContent(), /Release to 4712.*to this patient and to nobody else/s);
+    await question.getByRole("button", { name: "Release" }).click();
     await page.getByText("Nothing waits for a decision.").waitFor();
     await until("the second patient's record", async () =>
       page.locator("#scans_body").textContent().then((text) => /4712/.test(text)));
@@ -149,7 +122,7 @@ test("pause and resume, name and call off", async () => {
     await page.getByRole("button", { name: "OK" }).click();
     await light(page, "armed");
     await page.getByRole("button", { name: "Call off" }).click();
-    await page.getByRole("button", { name: "OK" }).click();
+    await page.locator("#question").getByRole("button", { name: "Call off" }).click();
     await light(page, "ready");
   });
 });
@@ -236,7 +209,7 @@ test("hostile ids show as text, and nothing of them runs", async () => {
       await light(page, "done");
     }
     await name("7".repeat(500));
-    await page.waitForSelector("#said[data-bad]");
+    await page.locator("#question_fault").getByText("no patient's id").waitFor();
     await shoot(page, "hostile-stored");
     assert.equal(await page.evaluate(() => window.hacked), undefined);
     assert.deepEqual(noted.elsewhere, []);
@@ -249,7 +222,7 @@ test("whatever the station says, the page shows it as text and stays in its boun
     const hostile = ["<script>window.hacked=1</script>", "<img src=x onerror=window.hacked=1>", "\"'`&lt;", "\u202e4711\u2066", "W".repeat(500)];
     const scan = (patients) => ({
       scan: sha256(patients[0]), at: "2026-11-22T10:00:00Z", state: "held", word: "Held", code: "<b>", patients,
-      advice: { what: "<i>", next: "</p>" }, acts: ["assign"], measures: null, files: [],
+      advice: { what: "<i>", next: "</p>" }, candidates: patients.map((id) => ({ id, shown: id })), acts: ["assign"], measures: null, files: [], unmeasured: null,
     });
     await context.route("**/stream*", (route) => route.fulfill({ status: 503, body: "" }));
     await context.route("**/state*", async (route) => {
@@ -257,14 +230,15 @@ test("whatever the station says, the page shows it as text and stays in its boun
       const answer = await route.fetch().catch(() => null);
       if (!answer) return route.abort();
       const state = await answer.json();
-      state.next.id = hostile[4];
+      state.next.pieces = ["", hostile[4], ""];
       state.undecided = hostile.map((id) => scan([id]));
       state.scans = state.undecided;
       return route.fulfill({ json: state });
     });
     await page.goto(station.link());
     await page.waitForSelector("#undecided_body article");
-    assert.deepEqual(await page.locator("#undecided_body bdi").allTextContents(), hostile);
+    // Each stands at its scan, and on the button that gives it the scan.
+    assert.deepEqual(await page.locator("#undecided_body bdi").allTextContents(), hostile.flatMap((id) => [id, id]));
     assert.equal(await page.locator("#next_body bdi").textContent(), hostile[4]);
     const { wide, screen } = await page.evaluate(() => ({ wide: document.documentElement.scrollWidth, screen: innerWidth }));
     assert.ok(wide <= screen, `${wide} of ${screen}`);

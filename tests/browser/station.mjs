@@ -3,6 +3,7 @@
 
 import { execFileSync, spawn } from "node:child_process";
 import { appendFileSync, mkdirSync, mkdtempSync, openSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -23,10 +24,11 @@ const FLAGS = [
   "--disable-component-update", "--disable-sync",
 ];
 
-/** A scan that is quickly measured; each `n` gives other bytes of the same body. */
+/** A scan that is quickly measured; each `n` gives another scan of the same body. */
 export function body(n) {
   const file = join(root, "fixtures/coarse/f_average.obj.gz");
-  return Buffer.concat([gunzipSync(readFileSync(file)), Buffer.from(`# ${n}\n`)]);
+  const text = gunzipSync(readFileSync(file)).toString("latin1");
+  return Buffer.from(text.replace(/\nv (\S+)/, (_, x) => `\nv ${x}${String(n).padStart(9, "0")}`), "latin1");
 }
 
 /** Awaits a condition. */
@@ -176,4 +178,32 @@ export async function tab(browser, station, options = {}) {
     }
   });
   return { page, context, noted };
+}
+
+/** Runs a test before a station that is ended whatever comes of it. */
+export async function at(station, run) {
+  try {
+    await station.start();
+    await run(station);
+  } finally {
+    await station.end();
+  }
+}
+
+/** Awaits the light. */
+export function light(page, signal) {
+  return page.waitForSelector(`#light[data-signal="${signal}"]`, { timeout: PATIENCE_MS });
+}
+
+// Screenshots for people to look at go here, if anywhere.
+const shots = process.env.GAITER_SHOTS;
+export const shoot = (page, name) => (shots ? page.screenshot({ path: join(shots, `${name}.png`), fullPage: true }) : null);
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+
+/** What axe-core finds wrong. It is put in by the browser's own tools, which no policy hinders. */
+export async function violations(page) {
+  await page.evaluate(axe);
+  const { violations } = await page.evaluate(() => window.axe.run(document));
+  return violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => `${node.html} ${node.failureSummary}`).join("; ")}`);
 }

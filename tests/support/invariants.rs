@@ -164,6 +164,8 @@ pub fn records(store: &Path) -> (Vec<Delivered>, Vec<Violation>) {
 struct JournalState {
     pending: usize,
     held: BTreeSet<Delivered>,
+    /// Scans that were refused and need no decision any more.
+    closed: BTreeSet<String>,
 }
 
 fn journal(state: &Path) -> rusqlite::Result<JournalState> {
@@ -176,9 +178,12 @@ fn journal(state: &Path) -> rusqlite::Result<JournalState> {
     let mut held =
         journal.prepare("SELECT patient, sha256 FROM deliveries WHERE state = 'held'")?;
     let held = held.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?;
+    let mut closed = journal.prepare("SELECT sha256 FROM scans WHERE closed IS NOT NULL")?;
+    let closed = closed.query_map([], |row| row.get(0))?;
     Ok(JournalState {
         pending: usize::try_from(pending.max(spooled)).unwrap(),
         held: held.collect::<rusqlite::Result<_>>()?,
+        closed: closed.collect::<rusqlite::Result<_>>()?,
     })
 }
 
@@ -329,8 +334,10 @@ impl Found {
         quarantine: &BTreeSet<String>,
     ) {
         let held: BTreeSet<&str> = journal.held.iter().map(|(_, sum)| sum.as_str()).collect();
-        // The note of a file that was too large to be read is no scan.
-        let refused = quarantine.iter().filter(|name| !name.starts_with(UNREAD)).count();
+        // The note of a file that was too large to be read is no scan, and a refusal that is closed
+        // asks nobody.
+        let asks = |name: &&String| !name.starts_with(UNREAD) && !journal.closed.contains(*name);
+        let refused = quarantine.iter().filter(asks).count();
         let so = Told { pending: journal.pending, held: held.len(), refused };
         if let Some(told) = evidence.told.filter(|told| *told != so) {
             self.say(9, format!("the station says {told:?}, and it is {so:?}"));

@@ -99,7 +99,9 @@ impl Player {
         }
         let (found, expected) = match (verb, what) {
             ("expect", "nothing") => (format!("{:?}", self.heard.front()), "None".to_owned()),
-            ("expect", "short" | "long" | "id") => (self.next_heard(), line[7..].to_owned()),
+            ("expect", "short" | "long" | "id" | "unread") => {
+                (self.next_heard(), line[7..].to_owned())
+            }
             ("expect", "state") => (self.attendant.state().word().to_owned(), rest.to_owned()),
             ("expect", "garbage") => (self.attendant.garbage().to_string(), rest.to_owned()),
             ("expect", "opened") => (self.stage.opened().to_string(), rest.to_owned()),
@@ -120,6 +122,8 @@ impl Player {
             Some(Heard::Press(Press::Short)) => "short".into(),
             Some(Heard::Press(Press::Long)) => "long".into(),
             Some(Heard::Named { id, .. }) => format!("id {id}"),
+            Some(Heard::Unread { .. }) => "unread".into(),
+            Some(Heard::Repeated { .. }) => "repeated".into(),
         }
     }
 }

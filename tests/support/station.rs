@@ -29,7 +29,7 @@ const PATIENCE: Duration = Duration::from_secs(120);
 /// The quiet time of the stations under test.
 pub const QUIET: Duration = Duration::from_millis(300);
 
-/// A scan that can be measured; each `n` gives other bytes of the same body.
+/// A scan that can be measured; each `n` gives another scan of the same body.
 pub fn body(n: usize) -> Vec<u8> {
     numbered(n, "fixtures/scans/f_average_clean.obj.gz")
 }
@@ -43,7 +43,14 @@ fn numbered(n: usize, fixture: &str) -> Vec<u8> {
     let file = File::open(Path::new(env!("CARGO_MANIFEST_DIR")).join(fixture)).unwrap();
     let mut bytes = Vec::new();
     flate2::read::GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
-    bytes.extend(format!("# {n}\n").bytes());
+    rescanned(bytes, n)
+}
+
+/// The same body as another scan writes it: its first coordinate has further digits.
+pub fn rescanned(mut bytes: Vec<u8>, n: usize) -> Vec<u8> {
+    let first = bytes.windows(3).position(|line| line == b"\nv ").unwrap() + 3;
+    let end = first + bytes[first..].iter().position(|byte| *byte == b' ').unwrap();
+    bytes.splice(end..end, format!("{n:09}").bytes());
     bytes
 }
 

@@ -46,7 +46,7 @@ pub struct ScansArgs {
     pub ask: AskArgs,
 }
 
-/// `gaiter show`, `retry`, `release` and `assign`
+/// `gaiter show`, `retry`, `release`, `assign`, `unassign` and `give-up`
 #[derive(Debug, clap::Args)]
 pub struct OneArgs {
     /// The scan: the first digits of its id, at least four, as `gaiter scans` and the log show them

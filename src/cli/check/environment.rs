@@ -1,11 +1,13 @@
 //! The folders and disks a configuration names, tried as the station will use them.
 
+use std::fmt::Display;
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
+use super::names;
 use crate::config::{Config, WatchConfig, nested};
 use crate::flow::FileSystem;
 use crate::flow::mount::{Expected, MountGuard};
@@ -45,6 +47,18 @@ pub(super) struct Row {
     pub verdict: Verdict,
     /// What was found.
     pub detail: String,
+    /// Names of files and the patients that they name, for the person who checks.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub examples: Vec<Example>,
+}
+
+/// A file's name and the patient that it names.
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct Example {
+    /// The file's name.
+    pub name: String,
+    /// The patient's id.
+    pub patient: String,
 }
 
 impl Row {
@@ -53,8 +67,25 @@ impl Row {
         Row::new(check, place, Verdict::Ok, detail)
     }
 
-    fn new(check: &'static str, place: &Path, verdict: Verdict, detail: impl Into<String>) -> Row {
-        Row { check, place: place.display().to_string(), verdict, detail: detail.into() }
+    /// A check on a folder or file, and how it went.
+    pub fn new(
+        check: &'static str,
+        place: &Path,
+        verdict: Verdict,
+        detail: impl Into<String>,
+    ) -> Row {
+        Row::at(check, place.display(), verdict, detail)
+    }
+
+    /// A check on what has no path, a key say, and how it went.
+    pub fn at(
+        check: &'static str,
+        place: impl Display,
+        verdict: Verdict,
+        detail: impl Into<String>,
+    ) -> Row {
+        let (place, detail) = (place.to_string(), detail.into());
+        Row { check, place, verdict, detail, examples: Vec::new() }
     }
 
     fn of(check: &'static str, place: &Path, tried: io::Result<String>) -> Row {
@@ -72,6 +103,7 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     let mut rows: Vec<Row> =
         exports.iter().map(|folder| Row::of("export folder", folder, readable(folder))).collect();
     rows.extend(exports.iter().filter_map(|folder| mounted(folder, &config.scanner.watch)));
+    rows.extend(names::rows(config));
     for (check, folder) in [("state folder", state), ("record store", store)] {
         rows.push(Row::of(check, folder, writable(folder)));
         rows.push(room(folder, config.scanner.max_scan_bytes));
@@ -85,12 +117,7 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     rows.extend(slow_rescan(config));
     if rustix::process::geteuid().is_root() {
         let detail = "checked as root, who may do more; check again as the station's own user";
-        rows.push(Row {
-            check: "user",
-            place: "root".into(),
-            verdict: Verdict::Warn,
-            detail: detail.into(),
-        });
+        rows.push(Row::at("user", "root", Verdict::Warn, detail));
     }
     rows
 }
@@ -243,10 +270,6 @@ fn real(folder: &Path) -> Option<PathBuf> {
 /// Not wrong, but mostly the two values changed places.
 fn slow_rescan(config: &Config) -> Option<Row> {
     let (quiet, rescan) = (config.scanner.quiet, config.scanner.rescan);
-    (quiet > rescan).then(|| Row {
-        check: "timing",
-        place: "scanner.quiet".into(),
-        verdict: Verdict::Warn,
-        detail: format!("{quiet:?} is longer than scanner.rescan, {rescan:?}; is that meant?"),
-    })
+    let detail = format!("{quiet:?} is longer than scanner.rescan, {rescan:?}; is that meant?");
+    (quiet > rescan).then(|| Row::at("timing", "scanner.quiet", Verdict::Warn, detail))
 }

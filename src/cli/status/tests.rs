@@ -50,7 +50,13 @@ fn status() -> Status {
         }],
         stores: BTreeMap::from([("folder".into(), StoreStatus { fault: None, since: at(0) })]),
         triggers: BTreeMap::from([("serial".into(), port)]),
-        booth: BoothStatus { light: "armed".into(), awaited: 2, named: true, in_doubt: false },
+        booth: BoothStatus {
+            light: "armed".into(),
+            awaited: 2,
+            named: true,
+            in_doubt: false,
+            advice: None,
+        },
         disk_free_bytes: Some(12_000_000_000),
         disk_bytes: Some(100_000_000_000),
         measured: 22,
@@ -66,6 +72,8 @@ fn scan(state: &str) -> Listed {
         first_seen: at(0),
         state: state.into(),
         held: false,
+        closed: None,
+        withdrawing: false,
         format: "obj".into(),
         size: 4_500_000,
         code: None,
@@ -102,8 +110,8 @@ measured   22 in this run, the last in 2.1 s
 disk       12.0 GB free of 100.0 GB
 station    booth-1, gaiter 0.1.0, process 77, running for 2 hours
 
-scan      first seen               state      format      size  why
-abcd1234  2027-01-15 08:00:00 UTC  spooled    obj       4.5 MB
+scan      first seen               state        format      size  why
+abcd1234  2027-01-15 08:00:00 UTC  spooled      obj       4.5 MB
 ";
 
 #[test]

@@ -19,6 +19,7 @@ fn whole(state: ScanState, delivery: DeliveryState, attempts: u64) -> Whole {
             size: 12,
             code: refused.then(|| "scan-empty".to_owned()),
             message: refused.then(|| "the file is empty".to_owned()),
+            closed: None,
         },
         deliveries: vec![Delivered {
             patient: Some("4711".to_owned()),
@@ -29,6 +30,8 @@ fn whole(state: ScanState, delivery: DeliveryState, attempts: u64) -> Whole {
             next_at: (attempts > 0).then(|| at(900)),
             folder: Some("/srv/records/4711/x".to_owned()),
         }],
+        candidates: Vec::new(),
+        preview: None,
         history: Vec::new(),
     }
 }

@@ -27,8 +27,10 @@ pub struct Situation<'a> {
     pub has_button: bool,
     /// How many exports are awaited.
     pub awaited: usize,
-    /// The patient who is named for the next press.
-    pub named: Option<&'a str>,
+    /// The ids of those who may be next: one when it is certain, several when it is in doubt.
+    pub next: &'a [String],
+    /// The ids of those whose exports are awaited; without a button a name opens the capture.
+    pub awaited_for: &'a [String],
     /// A press may have gone unheard.
     pub is_in_doubt: bool,
 }
@@ -70,7 +72,11 @@ fn word(signal: Signal) -> Both {
 
 fn next_step(signal: Signal, booth: &Situation<'_>) -> Both {
     match (signal, booth.has_button) {
-        (Signal::Ready, true) if booth.named.is_some() => (
+        (Signal::Ready, true) if booth.next.len() > 1 => (
+            "Say who is in the booth, then press the button.",
+            "Sagen, wer in der Kabine ist, dann den Knopf drücken.",
+        ),
+        (Signal::Ready, true) if !booth.next.is_empty() => (
             "Press the button, then scan the patient who is named.",
             "Knopf drücken, dann die genannte Person scannen.",
         ),

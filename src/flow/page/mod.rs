@@ -18,12 +18,12 @@ use serde::Serialize;
 
 use super::facts::{Facts, IntakeState};
 use super::health::Complaint;
-use crate::record::Language;
+use crate::record::{Language, shown};
 pub use light::{LightShown, Situation};
-pub use next::NextShown;
+pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;
 pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
-pub use scans::{ScanShown, Told, record_folder, shown as scan_shown};
+pub use scans::{ScanShown, Told, is_held, record_folder, shown as scan_shown};
 
 /// Name and number of the snapshot's schema.
 pub const SCHEMA: &str = "gaiter.page/1";
@@ -77,6 +77,33 @@ pub struct Shown {
     pub parts: Vec<PartShown>,
     /// Patients' ids are shown to this reader.
     pub ids: bool,
+}
+
+/// A patient on the page.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct PatientShown {
+    /// The id, as it is sent back with a decision.
+    pub id: String,
+    /// The id as a person reads it: nothing in it is hidden.
+    pub shown: String,
+}
+
+impl PatientShown {
+    /// The patient of this id.
+    pub fn of(id: &str) -> PatientShown {
+        PatientShown { id: id.to_owned(), shown: shown::id(id) }
+    }
+}
+
+/// Patients by their ids, each once, in the order in which they come.
+fn distinct<'a>(ids: impl IntoIterator<Item = &'a String>) -> Vec<PatientShown> {
+    let mut found: Vec<PatientShown> = Vec::new();
+    for id in ids {
+        if found.iter().all(|patient| patient.id != *id) {
+            found.push(PatientShown::of(id));
+        }
+    }
+    found
 }
 
 /// Something that keeps the station from being ready.
@@ -139,9 +166,10 @@ impl Shown {
     /// The same for readers who may not know whose scans these are.
     pub fn without_ids(mut self) -> Shown {
         self.ids = false;
-        self.next.id = None;
+        self.next.hide_ids();
         for scan in self.undecided.iter_mut().chain(&mut self.scans) {
             scan.patients.clear();
+            scan.candidates.clear();
         }
         self
     }

@@ -72,6 +72,20 @@ pub fn of_held(code: &str, language: Language) -> Advice {
                 "Freigeben, wenn sonst niemand gescannt wurde, sonst zuordnen.",
             ),
         ),
+        capture::UNREAD => (
+            (
+                "A card or an order before it could not be read: somebody else may have been meant.",
+                "Eine Karte oder ein Auftrag davor war nicht lesbar: vielleicht war jemand anders gemeint.",
+            ),
+            IF_SO,
+        ),
+        capture::REPEATED => (
+            (
+                "The order that names the patient came a second time with the same words.",
+                "Der Auftrag mit diesem Patienten kam ein zweites Mal mit demselben Inhalt.",
+            ),
+            IF_SO,
+        ),
         identity::NO_PRESS => {
             (("Nobody pressed the button for it.", "Niemand hat dafür den Knopf gedrückt."), IF_SO)
         }
@@ -97,6 +111,7 @@ pub fn of_held(code: &str, language: Language) -> Advice {
 pub fn of_refused(code: &str, language: Language) -> Advice {
     const AGAIN: Both = ("Scan again.", "Noch einmal scannen.");
     const EXPORT: Both = ("Export it again.", "Noch einmal exportieren.");
+    const TECHNICIAN: Both = ("Call the technician.", "Den Techniker rufen.");
     const RETRY: Both =
         ("Mend the cause, then try again.", "Die Ursache beheben, dann noch einmal versuchen.");
     let pair = match code {
@@ -166,7 +181,15 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
                 "The station's own copy is damaged: the disk may be failing.",
                 "Die Kopie der Station ist beschädigt, vielleicht versagt die Festplatte.",
             ),
-            ("Call the technician.", "Den Techniker rufen."),
+            TECHNICIAN,
+        ),
+        "patient-folder-is-a-link" | "patient-folder-clash" => (
+            (
+                "The patient's folder in the record store cannot be told from another's.",
+                "Der Ordner der Person im Aktenspeicher ist nicht sicher von einem anderen zu \
+                 unterscheiden.",
+            ),
+            TECHNICIAN,
         ),
         "store-place-occupied" | "store-misfit" | "record-not-written" => (
             (
@@ -239,6 +262,14 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
         "journal-failed" => {
             (("The journal cannot be read.", "Das Journal ist nicht lesbar."), TECHNICIAN)
         }
+        "record-kept" => (
+            (
+                "A record that was taken back was changed by hand and still lies with the wrong patient.",
+                "Eine zurückgenommene Messakte wurde von Hand geändert und liegt noch bei der falschen \
+                 Person.",
+            ),
+            TECHNICIAN,
+        ),
         "no-export" => (
             ("No export came after a press.", "Nach einem Knopfdruck kam kein Export."),
             ("Press the button and scan again.", "Knopf drücken und noch einmal scannen."),
@@ -251,6 +282,16 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
             (
                 "Order again, or name the patient here.",
                 "Neu beauftragen oder die Person hier benennen.",
+            ),
+        ),
+        "order-repeated" => (
+            (
+                "An order came again with the same words.",
+                "Ein Auftrag kam noch einmal mit gleichem Inhalt.",
+            ),
+            (
+                "Name the patient here if this is a new scan of the same person.",
+                "Die Person hier benennen, wenn sie noch einmal gescannt wird.",
             ),
         ),
         _ if language == Language::En => {
@@ -269,9 +310,17 @@ pub fn of_fault(code: &str, language: Language) -> Option<&'static str> {
             "This is no patient's id here. Nothing was changed.",
             "Das ist hier keine Patientennummer. Es wurde nichts geändert.",
         ),
+        "another-is-named" => (
+            "Another patient is named and was not scanned. Nothing was changed.",
+            "Eine andere Person ist benannt und wurde nicht gescannt. Es wurde nichts geändert.",
+        ),
         "scan-of-a-patient" => (
             "The scan is a patient's already. Nothing was changed.",
             "Der Scan gehört schon zu einer Person. Es wurde nichts geändert.",
+        ),
+        "scan-of-several" => (
+            "It could be more than one patient's: assign it to the right one. Nothing was changed.",
+            "Er kann von mehreren Personen sein: bitte der richtigen zuordnen. Es wurde nichts geändert.",
         ),
         "no-occasion" | "unknown-scan" | "scan-unknown" => (
             "The scan is not in that state any more. Nothing was changed.",

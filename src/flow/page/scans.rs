@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use super::reasons::{Advice, of_held, of_refused};
 use super::words::say;
+use super::{PatientShown, distinct};
 use crate::flow::account::{Delivered, Whole};
 use crate::flow::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{DeliveryState, ScanState, capture};
@@ -19,7 +20,8 @@ pub struct ScanShown {
     pub scan: String,
     /// When the station first saw it.
     pub at: Timestamp,
-    /// `spooled`, `delivered`, `unassigned`, `held` or `refused`; colour and sign hang on it.
+    /// `spooled`, `delivered`, `unassigned`, `withdrawing`, `held`, `refused` or `closed`; colour and sign
+    /// hang on it.
     pub state: &'static str,
     /// What became of it, in a word or two.
     pub word: &'static str,
@@ -29,21 +31,27 @@ pub struct ScanShown {
     pub advice: Option<Advice>,
     /// The ids of those whose it is; of a held scan, of those for whom it is held.
     pub patients: Vec<String>,
+    /// Of a held scan, those whose it may be, and to whom it can be given.
+    pub candidates: Vec<PatientShown>,
     /// What a person can decide.
     pub acts: Vec<&'static str>,
-    /// Its measures, once its record was read.
+    /// Its measures, once its record was read; of a held scan, its preview.
     pub measures: Option<Brief>,
-    /// The files of its record that can be opened.
+    /// The files of its record, or of its preview, that can be opened.
     pub files: Vec<&'static str>,
+    /// Why a held scan has no preview.
+    pub unmeasured: Option<String>,
 }
 
-/// What was read of a scan's record.
+/// What was read of a scan's record, or of the preview of a held one.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Told {
     /// Its measures.
     pub measures: Option<Brief>,
     /// Its files that can be opened.
     pub files: Vec<&'static str>,
+    /// The code of why a held scan cannot be measured.
+    pub unmeasured: Option<String>,
 }
 
 /// Where a scan is, for a person who decides.
@@ -51,6 +59,10 @@ pub struct Told {
 enum Place {
     Refused,
     Held,
+    /// It was refused or held, and needs no decision any more.
+    Closed,
+    /// It was taken back, and its record has not left yet.
+    Withdrawing,
     Waiting,
     Nobodys,
     Somebodys,
@@ -61,42 +73,60 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     let place = place(whole);
     let held = |delivery: &&Delivered| delivery.state == DeliveryState::Held.word();
     let code = match place {
-        Place::Refused => whole.summary.code.clone(),
+        Place::Refused | Place::Closed => whole.summary.code.clone(),
         Place::Held => {
             let code = whole.deliveries.iter().find(held).and_then(|held| held.code.clone());
             Some(code.unwrap_or_else(|| SAME_SCAN_OTHER_PATIENT.to_owned()))
         }
         _ => None,
     };
-    let advice = code.as_deref().map(|code| match place {
-        Place::Refused => of_refused(code, language),
-        _ => of_held(code, language),
+    let advice = code.as_deref().and_then(|code| match place {
+        Place::Refused => Some(of_refused(code, language)),
+        Place::Held => Some(of_held(code, language)),
+        _ => None,
     });
     let word = match place {
         Place::Refused => ("Refused", "Abgelehnt"),
         Place::Held => ("Held", "Angehalten"),
+        Place::Closed if whole.summary.closed.as_deref() == Some("superseded") => {
+            ("Scanned again", "Neu gescannt")
+        }
+        Place::Closed => ("Given up", "Aufgegeben"),
+        Place::Withdrawing => ("Being taken back", "Wird zurückgenommen"),
         Place::Waiting => ("On its way", "Unterwegs"),
         Place::Nobodys => ("For nobody", "Ohne Person"),
         Place::Somebodys => ("Stored", "Gespeichert"),
     };
+    let acts = acts(place, code.as_deref(), whole);
+    let unmeasured = told.unmeasured.as_deref().filter(|_| place == Place::Held);
     ScanShown {
         scan: whole.scan.clone(),
         at: whole.summary.first_seen,
         state: match place {
             Place::Refused => "refused",
             Place::Held => "held",
+            Place::Closed => "closed",
+            Place::Withdrawing => "withdrawing",
             Place::Waiting => "spooled",
             Place::Nobodys => "unassigned",
             Place::Somebodys => "delivered",
         },
         word: say(language, word),
-        acts: acts(place, code.as_deref(), whole),
         code,
         advice,
         patients: patients(whole),
+        candidates: candidates(place, &acts, whole),
+        acts,
         measures: told.measures.clone(),
         files: told.files.clone(),
+        unmeasured: unmeasured.map(|code| no_preview(code, language)),
     }
+}
+
+/// Why there is nothing to be seen of a held scan.
+fn no_preview(code: &str, language: Language) -> String {
+    let none = ("There is no picture of its legs.", "Von seinen Beinen gibt es kein Bild.");
+    format!("{} {} [{code}]", say(language, none), of_refused(code, language).what)
 }
 
 /// A refusal and a decision that is missing go before what else may be under way.
@@ -104,15 +134,17 @@ fn place(whole: &Whole) -> Place {
     let is_any = |state: DeliveryState| {
         whole.deliveries.iter().any(|delivery| delivery.state == state.word())
     };
-    let has_owner = whole.deliveries.iter().any(|delivery| {
-        delivery.patient.is_some() && delivery.state == DeliveryState::Delivered.word()
-    });
+    let has_owner =
+        whole.deliveries.iter().any(|delivery| delivery.patient.is_some() && delivery.is_there());
+    let is_closed = whole.summary.closed.is_some();
     if whole.summary.state == ScanState::Refused.word() {
-        Place::Refused
-    } else if is_any(DeliveryState::Held) {
+        if is_closed { Place::Closed } else { Place::Refused }
+    } else if is_any(DeliveryState::Held) && !is_closed {
         Place::Held
     } else if is_any(DeliveryState::Pending) {
         Place::Waiting
+    } else if is_any(DeliveryState::Withdrawing) {
+        Place::Withdrawing
     } else if has_owner {
         Place::Somebodys
     } else {
@@ -123,22 +155,42 @@ fn place(whole: &Whole) -> Place {
 /// What helps, the likeliest first; the words are those of the verbs. Where it could be either of
 /// two patients a release would be a guess, so it is not offered.
 fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
-    let is_guess = matches!(code, Some(PATIENTS_DIFFER | capture::AMBIGUOUS));
+    let is_guess =
+        matches!(code, Some(PATIENTS_DIFFER | capture::AMBIGUOUS)) || whole.candidates.len() > 1;
+    let is_for_one = theirs(whole).len() == 1;
     match place {
-        Place::Refused => vec!["retry"],
-        Place::Held if is_guess || patients(whole).is_empty() => vec!["assign"],
+        Place::Refused => vec!["retry", "give_up"],
+        Place::Closed => vec!["retry"],
         // It is somebody else's already, and an assignment would be refused.
-        Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) => vec!["release"],
+        Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) && is_for_one => {
+            vec!["release", "give_up"]
+        }
+        Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) => vec!["give_up"],
+        Place::Held if is_guess || !is_for_one => vec!["assign"],
         Place::Held => vec!["release", "assign"],
         Place::Waiting if whole.deliveries.iter().any(|delivery| delivery.attempts > 0) => {
             vec!["retry"]
         }
-        Place::Waiting => Vec::new(),
+        Place::Waiting | Place::Withdrawing => Vec::new(),
         Place::Nobodys => vec!["assign"],
         // Of two patients' records a person takes the wrong one away, who sees both.
         Place::Somebodys if theirs(whole).len() > 1 => Vec::new(),
         Place::Somebodys => vec!["unassign"],
     }
+}
+
+/// To whom a held scan can be given by one click; the patient to whom a release gives it is none.
+fn candidates(place: Place, acts: &[&str], whole: &Whole) -> Vec<PatientShown> {
+    if place != Place::Held || !acts.contains(&"assign") {
+        return Vec::new();
+    }
+    let released = if acts.contains(&"release") { theirs(whole) } else { BTreeSet::new() };
+    distinct(whole.candidates.iter().filter(|id| !released.contains(id.as_str())))
+}
+
+/// Whether a scan is held: there may be a preview of it.
+pub fn is_held(whole: &Whole) -> bool {
+    place(whole) == Place::Held
 }
 
 /// The folder in `store` of the record that may be opened from a scan: one that names nobody, or the
@@ -149,8 +201,7 @@ pub fn record_folder<'a>(whole: &'a Whole, store: &str) -> Option<&'a str> {
         let is_theirs = |patient| shown.len() == 1 && shown.contains(patient);
         of.patient.as_deref().is_none_or(is_theirs)
     };
-    let is_there =
-        |of: &&Delivered| of.store == store && of.state == DeliveryState::Delivered.word();
+    let is_there = |of: &&Delivered| of.store == store && of.is_there();
     let records = whole.deliveries.iter().filter(is_there).filter(may_be_opened);
     // A patient's record goes before nobody's, which is about to be taken back.
     records.max_by_key(|of| of.patient.is_some())?.folder.as_deref()
@@ -163,12 +214,13 @@ fn patients(whole: &Whole) -> Vec<String> {
 
 /// The ids of those whose it is, each once; of a held scan, of those for whom it is held.
 fn theirs(whole: &Whole) -> BTreeSet<&str> {
-    let gone = [DeliveryState::Withdrawing.word(), DeliveryState::Withdrawn.word()];
+    let gone = |of: &Delivered| of.is_to_go() || of.state == DeliveryState::Withdrawn.word();
+    let is_closed = whole.summary.closed.is_some();
     let is_held = |of: &Delivered| of.state == DeliveryState::Held.word();
-    let is_any_held = whole.deliveries.iter().any(is_held);
-    let theirs = whole
-        .deliveries
-        .iter()
-        .filter(|of| if is_any_held { is_held(of) } else { !gone.contains(&of.state.as_str()) });
+    let is_any_held = whole.deliveries.iter().any(is_held) && !is_closed;
+    let theirs = whole.deliveries.iter().filter(|of| match is_any_held {
+        true => is_held(of),
+        false => !(gone(of) || is_closed && is_held(of)),
+    });
     theirs.filter_map(|of| of.patient.as_deref()).collect()
 }

@@ -1,5 +1,8 @@
 //! What the page says and offers in each state.
 
+mod held;
+mod next;
+
 use std::collections::BTreeSet;
 
 use super::*;
@@ -14,7 +17,8 @@ fn at(second: i64) -> Timestamp {
 }
 
 fn booth(signal: Signal) -> Situation<'static> {
-    Situation { signal, has_button: true, awaited: 0, named: None, is_in_doubt: false }
+    let (next, awaited_for) = (&[][..], &[][..]);
+    Situation { signal, has_button: true, awaited: 0, next, awaited_for, is_in_doubt: false }
 }
 
 fn page(booth: Situation<'_>, complaints: &[Complaint], language: Language) -> Shown {
@@ -48,8 +52,16 @@ fn whole(state: &str, code: Option<&str>, deliveries: Vec<Delivered>) -> Whole {
         size: 12,
         code: code.map(str::to_owned),
         message: None,
+        closed: None,
     };
-    Whole { scan: "ab".repeat(32), summary, deliveries, history: Vec::new() }
+    Whole {
+        scan: "ab".repeat(32),
+        summary,
+        deliveries,
+        candidates: Vec::new(),
+        preview: None,
+        history: Vec::new(),
+    }
 }
 
 /// The scan of these deliveries, each with a folder named after its patient.
@@ -184,6 +196,8 @@ fn a_reason_is_of_its_own_code() {
         (capture::UNCLEAR, "before the button", "bevor der Knopf"),
         (capture::LATE, "after the time", "nach der Zeit"),
         (capture::UNHEARD, "gone unheard", "nicht gehört"),
+        (capture::UNREAD, "could not be read", "nicht lesbar"),
+        (capture::REPEATED, "second time", "zweites Mal"),
         (identity::NO_PRESS, "Nobody pressed", "Niemand hat"),
         (identity::PATIENTS_DIFFER, "Two sources", "Zwei Quellen"),
         (identity::SAME_SCAN_OTHER_PATIENT, "somebody else", "andere Person"),
@@ -206,25 +220,31 @@ fn a_complaint_that_is_not_known_is_said_as_the_station_says_it() {
 
 #[test]
 fn without_ids_no_patient_is_named_anywhere() {
-    let known = Situation { named: Some("4711"), ..booth(Signal::Ready) };
+    let ids = ["4711".to_owned()];
+    let known = Situation { next: &ids, awaited_for: &ids, awaited: 1, ..booth(Signal::Ready) };
     let mut page = page(known, &[], Language::En);
     page.scans.push(scan("delivered", None, vec![delivery(Some("4711"), "delivered", None)]));
     page.undecided.push(scan("delivered", None, vec![delivery(Some("4711"), "held", None)]));
-    assert!(format!("{page:?}").contains("4711"));
+    let mut doubtful = whole("delivered", None, vec![delivery(None, "held", Some("no-press"))]);
+    doubtful.candidates = vec!["4711".to_owned()];
+    page.undecided.push(scan_shown(&doubtful, &Told::default(), Language::En));
+    assert!(page.next.sentence.contains("4711") && page.next.who[0].id == "4711");
+    assert_eq!(page.undecided[1].candidates[0].id, "4711");
     let page = page.without_ids();
     assert!(!format!("{page:?}").contains("4711") && !page.ids);
     assert!(page.next.can_be_called_off);
+    assert_eq!(page.next.sentence, "The next patient is named. One export is awaited.");
 }
 
 #[test]
 fn what_a_person_can_decide_follows_from_what_became_of_the_scan() {
     let held = |code| vec![delivery(Some("1"), "held", Some(code))];
     for (state, code, deliveries, word, acts) in [
-        ("refused", Some("no-leg"), vec![], "refused", vec!["retry"]),
+        ("refused", Some("no-leg"), vec![], "refused", vec!["retry", "give_up"]),
         ("delivered", None, held("export-late"), "held", vec!["release", "assign"]),
         ("delivered", None, held("patients-differ"), "held", vec!["assign"]),
         ("delivered", None, held("capture-ambiguous"), "held", vec!["assign"]),
-        ("delivered", None, held("same-scan-other-patient"), "held", vec!["release"]),
+        ("delivered", None, held("same-scan-other-patient"), "held", vec!["release", "give_up"]),
         ("delivered", None, vec![delivery(None, "held", Some("no-press"))], "held", vec!["assign"]),
         ("delivered", None, vec![delivery(None, "delivered", None)], "unassigned", vec!["assign"]),
         (
@@ -273,6 +293,8 @@ fn every_code_of_a_held_scan_has_a_reason_of_its_own() {
         capture::UNCLEAR,
         capture::LATE,
         capture::UNHEARD,
+        capture::UNREAD,
+        capture::REPEATED,
         identity::NO_PRESS,
         identity::PATIENTS_DIFFER,
         identity::SAME_SCAN_OTHER_PATIENT,
@@ -319,7 +341,8 @@ fn labels_are_in_order_each_once_and_none_is_empty() {
     assert_eq!(keys.len(), sorted.len());
     assert!(words::LABELS.iter().all(|(_, (en, de))| !en.is_empty() && !de.is_empty()));
     for language in BOTH {
-        let verbs = ["retry", "release", "assign", "unassign", "name_next", "call_off", "pause"];
+        let verbs =
+            ["retry", "release", "assign", "unassign", "give_up", "name_next", "call_off", "pause"];
         assert!(verbs.iter().all(|verb| words::done(verb, language).is_some()));
     }
 }

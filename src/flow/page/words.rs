@@ -20,6 +20,9 @@ pub fn done(verb: &str, language: Language) -> Option<&'static str> {
             "The scan is nobody's again. What the practice software was given must be deleted there.",
             "Der Scan gehört zu niemandem mehr. Was die Praxissoftware erhielt, ist dort zu löschen.",
         ),
+        "give_up" => {
+            ("The scan needs no decision any more.", "Der Scan braucht keine Entscheidung mehr.")
+        }
         "name_next" => ("The next patient is named.", "Die nächste Person ist benannt."),
         "call_off" => ("Nobody is awaited any more.", "Es wird niemand mehr erwartet."),
         "pause" => (
@@ -33,7 +36,8 @@ pub fn done(verb: &str, language: Language) -> Option<&'static str> {
 }
 
 /// The page's labels by their keys, in the order of the keys.
-pub const LABELS: [(&str, Both); 52] = [
+pub const LABELS: [(&str, Both); 64] = [
+    ("another", ("Another patient", "Eine andere Person")),
     ("assign", ("Assign …", "Zuordnen …")),
     ("assign_hint", ("Whose scan is this?", "Wessen Scan ist das?")),
     (
@@ -61,7 +65,25 @@ pub const LABELS: [(&str, Both); 52] = [
     ("files", ("Record", "Messakte")),
     ("findings", ("findings in the report", "Hinweise im Bericht")),
     ("girth", ("Girth", "Umfang")),
+    ("give", ("Give to {}", "An {} geben")),
+    (
+        "give_hint",
+        (
+            "The scan is then {}'s, and its record goes to nobody else.",
+            "Der Scan gehört dann zu {}, und die Messakte geht an niemand anderen.",
+        ),
+    ),
+    ("give_up", ("Give up …", "Aufgeben …")),
+    (
+        "give_up_hint",
+        (
+            "The scan is not asked about any more. Its data stay as long as is set; it can still be tried again.",
+            "Nach dem Scan wird nicht mehr gefragt. Seine Daten bleiben so lange wie eingestellt; ein neuer \
+             Versuch ist weiter möglich.",
+        ),
+    ),
     ("height", ("Height", "Höhe")),
+    ("in_booth", ("{} is in the booth", "{} ist in der Kabine")),
     ("kiosk", ("Full screen", "Vollbild")),
     ("last", ("Last scan", "Letzter Scan")),
     ("last_scans", ("Last scans", "Letzte Scans")),
@@ -111,6 +133,22 @@ pub const LABELS: [(&str, Both); 52] = [
             "Der Scan geht an die Person, für die er kam.",
         ),
     ),
+    ("release_to", ("Release to {}", "Freigeben für {}")),
+    (
+        "release_to_hint",
+        (
+            "The scan came in for {}. Its record goes to this patient and to nobody else.",
+            "Der Scan kam für {}. Die Messakte geht an diese Person und an niemand anderen.",
+        ),
+    ),
+    ("replace", ("Replace", "Ersetzen")),
+    (
+        "replace_hint",
+        (
+            "{} is named and was not scanned. Replace by {}?",
+            "{} ist benannt und wurde nicht gescannt. Durch {} ersetzen?",
+        ),
+    ),
     ("report.html", ("Report", "Bericht")),
     ("report.pdf", ("Report (PDF)", "Bericht (PDF)")),
     ("resume", ("Resume", "Fortsetzen")),
@@ -120,6 +158,14 @@ pub const LABELS: [(&str, Both); 52] = [
     ("send", ("OK", "OK")),
     ("undecided", ("Needs a decision", "Braucht eine Entscheidung")),
     ("unassign", ("Take back …", "Zurücknehmen …")),
+    ("unassign_from", ("Take back from {}", "Von {} zurücknehmen")),
+    (
+        "unassign_from_hint",
+        (
+            "The record leaves {}'s folder and lies for nobody, until you assign it.",
+            "Die Messakte verlässt den Ordner von {} und gehört zu niemandem, bis Sie sie zuordnen.",
+        ),
+    ),
     (
         "unassign_hint",
         (

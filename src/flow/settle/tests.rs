@@ -137,9 +137,9 @@ fn group(scan: u64, companion: Option<u64>, done: Option<u64>) -> Group {
         name_ending: "ord".into(),
     });
     Group {
-        stamp: stamp(scan),
         companions: companion.into_iter().collect(),
         done: done.map_or(Done::Missing, |version| Done::There(stamp(version))),
+        ..Group::from(stamp(scan))
     }
 }
 

@@ -38,6 +38,11 @@ pub enum Wait {
     },
     /// Its done file.
     DoneFile,
+    /// What is written beside it, which names its patient.
+    Companion {
+        /// How long it is still awaited.
+        left: Duration,
+    },
     /// Another attempt to take it.
     Attempt {
         /// How many have failed.
@@ -64,6 +69,9 @@ impl fmt::Display for Wait {
                 write!(out, "ends in the middle; its rest is awaited for {:.0} s more", s(left))
             }
             Wait::DoneFile => out.write_str("waits for its done file"),
+            Wait::Companion { left } => {
+                write!(out, "waits {:.0} s more for the file that names its patient", s(left))
+            }
             Wait::Attempt { failures, left } => {
                 let times =
                     if *failures == 1 { "once".into() } else { format!("{failures} times") };
@@ -84,12 +92,14 @@ impl Settling {
             Wait::Folder
         } else if unchanged < self.quiet && file.quiet_since > file.unchanged_since {
             Wait::CompanionChanging
-        } else if unchanged.is_zero() && file.quiet_since > file.appeared.seen {
+        } else if unchanged.is_zero() && file.quiet_since > file.since {
             Wait::Changing
         } else if unchanged < self.quiet {
             Wait::Quiet { unchanged, quiet: self.quiet }
         } else if file.group.done == Done::Missing {
             Wait::DoneFile
+        } else if file.next == Next::Quiet && !left.is_zero() {
+            Wait::Companion { left }
         } else {
             match file.next {
                 Next::Attempt(_) => Wait::Attempt { failures: file.failures, left },
@@ -97,9 +107,9 @@ impl Settling {
                 Next::Rest | Next::Quiet | Next::Taken => Wait::Turn,
             }
         };
-        let is_late = now.saturating_sub(file.appeared.seen) >= self.overdue;
+        let is_late = now.saturating_sub(file.since) >= self.overdue;
         // Of a queue and of a folder out of reach others tell; they are not the file's fault.
         let is_its_own = !matches!(wait, Wait::Turn | Wait::Folder);
-        Waiting { wait, since: file.appeared.seen, overdue: is_late && is_its_own }
+        Waiting { wait, since: file.since, overdue: is_late && is_its_own }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::lines::{HALF_LINE, LINE_MOST};
+use super::lines::{HALF_LINE, LINE_MOST, Line};
 
 /// What a reader puts around an id.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -13,13 +13,29 @@ pub struct Codes {
     pub suffix: String,
 }
 
+/// What a line of a reader says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Said {
+    /// This id.
+    Id(String),
+    /// An id that cannot be understood: what stands where it should is empty or no plain text.
+    Unread,
+    /// Nothing to us: it lacks what stands around an id.
+    Nothing,
+}
+
 impl Codes {
-    /// The id in what was read; none where it lacks what stands around an id, or is no plain text.
-    pub fn id(&self, read: &[u8]) -> Option<String> {
-        let text = str::from_utf8(read).ok()?;
-        let id = text.strip_prefix(&*self.prefix)?.strip_suffix(&*self.suffix)?.trim();
-        let plain = id.bytes().all(|byte| byte.is_ascii_graphic() || byte == b' ');
-        (plain && !id.is_empty()).then(|| id.to_owned())
+    /// What a line says.
+    pub fn said(&self, line: &[u8]) -> Said {
+        let inside = line.strip_prefix(self.prefix.as_bytes());
+        let inside = inside.and_then(|rest| rest.strip_suffix(self.suffix.as_bytes()));
+        let Some(inside) = inside else { return Said::Nothing };
+        let id = inside.trim_ascii();
+        let plain = id.iter().all(|byte| byte.is_ascii_graphic() || *byte == b' ');
+        match str::from_utf8(id) {
+            Ok(id) if plain && !id.is_empty() => Said::Id(id.to_owned()),
+            _ => Said::Unread,
+        }
     }
 }
 
@@ -43,63 +59,75 @@ const ROWS: [(u16, &str, &str); 6] = [
 #[derive(Debug, Clone, Default)]
 pub struct Typed {
     text: String,
-    overlong: bool,
+    /// What was typed was dropped: what still comes up to Enter is its tail, and no line.
+    in_tail: bool,
     shift: bool,
     last_key: Duration,
     dropped: u64,
 }
 
 impl Typed {
-    /// Takes a key that goes down or up; gives what was typed, once Enter goes down.
-    pub fn key(&mut self, code: u16, down: bool, now: Duration) -> Option<String> {
+    /// Takes a key that goes down or up; gives the line that Enter ends, and one that is dropped.
+    pub fn key(&mut self, code: u16, down: bool, now: Duration) -> Vec<Line> {
         if SHIFTS.contains(&code) {
             self.shift = down;
-            return None;
+            return Vec::new();
         }
         if !down {
-            return None;
+            return Vec::new();
         }
-        self.tick(now);
+        let mut lines: Vec<Line> = self.tick(now).into_iter().collect();
         self.last_key = now;
         if code == ENTER || code == KEYPAD_ENTER {
+            self.in_tail = false;
             let text = std::mem::take(&mut self.text);
-            let whole = !std::mem::take(&mut self.overlong) && !text.is_empty();
-            return whole.then_some(text);
+            lines.extend((!text.is_empty()).then(|| Line::Whole(text.into_bytes())));
+            return lines;
         }
         match self.character(code) {
-            Some(_) if self.overlong || self.text.len() == LINE_MOST => {
+            Some(_) if self.in_tail => self.dropped += 1,
+            Some(_) if self.text.len() == LINE_MOST => {
+                lines.push(self.drop_text());
                 self.dropped += 1;
-                self.overlong = true;
             }
             Some(character) => self.text.push(character),
             None => self.dropped += 1,
         }
-        None
+        lines
     }
 
     /// Drops half an id whose rest has not come: somebody typed, or the reader lost its cable.
-    pub fn tick(&mut self, now: Duration) {
-        if self.due().is_some_and(|due| now >= due) {
-            self.dropped += self.text.len() as u64;
-            self.clear();
-        }
+    pub fn tick(&mut self, now: Duration) -> Option<Line> {
+        self.due().filter(|due| now >= *due).map(|_| self.drop_text())
     }
 
     /// When half an id is dropped.
     pub fn due(&self) -> Option<Duration> {
-        let half = self.overlong || !self.text.is_empty();
-        half.then(|| self.last_key + HALF_LINE)
+        (!self.text.is_empty()).then(|| self.last_key + HALF_LINE)
     }
 
     /// Begins anew with the key that comes next.
     pub fn clear(&mut self) {
         self.text.clear();
-        self.overlong = false;
+        self.in_tail = false;
+    }
+
+    /// Begins anew with the next line.
+    pub fn pass_over(&mut self) {
+        self.in_tail |= !self.text.is_empty();
+        self.text.clear();
     }
 
     /// How many keys were dropped since this was last asked.
     pub fn dropped(&mut self) -> u64 {
         std::mem::take(&mut self.dropped)
+    }
+
+    fn drop_text(&mut self) -> Line {
+        self.dropped += self.text.len() as u64;
+        self.text.clear();
+        self.in_tail = true;
+        Line::Dropped
     }
 
     fn character(&self, code: u16) -> Option<char> {
@@ -116,46 +144,59 @@ mod tests {
 
     const NOW: Duration = Duration::from_secs(1);
 
-    fn typed(typed: &mut Typed, codes: &[u16]) -> Option<String> {
-        codes.iter().fold(None, |_, code| typed.key(*code, true, NOW))
+    fn typed(typed: &mut Typed, codes: &[u16]) -> Vec<Line> {
+        codes.iter().flat_map(|code| typed.key(*code, true, NOW)).collect()
+    }
+
+    fn whole(text: &str) -> [Line; 1] {
+        [Line::Whole(text.into())]
     }
 
     #[test]
-    fn an_id_stands_between_prefix_and_suffix() {
+    fn an_id_stands_between_prefix_and_suffix_and_is_plain_text() {
         let codes = Codes { prefix: "]C1".into(), suffix: "%".into() };
-        assert_eq!(codes.id(b"]C14711%").as_deref(), Some("4711"));
-        for read in ["4711", "]C14711", "4711%", "]C1%", "]C1 %", "]C147\u{1}11%", "]C1ü%"] {
-            assert_eq!(codes.id(read.as_bytes()), None, "{read:?}");
+        assert_eq!(codes.said(b"]C14711%"), Said::Id("4711".into()));
+        for line in ["4711", "]C14711", "4711%", "]C1", "x]C14711%", "]c14711%"] {
+            assert_eq!(codes.said(line.as_bytes()), Said::Nothing, "{line:?}");
         }
-        assert_eq!(Codes::default().id(b"\xff4711"), None);
-        assert_eq!(Codes::default().id(b" P4711 ").as_deref(), Some("P4711"));
+        for line in ["]C1%", "]C1 %", "]C147\u{1}11%", "]C1ü%"] {
+            assert_eq!(codes.said(line.as_bytes()), Said::Unread, "{line:?}");
+        }
+        assert_eq!(codes.said(b"]C1\xff4711%"), Said::Unread);
+        assert_eq!(Codes::default().said(b"\xff4711"), Said::Unread);
+        assert_eq!(Codes::default().said(b" P4711 "), Said::Id("P4711".into()));
     }
 
     #[test]
     fn keys_until_enter_are_an_id() {
         let mut keys = Typed::default();
-        assert_eq!(typed(&mut keys, &[5, 8, 2, 2, ENTER]).as_deref(), Some("4711"));
-        assert_eq!(typed(&mut keys, &[ENTER]), None);
+        assert_eq!(typed(&mut keys, &[5, 8, 2, 2, ENTER]), whole("4711"));
+        assert_eq!(typed(&mut keys, &[ENTER]), []);
         keys.key(42, true, NOW);
         typed(&mut keys, &[25]);
         keys.key(42, false, NOW);
-        let read = typed(&mut keys, &[79, 80, 12, 44, KEYPAD_ENTER]);
-        assert_eq!(read.as_deref(), Some("P12-z"));
+        assert_eq!(typed(&mut keys, &[79, 80, 12, 44, KEYPAD_ENTER]), whole("P12-z"));
         // What goes up types nothing.
         keys.key(5, false, NOW);
-        assert_eq!(typed(&mut keys, &[ENTER]), None);
+        assert_eq!(typed(&mut keys, &[ENTER]), []);
     }
 
     #[test]
-    fn what_is_too_long_or_cut_off_is_no_id() {
+    fn what_is_too_long_or_cut_off_is_no_id_and_neither_is_its_tail() {
         let mut keys = Typed::default();
-        assert_eq!(typed(&mut keys, &[&[2; 65][..], &[ENTER]].concat()), None);
-        assert_eq!(keys.dropped(), 1);
+        assert_eq!(typed(&mut keys, &[&[2; 66][..], &[ENTER]].concat()), [Line::Dropped]);
+        assert_eq!(keys.dropped(), 66);
         keys.key(2, true, NOW);
         assert_eq!(keys.due(), Some(NOW + HALF_LINE));
-        keys.key(3, true, NOW + HALF_LINE);
-        assert_eq!(keys.key(ENTER, true, NOW + HALF_LINE).as_deref(), Some("2"));
-        assert_eq!(typed(&mut keys, &[59, 1, ENTER]), None, "function keys are no characters");
-        assert_eq!(keys.dropped(), 3);
+        assert_eq!(keys.key(3, true, NOW + HALF_LINE), [Line::Dropped]);
+        assert_eq!((keys.due(), keys.key(ENTER, true, NOW * 9)), (None, vec![]));
+        assert_eq!(keys.dropped(), 2);
+        assert_eq!(typed(&mut keys, &[59, 1, ENTER]), [], "function keys are no characters");
+        assert_eq!(keys.dropped(), 2);
+        assert_eq!(typed(&mut keys, &[2, ENTER]), whole("1"));
+        // What was begun before is no line, and neither is its rest.
+        keys.key(2, true, NOW);
+        keys.pass_over();
+        assert_eq!(typed(&mut keys, &[3, ENTER, 4, ENTER]), whole("3"));
     }
 }

@@ -3,9 +3,9 @@
 use std::time::Duration;
 
 use super::button::{Button, Times};
-use super::code::{Codes, Typed};
+use super::code::{Codes, Said, Typed};
 use super::edge::Contact;
-use super::lines::Lines;
+use super::lines::{Line, Lines};
 use super::report::Pattern;
 use super::token::Tokens;
 use crate::flow::booth::{Heard, Press};
@@ -90,16 +90,9 @@ impl Ear {
     /// The port was opened anew: nothing is known of its contact. A lock-out goes on.
     pub fn begin(&mut self) {
         self.closed = false;
-        if let Sense::Button { shows, hearing, contact: known, .. } = &mut self.sense {
-            *known = contact(shows, *hearing);
-        }
-        self.settled();
-    }
-
-    /// What was begun up to now is no press and no id: the port was settling.
-    pub fn settled(&mut self) {
         match &mut self.sense {
-            Sense::Button { lines, button, .. } => {
+            Sense::Button { shows, hearing, contact: known, lines, button, .. } => {
+                *known = contact(shows, *hearing);
                 lines.clear();
                 button.let_go();
             }
@@ -110,13 +103,28 @@ impl Ear {
         }
     }
 
+    /// What was begun up to now is no press and no id: the port was settling. A box may greet without
+    /// ending its line, and the press after that is one; the rest of an id may be another's.
+    pub fn settled(&mut self) {
+        match &mut self.sense {
+            Sense::Button { lines, button, .. } => {
+                lines.clear();
+                button.let_go();
+            }
+            Sense::Reader { lines, typed, .. } => {
+                lines.pass_over();
+                typed.pass_over();
+            }
+        }
+    }
+
     /// Takes what the port gave by `now`.
     pub fn hear(&mut self, input: &Input, now: Duration) -> Vec<Heard> {
         match &mut self.sense {
             Sense::Reader { codes, lines, typed } => {
-                let (ids, garbage) = read(codes, lines, typed, input, now);
+                let (heard, garbage) = read(codes, lines, typed, input, now);
                 self.garbage += garbage;
-                ids.into_iter().map(|id| Heard::Named { id, by: SourceKind::Reader }).collect()
+                heard
             }
             Sense::Button { .. } => {
                 self.presses(input, now).into_iter().map(Heard::Press).collect()
@@ -157,13 +165,15 @@ impl Ear {
         presses.extend(button.tick(now));
         if let (Shows::Serial { tokens }, Input::Bytes(bytes)) = (&*shows, input) {
             for line in lines.take(bytes, now) {
+                let Line::Whole(line) = line else { continue };
                 match tokens.press(&line) {
                     Some(press) => presses.extend(button.press(press, now)),
                     None => self.garbage += line.len() as u64,
                 }
             }
         }
-        lines.tick(now);
+        // What meant no press says nothing of a patient: it is only counted.
+        let _ = lines.tick(now);
         self.garbage += lines.dropped();
         presses
     }
@@ -198,30 +208,38 @@ fn contact(shows: &Shows, hearing: Hearing) -> Contact {
     }
 }
 
-/// The ids in what a reader gave, and how much of it is none.
+/// What a reader gave: ids, and where one could not be understood, that somebody tried; and how much
+/// of it is no id.
 fn read(
     codes: &Codes,
     lines: &mut Lines,
     typed: &mut Typed,
     input: &Input,
     now: Duration,
-) -> (Vec<String>, u64) {
-    let texts = match input {
+) -> (Vec<Heard>, u64) {
+    let mut read = match input {
         Input::Bytes(bytes) => lines.take(bytes, now),
-        Input::Key { code, down } => {
-            typed.key(*code, *down, now).map(String::into_bytes).into_iter().collect()
-        }
+        Input::Key { code, down } => typed.key(*code, *down, now),
         _ => Vec::new(),
     };
-    lines.tick(now);
-    typed.tick(now);
+    read.extend(lines.tick(now).into_iter().chain(typed.tick(now)));
     let mut garbage = lines.dropped() + typed.dropped();
-    let mut ids = Vec::new();
-    for text in texts {
-        match codes.id(&text) {
-            Some(id) => ids.push(id),
-            None => garbage += text.len() as u64,
+    let mut heard = Vec::new();
+    for line in read {
+        let (said, length) = match &line {
+            Line::Whole(line) => (codes.said(line), line.len() as u64),
+            // How much was dropped is counted where it was.
+            Line::Dropped => (Said::Unread, 0),
+        };
+        let by = SourceKind::Reader;
+        match said {
+            Said::Id(id) => heard.push(Heard::Named { id, by }),
+            Said::Unread => {
+                garbage += length;
+                heard.push(Heard::Unread { by });
+            }
+            Said::Nothing => garbage += length,
         }
     }
-    (ids, garbage)
+    (heard, garbage)
 }

@@ -9,34 +9,41 @@ pub const LINE_MOST: usize = 64;
 /// 9600 baud; what stops in the middle was cut off and must not be completed by the next press.
 pub const HALF_LINE: Duration = Duration::from_millis(500);
 
+/// What became of one line, of bytes or of keys.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Line {
+    /// It came to its end; without the end, and never empty.
+    Whole(Vec<u8>),
+    /// It became too long, or stopped in the middle: it is dropped, with what still comes of it.
+    Dropped,
+}
+
 /// Collects bytes until a carriage return or a line feed ends the line.
 #[derive(Debug, Clone, Default)]
 pub struct Lines {
     line: Vec<u8>,
-    /// The line has become too long: what still comes of it is dropped.
-    overlong: bool,
+    /// The line was dropped: what still comes up to its end is its tail, and no line.
+    in_tail: bool,
     last_byte: Duration,
     dropped: u64,
 }
 
 impl Lines {
-    /// Takes bytes that were read by `now`; gives the lines that they end, without their ends and
-    /// without empty ones, of which each pair of carriage return and line feed makes one.
-    pub fn take(&mut self, bytes: &[u8], now: Duration) -> Vec<Vec<u8>> {
-        self.tick(now);
-        let mut lines = Vec::new();
+    /// Takes bytes that were read by `now`; gives the lines that they end, without empty ones, of
+    /// which each pair of carriage return and line feed makes one, and those that are dropped.
+    pub fn take(&mut self, bytes: &[u8], now: Duration) -> Vec<Line> {
+        let mut lines: Vec<Line> = self.tick(now).into_iter().collect();
         for byte in bytes {
             match byte {
                 b'\r' | b'\n' => {
+                    self.in_tail = false;
                     let line = std::mem::take(&mut self.line);
-                    let whole = !std::mem::take(&mut self.overlong) && !line.is_empty();
-                    lines.extend(whole.then_some(line));
+                    lines.extend((!line.is_empty()).then_some(Line::Whole(line)));
                 }
-                _ if self.overlong => self.dropped += 1,
+                _ if self.in_tail => self.dropped += 1,
                 _ if self.line.len() == LINE_MOST => {
-                    self.drop_line();
+                    lines.push(self.drop_line());
                     self.dropped += 1;
-                    self.overlong = true;
                 }
                 byte => self.line.push(*byte),
             }
@@ -46,23 +53,25 @@ impl Lines {
     }
 
     /// Drops half a line whose rest has not come.
-    pub fn tick(&mut self, now: Duration) {
-        if self.due().is_some_and(|due| now >= due) {
-            self.drop_line();
-            self.overlong = false;
-        }
+    pub fn tick(&mut self, now: Duration) -> Option<Line> {
+        self.due().filter(|due| now >= *due).map(|_| self.drop_line())
     }
 
     /// When half a line is dropped; none where there is none.
     pub fn due(&self) -> Option<Duration> {
-        let half = self.overlong || !self.line.is_empty();
-        half.then(|| self.last_byte + HALF_LINE)
+        (!self.line.is_empty()).then(|| self.last_byte + HALF_LINE)
     }
 
     /// Begins anew with what comes next; what was begun is not counted.
     pub fn clear(&mut self) {
         self.line.clear();
-        self.overlong = false;
+        self.in_tail = false;
+    }
+
+    /// Begins anew with the next line; the one that was begun is not counted.
+    pub fn pass_over(&mut self) {
+        self.in_tail |= !self.line.is_empty();
+        self.line.clear();
     }
 
     /// How many bytes were dropped since this was last asked.
@@ -70,9 +79,11 @@ impl Lines {
         std::mem::take(&mut self.dropped)
     }
 
-    fn drop_line(&mut self) {
+    fn drop_line(&mut self) -> Line {
         self.dropped += self.line.len() as u64;
         self.line.clear();
+        self.in_tail = true;
+        Line::Dropped
     }
 }
 
@@ -82,12 +93,16 @@ mod tests {
 
     const NOW: Duration = Duration::from_secs(1);
 
+    fn whole(line: &[u8]) -> Line {
+        Line::Whole(line.to_vec())
+    }
+
     #[test]
     fn any_of_three_line_ends_ends_one_line() {
         for end in ["\r", "\n", "\r\n"] {
             let text = format!("one{end}two{end}");
             let lines = Lines::default().take(text.as_bytes(), NOW);
-            assert_eq!(lines, [b"one".to_vec(), b"two".to_vec()], "{end:?}");
+            assert_eq!(lines, [whole(b"one"), whole(b"two")], "{end:?}");
         }
     }
 
@@ -96,29 +111,50 @@ mod tests {
         let mut lines = Lines::default();
         let found: Vec<_> =
             b"PRESS\r\n".iter().flat_map(|byte| lines.take(&[*byte], NOW)).collect();
-        assert_eq!(found, [b"PRESS".to_vec()]);
+        assert_eq!(found, [whole(b"PRESS")]);
     }
 
     #[test]
-    fn half_a_line_is_dropped_after_the_pause_and_the_next_is_whole() {
+    fn half_a_line_is_dropped_after_the_pause_with_its_tail_and_the_next_is_whole() {
         let mut lines = Lines::default();
-        assert!(lines.take(b"PRE", NOW).is_empty());
+        assert!(lines.take(b"5555", NOW).is_empty());
         assert_eq!(lines.due(), Some(NOW + HALF_LINE));
-        assert_eq!(lines.take(b"PRESS\n", NOW + HALF_LINE), [b"PRESS".to_vec()]);
-        assert_eq!((lines.dropped(), lines.dropped()), (3, 0));
+        assert_eq!(lines.tick(NOW + HALF_LINE), Some(Line::Dropped));
+        assert_eq!((lines.due(), lines.tick(NOW * 9)), (None, None), "it is dropped once");
+        assert_eq!(lines.take(b"10", NOW * 9), []);
+        assert_eq!(lines.take(b"03\r\n", NOW * 20), [], "the tail, however late, is no line");
+        assert_eq!((lines.dropped(), lines.dropped()), (8, 0));
+        assert_eq!(lines.take(b"1003\r", NOW * 20), [whole(b"1003")]);
+        // Nobody looked in between.
+        lines.take(b"PRE", NOW * 30);
+        let both = lines.take(b"PRESS\nPRESS\n", NOW * 30 + HALF_LINE);
+        assert_eq!(both, [Line::Dropped, whole(b"PRESS")]);
         // Within the pause it is one line.
-        lines.take(b"PRE", NOW * 2);
-        assert_eq!(lines.take(b"SS\n", NOW * 2 + HALF_LINE / 2), [b"PRESS".to_vec()]);
+        lines.take(b"PRE", NOW * 40);
+        assert_eq!(lines.take(b"SS\n", NOW * 40 + HALF_LINE / 2), [whole(b"PRESS")]);
     }
 
     #[test]
     fn a_line_that_is_too_long_is_dropped_to_its_end() {
         let mut lines = Lines::default();
         let long = [b'x'; LINE_MOST + 1];
-        assert!(lines.take(&long, NOW).is_empty());
-        assert!(lines.take(b"PRESS\n", NOW).is_empty(), "the tail of a long line is no line");
+        assert_eq!(lines.take(&long, NOW), [Line::Dropped]);
+        assert_eq!(lines.take(b"PRESS\n", NOW * 9), [], "the tail of a long line is no line");
         assert_eq!(lines.dropped(), LINE_MOST as u64 + 6);
-        assert_eq!(lines.take(b"PRESS\n", NOW), [b"PRESS".to_vec()]);
-        assert_eq!(lines.take(&[[b'x'; LINE_MOST].as_slice(), b"\n"].concat(), NOW).len(), 1);
+        assert_eq!(lines.take(b"PRESS\n", NOW * 9), [whole(b"PRESS")]);
+        assert_eq!(lines.take(&[[b'x'; LINE_MOST].as_slice(), b"\n"].concat(), NOW * 9).len(), 1);
+    }
+
+    #[test]
+    fn a_line_is_begun_anew_with_what_comes_next_or_with_the_next_line() {
+        let mut lines = Lines::default();
+        lines.take(b"47", NOW);
+        lines.clear();
+        assert_eq!(lines.take(b"11\r", NOW), [whole(b"11")]);
+        lines.take(b"47", NOW);
+        lines.pass_over();
+        assert_eq!((lines.due(), lines.take(b"11\r4711\r", NOW)), (None, vec![whole(b"4711")]));
+        lines.pass_over();
+        assert_eq!(lines.take(b"4711\r", NOW), [whole(b"4711")], "nothing was begun");
     }
 }

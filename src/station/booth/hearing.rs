@@ -4,19 +4,22 @@
 use std::time::Duration;
 
 use jiff::Timestamp;
+use serde_json::{Value, json};
 use tracing::{info, warn};
 
-use super::NO_EXPORT;
+use super::{Inner, NO_EXPORT};
+use crate::flow::ScanId;
 use crate::flow::booth::{Heard, Press};
-use crate::flow::capture::{Named, NamedNext};
+use crate::flow::capture::{Captures, Named, NamedNext, Pressed};
 use crate::flow::facts::Alarm;
 use crate::flow::identity::ID_NOT_ALLOWED;
 use crate::flow::light::Outcome;
+use crate::flow::order_habit::{ORDERS_MOST, OrderCame};
 use crate::record::{Patient, SourceKind};
 use crate::station::assembly::Station;
 use crate::station::error::chain;
 use crate::station::event::StationEvent;
-use crate::station::journal::{CaptureRow, JournalError};
+use crate::station::journal::{BoothChange, Event, JournalError};
 
 /// Why a patient was not named.
 #[derive(Debug, thiserror::Error)]
@@ -29,98 +32,195 @@ pub enum NameFault {
     Journal(#[from] JournalError),
 }
 
-impl Station {
-    /// The machine's clock since its start.
-    fn machine_now(&self) -> Duration {
-        self.booth.offset + self.now()
+impl Inner {
+    /// When the files were first seen that are coming in.
+    fn coming(&self) -> Vec<Duration> {
+        self.coming.values().flatten().copied().collect()
     }
+}
 
-    /// Takes what a port has heard. Blocks for a write to the journal.
-    pub fn hear(&self, heard: &Heard) {
-        let now = self.machine_now();
+impl Station {
+    /// Takes what a port has heard; says whether it did, for where the journal fails nothing has
+    /// happened. Blocks for a write to the journal.
+    pub fn hear(&self, heard: &Heard) -> bool {
         let done = match heard {
-            Heard::Press(Press::Short) => self.pressed(now),
+            Heard::Press(Press::Short) => self.pressed(),
             Heard::Press(Press::Long) => self.call_off().map(drop),
-            Heard::Named { id, by } => match self.name_patient(id, *by) {
-                Ok(_) => Ok(()),
-                Err(NameFault::NotAnId) => {
-                    warn!(event = "finding", code = ID_NOT_ALLOWED);
-                    self.booth.inner().last = Some((Outcome::NeedsPerson, self.now()));
-                    Ok(())
-                }
-                Err(NameFault::Journal(error)) => Err(error),
-            },
+            Heard::Named { id, by } => self.heard_name(id, *by, false),
+            Heard::Repeated { id } => self.heard_name(id, SourceKind::Order, true),
+            Heard::Unread { by } => self.unread(*by),
         };
         if let Err(error) = done {
             self.mind(&error);
             warn!(event = "journal-failed", error = chain(&error));
+            return false;
+        }
+        true
+    }
+
+    fn heard_name(&self, id: &str, by: SourceKind, repeated: bool) -> Result<(), JournalError> {
+        match self.name(id, by, repeated) {
+            Ok(_) => Ok(()),
+            Err(NameFault::NotAnId) => {
+                warn!(event = "finding", code = ID_NOT_ALLOWED);
+                self.booth.inner().last = Some((Outcome::NeedsPerson, self.now()));
+                self.unread(by)
+            }
+            Err(NameFault::Journal(error)) => {
+                // It was said and is not kept: whoever was named before may have left.
+                let now = self.now();
+                self.booth.inner().captures.unread(now);
+                Err(error)
+            }
         }
     }
 
-    fn pressed(&self, now: Duration) -> Result<(), JournalError> {
+    /// Writes a change of the captures down; it holds from then on. Where the journal fails nothing
+    /// has happened.
+    fn change_booth(
+        &self,
+        inner: &mut Inner,
+        after: Captures,
+        ended_as: &'static str,
+        event: Option<(Event, Value)>,
+    ) -> Result<(), JournalError> {
+        let (before, boot) = (&inner.captures, self.booth.boot());
+        let change = BoothChange { before, after: &after, boot, ended_as, event };
+        self.custody.journal().booth_changed(&change)?;
+        inner.captures = after;
+        Ok(())
+    }
+
+    fn look_at_folders(&self) {
+        self.booth.looks.iter().for_each(|look| look.notify_one());
+    }
+
+    fn pressed(&self) -> Result<(), JournalError> {
+        let now = self.now();
         let mut inner = self.booth.inner();
         let number = inner.next_number;
-        inner.next_number += 1;
+        let mut after = inner.captures.clone();
+        let pressed = after.pressed(number, now);
+        let capture = pressed.capture();
+        let patient = capture.patient.as_ref();
+        let detail = json!({
+            "capture": capture.number,
+            "patient": patient.map_or("", |named| &named.id),
+            "by": patient.map(|named| named.by),
+        });
+        let kept = self.change_booth(&mut inner, after, "over", Some((Event::Pressed, detail)));
+        if kept.is_err() {
+            inner.captures.missed_press(now);
+            return kept;
+        }
+        if matches!(pressed, Pressed::Opened(_)) {
+            inner.next_number += 1;
+        }
         (inner.missed, inner.last) = (false, None);
-        let capture = inner.captures.pressed(number, now).clone();
-        let has_patient = capture.patient.is_some();
-        let (at, boot) = (Timestamp::now(), self.booth.boot.clone());
-        let journaled = self.custody.journal().captured(&CaptureRow { capture, at, boot });
         drop(inner);
-        self.booth.looks.iter().for_each(|look| look.notify_one());
+        self.look_at_folders();
+        let (number, has_patient) = (capture.number, patient.is_some());
         info!(event = "pressed", capture = number, has_patient);
         self.observer.tell(StationEvent::Pressed { capture: number });
-        journaled
+        Ok(())
     }
 
     /// Somebody names the patient of the next scan. Blocks.
     ///
     /// # Errors
-    /// See [`NameFault`].
+    /// See [`NameFault`]; nobody is named then.
     pub fn name_patient(&self, id: &str, by: SourceKind) -> Result<NamedNext, NameFault> {
+        self.name(id, by, false)
+    }
+
+    fn name(&self, id: &str, by: SourceKind, repeated: bool) -> Result<NamedNext, NameFault> {
         let Patient { id, .. } = self.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
-        let now = self.machine_now();
+        let now = self.now();
         let mut inner = self.booth.inner();
-        let number = inner.next_number;
-        let next = inner.captures.named(Named { id, by }, number, now);
-        let (journal, boot) = (self.custody.journal(), &self.booth.boot);
-        match &next {
-            NamedNext::Waits { .. } => {
-                if let Some(next) = inner.captures.next() {
-                    journal.named_next(next, boot)?;
-                }
-            }
-            NamedNext::Opened(capture) | NamedNext::Prolonged(capture) => {
-                inner.next_number = inner.next_number.max(capture.number + 1);
-                let (capture, at, boot) = (capture.clone(), Timestamp::now(), boot.clone());
-                journal.captured(&CaptureRow { capture, at, boot })?;
-                self.booth.looks.iter().for_each(|look| look.notify_one());
-            }
+        let (number, coming) = (inner.next_number, inner.coming());
+        let mut after = inner.captures.clone();
+        let named = Named { id, by };
+        let came = match after.has_unnamed_press() {
+            true => OrderCame::AfterPress,
+            false => OrderCame::BeforePress,
+        };
+        let late = came == OrderCame::AfterPress;
+        let mut detail = json!({ "patient": named.id, "by": by, "after_press": late });
+        if repeated {
+            detail["question"] = json!(true);
+        }
+        let next = match repeated {
+            false => after.named(named, number, now, &coming),
+            true => after.repeated(named, number, now, &coming),
+        };
+        self.change_booth(&mut inner, after, "given_up", Some((Event::Named, detail)))?;
+        if matches!(next, NamedNext::Opened(..)) {
+            inner.next_number += 1;
+        }
+        if by == SourceKind::Order {
+            inner.orders.push(came);
+            let spare = inner.orders.len().saturating_sub(ORDERS_MOST);
+            inner.orders.drain(..spare);
+        }
+        drop(inner);
+        if !matches!(next, NamedNext::Waits { .. }) {
+            self.look_at_folders();
         }
         info!(event = "patient-named", by = ?by);
         Ok(next)
     }
 
-    /// A person calls off what waits; says whether anything did. Blocks.
+    /// Somebody tried to name a patient, and it could not be read.
+    fn unread(&self, by: SourceKind) -> Result<(), JournalError> {
+        let now = self.now();
+        let mut inner = self.booth.inner();
+        let mut after = inner.captures.clone();
+        after.unread(now);
+        info!(event = "name-unread", by = ?by);
+        // In memory in any case: it only makes less certain.
+        let kept = self.change_booth(&mut inner, after.clone(), "over", None);
+        inner.captures = after;
+        kept
+    }
+
+    /// The scan that answered a capture was refused: another export is awaited.
     ///
     /// # Errors
-    /// See [`JournalError`].
+    /// See [`JournalError`]; then the capture stays answered.
+    pub fn reopen_capture(&self, scan: &ScanId) -> Result<(), JournalError> {
+        let mut inner = self.booth.inner();
+        let answered = self.custody.journal().capture_answered_by(scan, self.booth.boot())?;
+        let Some(capture) = answered else { return Ok(()) };
+        let mut after = inner.captures.clone();
+        let number = after.refused(capture, self.now()).number;
+        self.change_booth(&mut inner, after, "over", None)?;
+        info!(event = "capture-reopened", capture = number);
+        Ok(())
+    }
+
+    /// A person gives up what waits; says whether anything did. Blocks.
+    ///
+    /// # Errors
+    /// See [`JournalError`]; everything waits as before then.
     pub fn call_off(&self) -> Result<bool, JournalError> {
         let mut inner = self.booth.inner();
-        let called_off = inner.captures.call_off();
+        let mut after = inner.captures.clone();
+        let called_off = after.call_off();
         let any = called_off.name || !called_off.captures.is_empty() || inner.missed;
-        (inner.missed, inner.last) = (false, None);
-        self.clear_missed();
         if any {
-            self.custody.journal().called_off(&called_off)?;
+            let detail = json!({ "captures": called_off.captures, "name": called_off.name });
+            let event = Some((Event::CalledOff, detail));
+            self.change_booth(&mut inner, after, "called_off", event)?;
             info!(event = "called-off", captures = called_off.captures.len());
         }
+        (inner.missed, inner.last) = (false, None);
+        self.clear_missed();
         Ok(any)
     }
 
     /// The port of a button is open, or is not any more: presses may go unheard.
     pub fn port(&self, name: &'static str, is_open: bool) {
-        let now = self.machine_now();
+        let now = self.now();
         let mut inner = self.booth.inner();
         match is_open {
             true => inner.away.remove(name),
@@ -134,24 +234,27 @@ impl Station {
 
     /// Time has passed. Blocks where something expires.
     pub(super) fn pass(&self) -> Result<(), JournalError> {
-        let now = self.machine_now();
+        let now = self.now();
         let mut inner = self.booth.inner();
-        let coming: Vec<Duration> = inner.coming.values().flatten().copied().collect();
-        let passed = inner.captures.pass(now, &coming);
-        if !inner.missed && inner.captures.is_armed() {
+        let coming = inner.coming();
+        let mut after = inner.captures.clone();
+        let passed = after.pass(now, &coming);
+        if !inner.missed && after.is_armed() {
             self.clear_missed();
         }
-        let journal = self.custody.journal();
-        if !passed.expired.is_empty() || passed.name_expired {
-            inner.missed |= !passed.expired.is_empty();
-            journal.expired(&passed.expired, passed.name_expired)?;
-            for capture in &passed.expired {
-                warn!(event = "no-export", capture);
-                self.observer.tell(StationEvent::NoExport { capture: *capture });
-            }
-            if passed.name_expired {
-                warn!(event = "patient-name-expired");
-            }
+        if after != inner.captures {
+            let has_expired = !passed.expired.is_empty() || passed.name_expired;
+            let detail = json!({ "captures": passed.expired, "name": passed.name_expired });
+            let event = has_expired.then_some((Event::Expired, detail));
+            self.change_booth(&mut inner, after, "over", event)?;
+        }
+        inner.missed |= !passed.expired.is_empty();
+        for capture in &passed.expired {
+            warn!(event = "no-export", capture);
+            self.observer.tell(StationEvent::NoExport { capture: *capture });
+        }
+        if passed.name_expired {
+            warn!(event = "patient-name-expired");
         }
         if inner.missed {
             let message = "no export came after the last press of the button".to_owned();
@@ -160,7 +263,7 @@ impl Station {
                 facts.alarms.entry(NO_EXPORT).or_insert(alarm);
             });
         }
-        if passed.over.is_empty() { Ok(()) } else { journal.captures_over(&passed.over) }
+        Ok(())
     }
 
     fn clear_missed(&self) {

@@ -12,15 +12,17 @@ use super::protocol::{
 use crate::flow::explain::{Known, of_file};
 use crate::flow::facts::IntakeState;
 use crate::flow::health::age;
+use crate::flow::page::{Situation, next_shown};
 use crate::flow::{ScanId, account};
-use crate::record::SourceKind;
 use crate::record::gdt::OrderFault;
+use crate::record::{Language, SourceKind};
 use crate::station::act::{Act, ActFault, act};
 use crate::station::assembly::Station;
 use crate::station::error::chain;
 use crate::station::journal::{HistoryRow, JournalError};
 use crate::station::orders;
 use crate::station::overview::Overview;
+use crate::station::preview::Preview;
 
 /// Answers a request.
 pub fn answer(station: &Station, request: &Request) -> Answer {
@@ -52,8 +54,10 @@ pub fn answer(station: &Station, request: &Request) -> Answer {
             acted(station, Some(scan), &Act::Assign(patient.clone()))
         }
         Request::Unassign { scan } => acted(station, Some(scan), &Act::Unassign),
-        Request::NameNext { patient } => {
-            acted(station, None, &Act::NameNext(patient.clone(), SourceKind::Operator))
+        Request::GiveUp { scan } => acted(station, Some(scan), &Act::GiveUp),
+        Request::NameNext { patient, replace } => {
+            let (id, by) = (patient.clone(), SourceKind::Operator);
+            acted(station, None, &Act::NameNext { id, by, replaces: *replace })
         }
         Request::CallOff => acted(station, None, &Act::CallOff),
         Request::Next => Ok(Answer::Sentence(next(station))),
@@ -95,6 +99,9 @@ fn whole(station: &Station, digits: &str) -> Result<account::Whole, Fault> {
     })?;
     let rows = journal.history(&scan)?.into_iter();
     let happened = |HistoryRow { at, event, detail }| account::Happened { at, event, detail };
+    if let Some(Preview::Made(folder)) = station.previews.get(&scan) {
+        whole.preview = Some(folder.display().to_string());
+    }
     whole.history = rows.map(happened).collect();
     Ok(whole)
 }
@@ -115,18 +122,19 @@ fn known(station: &Station, path: &Path) -> Result<Option<Known>, Fault> {
     Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()) }))
 }
 
-/// Who is named for the next scan; the id is for the person who asks.
+/// Who is next, as the page says it; the ids are for the person who asks.
 fn next(station: &Station) -> String {
-    let awaited = station.booth.state(station.now()).awaited;
-    let named = match station.booth.next_named() {
-        Some(id) => format!("patient {id} is named for the next press of the button"),
-        None => "nobody is named for the next press of the button".to_owned(),
+    let (next, awaited_for) = (station.booth.next_ids(), station.booth.awaited_ids());
+    let booth = station.booth.state(station.now());
+    let situation = Situation {
+        signal: booth.signal,
+        has_button: !station.config.buttons().is_empty(),
+        awaited: booth.awaited,
+        next: &next,
+        awaited_for: &awaited_for,
+        is_in_doubt: booth.is_in_doubt,
     };
-    match awaited {
-        0 => format!("{named}; no export is awaited"),
-        1 => format!("{named}; one export is awaited"),
-        count => format!("{named}; {count} exports are awaited"),
-    }
+    next_shown(&situation, Language::En).sentence
 }
 
 /// The link to the operator's page, with what it takes to decide there.
@@ -150,7 +158,8 @@ fn ordered(station: &Station, bytes: &[u8]) -> Result<Answer, Fault> {
         Fault::new(FaultKind::Request, fault.code(), format!("this is no order: {fault}"))
     };
     let order = orders::brought(station, bytes).map_err(refused)?;
-    acted(station, None, &Act::NameNext(order.patient, SourceKind::Order))
+    let (id, by) = (order.patient, SourceKind::Order);
+    acted(station, None, &Act::NameNext { id, by, replaces: true })
 }
 
 fn status(station: &Station) -> Status {
@@ -163,7 +172,9 @@ fn status(station: &Station) -> Status {
     let mut scans = std::collections::BTreeMap::new();
     if let Some(tally) = &tally {
         scans.extend(tally.scans.iter().map(|(word, count)| ((*word).to_owned(), *count)));
-        scans.insert("held".to_owned(), tally.held);
+        let others =
+            [("held", tally.held), ("closed", tally.closed), ("withdrawing", tally.withdrawing)];
+        scans.extend(others.map(|(word, count)| (word.to_owned(), count)));
     }
     let (oldest, last) = tally.map_or((None, None), |tally| (tally.oldest, tally.last));
     let places = facts.sources.iter().enumerate();
@@ -209,7 +220,9 @@ impl From<ActFault> for Fault {
             ActFault::Unknown => FaultKind::Unknown,
             ActFault::NoScan
             | ActFault::NoOccasion(_)
+            | ActFault::Several
             | ActFault::NotAnId
+            | ActFault::AnotherNamed
             | ActFault::Somebodys => FaultKind::Request,
             ActFault::NoBytes
             | ActFault::Custody(_)

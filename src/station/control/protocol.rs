@@ -70,10 +70,18 @@ pub enum Request {
         /// The beginning of its id.
         scan: String,
     },
+    /// A refused scan, or a held one that is somebody's already, needs no decision any more.
+    GiveUp {
+        /// The beginning of its id.
+        scan: String,
+    },
     /// The next scan is this patient's.
     NameNext {
         /// The patient's id.
         patient: String,
+        /// Another patient who is named and was not scanned is so no more; else this is refused then.
+        #[serde(default = "replaces")]
+        replace: bool,
     },
     /// Nobody is named for the next scan, and no press awaits its export.
     CallOff,
@@ -90,6 +98,11 @@ pub enum Request {
     Resume,
     /// The link to the operator's page.
     Page,
+}
+
+/// Whoever names a patient and says no more means it.
+fn replaces() -> bool {
+    true
 }
 
 /// What the station answers.
@@ -158,8 +171,8 @@ pub struct Status {
     pub oldest_age_s: Option<u64>,
     /// The scan seen last.
     pub last: Option<Seen>,
-    /// Scans by state; `held` ones are counted in their own state too. Empty where the journal
-    /// cannot be read.
+    /// Scans by state; `held`, `closed` and `withdrawing` ones are counted in their own state too, but
+    /// for refused ones that are closed. Empty where the journal cannot be read.
     pub scans: BTreeMap<String, u64>,
     /// The export folders, in the order of the configuration.
     pub sources: Vec<SourceStatus>,
@@ -219,13 +232,17 @@ pub struct BoothStatus {
     pub named: bool,
     /// A press may have gone unheard: scans of named patients are held.
     pub in_doubt: bool,
+    /// What the configuration should say, by what has been seen; none where it is right.
+    #[serde(default)]
+    pub advice: Option<String>,
 }
 
 impl From<BoothState> for BoothStatus {
     fn from(state: BoothState) -> BoothStatus {
-        let BoothState { signal, awaited, is_named, is_in_doubt } = state;
+        let BoothState { signal, awaited, is_named, is_in_doubt, orders_come_late } = state;
         let light = signal.word().to_owned();
-        BoothStatus { light, awaited, named: is_named, in_doubt: is_in_doubt }
+        let advice = orders_come_late.map(|late| late.to_string());
+        BoothStatus { light, awaited, named: is_named, in_doubt: is_in_doubt, advice }
     }
 }
 

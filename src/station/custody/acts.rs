@@ -1,11 +1,14 @@
-//! What a person decides: a refused scan tried again, a held one released, one for nobody assigned.
+//! What a person decides: a refused scan tried again or given up, a held one released, one for nobody
+//! assigned, one taken back. The bytes come first, then the decision itself, then the journal.
 
+use std::collections::BTreeSet;
 use std::sync::PoisonError;
 
 use super::{Custody, CustodyFault, intake_of, io};
-use crate::flow::{DeliveryState, DeliveryStep, ScanId};
+use crate::flow::decision::{Decided, Ruling};
+use crate::flow::{DeliveryState, ScanId};
 use crate::record::Patient;
-use crate::station::journal::{Due, Event, ScanRow};
+use crate::station::journal::{Due, ScanRow};
 use crate::station::spool::Companion;
 use crate::store::StoredScan;
 
@@ -16,6 +19,10 @@ pub enum Acted {
     Done(usize),
     /// There was nothing to do it with.
     Nothing,
+    /// It could be more than one patient's, and the decision says not which.
+    Several,
+    /// It is a patient's already.
+    Somebodys,
     /// The scan's bytes are needed and are nowhere in the state folder.
     NoBytes,
 }
@@ -26,37 +33,56 @@ impl Custody {
     /// # Errors
     /// See [`CustodyFault`].
     pub fn retry(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
-        self.reopen(scan, DeliveryState::Refused, DeliveryStep::Retry, Event::Retried)
-    }
-
-    /// Deliveries that were held are to be made: the scan is this patient's.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
-    pub fn release(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
-        self.reopen(scan, DeliveryState::Held, DeliveryStep::Release, Event::Released)
-    }
-
-    fn reopen(
-        &self,
-        scan: &ScanId,
-        state: DeliveryState,
-        step: DeliveryStep,
-        event: Event,
-    ) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        let deliveries: Vec<Due> = self.journal.deliveries_in(scan, state)?;
-        if deliveries.is_empty() {
+        let refused = self.journal.deliveries_in(scan, DeliveryState::Refused)?;
+        if refused.is_empty() {
             return Ok(Acted::Nothing);
         }
         if !self.bytes_to_spool(scan)? {
             return Ok(Acted::NoBytes);
         }
-        self.journal.reopened(scan, &deliveries, step, event)?;
-        Ok(Acted::Done(deliveries.len()))
+        let decisions = io("reading decisions", self.decisions.of(scan))?;
+        match Ruling::of(&decisions).is_given_up() {
+            true => self.decide(scan, Decided::Retried, None, |journal, number| {
+                journal.retried(scan, &refused, Some(number))
+            })?,
+            false => self.journal.retried(scan, &refused, None)?,
+        }
+        Ok(Acted::Done(refused.len()))
     }
 
-    /// A scan is taken back from its patient and is nobody's again. `stored` as in
+    /// A held scan is the patient's for whom it is held, who must be the only one. What came in for
+    /// nobody is not held for anybody.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn release(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let held = self.journal.deliveries_in(scan, DeliveryState::Held)?;
+        if held.is_empty() {
+            return Ok(Acted::Nothing);
+        }
+        let named: BTreeSet<&str> =
+            held.iter().map(Due::patient_cell).filter(|id| !id.is_empty()).collect();
+        let mut people: BTreeSet<String> = named.iter().map(|id| (*id).to_owned()).collect();
+        people.extend(self.journal.candidates(scan)?);
+        if people.len() > 1 {
+            return Ok(Acted::Several);
+        }
+        let patient = named.first().map(|id| (*id).to_owned());
+        let whose = patient.as_deref().unwrap_or_default();
+        let theirs: Vec<Due> =
+            held.iter().filter(|due| due.patient_cell() == whose).cloned().collect();
+        if !self.bytes_to_spool(scan)? {
+            return Ok(Acted::NoBytes);
+        }
+        self.decide(scan, Decided::Released, patient.clone(), |journal, number| {
+            journal.released(scan, &theirs, number)
+        })?;
+        Ok(Acted::Done(theirs.len()))
+    }
+
+    /// A scan is taken back from its patient, `owner`, and is nobody's again. `stored` as in
     /// [`Custody::assign`].
     ///
     /// # Errors
@@ -64,19 +90,26 @@ impl Custody {
     pub fn unassign(
         &self,
         row: &ScanRow,
+        owner: &str,
         stored: Option<StoredScan>,
     ) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        if self.journal.owners(&row.scan)? != [owner] {
+            // Somebody else decided meanwhile.
+            return Ok(Acted::Nothing);
+        }
         if !self.bring_back(row, None, stored)? {
             return Ok(Acted::NoBytes);
         }
         let stores = self.stores_for(None);
-        self.journal.unassigned(&row.scan, &stores)?;
+        self.decide(&row.scan, Decided::Unassigned, Some(owner.to_owned()), |journal, number| {
+            journal.unassigned(&row.scan, &stores, number)
+        })?;
         Ok(Acted::Done(stores.len()))
     }
 
     /// Keeps the bytes of a scan that a store gave back; says whether they are here.
-    fn bring_back(
+    pub(super) fn bring_back(
         &self,
         row: &ScanRow,
         patient: Option<&Patient>,
@@ -94,8 +127,8 @@ impl Custody {
         Ok(true)
     }
 
-    /// A scan that came in for nobody, or is held, is this patient's. `stored` is the scan as it lies in a store,
-    /// where the spool has given it up.
+    /// A scan that is no patient's, or is held, is this patient's. `stored` is the scan as it lies in a
+    /// store, where the spool has given it up.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -106,12 +139,35 @@ impl Custody {
         stored: Option<StoredScan>,
     ) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        // Two who assign it at once must not both have it.
+        if !self.journal.owners(&row.scan)?.is_empty() {
+            return Ok(Acted::Somebodys);
+        }
         if !self.bring_back(row, Some(patient), stored)? {
             return Ok(Acted::NoBytes);
         }
         let stores = self.stores_for(Some(patient));
-        self.journal.assigned(&row.scan, patient, &stores)?;
+        let id = Some(patient.id.clone());
+        self.decide(&row.scan, Decided::Assigned, id, |journal, number| {
+            journal.assigned(&row.scan, patient, &stores, number)
+        })?;
         Ok(Acted::Done(stores.len()))
+    }
+
+    /// A refused scan, or one that is held although it is somebody's already, needs no decision any
+    /// more. Its bytes stay as long as others that have served.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn give_up(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        if !self.journal.may_be_given_up(scan)? {
+            return Ok(Acted::Nothing);
+        }
+        self.decide(scan, Decided::GivenUp, None, |journal, number| {
+            journal.given_up(scan, number)
+        })?;
+        Ok(Acted::Done(0))
     }
 
     /// Whether the state folder holds the bytes of a scan.

@@ -9,11 +9,9 @@ use jiff::Timestamp;
 use super::{Custody, CustodyFault, held_code, io, row};
 use crate::flow::capture::Judged;
 use crate::flow::{ScanId, ScanState};
-use crate::record::{Patient, Source, SourceKind};
 use crate::station::journal::{Entry, ScanRow};
 use crate::station::quarantine::{Reason, Stage};
 use crate::station::spool::Intake;
-use crate::store::FoundRecord;
 
 impl Custody {
     /// Makes spool, quarantine and journal agree after whatever ended the last run; returns how
@@ -38,6 +36,7 @@ impl Custody {
                 self.settle_missing(&scan)?;
             }
         }
+        self.journal.take_back_unwanted()?;
         Ok(adopted)
     }
 
@@ -74,12 +73,13 @@ impl Custody {
     }
 
     /// Enters a scan of the spool that the journal does not know.
-    pub(super) fn adopt(&self, scan: &ScanId) -> Result<(), CustodyFault> {
+    pub(super) fn adopt(&self, scan: &ScanId) -> Result<Judged, CustodyFault> {
         let intake = io("reading an intake", self.spool.intake(scan))?;
-        self.adopt_as(&intake, held_code(&intake), &row(&intake, scan))
+        self.adopt_as(&intake, held_code(&intake), &row(&intake, scan))?;
+        Ok(intake.judged)
     }
 
-    /// Enters what an intake says. Which press it answered is not known any more.
+    /// Enters what an intake says, with the capture that it answered.
     fn adopt_as(
         &self,
         intake: &Intake,
@@ -87,14 +87,15 @@ impl Custody {
         row: &ScanRow,
     ) -> Result<(), CustodyFault> {
         let patient = intake.patient.as_ref();
-        let entry = Entry { row, patient, held, claims: &[], judged: &Judged::Unpressed };
+        let Intake { geometry, judged, candidates, .. } = intake;
+        let entry = Entry { row, patient, held, claims: &[], judged, geometry, candidates };
         Ok(self.journal.enter(&entry, &self.stores_for(patient))?)
     }
 
     /// As [`Custody::adopt`]; an entry whose intake cannot be read must not stop every start.
     fn adopt_or_refuse(&self, scan: &ScanId) -> Result<(), CustodyFault> {
         let unreadable = match self.spool.intake(scan) {
-            Ok(_) => return self.adopt(scan),
+            Ok(_) => return self.adopt(scan).map(drop),
             Err(error) => error,
         };
         if !matches!(unreadable.kind(), ErrorKind::InvalidData | ErrorKind::NotFound) {
@@ -126,26 +127,5 @@ impl Custody {
             adopted += 1;
         }
         Ok(adopted)
-    }
-
-    /// Enters a record that a store holds; spooled bytes that have served by it are given up.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
-    pub fn found(&self, record: &FoundRecord, store: &str) -> Result<(), CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        let row = ScanRow {
-            scan: record.scan.clone(),
-            format: record.format.clone(),
-            size: record.size,
-            first_seen: record.first_seen,
-            file_time: None,
-            pressed_at: None,
-            state: ScanState::Delivered,
-        };
-        let sources = vec![Source::of(SourceKind::Record)];
-        let patient = record.patient.clone().map(|id| Patient { id, sources });
-        self.journal.found(&row, patient.as_ref(), store, &record.folder.to_string_lossy())?;
-        self.give_up_served(&record.scan)
     }
 }

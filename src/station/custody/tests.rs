@@ -3,29 +3,33 @@
 use std::fs;
 
 use super::*;
+use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::record::{Source, SourceKind};
 use crate::station::journal::Task;
 use crate::station::quarantine::Stage;
+use crate::station::spool::Intake;
 use crate::store::sums;
 use crate::store::{FoundRecord, StoredScan};
 
-const BYTES: &[u8] = b"v 0 0 0\n";
+pub(super) const BYTES: &[u8] = b"v 0 0 0\n";
 
-fn open(dir: &Path) -> Custody {
+pub(super) fn open(dir: &Path) -> Custody {
     let journal = Journal::open(&dir.join("journal.db")).unwrap();
     let spool = Spool::open(dir).unwrap();
-    Custody::new(journal, spool, Quarantine::open(dir).unwrap(), vec!["folder"], Duration::ZERO)
+    let bytes = (spool, Quarantine::open(dir).unwrap());
+    let decisions = Decisions::open(dir).unwrap();
+    Custody::new(journal, bytes, decisions, vec!["folder"], Duration::ZERO)
 }
 
-fn patient(id: &str) -> Patient {
+pub(super) fn patient(id: &str) -> Patient {
     Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::FileName)] }
 }
 
-fn says(id: &str) -> Whose {
+pub(super) fn says(id: &str) -> Whose {
     Whose { patient: Some(patient(id)), ..Whose::default() }
 }
 
-fn arrival(scan: &ScanId, whose: Whose) -> Arrival<'_> {
+pub(super) fn arrival(scan: &ScanId, whose: Whose) -> Arrival<'_> {
     Arrival {
         scan,
         bytes: BYTES,
@@ -35,20 +39,25 @@ fn arrival(scan: &ScanId, whose: Whose) -> Arrival<'_> {
         judged: Judged::Unpressed,
         pressed_at: None,
         companions: &[],
+        geometry: "",
+        known: None,
     }
 }
 
-fn admit(custody: &Custody, whose: Whose) -> Verdict {
-    custody.admit(&arrival(&sums::scan_id(BYTES), whose)).unwrap()
+pub(super) fn admit(custody: &Custody, whose: Whose) -> Verdict {
+    let scan = sums::scan_id(BYTES);
+    custody.enter_kept(&scan).unwrap();
+    let known = custody.known(&scan, "").unwrap();
+    custody.admit(&Arrival { known, ..arrival(&scan, whose) }).unwrap()
 }
 
 /// The scan as a store has it.
-fn stored() -> StoredScan {
+pub(super) fn stored() -> StoredScan {
     StoredScan { bytes: BYTES.to_vec(), ord: Some(b"MEASURE Calf=1\n".to_vec()) }
 }
 
 /// 4711's record of the scan, found in a store.
-fn found_record() -> FoundRecord {
+pub(super) fn found_record() -> FoundRecord {
     FoundRecord {
         scan: sums::scan_id(BYTES),
         patient: Some("4711".to_owned()),
@@ -59,7 +68,7 @@ fn found_record() -> FoundRecord {
     }
 }
 
-fn reason() -> Reason {
+pub(super) fn reason() -> Reason {
     let seen = "2026-11-21T09:15:00Z".parse().unwrap();
     Reason::new("no-body", "no body in it".to_owned(), Stage::Measure, seen)
 }
@@ -127,10 +136,10 @@ fn spooled_bytes_that_the_journal_does_not_know_are_adopted_with_their_first_sig
     let scan = sums::scan_id(BYTES);
     let arrival = arrival(&scan, says("4711"));
     let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
-    let kept = Intake { first_seen, ..intake(&arrival, None, None) };
+    let kept = Intake { first_seen, ..intake(&arrival, None, None, Vec::new()) };
     custody.spool.keep(&scan, kept, BYTES, &[]).unwrap();
     // The crash was here. Either the start adopts it, or the file is seen again first.
-    assert_eq!(custody.admit(&arrival).unwrap(), Verdict::Already);
+    assert_eq!(admit(&custody, says("4711")), Verdict::Already);
     assert_eq!(custody.recover().unwrap(), 0);
     assert_eq!(custody.journal.scan(&scan).unwrap().unwrap().first_seen, first_seen);
     assert_eq!(custody.journal.pending().unwrap().len(), 1);
@@ -199,7 +208,7 @@ fn a_damaged_intake_is_quarantined_and_does_not_stop_the_start() {
 }
 
 /// A scan that was refused while it was measured.
-fn refused(custody: &Custody) -> ScanId {
+pub(super) fn refused(custody: &Custody) -> ScanId {
     let scan = sums::scan_id(BYTES);
     admit(custody, says("4711"));
     custody.refuse(&scan, reason()).unwrap();
@@ -327,7 +336,8 @@ fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
     let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
     let spool = Spool::open(dir.path()).unwrap();
     let quarantine = Quarantine::open(dir.path()).unwrap();
-    let custody = Custody::new(journal, spool, quarantine, vec!["folder", "copy"], Duration::ZERO);
+    let (bytes, decisions) = ((spool, quarantine), Decisions::open(dir.path()).unwrap());
+    let custody = Custody::new(journal, bytes, decisions, vec!["folder", "copy"], Duration::ZERO);
     let scan = sums::scan_id(BYTES);
     admit(&custody, says("4711"));
     let due = custody.journal.pending().unwrap();
@@ -336,12 +346,12 @@ fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
         _ => (&due[1], &due[0]),
     };
     let occupied = Reason { stage: Stage::Store, ..reason() };
-    custody.refuse_at_store(copy, occupied.clone()).unwrap();
+    assert_eq!(custody.refuse_delivery(copy, occupied.clone()).unwrap(), Some(occupied.clone()));
     assert!(custody.spool.holds(&scan));
     custody.delivered(folder, Path::new("/r/x")).unwrap();
     assert!(custody.spool.holds(&scan), "the refused delivery may be retried");
     assert_eq!(custody.retry(&scan).unwrap(), Acted::Done(1));
     let due = custody.journal.pending().unwrap();
-    custody.refuse_at_store(&due[0], occupied.clone()).unwrap();
+    custody.refuse_delivery(&due[0], occupied.clone()).unwrap();
     assert!(custody.quarantine.holds(&scan), "the last of them refuses the scan");
 }

@@ -1,9 +1,10 @@
 //! What an intake tells: the board what is so, the log what has changed. The log never names files
 //! or folders; a folder is called by its place in the configuration.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -13,7 +14,7 @@ use tracing::{info, warn};
 use crate::flow::facts::{SourceFacts, SourceState, WaitingFile};
 use crate::flow::mount::MountGuard;
 use crate::flow::settle::Waiting;
-use crate::flow::{Look, Settling};
+use crate::flow::{Look, Settling, Stamp};
 use crate::station::assembly::Station;
 use crate::station::error::chain;
 use crate::station::look::Found;
@@ -22,16 +23,15 @@ use crate::station::look::Found;
 pub(super) struct Notes {
     station: Arc<Station>,
     place: usize,
-    /// When the station's monotonic clock began.
-    started: Timestamp,
+    /// A time on the wall, and the station's monotonic clock then.
+    started: (Timestamp, Duration),
     unwatched: bool,
     ignored: usize,
 }
 
 impl Notes {
     pub(super) fn new(station: Arc<Station>, place: usize, folder: &Path) -> Notes {
-        let mut started = Timestamp::now();
-        station.board.note(|facts| started = facts.started);
+        let started = (Timestamp::now(), station.now());
         let notes = Notes { station, place, started, unwatched: false, ignored: 0 };
         notes.note(|source| source.folder = Some(folder.to_owned()));
         notes
@@ -57,18 +57,22 @@ impl Notes {
     }
 
     /// Takes in what a look found, and judges whether to believe it.
-    pub(super) fn found(&mut self, found: io::Result<Found>, guard: &mut MountGuard) -> Look {
+    pub(super) fn found(
+        &mut self,
+        found: io::Result<Found>,
+        guard: &mut MountGuard,
+    ) -> (Look, BTreeMap<PathBuf, Stamp>) {
         let found = match found {
             Ok(found) => found,
             Err(error) => {
                 self.state(SourceState::OutOfReach(error.to_string()));
-                return Look::OutOfReach;
+                return (Look::OutOfReach, BTreeMap::new());
             }
         };
         self.note(|source| source.file_system = Some(found.mount.file_system.to_string()));
         if let Err(why) = guard.judge(found.mount) {
             self.state(SourceState::NotMounted(why.to_string()));
-            return Look::OutOfReach;
+            return (Look::OutOfReach, BTreeMap::new());
         }
         self.state(SourceState::Watched);
         if found.ignored_count > self.ignored {
@@ -79,7 +83,7 @@ impl Notes {
             source.last_look = Some(Timestamp::now());
             source.ignored = found.ignored;
         });
-        Look::Seen(found.scans)
+        (Look::Seen(found.scans), found.passers)
     }
 
     /// Notes how the folder is, and says so where that has changed.
@@ -145,7 +149,8 @@ impl Notes {
 
     /// A time of the station's monotonic clock on the wall, whatever clocks on the wall did since.
     fn wall(&self, at: Duration) -> Timestamp {
-        let at = SignedDuration::try_from(at).ok();
-        at.and_then(|at| self.started.checked_add(at).ok()).unwrap_or(self.started)
+        let (wall, clock) = self.started;
+        let signed = |time| SignedDuration::try_from(time).unwrap_or(SignedDuration::MAX);
+        wall.checked_add(signed(at) - signed(clock)).unwrap_or(wall)
     }
 }

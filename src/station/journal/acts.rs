@@ -1,12 +1,14 @@
-//! What a person decides, in the journal. The bytes have been put where they belong before.
+//! What a person decides, in the journal. The bytes have been put where they belong before, and the
+//! decision itself has been kept: `number` is its place among those about the scan, from 1.
 
-use rusqlite::{Transaction, params};
-use serde_json::json;
+use rusqlite::{Connection, Transaction, params};
+use serde_json::{Value, json};
 
-use super::deliveries::{SUPERSEDED, UNASSIGNED, count, step};
-use super::scans::{insert_delivery, insert_scan, set_state, state_of};
-use super::{Due, Event, Journal, JournalError, ScanRow, Task, cell, history};
-use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
+use super::deliveries::{count, finish_if_done, has_served, owners, step};
+use super::scans::{insert_delivery, set_state, state_of};
+use super::withdrawal;
+use super::{Due, Event, Journal, JournalError, Task, cell, history};
+use crate::flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use crate::record::Patient;
 
@@ -20,55 +22,55 @@ impl Journal {
         scan: &ScanId,
         state: DeliveryState,
     ) -> Result<Vec<Due>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT patient, sources, store, first_seen, attempts
-             FROM deliveries JOIN scans USING (sha256)
-             WHERE sha256 = ?1 AND deliveries.state = ?2 ORDER BY patient, store",
-        )?;
-        let mut rows = query.query([scan.as_str(), state.word()])?;
-        let mut found = Vec::new();
-        while let Some(row) = rows.next()? {
-            let (id, sources): (String, String) = (row.get(0)?, row.get(1)?);
-            let sources = cell("sources", sources, |text| serde_json::from_str(text).ok())?;
-            found.push(Due {
-                scan: scan.clone(),
-                patient: (!id.is_empty()).then_some(Patient { id, sources }),
-                store: row.get(2)?,
-                task: Task::Deliver,
-                first_seen: cell("first_seen", row.get(3)?, |text| text.parse().ok())?,
-                attempts: row.get(4)?,
-            });
-        }
-        Ok(found)
+        deliveries_in(&self.connection(), scan, state)
     }
 
-    /// A person wants these deliveries made: refused ones again, held ones because the scan is this
-    /// patient's.
+    /// The ids of those of whom a held scan may be, as far as whatever held it could tell.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn reopened(
+    pub fn candidates(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
+        let connection = self.connection();
+        let mut query =
+            connection.prepare_cached("SELECT candidates FROM scans WHERE sha256 = ?1")?;
+        let text: String = query.query_row([scan.as_str()], |row| row.get(0))?;
+        cell("candidates", text, |text| serde_json::from_str(text).ok())
+    }
+
+    /// A person wants refused deliveries tried again. There is a number where that takes back an
+    /// earlier decision.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn retried(
         &self,
         scan: &ScanId,
         deliveries: &[Due],
-        by: DeliveryStep,
-        event: Event,
+        number: Option<usize>,
+    ) -> Result<(), JournalError> {
+        let by = DeliveryStep::Retry;
+        self.change(|transaction| reopened(transaction, scan, deliveries, by, number))
+    }
+
+    /// A person says that a held scan is one patient's: these deliveries are made, and what else is
+    /// held of it is not.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn released(
+        &self,
+        scan: &ScanId,
+        deliveries: &[Due],
+        number: usize,
     ) -> Result<(), JournalError> {
         self.change(|transaction| {
-            for due in deliveries {
-                step(transaction, due, by, None)?;
-                begin_afresh(transaction, due)?;
-            }
-            reopen(transaction, scan)?;
-            let patients: Vec<&str> = deliveries.iter().map(Due::patient_cell).collect();
-            history::append(transaction, Some(scan), event, &json!({ "patients": patients }))
+            reopened(transaction, scan, deliveries, DeliveryStep::Release, Some(number))?;
+            drop_held(transaction, scan)
         })
     }
 
-    /// A person says whose scan it is that came in for nobody, or is held. Deliveries for nobody that
-    /// are still to be made, and held ones, are made for the patient instead; those for nobody that
-    /// were made are followed by one for the patient, after which they are taken back.
+    /// A person says whose scan it is. Deliveries to others are not wanted any more; those that were
+    /// made are taken back when the patient's own lies in their store.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -77,11 +79,11 @@ impl Journal {
         scan: &ScanId,
         patient: &Patient,
         stores: &[&str],
+        number: usize,
     ) -> Result<(), JournalError> {
         self.change(|transaction| {
-            give_way(transaction, scan, "patient = '' OR state = 'held'")?;
-            for_whom(transaction, scan, Some(patient), stores)?;
-            let detail = json!({ "patient": patient.id, "by": "operator" });
+            belongs_to(transaction, scan, std::slice::from_ref(patient), stores)?;
+            let detail = json!({ "patient": patient.id, "by": "operator", "decision": number });
             history::append(transaction, Some(scan), Event::Assigned, &detail)
         })
     }
@@ -91,124 +93,190 @@ impl Journal {
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn unassigned(&self, scan: &ScanId, stores: &[&str]) -> Result<(), JournalError> {
+    pub fn unassigned(
+        &self,
+        scan: &ScanId,
+        stores: &[&str],
+        number: usize,
+    ) -> Result<(), JournalError> {
         self.change(|transaction| {
-            let taken: Vec<String> = {
-                let mut query = transaction.prepare_cached(
-                    "SELECT DISTINCT patient FROM deliveries
-                     WHERE sha256 = ?1 AND patient <> '' AND state <> 'withdrawn'",
-                )?;
-                let rows = query.query_map([scan.as_str()], |row| row.get(0))?;
-                rows.collect::<rusqlite::Result<_>>()?
-            };
-            transaction.execute(
-                "UPDATE deliveries SET code = ?2
-                 WHERE sha256 = ?1 AND patient <> '' AND state = 'delivered'",
-                [scan.as_str(), UNASSIGNED],
-            )?;
-            give_way(transaction, scan, "patient <> ''")?;
-            for_whom(transaction, scan, None, stores)?;
-            let detail = json!({ "patients": taken, "by": "operator" });
+            let taken = owners(transaction, scan)?;
+            belongs_to(transaction, scan, &[], stores)?;
+            let detail = json!({ "patients": taken, "by": "operator", "decision": number });
             history::append(transaction, Some(scan), Event::Unassigned, &detail)
         })
     }
 
-    /// A store holds this record, which the journal did not know. Deliveries of the same scan to
-    /// other patients that were entered in ignorance of it are held.
+    /// Whether a person may say that a scan needs no decision any more: it was refused, or is held
+    /// although it is somebody's already.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn found(
-        &self,
-        row: &ScanRow,
-        patient: Option<&Patient>,
-        store: &str,
-        folder: &str,
-    ) -> Result<(), JournalError> {
+    pub fn may_be_given_up(&self, scan: &ScanId) -> Result<bool, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT state = 'refused' FROM scans WHERE sha256 = ?1 AND closed IS NULL",
+        )?;
+        let mut rows = query.query([scan.as_str()])?;
+        let Some(row) = rows.next()? else { return Ok(false) };
+        let is_refused: bool = row.get(0)?;
+        let is_held = count(&connection, scan, DeliveryState::Held)? > 0;
+        Ok(is_refused || is_held && !owners(&connection, scan)?.is_empty())
+    }
+
+    /// A person says that a scan needs no decision any more.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn given_up(&self, scan: &ScanId, number: usize) -> Result<(), JournalError> {
         self.change(|transaction| {
-            let id = patient.map_or("", |patient| &patient.id);
-            let scan = row.scan.as_str();
-            insert_scan(transaction, row)?;
-            let known: bool = transaction.query_row(
-                "SELECT EXISTS (SELECT 1 FROM deliveries
-                                WHERE sha256 = ?1 AND patient = ?2 AND store = ?3
-                                      AND state <> ?4)",
-                [scan, id, store, DeliveryState::Refused.word()],
-                |row| row.get(0),
-            )?;
-            if known {
-                return Ok(());
-            }
-            transaction.execute(
-                "DELETE FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-                [scan, id, store],
-            )?;
-            let delivered = DeliveryState::Delivered;
-            insert_delivery(transaction, &row.scan, patient, store, delivered, None)?;
-            transaction.execute(
-                "UPDATE deliveries SET folder = ?4
-                 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-                [scan, id, store, folder],
-            )?;
-            transaction.execute(
-                "UPDATE deliveries SET state = ?3, code = ?4
-                 WHERE sha256 = ?1 AND patient <> ?2 AND patient <> '' AND state = ?5",
-                params![
-                    scan,
-                    id,
-                    DeliveryState::Held.word(),
-                    SAME_SCAN_OTHER_PATIENT,
-                    DeliveryState::Pending.word()
-                ],
-            )?;
-            if !id.is_empty() {
-                // A sighting that names nobody adds nothing to what is known.
-                transaction.execute(
-                    "DELETE FROM deliveries WHERE sha256 = ?1 AND patient = '' AND state = ?2",
-                    [scan, DeliveryState::Pending.word()],
-                )?;
-            }
-            finish_if_done(transaction, &row.scan)?;
-            let detail = json!({ "patient": id, "store": store });
-            history::append(transaction, Some(&row.scan), Event::Found, &detail)
+            close(transaction, scan)?;
+            let detail = json!({ "by": "operator", "decision": number });
+            history::append(transaction, Some(scan), Event::GivenUp, &detail)
         })
     }
 
-    /// Whether the spooled bytes of a scan have served: nothing is pending, and nothing held.
+    /// Whether the spooled bytes of a scan have served: nothing is pending, and nothing waits for a
+    /// decision.
     ///
     /// # Errors
     /// See [`JournalError`].
     pub fn has_served(&self, scan: &ScanId) -> Result<bool, JournalError> {
-        let connection = self.connection();
-        let open = count(&connection, scan, DeliveryState::Pending)?
-            + count(&connection, scan, DeliveryState::Held)?
-            + count(&connection, scan, DeliveryState::Refused)?;
-        Ok(open == 0)
+        has_served(&self.connection(), scan)
     }
 }
 
-/// Deliveries that a person's word overtakes. Refused and held ones are not in hand and go; pending
-/// ones may be, and are taken back when the one that was wanted is made.
-fn give_way(transaction: &Transaction<'_>, scan: &ScanId, which: &str) -> Result<(), JournalError> {
+/// Every delivery of a scan that is in a state.
+pub(super) fn deliveries_in(
+    connection: &Connection,
+    scan: &ScanId,
+    state: DeliveryState,
+) -> Result<Vec<Due>, JournalError> {
+    let mut query = connection.prepare_cached(
+        "SELECT patient, sources, store, first_seen, attempts
+         FROM deliveries JOIN scans USING (sha256)
+         WHERE sha256 = ?1 AND deliveries.state = ?2 ORDER BY patient, store",
+    )?;
+    let mut rows = query.query([scan.as_str(), state.word()])?;
+    let mut found = Vec::new();
+    while let Some(row) = rows.next()? {
+        let (id, sources): (String, String) = (row.get(0)?, row.get(1)?);
+        let sources = cell("sources", sources, |text| serde_json::from_str(text).ok())?;
+        found.push(Due {
+            scan: scan.clone(),
+            patient: (!id.is_empty()).then_some(Patient { id, sources }),
+            store: row.get(2)?,
+            task: Task::Deliver,
+            first_seen: cell("first_seen", row.get(3)?, |text| text.parse().ok())?,
+            attempts: row.get(4)?,
+        });
+    }
+    Ok(found)
+}
+
+/// These deliveries are made after all, by a person's word.
+fn reopened(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+    deliveries: &[Due],
+    by: DeliveryStep,
+    number: Option<usize>,
+) -> Result<(), JournalError> {
+    make_again(transaction, scan, deliveries, by)?;
+    let patients: Vec<&str> = deliveries.iter().map(Due::patient_cell).collect();
+    let mut detail = json!({ "patients": patients });
+    if let Some(number) = number {
+        detail["decision"] = Value::from(number);
+    }
+    let event = if by == DeliveryStep::Release { Event::Released } else { Event::Retried };
+    history::append(transaction, Some(scan), event, &detail)
+}
+
+/// Deliveries begin afresh, and with them their scan.
+pub(super) fn make_again(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+    deliveries: &[Due],
+    by: DeliveryStep,
+) -> Result<(), JournalError> {
+    for due in deliveries {
+        step(transaction, due, by, None)?;
+        transaction.execute(
+            "UPDATE deliveries SET attempts = 0 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+            [due.scan.as_str(), due.patient_cell(), &due.store],
+        )?;
+    }
     transaction.execute(
-        &format!(
-            "DELETE FROM deliveries
-             WHERE sha256 = ?1 AND state IN ('refused', 'held') AND ({which})"
-        ),
+        "UPDATE scans SET crashes = 0, closed = NULL WHERE sha256 = ?1",
         [scan.as_str()],
     )?;
+    reopen(transaction, scan)
+}
+
+/// What is held of a scan is not to be made.
+pub(super) fn drop_held(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
     transaction.execute(
-        &format!(
-            "UPDATE deliveries SET state = ?2, code = ?3, next_at = NULL
-             WHERE sha256 = ?1 AND state = ?4 AND ({which})"
-        ),
-        [scan.as_str(), DeliveryState::Delivered.word(), SUPERSEDED, DeliveryState::Pending.word()],
+        "DELETE FROM deliveries WHERE sha256 = ?1 AND state = ?2",
+        [scan.as_str(), DeliveryState::Held.word()],
+    )?;
+    Ok(())
+}
+
+/// A scan needs no decision any more.
+pub(super) fn close(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
+    let given_up = "UPDATE scans SET closed = 'given-up' WHERE sha256 = ?1";
+    transaction.execute(given_up, [scan.as_str()])?;
+    Ok(())
+}
+
+/// A scan is these patients' and nobody else's; of none, it is nobody's.
+pub(super) fn belongs_to(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+    patients: &[Patient],
+    stores: &[&str],
+) -> Result<(), JournalError> {
+    let opened = "UPDATE scans SET closed = NULL WHERE sha256 = ?1";
+    transaction.execute(opened, [scan.as_str()])?;
+    drop_held(transaction, scan)?;
+    let ids: Vec<&str> = match patients {
+        [] => vec![""],
+        patients => patients.iter().map(|patient| patient.id.as_str()).collect(),
+    };
+    give_way(transaction, scan, &json!(ids).to_string())?;
+    match patients {
+        [] => for_whom(transaction, scan, None, stores)?,
+        patients => {
+            for patient in patients {
+                for_whom(transaction, scan, Some(patient), stores)?;
+            }
+        }
+    }
+    withdrawal::apply(transaction, scan)?;
+    finish_if_done(transaction, scan)
+}
+
+/// Deliveries to others than these are not wanted any more. One that was made is to be taken back; one
+/// that was to be made, or failed at last, may be in hand or have been made all the same. The record
+/// for nobody goes by itself when a patient has it, and keeps what others must give back until then.
+fn give_way(transaction: &Transaction<'_>, scan: &ScanId, ids: &str) -> Result<(), JournalError> {
+    transaction.execute(
+        "UPDATE deliveries SET code = ?3
+         WHERE sha256 = ?1 AND patient NOT IN (SELECT value FROM json_each(?2)) AND patient <> ''
+               AND state = 'delivered' AND code IS NULL",
+        [scan.as_str(), ids, UNASSIGNED],
+    )?;
+    transaction.execute(
+        "UPDATE deliveries SET state = 'delivered', code = ?3, next_at = NULL
+         WHERE sha256 = ?1 AND patient NOT IN (SELECT value FROM json_each(?2))
+               AND state IN ('pending', 'refused')",
+        [scan.as_str(), ids, SUPERSEDED],
     )?;
     Ok(())
 }
 
 /// The deliveries of a scan to whom a person says it belongs.
-fn for_whom(
+pub(super) fn for_whom(
     transaction: &Transaction<'_>,
     scan: &ScanId,
     patient: Option<&Patient>,
@@ -221,9 +289,11 @@ fn for_whom(
         ScanState::Spooled | ScanState::Delivered => DeliveryState::Pending,
     };
     // What was to be taken back from this very one stays.
+    let id = patient.map_or("", |patient| &patient.id);
     transaction.execute(
-        "UPDATE deliveries SET code = NULL WHERE sha256 = ?1 AND patient = ?2 AND code = ?3",
-        [scan.as_str(), patient.map_or("", |patient| &patient.id), UNASSIGNED],
+        "UPDATE deliveries SET code = NULL
+         WHERE sha256 = ?1 AND patient = ?2 AND state = 'delivered' AND code IN (?3, ?4)",
+        params![scan.as_str(), id, UNASSIGNED, HANDED_OVER],
     )?;
     for store in stores {
         insert_delivery(transaction, scan, patient, store, delivery, None)?;
@@ -231,24 +301,6 @@ fn for_whom(
     if state == ScanState::Delivered && count(transaction, scan, DeliveryState::Pending)? > 0 {
         reopen(transaction, scan)?;
     }
-    finish_if_done(transaction, scan)
-}
-
-/// A scan of which nothing is pending any more is delivered.
-fn finish_if_done(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
-    let state = state_of(transaction, scan)?;
-    if state == ScanState::Spooled && count(transaction, scan, DeliveryState::Pending)? == 0 {
-        set_state(transaction, scan, state.after(ScanStep::Finish)?)?;
-    }
-    Ok(())
-}
-
-fn begin_afresh(transaction: &Transaction<'_>, due: &Due) -> Result<(), JournalError> {
-    transaction.execute(
-        "UPDATE deliveries SET attempts = 0 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
-        [due.scan.as_str(), due.patient_cell(), &due.store],
-    )?;
-    transaction.execute("UPDATE scans SET crashes = 0 WHERE sha256 = ?1", [due.scan.as_str()])?;
     Ok(())
 }
 

@@ -3,13 +3,14 @@
 use std::path::Path;
 
 use jiff::Timestamp;
-use rusqlite::{OptionalExtension, Transaction, params};
+use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::json;
 
 use super::scans::{set_state, state_of};
+use super::withdrawal::{self, Overtaken, UNWANTED};
 use super::{Event, Journal, JournalError, cell, history, seal};
 use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
-use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanStep};
+use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use crate::record::Patient;
 
 /// A delivery to be made or taken back.
@@ -34,7 +35,7 @@ pub struct Due {
 pub enum Task {
     /// The record is to be put there.
     Deliver,
-    /// The record for nobody is to be taken back.
+    /// The record there is to be taken back: another one has it whose scan it is.
     Withdraw,
 }
 
@@ -87,9 +88,9 @@ impl Journal {
         Ok(pending)
     }
 
-    /// The store has given its receipt. With the last pending delivery the scan is delivered. A record
-    /// of the same scan for nobody is to be taken back where the patient is named, and one of a patient
-    /// from whom it was taken.
+    /// The store has given its receipt. With the last pending delivery the scan is delivered. Refusals
+    /// of earlier scans of the same patient need no decision any more. What is to be taken back now is
+    /// said, see `journal::withdrawal`.
     /// Says whether the spooled bytes have served: nothing is pending, held or refused.
     ///
     /// # Errors
@@ -97,23 +98,21 @@ impl Journal {
     pub fn delivered(&self, due: &Due, folder: &Path) -> Result<bool, JournalError> {
         let scan = &due.scan;
         self.change(|transaction| {
-            let place = folder.to_string_lossy();
-            if is_superseded(transaction, due)? {
-                // Somebody decided otherwise while it was in hand: now it is there to be taken back.
-                set_code(transaction, due, UNASSIGNED)?;
-                return Ok(false);
+            match withdrawal::overtaken(transaction, due)? {
+                Overtaken::Unwanted => withdrawal::made_in_vain(transaction, due, folder)?,
+                overtaken => {
+                    if overtaken == Overtaken::Refused {
+                        step(transaction, due, DeliveryStep::Retry, None)?;
+                    }
+                    let place = folder.to_string_lossy();
+                    step(transaction, due, DeliveryStep::Deliver, Some(&place))?;
+                    history::append(transaction, Some(scan), Event::Delivered, &detail(due))?;
+                    close_superseded(transaction, due)?;
+                }
             }
-            step(transaction, due, DeliveryStep::Deliver, Some(&place))?;
-            history::append(transaction, Some(scan), Event::Delivered, &detail(due))?;
-            withdraw_others(transaction, due)?;
-            let pending = count(transaction, scan, DeliveryState::Pending)?;
-            let kept_for = count(transaction, scan, DeliveryState::Held)?
-                + count(transaction, scan, DeliveryState::Refused)?;
-            if pending == 0 {
-                let state = state_of(transaction, scan)?.after(ScanStep::Finish)?;
-                set_state(transaction, scan, state)?;
-            }
-            Ok(pending == 0 && kept_for == 0)
+            withdrawal::apply(transaction, scan)?;
+            finish_if_done(transaction, scan)?;
+            has_served(transaction, scan)
         })
     }
 
@@ -135,54 +134,19 @@ impl Journal {
         })
     }
 
-    /// The record for nobody is gone from the store.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
-    pub fn withdrawn(&self, due: &Due) -> Result<(), JournalError> {
-        self.change(|transaction| {
-            if delivery_state(transaction, due)? != Some(DeliveryState::Withdrawing) {
-                // Somebody decided otherwise while it was in hand: it is to be made again.
-                return Ok(());
-            }
-            step(transaction, due, DeliveryStep::Gone, None)?;
-            history::append(transaction, Some(&due.scan), Event::Withdrawn, &detail(due))
-        })
-    }
-
-    /// An attempt failed for a reason that may pass.
+    /// An attempt failed for a reason that may pass. One that is not to be made any more is left as it
+    /// is: its code says so.
     ///
     /// # Errors
     /// See [`JournalError`].
     pub fn put_off(&self, due: &Due, code: &str, next_at: Timestamp) -> Result<(), JournalError> {
         self.connection().execute(
             "UPDATE deliveries SET attempts = attempts + 1, code = ?5, next_at = ?4
-             WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+             WHERE sha256 = ?1 AND patient = ?2 AND store = ?3
+                   AND state IN ('pending', 'withdrawing')",
             params![due.scan.as_str(), due.patient_cell(), due.store, next_at.to_string(), code],
         )?;
         Ok(())
-    }
-
-    /// Who keeps the record of a scan in a store when another one's is taken back; none while nobody
-    /// has it, and inner none for the folder of scans for nobody.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
-    pub fn keeper(
-        &self,
-        scan: &ScanId,
-        store: &str,
-    ) -> Result<Option<Option<String>>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT patient FROM deliveries
-             WHERE sha256 = ?1 AND store = ?2 AND state = ?3
-                   AND coalesce(code, '') NOT IN (?4, ?5)
-             ORDER BY patient = '', changed_at LIMIT 1",
-        )?;
-        let cells = [scan.as_str(), store, DeliveryState::Delivered.word(), UNASSIGNED, SUPERSEDED];
-        let found: Option<String> = query.query_row(cells, |row| row.get(0)).optional()?;
-        Ok(found.map(|id| Some(id).filter(|id| !id.is_empty())))
     }
 
     /// The patients whose scan it is: neither held for them nor taken back from them.
@@ -190,24 +154,7 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`].
     pub fn owners(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT DISTINCT patient FROM deliveries
-             WHERE sha256 = ?1 AND patient <> '' AND state NOT IN (?2, ?3, ?4)
-                   AND coalesce(code, '') NOT IN (?5, ?6)",
-        )?;
-        let [held, withdrawing, withdrawn] =
-            [DeliveryState::Held, DeliveryState::Withdrawing, DeliveryState::Withdrawn];
-        let cells = [
-            scan.as_str(),
-            held.word(),
-            withdrawing.word(),
-            withdrawn.word(),
-            UNASSIGNED,
-            SUPERSEDED,
-        ];
-        let rows = query.query_map(cells, |row| row.get(0))?;
-        Ok(rows.collect::<rusqlite::Result<_>>()?)
+        owners(&self.connection(), scan)
     }
 
     /// Why a delivery of the scan waits for a person; none where none does.
@@ -224,50 +171,79 @@ impl Journal {
     }
 }
 
-/// The code of a delivered record that a person takes back from its patient.
-pub(super) const UNASSIGNED: &str = "unassigned";
+/// The patients whose scan it is.
+pub(super) fn owners(connection: &Connection, scan: &ScanId) -> Result<Vec<String>, JournalError> {
+    let mut query = connection.prepare_cached(&format!(
+        "SELECT DISTINCT patient FROM deliveries
+         WHERE sha256 = ?1 AND patient <> '' AND state NOT IN (?2, ?3, ?4)
+               AND coalesce(code, '') NOT IN {UNWANTED}"
+    ))?;
+    let [held, withdrawing, withdrawn] =
+        [DeliveryState::Held, DeliveryState::Withdrawing, DeliveryState::Withdrawn];
+    let cells = [scan.as_str(), held.word(), withdrawing.word(), withdrawn.word()];
+    let rows = query.query_map(cells, |row| row.get(0))?;
+    Ok(rows.collect::<rusqlite::Result<_>>()?)
+}
 
-/// The code of a delivery that was to be made when a person decided otherwise. It may be in hand, so
-/// it counts as made, and is taken back like one.
-pub(super) const SUPERSEDED: &str = "superseded";
-
-/// What is to be taken back from a store now that a record has reached it.
-pub(super) fn withdraw_others(
+/// A scan of which nothing is pending any more is delivered.
+pub(super) fn finish_if_done(
     transaction: &Transaction<'_>,
-    kept: &Due,
+    scan: &ScanId,
 ) -> Result<(), JournalError> {
-    let mut query = transaction.prepare_cached(
-        "SELECT patient FROM deliveries
-         WHERE sha256 = ?1 AND store = ?2 AND state = ?3 AND patient <> ?4
-               AND (code IN (?5, ?6) OR patient = '')",
-    )?;
-    let cells = [
-        kept.scan.as_str(),
-        &kept.store,
-        DeliveryState::Delivered.word(),
-        kept.patient_cell(),
-        UNASSIGNED,
-        SUPERSEDED,
-    ];
-    let others = query.query_map(cells, |row| row.get(0))?;
-    let others: Vec<String> = others.collect::<rusqlite::Result<_>>()?;
-    for id in others {
-        let patient = (!id.is_empty()).then_some(Patient { id, sources: Vec::new() });
-        step(transaction, &Due { patient, ..kept.clone() }, DeliveryStep::Withdraw, None)?;
+    let state = state_of(transaction, scan)?;
+    if state == ScanState::Spooled && count(transaction, scan, DeliveryState::Pending)? == 0 {
+        set_state(transaction, scan, state.after(ScanStep::Finish)?)?;
     }
     Ok(())
 }
 
-fn is_superseded(transaction: &Transaction<'_>, due: &Due) -> Result<bool, JournalError> {
-    Ok(transaction.query_row(
-        "SELECT EXISTS (SELECT 1 FROM deliveries
-                        WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND code = ?4)",
-        [due.scan.as_str(), due.patient_cell(), &due.store, SUPERSEDED],
-        |row| row.get(0),
-    )?)
+/// Whether the spooled bytes of a scan have served: nothing of it is pending, refused, or held for a
+/// decision that is still wanted.
+pub(super) fn has_served(connection: &Connection, scan: &ScanId) -> Result<bool, JournalError> {
+    let mut query = connection.prepare_cached(
+        "SELECT NOT EXISTS (
+             SELECT 1 FROM deliveries JOIN scans USING (sha256)
+             WHERE sha256 = ?1 AND (deliveries.state IN ('pending', 'refused')
+                                    OR deliveries.state = 'held' AND closed IS NULL))",
+    )?;
+    Ok(query.query_row([scan.as_str()], |row| row.get(0))?)
 }
 
-fn set_code(transaction: &Transaction<'_>, due: &Due, code: &str) -> Result<(), JournalError> {
+/// What was refused of the same patient's before, and of nobody else's, needs no decision any more: here
+/// is a scan that could be measured.
+pub(super) fn close_superseded(
+    transaction: &Transaction<'_>,
+    due: &Due,
+) -> Result<(), JournalError> {
+    let Some(patient) = &due.patient else { return Ok(()) };
+    let closed: Vec<String> = {
+        let mut query = transaction.prepare_cached(
+            "UPDATE scans SET closed = 'superseded'
+             WHERE state = 'refused' AND closed IS NULL
+                   AND (first_seen, rowid) < (SELECT first_seen, rowid FROM scans WHERE sha256 = ?1)
+                   AND EXISTS (SELECT 1 FROM deliveries AS theirs WHERE theirs.sha256 = scans.sha256
+                               AND theirs.patient = ?2 AND theirs.state = 'refused')
+                   AND NOT EXISTS (SELECT 1 FROM deliveries AS others
+                                   WHERE others.sha256 = scans.sha256 AND others.patient <> ?2)
+             RETURNING sha256",
+        )?;
+        let rows = query.query_map([due.scan.as_str(), &patient.id], |row| row.get(0))?;
+        rows.collect::<rusqlite::Result<_>>()?
+    };
+    for scan in closed {
+        let scan = cell("sha256", scan, |text| ScanId::parse(text).ok())?;
+        let detail = json!({ "by": due.scan.short() });
+        history::append(transaction, Some(&scan), Event::Superseded, &detail)?;
+    }
+    Ok(())
+}
+
+/// Says why a delivery is as it is.
+pub(super) fn set_code(
+    transaction: &Transaction<'_>,
+    due: &Due,
+    code: &str,
+) -> Result<(), JournalError> {
     transaction.execute(
         "UPDATE deliveries SET code = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
         [due.scan.as_str(), due.patient_cell(), &due.store, code],
@@ -282,7 +258,7 @@ pub(super) fn detail(due: &Due) -> serde_json::Value {
 
 /// How many deliveries of a scan are in a state.
 pub(super) fn count(
-    connection: &rusqlite::Connection,
+    connection: &Connection,
     scan: &ScanId,
     state: DeliveryState,
 ) -> Result<i64, JournalError> {
@@ -293,10 +269,10 @@ pub(super) fn count(
 
 /// The state of a delivery; none where there is none.
 pub(super) fn delivery_state(
-    transaction: &Transaction<'_>,
+    connection: &Connection,
     due: &Due,
 ) -> Result<Option<DeliveryState>, JournalError> {
-    let word: Option<String> = transaction
+    let word: Option<String> = connection
         .query_row(
             "SELECT state FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
             [due.scan.as_str(), due.patient_cell(), &due.store],

@@ -39,7 +39,7 @@ pub enum Event {
     Released,
     /// A person said whose scan it is.
     Assigned,
-    /// The record for nobody was taken back.
+    /// A record was taken back, for another one has it whose scan it is.
     Withdrawn,
     /// A person took a record back from a patient.
     Unassigned,
@@ -61,6 +61,16 @@ pub enum Event {
     Rebuilt,
     /// Rows that the configuration lets go were removed; the chain goes on from here.
     Pruned,
+    /// A person said that it needs no decision any more.
+    GivenUp,
+    /// The same patient's next scan was delivered: it needs no decision any more.
+    Superseded,
+    /// The bytes of a refused scan were let go, as the configuration says.
+    LetGo,
+    /// Bytes that were lost came in again.
+    TakenAgain,
+    /// What was decided before was carried out by a journal that did not know it.
+    CarriedOut,
 }
 
 impl Event {
@@ -87,6 +97,11 @@ impl Event {
             Event::Resumed => "resumed",
             Event::Rebuilt => "rebuilt",
             Event::Pruned => "pruned",
+            Event::GivenUp => "given-up",
+            Event::Superseded => "superseded",
+            Event::LetGo => "let-go",
+            Event::TakenAgain => "taken-again",
+            Event::CarriedOut => "carried-out",
         }
     }
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Row, params};
 
+use super::withdrawal::UNWANTED;
 use super::{Journal, JournalError, cell};
 use crate::flow::account::{Delivered, FILTERS, Filter, Listed, Seen, Summary, Whole};
 use crate::flow::{DeliveryState, ScanId, ScanState};
@@ -12,10 +13,15 @@ use crate::flow::{DeliveryState, ScanId, ScanState};
 /// How many scans and deliveries there are, and the two that people ask for first.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tally {
-    /// Scans by the word of their state; every state is there.
+    /// Scans by the word of their state; every state is there. Refused ones that need no decision any
+    /// more are not counted.
     pub scans: BTreeMap<&'static str, u64>,
     /// Scans of which a delivery waits for a person, whatever their own state.
     pub held: u64,
+    /// Scans that were refused or held and need no decision any more.
+    pub closed: u64,
+    /// Scans of which a record lies, or may lie, where it is to be taken back.
+    pub withdrawing: u64,
     /// Deliveries by store and the word of their state; only those there are.
     pub deliveries: BTreeMap<(String, String), u64>,
     /// The scan seen first of those that wait for a record.
@@ -33,8 +39,10 @@ impl Journal {
         let connection = self.connection();
         let mut scans: BTreeMap<&'static str, u64> =
             ScanState::ALL.into_iter().map(|state| (state.word(), 0)).collect();
-        let mut query =
-            connection.prepare_cached("SELECT state, count(*) FROM scans GROUP BY state")?;
+        let mut query = connection.prepare_cached(
+            "SELECT state, count(*) FROM scans
+             WHERE closed IS NULL OR state <> 'refused' GROUP BY state",
+        )?;
         for row in query.query_map([], |row| Ok((row.get(0)?, count(row, 1)?)))? {
             let (word, count): (String, u64) = row?;
             scans.insert(cell("state", word, ScanState::of_word)?.word(), count);
@@ -45,8 +53,19 @@ impl Journal {
         let rows = query.query_map([], |row| Ok(((row.get(0)?, row.get(1)?), count(row, 2)?)))?;
         let deliveries = rows.collect::<Result<_, _>>()?;
         let held = connection.query_row(
-            "SELECT count(DISTINCT sha256) FROM deliveries WHERE state = ?1",
+            "SELECT count(DISTINCT sha256) FROM deliveries JOIN scans USING (sha256)
+             WHERE deliveries.state = ?1 AND closed IS NULL",
             [DeliveryState::Held.word()],
+            |row| count(row, 0),
+        )?;
+        let closed = connection.query_row(
+            "SELECT count(*) FROM scans WHERE closed IS NOT NULL",
+            [],
+            |row| count(row, 0),
+        )?;
+        let withdrawing = connection.query_row(
+            &format!("SELECT count(DISTINCT sha256) FROM deliveries WHERE {}", to_be_taken_back()),
+            [],
             |row| count(row, 0),
         )?;
         let oldest = "SELECT sha256, first_seen, scans.state FROM deliveries JOIN scans
@@ -56,6 +75,8 @@ impl Journal {
         Ok(Tally {
             scans,
             held,
+            closed,
+            withdrawing,
             deliveries,
             oldest: one_seen(&connection, oldest)?,
             last: one_seen(&connection, last)?,
@@ -68,15 +89,17 @@ impl Journal {
     /// See [`JournalError`].
     pub fn list(&self, filter: Option<Filter>, limit: u32) -> Result<Vec<Listed>, JournalError> {
         let connection = self.connection();
-        let mut query = connection.prepare_cached(
+        let mut query = connection.prepare_cached(&format!(
             "SELECT sha256, first_seen, scans.state,
                     coalesce(sum(deliveries.state = 'held'), 0) AS held, format, size,
                     coalesce(scans.code, max(deliveries.code)), coalesce(sum(attempts), 0),
-                    min(CASE deliveries.state WHEN 'pending' THEN next_at END)
+                    min(CASE deliveries.state WHEN 'pending' THEN next_at END), closed,
+                    EXISTS (SELECT 1 FROM deliveries WHERE sha256 = scans.sha256 AND {})
              FROM scans LEFT JOIN deliveries USING (sha256) GROUP BY sha256
              HAVING ?1 = '' OR (?1 = 'held' AND held > 0) OR scans.state = ?1
              ORDER BY first_seen DESC, scans.rowid DESC LIMIT ?2",
-        )?;
+            to_be_taken_back()
+        ))?;
         let word = FILTERS.iter().find(|(_, known)| Some(*known) == filter);
         let word = word.map_or("", |(word, _)| word);
         let rows = query.query_map(params![word, limit], |row| {
@@ -90,6 +113,8 @@ impl Journal {
                 code: row.get(6)?,
                 attempts: count(row, 7)?,
                 next_at: time_or_none(row, 8)?,
+                closed: row.get(9)?,
+                withdrawing: row.get(10)?,
             })
         })?;
         Ok(rows.collect::<Result<_, _>>()?)
@@ -109,18 +134,18 @@ impl Journal {
         rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
     }
 
-    /// Everything that is known of a scan but its history; none for one never seen.
+    /// Everything that is known of a scan but its history and preview; none for one never seen.
     ///
     /// # Errors
     /// See [`JournalError`].
     pub fn whole(&self, scan: &ScanId) -> Result<Option<Whole>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
-            "SELECT state, first_seen, file_time, format, size, code, message
+            "SELECT state, first_seen, file_time, format, size, code, message, closed, candidates
              FROM scans WHERE sha256 = ?1",
         )?;
-        let summary = query.query_row([scan.as_str()], |row| {
-            Ok(Summary {
+        let found = query.query_row([scan.as_str()], |row| {
+            let summary = Summary {
                 state: row.get(0)?,
                 first_seen: time(row, 1)?,
                 file_time: time_or_none(row, 2)?,
@@ -128,9 +153,11 @@ impl Journal {
                 size: count(row, 4)?,
                 code: row.get(5)?,
                 message: row.get(6)?,
-            })
+                closed: row.get(7)?,
+            };
+            Ok((summary, ids(row, 8)?))
         });
-        let Some(summary) = summary.optional()? else { return Ok(None) };
+        let Some((summary, candidates)) = found.optional()? else { return Ok(None) };
         let mut query = connection.prepare_cached(
             "SELECT patient, store, state, code, attempts, next_at, folder
              FROM deliveries WHERE sha256 = ?1 ORDER BY patient, store",
@@ -147,8 +174,28 @@ impl Journal {
             })
         })?;
         let deliveries = rows.collect::<Result<_, _>>()?;
-        Ok(Some(Whole { scan: scan.to_string(), summary, deliveries, history: Vec::new() }))
+        Ok(Some(Whole {
+            scan: scan.to_string(),
+            summary,
+            deliveries,
+            candidates,
+            preview: None,
+            history: Vec::new(),
+        }))
     }
+}
+
+/// SQL: a delivery whose record is to be taken back from a store where another one has it, or is to have
+/// it. What lies in a store that takes none in its place is for a person to take away.
+fn to_be_taken_back() -> String {
+    format!(
+        "(deliveries.state = 'withdrawing' OR deliveries.state = 'delivered'
+              AND deliveries.code IN {UNWANTED}
+              AND EXISTS (SELECT 1 FROM deliveries AS coming
+                          WHERE coming.sha256 = deliveries.sha256
+                                AND coming.store = deliveries.store
+                                AND coming.state IN ('pending', 'refused')))"
+    )
 }
 
 /// The first scan of a query on pending deliveries, or on all scans.
@@ -177,6 +224,12 @@ fn time(row: &Row<'_>, column: usize) -> rusqlite::Result<Timestamp> {
 fn time_or_none(row: &Row<'_>, column: usize) -> rusqlite::Result<Option<Timestamp>> {
     let text: Option<String> = row.get(column)?;
     text.map(|text| text.parse().map_err(|fault| wrong(column, fault))).transpose()
+}
+
+/// Patients' ids, as JSON.
+fn ids(row: &Row<'_>, column: usize) -> rusqlite::Result<Vec<String>> {
+    let text: String = row.get(column)?;
+    serde_json::from_str(&text).map_err(|fault| wrong(column, fault))
 }
 
 /// A cell that holds what we never write.

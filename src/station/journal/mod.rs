@@ -7,17 +7,22 @@
 
 mod acts;
 mod captures;
+mod decided;
 mod deliveries;
+mod found;
 mod history;
 mod listing;
 mod lock;
+mod looks;
 mod meta;
 mod newest;
+mod orders;
 mod prune;
 mod scans;
 mod schema;
 mod seal;
 mod sightings;
+mod withdrawal;
 
 use std::fs::{OpenOptions, Permissions};
 use std::io;
@@ -26,18 +31,20 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use rusqlite::{Connection, Transaction};
+use rusqlite::{Connection, Transaction, TransactionBehavior};
 use tracing::warn;
 
 use crate::flow::IllegalStep;
 use crate::store::durable;
-pub use captures::CaptureRow;
+pub use captures::{BoothChange, CaptureRow};
 pub use deliveries::{Due, Task};
+pub use found::FoundThere;
 use history::HeadFile;
 pub use history::{Event, HistoryRow};
 pub use listing::Tally;
 pub use lock::{LockError, StateLock};
 pub use scans::{Entry, ScanRow};
+pub use withdrawal::KEPT;
 
 /// How long a statement waits for another process that reads the journal.
 const BUSY: Duration = Duration::from_secs(5);
@@ -256,7 +263,9 @@ impl Journal {
         change: impl FnOnce(&Transaction<'_>) -> Result<T, JournalError>,
     ) -> Result<T, JournalError> {
         let mut connection = self.connection();
-        let transaction = connection.transaction()?;
+        // Immediate: a transaction that reads first and writes then is not waited for when another
+        // process has the journal in between; it fails at once.
+        let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let before = history::newest(&transaction)?;
         let done = change(&transaction)?;
         let after = history::newest(&transaction)?;

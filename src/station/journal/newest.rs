@@ -1,4 +1,4 @@
-//! What the operator's page asks of the journal, every second while somebody looks: few rows, each
+//! What the operator's page and the previews ask of the journal, again and again: few rows, each
 //! found by an index or in one pass.
 
 use rusqlite::{Row, params};
@@ -23,13 +23,25 @@ impl Journal {
         self.scans_of(query, limit)
     }
 
-    /// The scans that wait for a person's decision, refused or held, newest first, at most `limit`.
+    /// The scans that wait for a person's decision, refused or held and not closed, newest first, at
+    /// most `limit`.
     ///
     /// # Errors
     /// See [`JournalError`].
     pub fn undecided(&self, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        let query = "SELECT sha256 FROM scans WHERE state = ?1
-                     OR sha256 IN (SELECT sha256 FROM deliveries WHERE state = ?2)
+        let query = "SELECT sha256 FROM scans WHERE closed IS NULL AND (state = ?1
+                     OR sha256 IN (SELECT sha256 FROM deliveries WHERE state = ?2))
+                     ORDER BY first_seen DESC, rowid DESC LIMIT ?3";
+        self.scans_of(query, limit)
+    }
+
+    /// The scans that are held, newest first, at most `limit`.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn held(&self, limit: u32) -> Result<Vec<ScanId>, JournalError> {
+        let query = "SELECT sha256 FROM scans WHERE state <> ?1
+                     AND sha256 IN (SELECT sha256 FROM deliveries WHERE state = ?2)
                      ORDER BY first_seen DESC, rowid DESC LIMIT ?3";
         self.scans_of(query, limit)
     }

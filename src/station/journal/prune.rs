@@ -27,7 +27,8 @@ impl Journal {
             "SELECT EXISTS (SELECT 1 FROM scans
                  WHERE sha256 = ?1 AND state = ?2 AND changed_at < ?3 AND NOT EXISTS (
                      SELECT 1 FROM deliveries WHERE deliveries.sha256 = scans.sha256
-                     AND deliveries.state IN ('pending', 'held', 'withdrawing')))",
+                     AND (deliveries.state IN ('pending', 'withdrawing')
+                          OR deliveries.state = 'held' AND scans.closed IS NULL)))",
         )?;
         let cells = [scan.as_str(), state.word(), &before.to_string()];
         Ok(query.query_row(cells, |row| row.get(0))?)
@@ -47,7 +48,8 @@ impl Journal {
                      SELECT sha256 FROM scans
                      WHERE state = ?1 AND changed_at < ?2 AND NOT EXISTS (
                          SELECT 1 FROM deliveries AS open WHERE open.sha256 = scans.sha256
-                         AND open.state IN ('pending', 'held', 'withdrawing')))",
+                         AND (open.state IN ('pending', 'withdrawing')
+                              OR open.state = 'held' AND scans.closed IS NULL)))",
                 [delivered, &before],
             )?;
             let scans = transaction.execute(

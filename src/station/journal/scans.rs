@@ -1,5 +1,7 @@
 //! Scans in the journal, and whose they are said to be.
 
+use std::ops::Range;
+
 use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Transaction, params};
 
@@ -42,6 +44,10 @@ pub struct Entry<'a> {
     pub claims: &'a [Patient],
     /// The captures that it answers.
     pub judged: &'a Judged,
+    /// The hash of its geometry, hexadecimal; '' where it has none.
+    pub geometry: &'a str,
+    /// The ids of everybody whose it may be, where a person must decide.
+    pub candidates: &'a [String],
 }
 
 impl Journal {
@@ -107,17 +113,70 @@ impl Journal {
         rows.map(|row| Ok(Some(row?).filter(|id: &String| !id.is_empty()))).collect()
     }
 
+    /// The first scan of a geometry; none where there is none.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn of_geometry(&self, geometry: &str) -> Result<Option<ScanId>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT sha256 FROM scans WHERE geometry = ?1 ORDER BY first_seen, rowid LIMIT 1",
+        )?;
+        let found: Option<String> = query.query_row([geometry], |row| row.get(0)).optional()?;
+        found.map(|text| cell("sha256", text, |text| ScanId::parse(text).ok())).transpose()
+    }
+
+    /// The refused scans of these sizes, bytes, the last ones first, at most `limit`.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn refused_of(
+        &self,
+        sizes: Range<u64>,
+        limit: u32,
+    ) -> Result<Vec<(ScanId, u64)>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT sha256, size FROM scans WHERE state = ?1 AND size >= ?2 AND size < ?3
+             ORDER BY first_seen DESC LIMIT ?4",
+        )?;
+        let cells = params![
+            ScanState::Refused.word(),
+            sizes.start.cast_signed(),
+            sizes.end.cast_signed(),
+            limit
+        ];
+        let rows = query.query_map(cells, |row| Ok((row.get(0)?, row.get::<_, i64>(1)?)))?;
+        let scan = |text: String| cell("sha256", text, |text| ScanId::parse(text).ok());
+        rows.map(|row| row.map_err(JournalError::from))
+            .map(|row| row.and_then(|(text, size)| Ok((scan(text)?, size.cast_unsigned()))))
+            .collect()
+    }
+
     /// Enters a new scan and its deliveries, one for each store, and what it means for captures.
     ///
     /// # Errors
     /// See [`JournalError`]; nothing is entered then.
     pub fn enter(&self, entry: &Entry<'_>, stores: &[&str]) -> Result<(), JournalError> {
-        let Entry { row, patient, held, claims, judged } = *entry;
+        let Entry { row, patient, held, claims, judged, geometry, candidates } = *entry;
         self.change(|transaction| {
             insert_scan(transaction, row)?;
+            let candidates = serde_json::to_string(candidates)
+                .map_err(|error| rusqlite::Error::ToSqlConversionFailure(error.into()))?;
+            transaction.execute(
+                "UPDATE scans SET candidates = ?2,
+                        geometry = CASE geometry WHEN '' THEN ?3 ELSE geometry END
+                 WHERE sha256 = ?1",
+                [row.scan.as_str(), &candidates, geometry],
+            )?;
             let state = if held.is_some() { DeliveryState::Held } else { DeliveryState::Pending };
             for store in stores {
                 insert_delivery(transaction, &row.scan, patient, store, state, held)?;
+            }
+            if held.is_some() {
+                // What was given up before is asked anew.
+                let opened = "UPDATE scans SET closed = NULL WHERE sha256 = ?1";
+                transaction.execute(opened, [row.scan.as_str()])?;
             }
             captures::answer(transaction, &row.scan, judged)?;
             let event = if held.is_some() { Event::Held } else { Event::Entered };
@@ -142,7 +201,7 @@ impl Journal {
             let state = state_of(transaction, scan)?.after(ScanStep::Refuse)?;
             set_state(transaction, scan, state)?;
             transaction.execute(
-                "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1",
+                "UPDATE scans SET code = ?2, message = ?3, closed = NULL WHERE sha256 = ?1",
                 params![scan.as_str(), code, message],
             )?;
             let pending = DeliveryState::Pending;

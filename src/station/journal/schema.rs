@@ -2,7 +2,7 @@
 
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
-use super::{JournalError, history, seal};
+use super::{JournalError, captures, history, seal};
 
 /// The schema this gaiter reads and writes, in `PRAGMA user_version`: one step of [`STEPS`] each.
 pub(super) const KNOWN: i64 = STEPS.len() as i64;
@@ -11,7 +11,7 @@ pub(super) const KNOWN: i64 = STEPS.len() as i64;
 type Step = fn(&Transaction<'_>) -> Result<(), JournalError>;
 
 /// From an empty file to the present schema. A step that was released is never changed.
-const STEPS: [Step; 3] = [
+const STEPS: [Step; 4] = [
     |transaction| Ok(transaction.execute_batch(FIRST)?),
     |transaction| {
         transaction.execute_batch(SECOND)?;
@@ -19,6 +19,10 @@ const STEPS: [Step; 3] = [
         seal::seal_all(transaction)
     },
     |transaction| Ok(transaction.execute_batch(THIRD)?),
+    |transaction| {
+        transaction.execute_batch(FOURTH)?;
+        captures::upgrade(transaction)
+    },
 ];
 
 /// `patient` is '' while nobody named the patient. `sources` is JSON. `next_at` tells people when
@@ -103,6 +107,36 @@ CREATE TABLE captures (
     seal      TEXT NOT NULL
 ) STRICT;
 CREATE INDEX captures_by_state ON captures (state);
+";
+
+/// `geometry` is the hash of a scan's coordinates and faces as written, '' where it is not known.
+/// `candidates` are the ids of whom a held scan, or the export of a capture, may be, as JSON. `closed`
+/// says why a refused scan needs no decision any more: `given-up` or `superseded`. `refused` of a capture:
+/// the export that answered it was refused, and another is awaited.
+/// `looks` holds what the looks at each folder know of files that are not taken yet, as JSON; `boot` and
+/// `looked_ms` as in `captures`. `orders` are the orders that were heard and still lie there.
+const FOURTH: &str = "
+ALTER TABLE scans ADD COLUMN geometry TEXT NOT NULL DEFAULT '';
+ALTER TABLE scans ADD COLUMN candidates TEXT NOT NULL DEFAULT '[]';
+ALTER TABLE scans ADD COLUMN closed TEXT;
+CREATE INDEX scans_by_geometry ON scans (geometry);
+ALTER TABLE captures ADD COLUMN candidates TEXT NOT NULL DEFAULT '[]';
+ALTER TABLE captures ADD COLUMN refused INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE captures ADD COLUMN doubt TEXT NOT NULL DEFAULT '';
+UPDATE captures SET doubt = 'shared' WHERE shared = 1;
+UPDATE captures SET state = 'over' WHERE state = 'called_off';
+CREATE TABLE looks (
+    folder    BLOB PRIMARY KEY,
+    boot      TEXT NOT NULL,
+    looked_ms INTEGER,
+    files     TEXT NOT NULL
+) STRICT;
+CREATE TABLE orders (
+    path     BLOB PRIMARY KEY,
+    size     INTEGER NOT NULL,
+    mtime_ns TEXT NOT NULL,
+    digest   TEXT NOT NULL
+) STRICT;
 ";
 
 /// Makes the tables in a new journal, and brings an older one to our schema.

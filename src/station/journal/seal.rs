@@ -25,9 +25,19 @@ pub(super) fn of_delivery(scan: &str, patient: &str, store: &str, sources: &str)
     seal(&[scan, patient, store, sources])
 }
 
-/// The seal of a capture's cells that say whose scan its export is.
-pub(super) fn of_capture(number: i64, patient: &str, source: &str) -> String {
-    seal(&["capture", &number.to_string(), patient, source])
+/// The seal of a capture's cells that say whose scan its export is. `others` is JSON.
+pub(super) fn of_capture(number: i64, patient: &str, source: &str, others: &str) -> String {
+    let number = number.to_string();
+    match others {
+        // As it was before captures had others.
+        "[]" => seal(&["capture", &number, patient, source]),
+        others => seal(&["capture", &number, patient, source, others]),
+    }
+}
+
+/// The seal of a text.
+pub(super) fn of_text(text: &str) -> String {
+    seal(&[text])
 }
 
 fn seal(cells: &[&str]) -> String {
@@ -90,13 +100,14 @@ fn deliveries(connection: &Connection) -> Result<Vec<(i64, String, String)>, Jou
 fn captures(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
     // All columns: one whose name is damaged must show now and not at the first press.
     let mut query = connection.prepare(
-        "SELECT number, patient, source, seal, at, boot, opened_ms, until_ms, opener, state, shared,
-                scan
+        "SELECT number, patient, source, seal, candidates, at, boot, opened_ms, until_ms, opener, state,
+                shared, scan, refused, doubt
          FROM captures",
     )?;
     let rows = query.query_map([], |row| {
-        let (patient, source): (String, String) = (row.get(1)?, row.get(2)?);
-        Ok((of_capture(row.get(0)?, &patient, &source), row.get(3)?))
+        let (patient, source, others): (String, String, String) =
+            (row.get(1)?, row.get(2)?, row.get(4)?);
+        Ok((of_capture(row.get(0)?, &patient, &source, &others), row.get(3)?))
     })?;
     Ok(rows.collect::<rusqlite::Result<_>>()?)
 }

@@ -38,6 +38,21 @@ impl Journal {
         found.map(|found| found.map(scan).transpose()).transpose()
     }
 
+    /// The state of a file that was sighted last, and the scan that it was or belonged to.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn sighted_as(&self, path: &Path) -> Result<Option<(Stamp, Option<ScanId>)>, JournalError> {
+        let found: Option<(String, Option<String>)> = self
+            .connection()
+            .prepare_cached("SELECT stamp, sha256 FROM sightings WHERE path = ?1")?
+            .query_row([path.as_os_str().as_bytes()], |row| Ok((row.get(0)?, row.get(1)?)))
+            .optional()?;
+        let Some((stamp, scan)) = found else { return Ok(None) };
+        let parsed = |text: String| cell("sha256", text, |text| ScanId::parse(text).ok());
+        Ok(Some((cell("stamp", stamp, of_text)?, scan.map(parsed).transpose()?)))
+    }
+
     /// Notes that this state of the file was taken, or refused unread where there is no scan.
     ///
     /// # Errors
@@ -61,4 +76,16 @@ impl Journal {
 fn text(stamp: Stamp) -> String {
     let Stamp { dev, ino, size, mtime_ns, ctime_ns } = stamp;
     format!("{dev}:{ino}:{size}:{mtime_ns}:{ctime_ns}")
+}
+
+fn of_text(text: &str) -> Option<Stamp> {
+    let mut parts = text.split(':');
+    let stamp = Stamp {
+        dev: parts.next()?.parse().ok()?,
+        ino: parts.next()?.parse().ok()?,
+        size: parts.next()?.parse().ok()?,
+        mtime_ns: parts.next()?.parse().ok()?,
+        ctime_ns: parts.next()?.parse().ok()?,
+    };
+    parts.next().is_none().then_some(stamp)
 }

@@ -51,7 +51,7 @@ fn patient(id: &str) -> Patient {
 fn enter(journal: &Journal, row: &ScanRow, id: Option<&str>, state: DeliveryState) {
     let (patient, held) = (id.map(patient), (state == DeliveryState::Held).then_some("held"));
     let (patient, judged) = (patient.as_ref(), &Judged::Unpressed);
-    let entry = Entry { row, patient, held, claims: &[], judged };
+    let entry = Entry { row, patient, held, claims: &[], judged, geometry: "", candidates: &[] };
     journal.enter(&entry, &["folder"]).unwrap();
 }
 
@@ -316,4 +316,43 @@ fn a_flipped_bit_in_any_row_or_index_that_names_a_scan_is_ruin() {
     }
     std::fs::write(&path, sound).unwrap();
     Journal::open(&path).unwrap();
+}
+
+#[test]
+fn a_refused_scan_is_closed_by_the_same_patients_next_good_one_and_by_nobody_elses() {
+    let (_dir, journal) = journal();
+    let at = |digit: char, second: i64| ScanRow {
+        first_seen: jiff::Timestamp::from_second(1_800_000_000 + second).unwrap(),
+        ..row(digit)
+    };
+    let refused = |row: &ScanRow, id: Option<&str>| {
+        enter(&journal, row, id, DeliveryState::Pending);
+        journal.refused(&row.scan, "no-leg", "no leg").unwrap();
+    };
+    refused(&at('a', 0), Some("4711"));
+    refused(&at('b', 1), Some("0815"));
+    refused(&at('c', 2), None);
+    refused(&at('d', 9), Some("4711"));
+    let undecided = || {
+        let scans = journal.undecided(9).unwrap();
+        scans.iter().map(|scan| scan.as_str()[..1].to_owned()).collect::<String>()
+    };
+    assert_eq!(undecided(), "dcba");
+    // Nobody's next scan says nothing of the one before.
+    for (digit, id, left) in [('e', None, "dcba"), ('f', Some("4711"), "dcb")] {
+        enter(&journal, &at(digit, 5), id, DeliveryState::Pending);
+        let due = journal.pending().unwrap();
+        journal.delivered(&due[0], Path::new("/r/x")).unwrap();
+        assert_eq!(undecided(), left, "{digit}");
+    }
+    let tally = journal.tally().unwrap();
+    assert_eq!((tally.scans["refused"], tally.closed), (3, 1));
+    let listed = journal.list(None, 9).unwrap();
+    let closed = listed.iter().filter(|scan| scan.closed.as_deref() == Some("superseded"));
+    assert_eq!(closed.count(), 1);
+    let last = journal.history(&row('a').scan).unwrap().pop().unwrap();
+    assert_eq!(
+        (last.event.as_str(), last.detail.as_str()),
+        ("superseded", "{\"by\":\"ffffffff\"}")
+    );
 }

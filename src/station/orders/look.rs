@@ -1,49 +1,60 @@
 //! One look at the folder of orders.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::super::file_system::folder_id;
 use super::super::look::stamp;
 use super::super::patience::Pulse;
-use crate::flow::{Group, Mask, Stamp};
+use super::removal;
+use crate::flow::order_news::FolderId;
+use crate::flow::{Group, Mask};
 
-/// The files that may be orders.
-pub type Orders = BTreeMap<PathBuf, Group>;
+/// What a look found.
+#[derive(Debug)]
+pub struct Found {
+    /// The files that may be orders, with those under names of ours: see [`removal`].
+    pub orders: BTreeMap<PathBuf, Group>,
+    /// Names that are there, and whose files could not be examined.
+    pub unexamined: BTreeSet<PathBuf>,
+    /// The folder itself.
+    pub folder: FolderId,
+}
 
 /// Lists a folder's regular files whose names the mask means. Links are not followed.
 ///
 /// # Errors
-/// Where the folder cannot be listed to its end.
-pub fn look(folder: &Path, mask: &Mask, pulse: &Pulse) -> io::Result<Orders> {
-    let mut orders = Orders::new();
+/// Where the folder cannot be listed to its end, or another came in its place meanwhile.
+pub fn look(folder: &Path, mask: &Mask, pulse: &Pulse) -> io::Result<Found> {
+    let before = folder_id(folder)?;
+    let (mut orders, mut unexamined) = (BTreeMap::new(), BTreeSet::new());
     for entry in fs::read_dir(folder)? {
-        let entry = entry?;
+        let path = entry?.path();
         pulse.beat();
-        if !mask.means(&entry.file_name().to_string_lossy()) {
+        if !is_meant(&path, mask) {
             continue;
         }
-        // A file that cannot be examined is one that is not there yet.
-        let Ok(metadata) = entry.path().symlink_metadata() else { continue };
-        if metadata.is_file() {
-            orders.insert(entry.path(), Group::from(stamp(&metadata)));
+        match path.symlink_metadata() {
+            Ok(metadata) if metadata.is_file() => {
+                orders.insert(path, Group::from(stamp(&metadata)));
+            }
+            Ok(_) => {}
+            // It was removed meanwhile.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(_) => drop(unexamined.insert(path)),
         }
     }
-    Ok(orders)
+    if folder_id(folder)? != before {
+        return Err(io::Error::other("it was replaced while it was looked through"));
+    }
+    Ok(Found { orders, unexamined, folder: before })
 }
 
-/// Removes a file that is still in this state; one that is not is another by now.
-///
-/// # Errors
-/// Where it cannot be removed.
-pub fn remove(path: &Path, read: Stamp) -> io::Result<()> {
-    let removed = path.symlink_metadata().and_then(|metadata| match stamp(&metadata) == read {
-        true => fs::remove_file(path),
-        false => Ok(()),
-    });
-    match removed {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
-        other => other,
-    }
+/// Whether a path is that of an order, as the practice named it or under a name of ours.
+pub fn is_meant(path: &Path, mask: &Mask) -> bool {
+    let original = removal::original(path);
+    let name = original.as_deref().unwrap_or(path).file_name();
+    name.is_some_and(|name| mask.means(&name.to_string_lossy()))
 }

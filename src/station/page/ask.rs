@@ -96,6 +96,7 @@ fn verb(request: &protocol::Request) -> Option<&'static str> {
         Request::Release { .. } => Some("release"),
         Request::Assign { .. } => Some("assign"),
         Request::Unassign { .. } => Some("unassign"),
+        Request::GiveUp { .. } => Some("give_up"),
         Request::NameNext { .. } => Some("name_next"),
         Request::CallOff => Some("call_off"),
         Request::Pause => Some("pause"),

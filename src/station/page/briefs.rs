@@ -1,4 +1,4 @@
-//! What records say of their scans, read from the record store in the background: a store that does
+//! What records and previews say of their scans, read in the background: a store that does
 //! not answer makes measures late, and never the page.
 
 use std::collections::BTreeMap;
@@ -113,6 +113,7 @@ fn told(folder: &Path, language: Language) -> Told {
     Told {
         measures: record.map(|record| Brief::of(&record, language)),
         files: FILES.iter().map(|file| file.name).filter(is_there).collect(),
+        unmeasured: None,
     }
 }
 

@@ -67,6 +67,7 @@ impl Feed {
 struct Ground {
     journal: u64,
     briefs: u64,
+    previews: u64,
     facts: Facts,
     booth: BoothState,
 }
@@ -77,6 +78,7 @@ impl Ground {
         Ground {
             journal: station.custody.journal().changes(),
             briefs: station.page.briefs.edition(),
+            previews: station.previews.edition(),
             facts: station.board.facts(),
             booth: station.booth.state(station.now()),
         }

@@ -1,5 +1,5 @@
-//! Files of a scan's record, out of the folder that the journal names, or its latest revision: never a
-//! path of a request.
+//! Files of a scan's record, out of the folder that the journal names, or its latest revision, or of a
+//! held scan's preview: never a path of a request.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -79,7 +79,7 @@ pub async fn file(
         let _reader = reader;
         let whole = door.station.custody.journal().whole(&scan);
         let whole = whole.inspect_err(|error| door.station.mind(error)).ok()??;
-        bytes(&revision::latest(&snapshot::folder(&whole)?).join(file.name)).ok()
+        bytes(&revision::latest(&snapshot::folder(&door.station, &whole)?).join(file.name)).ok()
     });
     match read.await {
         Ok(Some(bytes)) => {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! journal, board, booth ─ snapshot ─▶ feed ─▶ /state, /stream ─▶ page.js
-//! record folders ─ briefs ────────────┘
+//! record folders, previews ─ briefs ──┘
 //! page.js ─▶ /ask ─ guard, token ─▶ control::answer
 //! ```
 //!
@@ -39,6 +39,7 @@ use super::error::chain;
 use super::stop::Stop;
 use crate::config::Config;
 pub use feed::worker;
+pub use files::FILES;
 pub use stream::Connection;
 
 /// So many streams are served at a time at each door; whoever comes later asks again and again.
@@ -77,6 +78,11 @@ impl Desk {
     pub fn link(&self) -> Option<String> {
         let (token, local) = (self.token.get()?, self.local.get()?);
         Some(format!("http://{local}/#token={}", token.word()))
+    }
+
+    /// Something has changed that a person waits for.
+    pub fn hurry(&self) {
+        self.feed.hurry();
     }
 
     /// Takes the token from the state folder, made where there is none. Blocks, on the local disk.

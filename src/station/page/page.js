@@ -1,6 +1,6 @@
-"use strict";
 // Puts the station's snapshots into the page. Every text and figure comes ready from the station and
-// goes in as text, never as markup; what is decided here is only when to ask and what to redraw.
+// goes in as text, never as markup; what is decided here is only when to ask and what to redraw. What a
+// person decides stands in decide.js, which goes before this.
 
 const root = document.documentElement;
 const isKiosk = root.dataset.view === "kiosk";
@@ -62,111 +62,6 @@ function redraw(id, value, build) {
   if (held) place.querySelector(`[data-key="${CSS.escape(held)}"]`)?.focus();
 }
 
-// ---- what is decided
-
-let token = null;
-try {
-  token = localStorage.getItem("gaiter-token");
-} catch {
-  // Storage is switched off: the token lasts as long as the page.
-}
-
-// The token leaves the address bar before anybody can read it there.
-function takeToken() {
-  const found = /^#token=([0-9a-f]{64})$/.exec(location.hash);
-  if (!found) return false;
-  history.replaceState(null, "", location.pathname);
-  if (!isLocal) return false;
-  token = found[1];
-  try {
-    localStorage.setItem("gaiter-token", token);
-  } catch {
-    // As above.
-  }
-  return true;
-}
-
-function post(path, body) {
-  const headers = { "Authorization": `Bearer ${token}`, "Content-Type": "application/json" };
-  return fetch(path, { method: "POST", headers, body: JSON.stringify(body), credentials: "same-origin" });
-}
-
-// The cookie that lets the browser open reports by itself.
-async function enter() {
-  if (!token || !isLocal) return;
-  try {
-    const answer = await post("/enter", {});
-    if (answer.status === 401) forget((await answer.json()).sentence);
-  } catch {
-    // The station is away; the stream says so.
-  }
-}
-
-function forget(sentence) {
-  token = null;
-  try {
-    localStorage.removeItem("gaiter-token");
-  } catch {
-    // As above.
-  }
-  say(sentence, true);
-  drawn.clear();
-  if (last) show(last);
-}
-
-let saying = 0;
-function say(sentence, isBad) {
-  const said = $("said");
-  if (!said) return;
-  said.textContent = sentence;
-  said.toggleAttribute("data-bad", isBad);
-  clearTimeout(saying);
-  if (!isBad) saying = setTimeout(() => { said.textContent = ""; }, 15000);
-}
-
-async function decide(body) {
-  try {
-    const answer = await post("/ask", body);
-    const { sentence } = await answer.json();
-    if (answer.status === 401) forget(sentence);
-    else say(sentence, !answer.ok);
-  } catch {
-    say(label("away"), true);
-  }
-}
-
-// Asks before it decides: for a patient's id, or whether it is meant.
-function question(title, hint, wantsId, send) {
-  const dialog = $("question");
-  const field = $("question_id");
-  $("question_title").textContent = title;
-  $("question_hint").textContent = hint;
-  $("question_field").hidden = !wantsId;
-  field.required = wantsId;
-  field.value = "";
-  dialog.querySelector("form").onsubmit = (event) => {
-    event.preventDefault();
-    const id = field.value.trim();
-    if (wantsId && !id) return;
-    dialog.close();
-    send(id);
-  };
-  dialog.showModal();
-  if (wantsId) field.focus();
-}
-
-function button(text, key, on, isMain) {
-  return make("button", { type: "button", "data-key": key, class: isMain ? "main" : undefined, on }, text);
-}
-
-function act(verb, scan, isMain) {
-  const title = label(verb).replace(/ …$/, "");
-  const hint = labels[`${verb}_hint`] ?? "";
-  const send = (patient) => decide(verb === "assign" ? { ask: verb, scan, patient } : { ask: verb, scan });
-  const on = verb === "retry" ? () => send() : () => question(title, hint, verb === "assign", send);
-  return button(label(verb), `${verb} ${scan}`, on, isMain);
-}
-
 // ---- what is shown
 
 function time(at) {
@@ -177,7 +72,9 @@ function time(at) {
   return make("time", { datetime: at }, date.toLocaleString(root.lang, form));
 }
 
-const HEALTH = { delivered: "good", spooled: "wait", unassigned: "wait", held: "bad", refused: "bad" };
+const HEALTH = {
+  delivered: "good", spooled: "wait", unassigned: "wait", withdrawing: "wait", closed: "wait", held: "bad", refused: "bad",
+};
 
 function state(word, health) {
   return make("span", { class: `state ${health}` }, sign(health), make("span", {}, word));
@@ -208,13 +105,17 @@ function patients(ids) {
 }
 
 function about(scan, canAct, ...more) {
-  const buttons = canAct ? scan.acts.map((verb, at) => act(verb, scan.scan, at === 0 && verb !== "unassign")) : [];
+  const isMain = (key, at) => at === 0 && !["give_up", "unassign"].includes(key) && scan.candidates.length === 0;
+  const buttons = canAct
+    ? [...scan.candidates.map((of) => candidate(scan, of)), ...scan.acts.map((key, at) => act(key, scan, isMain(key, at)))]
+    : [];
   return [
     make("h3", {}, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
     ...patients(scan.patients),
     make("p", { class: "quiet" }, `${label("scan")} ${scan.scan.slice(0, 8)}`),
     scan.advice ? make("p", {}, `${scan.advice.what} ${scan.advice.next}`) : null,
     scan.code ? make("p", { class: "quiet" }, `${label("code")}: ${scan.code}`) : null,
+    scan.unmeasured ? make("p", { class: "quiet" }, scan.unmeasured) : null,
     ...more,
     buttons.length ? make("p", { class: "buttons" }, buttons) : null,
   ].filter(Boolean);
@@ -225,7 +126,7 @@ function links(scan, showsIds) {
   const anchors = files.map((file) =>
     make("a", { href: `/scan/${scan.scan}/${file}`, target: "_blank", rel: "noopener", "data-key": `${file} ${scan.scan}` }, label(file)));
   if (showsIds && files.includes("record.json") && window.gaiterViewer) {
-    anchors.unshift(button(label("view"), `view ${scan.scan}`, () => view(scan.scan)));
+    anchors.unshift(button(label("view"), `view ${scan.scan}`, () => view(scan)));
   }
   return anchors.length ? make("p", { class: "links", "aria-label": label("files"), role: "group" }, anchors) : null;
 }
@@ -245,9 +146,12 @@ function scanCard(scan, canAct, showsIds) {
 }
 
 let viewed = null;
-async function view(scan) {
+async function view({ scan, state, word, patients }) {
   const dialog = $("viewer");
   const place = make("div");
+  const whose = patients.length ? `${label("patient")} ${patients.join(", ")}` : word;
+  const title = [label("view"), ...(state === "held" && patients.length ? [word] : []), whose, `${label("scan")} ${scan.slice(0, 8)}`];
+  $("viewer_title").textContent = title.join(" – ");
   $("viewer_body").replaceChildren(place);
   dialog.showModal();
   try {
@@ -258,14 +162,22 @@ async function view(scan) {
   }
 }
 
+// Who is next; each id is set apart from the words around it.
+function sentence(next) {
+  return next.pieces.map((piece, at) => (at % 2 ? make("bdi", {}, piece) : piece));
+}
+
 function nextPatient(next, isPaused, canAct) {
-  const named = next.id ? make("p", { class: next.id.length > 16 ? "id long" : "id" }, make("bdi", {}, next.id)) : null;
-  const parts = [named, make("p", {}, next.sentence), next.doubt ? make("p", { class: "bad" }, next.doubt) : null];
+  const parts = [make("p", { class: "who" }, sentence(next)), next.doubt ? make("p", { class: "bad" }, next.doubt) : null];
   if (!canAct) return parts;
-  const name = () => question(label("name").replace(/ …$/, ""), label("name_hint"), true, (patient) => decide({ ask: "name_next", patient }));
-  const off = () => question(label("call_off"), label("call_off_hint"), false, () => decide({ ask: "call_off" }));
-  return [...parts, make("p", { class: "buttons" },
-    button(label("name"), "name", name, !isPaused),
+  // Whoever answers who is in the booth has not erred before: no question.
+  const answers = next.who.length < 2 ? [] : next.who.map(({ id, shown }) =>
+    button(phrase(label("in_booth"), shown), `in_booth ${id}`, () => decide({ ask: "name_next", patient: id, replace: true }), !isPaused));
+  const off = () => question({
+    title: label("call_off"), hint: label("call_off_hint"), yes: label("call_off"), send: () => ask({ ask: "call_off" }),
+  });
+  return [...parts, make("p", { class: "buttons" }, answers,
+    button(label("name"), "name", () => nameNext(last.next), !isPaused && !answers.length),
     next.can_be_called_off ? button(label("call_off"), "call_off", off) : null,
     isPaused
       ? button(label("resume"), "pause", () => decide({ ask: "resume" }), true)
@@ -314,8 +226,10 @@ function show(station) {
   const reading = $("reading");
   reading.hidden = canAct;
   reading.textContent = label(isLocal ? "read_only_token" : "read_only_network");
-  redraw("undecided_body", { scans: station.undecided, more: station.more_undecided, canAct }, ({ scans, more }) => [
-    ...scans.map((scan) => make("article", { class: "card" }, about(scan, canAct))),
+  redraw("undecided_body", { scans: station.undecided, more: station.more_undecided, canAct, ids }, ({ scans, more }) => [
+    ...scans.map((scan) => scan.measures
+      ? scanCard(scan, canAct, ids)
+      : make("article", { class: "card" }, about(scan, canAct))),
     scans.length ? null : make("p", { class: "empty" }, label("none_undecided")),
     more ? make("p", { class: "more" }, `${more} ${label("more")}`) : null,
   ]);
@@ -365,12 +279,12 @@ function connect() {
   source.onmessage = (event) => take(event.data);
   source.addEventListener("beat", () => { heard = Date.now(); });
   source.onerror = () => {
-    if (source.readyState === EventSource.CLOSED) ask();
+    if (source.readyState === EventSource.CLOSED) look();
     else away();
   };
 }
 
-async function ask() {
+async function look() {
   try {
     const answer = await fetch(`/state${query}`);
     if (!answer.ok) throw new Error(answer.statusText);
@@ -384,7 +298,7 @@ async function ask() {
 setInterval(() => {
   const isOpen = source && source.readyState === EventSource.OPEN && Date.now() - heard < SILENT_MS;
   if (isOpen) return;
-  if (source?.readyState !== EventSource.CONNECTING || Date.now() - heard >= SILENT_MS) ask();
+  if (source?.readyState !== EventSource.CONNECTING || Date.now() - heard >= SILENT_MS) look();
   if (Date.now() - connected >= ANEW_MS) connect();
 }, LOOK_MS);
 

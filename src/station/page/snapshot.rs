@@ -9,6 +9,7 @@ use crate::flow::page::{self, Known, ScanShown, Shown, Situation};
 use crate::station::assembly::Station;
 use crate::station::journal::JournalError;
 use crate::station::overview::Overview;
+use crate::station::preview::Preview;
 
 /// How many of the last scans are shown: what fits a screen.
 const LAST: u32 = 12;
@@ -24,12 +25,13 @@ pub const STORE: &str = "folder";
 pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
     let overview = Overview::take(station);
     let booth = station.booth.state(station.now());
-    let named = station.booth.next_named();
+    let (next, awaited_for) = (station.booth.next_ids(), station.booth.awaited_ids());
     let situation = Situation {
         signal: booth.signal,
         has_button: !station.config.buttons().is_empty(),
         awaited: booth.awaited,
-        named: named.as_deref(),
+        next: &next,
+        awaited_for: &awaited_for,
         is_in_doubt: booth.is_in_doubt,
     };
     let journal = station.custody.journal();
@@ -45,7 +47,7 @@ pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
     let (held, undecided) = of_list(journal.undecided(UNDECIDED));
     let (last, scans) = of_list(journal.newest(LAST));
     for whole in held.iter().chain(&last) {
-        records.extend(folder(whole).map(|folder| (whole.scan.clone(), folder)));
+        records.extend(folder(station, whole).map(|folder| (whole.scan.clone(), folder)));
     }
     let waiting = overview
         .tally
@@ -65,12 +67,27 @@ pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
 }
 
 fn scan(station: &Station, whole: &Whole) -> ScanShown {
-    let told = folder(whole).and_then(|folder| station.page.briefs.of(&whole.scan, &folder));
-    let told = told.unwrap_or_default();
+    let told =
+        folder(station, whole).and_then(|folder| station.page.briefs.of(&whole.scan, &folder));
+    let mut told = told.unwrap_or_default();
+    if let Some(Preview::Impossible(code)) = preview(station, whole) {
+        told.unmeasured = Some(code);
+    }
     page::scan_shown(whole, &told, station.config.language)
 }
 
-/// The folder of the record that may be opened from a scan, if there is one.
-pub fn folder(whole: &Whole) -> Option<PathBuf> {
-    page::record_folder(whole, STORE).map(PathBuf::from)
+/// The folder of the record that may be opened from a scan, if there is one; of a held scan else that
+/// of its preview.
+pub fn folder(station: &Station, whole: &Whole) -> Option<PathBuf> {
+    let record = page::record_folder(whole, STORE).map(PathBuf::from);
+    record.or_else(|| match preview(station, whole) {
+        Some(Preview::Made(folder)) => Some(folder),
+        _ => None,
+    })
+}
+
+/// What is known of the legs of a held scan.
+fn preview(station: &Station, whole: &Whole) -> Option<Preview> {
+    let scan = ScanId::parse(&whole.scan).ok().filter(|_| page::is_held(whole))?;
+    station.previews.get(&scan)
 }

@@ -77,10 +77,7 @@ impl FolderStore {
         scan: &ScanId,
         patient: Option<&str>,
     ) -> Result<Option<StoredScan>, StoreFault> {
-        let folder = self.root.join(naming::patient_folder(patient));
-        if tried("looking for", &folder, fs::exists(&folder)).is_ok_and(|there| !there) {
-            return Ok(None);
-        }
+        let Some(folder) = self.own_folder(patient)? else { return Ok(None) };
         let Some(place) = find(&folder, scan)? else { return Ok(None) };
         let Some(name) = tried("reading", &place, sums::scan_name(&place, scan))? else {
             return Ok(None);
@@ -107,11 +104,9 @@ impl FolderStore {
         keeper: Option<&str>,
     ) -> Result<(), StoreFault> {
         self.reach()?;
-        let theirs = self.root.join(naming::patient_folder(keeper));
-        let from = self.root.join(naming::patient_folder(from));
-        if tried("looking for", &from, fs::exists(&from)).is_ok_and(|there| !there) {
-            return Ok(());
-        }
+        let Some(from) = self.own_folder(from)? else { return Ok(()) };
+        let nowhere = StoreFault::Permanent(Misfit::Occupied(sums::SumsFault::NoSums));
+        let theirs = self.own_folder(keeper)?;
         let gone = from.join(format!("{}withdrawn_{}", self.staging, scan.short()));
         if tried("looking for", &gone, fs::exists(&gone))? {
             tried("removing", &gone, durable::remove_folder(&gone))?;
@@ -123,9 +118,8 @@ impl FolderStore {
             if places.is_empty() {
                 return Ok(());
             }
-            let Some(kept) = find(&theirs, scan)? else {
-                return Err(StoreFault::Permanent(Misfit::Occupied(sums::SumsFault::NoSums)));
-            };
+            let kept = theirs.as_ref().map(|theirs| find(theirs, scan)).transpose()?.flatten();
+            let Some(kept) = kept else { return Err(nowhere) };
             for place in places {
                 tried("moving notes from", &place, move_unlisted(&place, &kept))?;
                 tried("renaming", &place, durable::rename_new(&place, &gone))?;

@@ -299,3 +299,56 @@ fn where_one_revision_was_changed_by_hand_none_is_taken_back() {
     assert_eq!(fault.code(), "store-place-occupied");
     assert!(first.exists() && second.exists());
 }
+
+#[test]
+fn a_patients_folder_that_is_a_link_takes_and_gives_nothing() {
+    let case = Case::new();
+    let records = case.dir.path().join("records");
+    fs::create_dir(records.join("0815")).unwrap();
+    std::os::unix::fs::symlink("0815", records.join("4711")).unwrap();
+    let fault = case.store().put(&case.delivery()).unwrap_err();
+    assert_eq!(fault.code(), "patient-folder-is-a-link");
+    assert_eq!(names(&records.join("0815")), [""; 0]);
+    // Nor is another patient's record taken back through it.
+    let theirs = case.store().put(&Delivery { patient: Some("0815"), ..case.delivery() }).unwrap();
+    let fault = case.store().withdraw(&case.scan, Some("4711"), Some("0815")).unwrap_err();
+    assert_eq!(fault.code(), "patient-folder-is-a-link");
+    assert!(theirs.folder.exists());
+    assert!(case.store().stored_scan(&case.scan, Some("4711")).is_err());
+}
+
+#[test]
+fn ids_that_differ_in_case_only_are_refused_and_never_merged() {
+    let case = Case::new();
+    let delivery = |id| Delivery { patient: Some(id), ..case.delivery() };
+    for id in ["P1", "p2"] {
+        case.store().put(&delivery(id)).unwrap();
+    }
+    for id in ["p1", "P2"] {
+        let fault = case.store().put(&delivery(id)).unwrap_err();
+        assert_eq!(fault.code(), "patient-folder-clash", "{id}");
+    }
+    let records = case.dir.path().join("records");
+    assert_eq!(names(&records), [".gaiter-store", "P1", "p2"], "no empty folder is left");
+    assert!(case.store().put(&delivery("P1")).unwrap().already_there);
+    assert_eq!(case.store().stored_scan(&case.scan, Some("p1")).unwrap(), None);
+}
+
+#[test]
+fn ten_thousand_patients_cost_a_put_some_milliseconds_at_most() {
+    let case = Case::new();
+    for number in 0..10_000 {
+        fs::create_dir(case.dir.path().join(format!("records/P{number:05}"))).unwrap();
+    }
+    let took = |id: &str| {
+        let began = std::time::Instant::now();
+        for _ in 0..5 {
+            case.store().patient_folder(Some(id)).unwrap();
+        }
+        began.elapsed() / 5
+    };
+    let (without_letters, with_letters) = (took("4711"), took("P00042"));
+    // Twenty times what it takes on a machine with nothing else to do.
+    let most = std::time::Duration::from_millis(200);
+    assert!(with_letters.saturating_sub(without_letters) < most, "{with_letters:?}");
+}

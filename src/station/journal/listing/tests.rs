@@ -28,7 +28,15 @@ fn enter(journal: &Journal, digits: &str, second: i64, id: Option<&str>, state: 
     };
     let held = (state == Held).then_some("same-scan-other-patient");
     let (row, patient, judged) = (&row, id.map(patient), &Judged::Unpressed);
-    let entry = Entry { row, patient: patient.as_ref(), held, claims: &[], judged };
+    let entry = Entry {
+        row,
+        patient: patient.as_ref(),
+        held,
+        claims: &[],
+        judged,
+        geometry: "",
+        candidates: &[],
+    };
     journal.enter(&entry, &["folder"]).unwrap();
     if state == Done {
         let due = journal.pending().unwrap().into_iter().find(|due| due.scan == row.scan).unwrap();

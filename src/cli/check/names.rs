@@ -1,0 +1,81 @@
+//! What `scanner.file_name` makes of the names in the export folders. No file is opened.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use super::environment::{Example, Row, Verdict};
+use crate::config::Config;
+use crate::flow::name_check::{self, Taken};
+use crate::flow::{Group, Identity, NameSays};
+use crate::station::look::{self, Found};
+use crate::station::patience::Pulse;
+
+/// The check's name in the table.
+const CHECK: &str = "file names";
+
+/// So many names are read at most, the newest: what was exported in other years says nothing about
+/// today's names.
+const NAMES_MAX: usize = 2000;
+
+/// So many examples are shown: enough to see the rule, few enough to be read.
+const EXAMPLES_MAX: usize = 5;
+
+/// What the names in each export folder say, and what is to be looked at. A folder that cannot be
+/// listed is told of by another check.
+pub(super) fn rows(config: &Config) -> Vec<Row> {
+    if config.scanner.file_name.is_none() {
+        let detail = "is not set: file names name nobody";
+        return vec![Row::at(CHECK, "scanner.file_name", Verdict::Ok, detail)];
+    }
+    let (scanner, patient) = (&config.scanner, &config.patient);
+    let expression = scanner.file_name.clone();
+    let identity = Identity::new(expression, None, &patient.pattern, patient.check_digit);
+    // The pattern was compiled when the configuration was read.
+    let Ok(identity) = identity else { return Vec::new() };
+    let look = |folder: &PathBuf| {
+        let found = look::look(folder, &scanner.watch, &Pulse::default()).ok()?;
+        Some(of_folder(folder, found, &identity))
+    };
+    scanner.export_dirs.iter().filter_map(look).flatten().collect()
+}
+
+fn of_folder(folder: &Path, found: Found, identity: &Identity) -> Vec<Row> {
+    let there = found.scans.len();
+    let names = newest(found);
+    let says: Vec<(&str, NameSays)> =
+        names.iter().map(|name| (name.as_str(), identity.of_file_name(name))).collect();
+    let named = says.iter().filter_map(|(name, says)| match says {
+        NameSays::Patient(patient) => Some(Taken { name, patient: &patient.id }),
+        NameSays::Nothing | NameSays::NotAnId => None,
+    });
+    let mut taken: Vec<Taken> = named.collect();
+    let not_ids = says.iter().filter(|(_, says)| *says == NameSays::NotAnId).count();
+    let (all, named) = (says.len(), taken.len());
+    let newest = if all < there { format!("the newest {all} of ") } else { String::new() };
+    let names = if there == 1 { "name" } else { "names" };
+    let without = all - named - not_ids;
+    let detail = format!(
+        "{newest}{there} {names}: {named} with a patient's id, {without} without, {not_ids} with one \
+         that is not allowed"
+    );
+    let examples = taken
+        .iter()
+        .take(EXAMPLES_MAX)
+        .map(|taken| Example { name: taken.name.to_owned(), patient: taken.patient.to_owned() });
+    let examples = examples.collect();
+    taken.reverse();
+    let findings = name_check::findings(&taken).into_iter().map(|finding| {
+        let detail = format!("{finding} [{}]", finding.code());
+        Row::new(CHECK, folder, Verdict::Warn, detail)
+    });
+    let counts = Row { examples, ..Row::ok(CHECK, folder, detail) };
+    std::iter::once(counts).chain(findings).collect()
+}
+
+/// The names of the newest exports, the newest first.
+fn newest(found: Found) -> Vec<String> {
+    let mut files: Vec<(PathBuf, Group)> = found.scans.into_iter().collect();
+    files.sort_by(|(a, of_a), (b, of_b)| (of_b.stamp.mtime_ns, b).cmp(&(of_a.stamp.mtime_ns, a)));
+    let name = |path: &Path| path.file_name().map(OsStr::to_string_lossy).map(Into::into);
+    files.iter().take(NAMES_MAX).filter_map(|(path, _)| name(path)).collect()
+}

@@ -1,0 +1,289 @@
+//! The names that wait: who is next, what an order or a word at the booth makes of it, and what a
+//! naming that failed does.
+
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use super::{Capture, CaptureState, Captures, Doubt, Named, NamedNext, Opener, UNREAD_MOST};
+use crate::flow::orders_when::OrdersWhen;
+use crate::record::SourceKind;
+
+/// A name, and when it was said; times as in [`Capture`].
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Said {
+    /// Who.
+    pub named: Named,
+    /// When.
+    pub at: Duration,
+}
+
+/// Who may be next: one patient where that is certain.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Next {
+    /// The candidates, in the order in which they were named; never empty.
+    pub names: Vec<Said>,
+    /// So many of them have gone into the booth since, and it is not known which.
+    pub used: usize,
+    /// Why it is not certain.
+    pub doubt: Option<Doubt>,
+}
+
+impl Next {
+    /// One name, certain unless there is a doubt.
+    pub fn one(named: Named, at: Duration, doubt: Option<Doubt>) -> Next {
+        Next { names: vec![Said { named, at }], used: 0, doubt }
+    }
+
+    /// Whether it is certain who is next.
+    pub fn is_certain(&self) -> bool {
+        self.names.len() == 1 && self.doubt.is_none()
+    }
+}
+
+/// Whose scan a press is, who else it may be, and why that is not certain.
+type Used = (Option<Named>, Vec<Named>, Option<Doubt>);
+
+impl Captures {
+    /// Somebody named the patient of the next scan. `number` is the number of the capture that may
+    /// be opened; `coming` as in [`Captures::pass`].
+    pub fn named(
+        &mut self,
+        named: Named,
+        number: i64,
+        now: Duration,
+        coming: &[Duration],
+    ) -> NamedNext {
+        if !self.rules.by_press {
+            return self.name_export(named, number, now, coming);
+        }
+        self.drop_old_names(now);
+        if named.by == SourceKind::Order {
+            return self.order(named, now);
+        }
+        let replaced = self
+            .next
+            .as_ref()
+            .is_some_and(|next| next.names.iter().any(|said| said.named.id != named.id));
+        self.next = Some(Next::one(named, now, None));
+        NamedNext::Waits { replaced, in_doubt: false }
+    }
+
+    /// An order came again with the same words: whether its patient comes again is a question.
+    pub fn repeated(
+        &mut self,
+        named: Named,
+        number: i64,
+        now: Duration,
+        coming: &[Duration],
+    ) -> NamedNext {
+        let id = named.id.clone();
+        let came = self.named(named, number, now, coming);
+        let doubt = Some(Doubt::Repeated);
+        match &came {
+            NamedNext::Waits { .. } => {
+                if let Some(next) = &mut self.next {
+                    next.doubt = next.doubt.or(doubt);
+                }
+                return NamedNext::Waits { replaced: false, in_doubt: true };
+            }
+            NamedNext::Opened(..) | NamedNext::Paired(_) | NamedNext::Prolonged(_) => {
+                let its = |capture: &&mut Capture| {
+                    capture.patient.as_ref().is_some_and(|patient| patient.id == id)
+                };
+                if let Some(capture) = self.waiting.iter_mut().rfind(its) {
+                    capture.doubt = capture.doubt.or(doubt);
+                }
+            }
+        }
+        came
+    }
+
+    /// Somebody tried to name a patient and it could not be read: whoever was named before may have
+    /// left. What was seen to come in before is not in doubt.
+    pub fn unread(&mut self, now: Duration) {
+        if let Some(next) = &mut self.next {
+            next.doubt.get_or_insert(Doubt::Unread);
+        }
+        if !self.rules.by_press {
+            let too_many = (self.unread.len() + 1).saturating_sub(UNREAD_MOST);
+            self.unread.drain(..too_many);
+            self.unread.push(now);
+        }
+    }
+
+    /// Without a button a name opens a capture. By a word on the page or the verb the captures of
+    /// others end, unless their export is coming in.
+    fn name_export(
+        &mut self,
+        named: Named,
+        number: i64,
+        now: Duration,
+        coming: &[Duration],
+    ) -> NamedNext {
+        let lasts = self.rules.name_lasts;
+        let open = |capture: &&mut Capture| {
+            let is_open = capture.state == CaptureState::Open && now <= capture.until;
+            let is_same = capture.patient.as_ref().is_some_and(|patient| patient.id == named.id);
+            is_open && is_same && capture.others.is_empty()
+        };
+        let is_word = named.by == SourceKind::Operator;
+        let given_up: Vec<i64> = match is_word {
+            true => self.give_up_others(&named.id, coming),
+            false => Vec::new(),
+        };
+        let newest = self.waiting.last().map(|capture| capture.number);
+        let joins = |capture: &&mut Capture| capture.is_refused || Some(capture.number) == newest;
+        if let Some(capture) = self.waiting.iter_mut().filter(open).find(joins) {
+            (capture.until, capture.is_refused) = (now + lasts, false);
+            return NamedNext::Prolonged(capture.clone());
+        }
+        let opened = self.open(number, now, lasts, Opener::Name, Some(named)).clone();
+        NamedNext::Opened(opened, given_up)
+    }
+
+    fn give_up_others(&mut self, id: &str, coming: &[Duration]) -> Vec<i64> {
+        let is_given_up = |capture: &mut Capture| {
+            let is_same = capture.patient.as_ref().is_some_and(|patient| patient.id == id);
+            let was_answered_in_doubt = capture.doubt == Some(Doubt::Shared);
+            !is_same && !was_answered_in_doubt && !is_coming_in(capture, coming)
+        };
+        self.waiting.extract_if(.., is_given_up).map(|capture| capture.number).collect()
+    }
+
+    /// An order of the practice software: it comes from the desk, and who is in the booth is not known
+    /// there.
+    fn order(&mut self, named: Named, now: Duration) -> NamedNext {
+        if self.next.as_ref().is_some_and(|next| next.doubt == Some(Doubt::Unread))
+            && let Some(next) = &mut self.next
+        {
+            // The corrected order, perhaps of another patient: then both are candidates.
+            next.doubt = None;
+        }
+        let crossed = match self.rules.orders {
+            OrdersWhen::AfterPress => match self.pair(&named, now) {
+                Paired::With(capture) => return NamedNext::Paired(capture),
+                Paired::InDoubt => return NamedNext::Waits { replaced: false, in_doubt: true },
+                Paired::Crossed => true,
+                Paired::None => self.is_unsure(now),
+            },
+            OrdersWhen::BeforePress => self.cross(&named, now),
+        };
+        let next = self.next.get_or_insert_with(|| Next::one(named.clone(), now, None));
+        match next.names.iter_mut().find(|said| said.named.id == named.id) {
+            Some(said) => said.at = now,
+            None => next.names.push(Said { named, at: now }),
+        }
+        if crossed {
+            next.doubt = Some(Doubt::Crossed);
+        }
+        NamedNext::Waits { replaced: false, in_doubt: !next.is_certain() }
+    }
+
+    /// Whether the button was pressed without a certain name so shortly ago that an order may be for
+    /// that press: its export may have been taken already, so the time counts and not the capture.
+    fn is_unsure(&self, now: Duration) -> bool {
+        let still = self.rules.window + self.rules.late;
+        self.unsure_press.is_some_and(|at| now <= at + still)
+    }
+
+    /// An order before the next press that may be for an earlier one: whoever was pressed for without
+    /// a certain name may be this patient.
+    fn cross(&mut self, named: &Named, now: Duration) -> bool {
+        let is_unsure = self.is_unsure(now);
+        if is_unsure {
+            let unsure = |capture: &&mut Capture| {
+                capture.by == Opener::Press && (capture.is_unnamed() || capture.doubt.is_some())
+            };
+            self.waiting.iter_mut().filter(unsure).for_each(|capture| capture.may_also_be(named));
+        }
+        is_unsure
+    }
+
+    /// The order of a practice that orders after the press.
+    fn pair(&mut self, named: &Named, now: Duration) -> Paired {
+        let by_order = |capture: &Capture| {
+            capture.named().next().is_none_or(|named| named.by == SourceKind::Order)
+        };
+        let open: Vec<usize> = (0..self.waiting.len())
+            .filter(|at| self.waiting[*at].by == Opener::Press && by_order(&self.waiting[*at]))
+            .collect();
+        let is_unnamed = |at: &usize| self.waiting[*at].is_unnamed();
+        match open.as_slice() {
+            [] => return Paired::None,
+            [only] if is_unnamed(only) && self.next.is_none() => {
+                let capture = &mut self.waiting[*only];
+                capture.patient = Some(named.clone());
+                if self.unsure_press == Some(capture.opened) {
+                    self.unsure_press = None;
+                }
+                return Paired::With(capture.clone());
+            }
+            [only] if self.waiting[*only].is_of(&named.id) => {
+                return Paired::With(self.waiting[*only].clone());
+            }
+            _ => {}
+        }
+        let any_unnamed = open.iter().any(is_unnamed);
+        for at in open {
+            self.waiting[at].may_also_be(named);
+        }
+        if any_unnamed {
+            self.unsure_press = Some(now);
+            return Paired::InDoubt;
+        }
+        Paired::Crossed
+    }
+
+    /// Takes whoever is next for a press.
+    pub(super) fn use_next(&mut self) -> Used {
+        let Some(mut next) = self.next.take() else { return (None, Vec::new(), None) };
+        if let [only] = next.names.as_slice() {
+            return (Some(only.named.clone()), Vec::new(), next.doubt);
+        }
+        let all: Vec<Named> = next.names.iter().map(|said| said.named.clone()).collect();
+        let doubt = Some(next.doubt.unwrap_or(Doubt::Shared));
+        next.used += 1;
+        // Those who are left are not known, either.
+        next.doubt = doubt;
+        if next.used < next.names.len() {
+            self.next = Some(next);
+        }
+        (None, all, doubt)
+    }
+
+    /// Forgets names whose time is over; says whether there were any.
+    pub(super) fn drop_old_names(&mut self, now: Duration) -> bool {
+        let lasts = self.rules.name_lasts;
+        let Some(next) = &mut self.next else { return false };
+        let before = next.names.len();
+        next.names.retain(|said| now <= said.at + lasts);
+        let left = next.names.len();
+        if left == before {
+            return false;
+        }
+        // Which of them have gone in is not known: it may have been those whose time is over.
+        next.used = next.used.min(left.saturating_sub(1));
+        if left == 0 {
+            self.next = None;
+        }
+        true
+    }
+}
+
+/// What an order is to the presses that are open.
+enum Paired {
+    /// There is none.
+    None,
+    /// The one that is open is this patient's.
+    With(Capture),
+    /// More than one may be meant.
+    InDoubt,
+    /// The one that is open has its order; this one may be for it or for the next.
+    Crossed,
+}
+
+/// Whether a file was seen that may be the export of a capture.
+fn is_coming_in(capture: &Capture, coming: &[Duration]) -> bool {
+    coming.iter().any(|seen| capture.opened < *seen)
+}

@@ -1,0 +1,233 @@
+//! The laws of names, refusals and known scans, a claim each.
+
+use super::*;
+
+fn after_press() -> Captures {
+    let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
+    let mut captures = Captures::new(rules, Vec::new(), None, None);
+    captures.hears(at(0) - 360 * SECOND);
+    captures
+}
+
+fn pressed_for(captures: &mut Captures, id: &str, number: i64, second: u64) {
+    captures.named(named(id), number, at(second), &[]);
+    captures.pressed(number, at(second));
+}
+
+#[test]
+fn a_refused_export_leaves_its_capture_to_the_next_one_without_a_press() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "4711", 1, 0);
+    let first = export(&mut captures, seen(20));
+    refuse(&mut captures, &first, at(100));
+    assert!(!captures.is_armed(), "nobody pressed for it");
+    assert_eq!(patient_of(&export(&mut captures, seen(150))), Some("4711"));
+    assert_eq!(export(&mut captures, seen(151)), Judged::Unpressed);
+}
+
+#[test]
+fn a_refused_capture_is_over_after_the_same_time_without_an_alarm() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "4711", 1, 0);
+    let first = export(&mut captures, seen(20));
+    refuse(&mut captures, &first, at(100));
+    assert_eq!(captures.pass(at(161), &[]), Passed::default());
+    assert_eq!(captures.pass(at(461), &[]).over, [1]);
+    pressed_for(&mut captures, "0815", 2, 462);
+    assert_eq!(patient_of(&export(&mut captures, seen(480))), Some("0815"));
+}
+
+#[test]
+fn the_same_patient_again_joins_a_refused_capture_and_any_other_press_holds_for_both() {
+    let mut joined = captures();
+    pressed_for(&mut joined, "4711", 1, 0);
+    let first = export(&mut joined, seen(20));
+    refuse(&mut joined, &first, at(30));
+    joined.named(named("4711"), 2, at(40), &[]);
+    let pressed = joined.pressed(2, at(41));
+    assert!(matches!(pressed, Pressed::Joined(capture) if capture.number == 1));
+    assert_eq!(patient_of(&export(&mut joined, seen(60))), Some("4711"));
+    assert!(joined.waiting().is_empty());
+
+    for id in [None, Some("0815")] {
+        let mut captures = captures();
+        pressed_for(&mut captures, "4711", 1, 0);
+        let first = export(&mut captures, seen(20));
+        refuse(&mut captures, &first, at(30));
+        if let Some(id) = id {
+            captures.named(named(id), 2, at(40), &[]);
+        }
+        captures.pressed(2, at(41));
+        let judged = export(&mut captures, seen(60));
+        let all: Vec<&str> = ["4711"].into_iter().chain(id).collect();
+        assert_eq!((code(&judged), candidates(&judged)), (AMBIGUOUS, all.clone()));
+        // The other of the two is still to come, and may be either's.
+        let second = export(&mut captures, seen(70));
+        assert!(all.iter().all(|id| candidates(&second).contains(id)), "{second:?}");
+    }
+}
+
+#[test]
+fn two_orders_before_a_press_stay_in_doubt_until_the_booth_says_who_it_is() {
+    let mut captures = captures();
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.named(order("2"), 1, at(1), &[]);
+    captures.pressed(1, at(2));
+    assert_eq!(candidates(&export(&mut captures, seen(20))), ["1", "2"]);
+    // One of them has gone in; which, nobody knows, so the third order makes three candidates of two.
+    captures.named(order("3"), 2, at(30), &[]);
+    captures.pressed(2, at(31));
+    assert_eq!(candidates(&export(&mut captures, seen(40))), ["1", "2", "3"]);
+    captures.named(by_whom("4", SourceKind::Reader), 3, at(50), &[]);
+    captures.pressed(3, at(51));
+    assert_eq!(patient_of(&export(&mut captures, seen(60))), Some("4"));
+}
+
+#[test]
+fn a_name_whose_time_is_over_is_no_candidate_and_whoever_is_left_stays_in_doubt() {
+    let mut captures = captures();
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.named(order("2"), 1, at(500), &[]);
+    captures.pressed(1, at(550));
+    export(&mut captures, seen(560));
+    captures.named(order("3"), 2, at(700), &[]);
+    captures.pressed(2, at(701));
+    assert_eq!(candidates(&export(&mut captures, seen(710))), ["2", "3"]);
+}
+
+#[test]
+fn an_order_that_comes_after_a_press_without_a_name_is_in_doubt_with_it_and_so_is_the_next() {
+    let mut captures = captures();
+    captures.pressed(1, at(0));
+    let order_1 = captures.named(order("1"), 2, at(1), &[]);
+    assert_eq!(order_1, NamedNext::Waits { replaced: false, in_doubt: true });
+    assert_eq!(candidates(&export(&mut captures, seen(20))), ["1"]);
+    // Its practice goes on so: every order comes after its press.
+    for patient in 2..6 {
+        let second = 100 * patient;
+        captures.pressed(i64::try_from(patient).unwrap(), at(second));
+        captures.named(order(&patient.to_string()), 9, at(second + 1), &[]);
+        let judged = export(&mut captures, seen(second + 20));
+        assert_eq!(code(&judged), AMBIGUOUS);
+        assert!(candidates(&judged).contains(&&*patient.to_string()), "{judged:?}");
+    }
+}
+
+#[test]
+fn an_order_soon_after_an_answered_press_without_a_name_may_be_for_that_one() {
+    let mut captures = captures();
+    captures.pressed(1, at(0));
+    assert_eq!(patient_of(&export(&mut captures, seen(5))), None);
+    captures.named(order("1"), 2, at(10), &[]);
+    captures.pressed(2, at(20));
+    assert_eq!(code(&export(&mut captures, seen(40))), AMBIGUOUS);
+}
+
+#[test]
+fn where_orders_come_after_the_press_one_pairs_with_the_one_press_that_is_open() {
+    let mut captures = after_press();
+    for patient in 1..5 {
+        let (number, second) = (i64::try_from(patient).unwrap(), 100 * patient);
+        captures.pressed(number, at(second));
+        let named = captures.named(order(&patient.to_string()), number + 1, at(second + 1), &[]);
+        assert!(matches!(named, NamedNext::Paired(_)), "{named:?}");
+        let judged = export(&mut captures, seen(second + 20));
+        assert_eq!(patient_of(&judged), Some(&*patient.to_string()));
+    }
+}
+
+#[test]
+fn two_open_presses_or_two_orders_are_held_where_orders_come_after_the_press() {
+    let mut two_presses = after_press();
+    two_presses.pressed(1, at(0));
+    two_presses.pressed(2, at(10));
+    two_presses.named(order("1"), 3, at(11), &[]);
+    assert_eq!(code(&export(&mut two_presses, seen(20))), AMBIGUOUS);
+    assert_eq!(code(&export(&mut two_presses, seen(30))), AMBIGUOUS);
+
+    let mut two_orders = after_press();
+    two_orders.pressed(1, at(0));
+    two_orders.named(order("1"), 2, at(1), &[]);
+    two_orders.named(order("2"), 2, at(2), &[]);
+    assert_eq!(candidates(&export(&mut two_orders, seen(20))), ["1", "2"]);
+    two_orders.pressed(2, at(30));
+    assert_eq!(code(&export(&mut two_orders, seen(40))), AMBIGUOUS);
+}
+
+#[test]
+fn a_naming_that_failed_disarms_the_name_that_waits_until_a_good_one() {
+    let mut captures = captures();
+    captures.named(order("1"), 1, at(0), &[]);
+    captures.unread(at(1));
+    captures.pressed(1, at(2));
+    assert_eq!(code(&export(&mut captures, seen(20))), UNREAD);
+
+    for good in [named("1"), order("1")] {
+        let mut captures = self::captures();
+        captures.named(order("1"), 1, at(0), &[]);
+        captures.unread(at(1));
+        captures.named(good, 1, at(1), &[]);
+        captures.pressed(1, at(2));
+        assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("1"));
+    }
+    captures.named(order("1"), 2, at(100), &[]);
+    captures.unread(at(101));
+    captures.named(order("2"), 2, at(101), &[]);
+    captures.pressed(2, at(102));
+    assert_eq!(candidates(&export(&mut captures, seen(120))), ["1", "2"]);
+}
+
+#[test]
+fn without_a_button_a_naming_that_failed_disarms_all_but_an_export_that_is_coming_in() {
+    let rules = Rules { by_press: false, ..rules() };
+    for (unread, is_sure) in [(4, false), (5, true)] {
+        let mut captures = Captures::new(rules, Vec::new(), None, None);
+        captures.named(order("1"), 1, at(0), &[]);
+        captures.unread(at(unread));
+        let judged = export(&mut captures, seen(5));
+        assert_eq!(matches!(judged, Judged::Of(_)), is_sure);
+    }
+}
+
+#[test]
+fn an_order_that_is_repeated_is_in_doubt() {
+    let mut captures = captures();
+    captures.repeated(order("1"), 1, at(0), &[]);
+    captures.pressed(1, at(2));
+    assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
+    let rules = Rules { by_press: false, ..rules() };
+    let mut captures = Captures::new(rules, Vec::new(), None, None);
+    captures.repeated(order("1"), 1, at(0), &[]);
+    assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
+}
+
+#[test]
+fn a_press_that_could_not_be_kept_puts_in_doubt_what_comes_within_its_time() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    captures.missed_press(at(10));
+    assert_eq!(code(&export(&mut captures, seen(20))), UNHEARD);
+    pressed_for(&mut captures, "2", 2, 369);
+    assert_eq!(code(&export(&mut captures, seen(380))), UNHEARD);
+    pressed_for(&mut captures, "3", 3, 400);
+    assert_eq!(patient_of(&export(&mut captures, seen(420))), Some("3"));
+}
+
+#[test]
+fn a_known_scan_answers_nothing_and_the_rest_of_a_refused_one_is_no_other_patients() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "2", 1, 0);
+    let content = |is_known, completes| Content { began: seen(20), is_known, completes };
+    assert_eq!(captures.judge_content(&content(true, None)), Judged::Unpressed);
+    let of_2 = captures.judge_content(&content(false, Some(Some(named("2")))));
+    assert_eq!(patient_of(&of_2), Some("2"));
+    let of_1 = captures.judge_content(&content(false, Some(Some(named("1")))));
+    assert_eq!((code(&of_1), candidates(&of_1)), (AMBIGUOUS, vec!["2", "1"]));
+    let of_nobody = captures.judge_content(&content(false, Some(None)));
+    assert_eq!(code(&of_nobody), AMBIGUOUS);
+    captures.answer(&of_nobody);
+    assert_eq!(captures.waiting().len(), 1, "it goes on waiting for its own");
+    // Where nothing is open, its own name says whose it is.
+    let unpressed = self::captures().judge_content(&content(false, Some(Some(named("1")))));
+    assert_eq!(unpressed, Judged::Unpressed);
+}

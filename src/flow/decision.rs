@@ -1,0 +1,142 @@
+//! What a person has decided about a scan, and whose it is by that.
+
+use std::collections::BTreeSet;
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+/// One decision of a person about a scan.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Decision {
+    /// When.
+    pub at: Timestamp,
+    /// What.
+    pub what: Decided,
+    /// Whose scan it is by this; of a scan that was taken back, whose it was. None where it is about
+    /// nobody.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub patient: Option<String>,
+}
+
+/// What may be decided.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Decided {
+    /// The scan is this patient's and nobody else's.
+    Assigned,
+    /// It was taken back from its patient: it is nobody's.
+    Unassigned,
+    /// A held scan is this patient's, too.
+    Released,
+    /// It needs no decision any more.
+    GivenUp,
+    /// What was given up is tried again.
+    Retried,
+}
+
+/// Whose a scan is by everything that was decided about it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Ruling {
+    /// Nobody else may have it.
+    is_exclusive: bool,
+    patients: BTreeSet<String>,
+    is_given_up: bool,
+}
+
+impl Ruling {
+    /// Nothing was decided: everybody may have the scan.
+    pub const OPEN: Ruling =
+        Ruling { is_exclusive: false, patients: BTreeSet::new(), is_given_up: false };
+
+    /// The ruling of decisions in their order; without any, everybody may have the scan.
+    pub fn of(decisions: &[Decision]) -> Ruling {
+        let mut ruling = Ruling::OPEN;
+        for Decision { what, patient, .. } in decisions {
+            ruling.is_given_up = *what == Decided::GivenUp;
+            match what {
+                Decided::Assigned | Decided::Unassigned => {
+                    ruling.is_exclusive = true;
+                    ruling.patients.clear();
+                    let theirs = patient.iter().filter(|_| *what == Decided::Assigned);
+                    ruling.patients.extend(theirs.cloned());
+                }
+                Decided::Released => ruling.patients.extend(patient.clone()),
+                Decided::GivenUp | Decided::Retried => {}
+            }
+        }
+        ruling
+    }
+
+    /// Whether a record of the scan for this patient, or for nobody, may stay where it is.
+    pub fn allows(&self, patient: Option<&str>) -> bool {
+        match patient {
+            _ if !self.is_exclusive => true,
+            Some(id) => self.patients.contains(id),
+            None => self.patients.is_empty(),
+        }
+    }
+
+    /// Whether nobody but [`Ruling::patients`] may have it; where there are none, it is nobody's.
+    pub fn is_exclusive(&self) -> bool {
+        self.is_exclusive
+    }
+
+    /// The ids of those who were said to be whose it is.
+    pub fn patients(&self) -> &BTreeSet<String> {
+        &self.patients
+    }
+
+    /// Whether it needs no decision any more.
+    pub fn is_given_up(&self) -> bool {
+        self.is_given_up
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ruling(decisions: &[(Decided, Option<&str>)]) -> Ruling {
+        let decision = |(what, patient): &(Decided, Option<&str>)| Decision {
+            at: Timestamp::UNIX_EPOCH,
+            what: *what,
+            patient: patient.map(str::to_owned),
+        };
+        Ruling::of(&decisions.iter().map(decision).collect::<Vec<_>>())
+    }
+
+    #[test]
+    fn without_a_decision_everybody_may_have_a_scan() {
+        let open = ruling(&[]);
+        assert!(open.allows(None) && open.allows(Some("1")) && !open.is_exclusive());
+    }
+
+    #[test]
+    fn the_last_word_says_whose_a_scan_is() {
+        use Decided::{Assigned, Unassigned};
+        let theirs = ruling(&[(Unassigned, Some("1")), (Assigned, Some("2"))]);
+        assert!(theirs.allows(Some("2")) && !theirs.allows(Some("1")) && !theirs.allows(None));
+        let nobodys = ruling(&[(Assigned, Some("2")), (Unassigned, Some("2"))]);
+        assert!(nobodys.allows(None) && !nobodys.allows(Some("1")) && !nobodys.allows(Some("2")));
+    }
+
+    #[test]
+    fn a_release_adds_a_patient_and_takes_the_scan_from_nobody() {
+        use Decided::{Assigned, Released};
+        let open = ruling(&[(Released, Some("2"))]);
+        assert!(open.allows(Some("1")) && open.allows(Some("2")));
+        let both = ruling(&[(Assigned, Some("1")), (Released, Some("2"))]);
+        assert!(both.allows(Some("1")) && both.allows(Some("2")) && !both.allows(Some("3")));
+    }
+
+    #[test]
+    fn what_was_given_up_is_until_it_is_decided_upon_again() {
+        use Decided::{Assigned, GivenUp, Released, Retried};
+        assert!(ruling(&[(Assigned, Some("1")), (GivenUp, None)]).is_given_up());
+        for again in [Retried, Released, Assigned] {
+            assert!(!ruling(&[(GivenUp, None), (again, Some("1"))]).is_given_up());
+        }
+        assert!(!ruling(&[(Assigned, Some("1")), (GivenUp, None)]).allows(Some("2")));
+    }
+}

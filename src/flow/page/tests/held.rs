@@ -1,0 +1,48 @@
+//! What a held scan shows and offers.
+
+use super::*;
+
+/// A held scan with these candidates: who can be chosen, and the verbs.
+fn choices(
+    patients: &[Option<&str>],
+    code: &str,
+    candidates: &[&str],
+) -> (Vec<String>, Vec<&'static str>) {
+    let held = patients.iter().map(|patient| delivery(*patient, "held", Some(code))).collect();
+    let mut whole = whole("delivered", None, held);
+    whole.candidates = candidates.iter().map(|id| (*id).to_owned()).collect();
+    let shown = scan_shown(&whole, &Told::default(), Language::En);
+    (shown.candidates.into_iter().map(|of| of.id).collect(), shown.acts)
+}
+
+#[test]
+fn a_held_scan_offers_its_candidates_and_a_release_only_where_exactly_one_patient_is_held() {
+    let late = |patients: &[Option<&str>], candidates: &[&str]| {
+        choices(patients, "export-late", candidates)
+    };
+    let ids = |ids: &[&str]| ids.iter().map(|id| (*id).to_owned()).collect::<Vec<_>>();
+    assert_eq!(late(&[Some("1")], &[]), (ids(&[]), vec!["release", "assign"]));
+    assert_eq!(late(&[Some("1"), Some("2")], &[]), (ids(&[]), vec!["assign"]));
+    assert_eq!(late(&[Some("1")], &["1", "2"]), (ids(&["1", "2"]), vec!["assign"]));
+    // A release says the same as the only candidate's button.
+    assert_eq!(late(&[Some("1")], &["1"]), (ids(&[]), vec!["release", "assign"]));
+    assert_eq!(late(&[None], &["1"]), (ids(&["1"]), vec!["assign"]));
+    let other = "same-scan-other-patient";
+    assert_eq!(choices(&[Some("1")], other, &["1", "2"]), (ids(&[]), vec!["release", "give_up"]));
+    assert_eq!(choices(&[Some("1"), Some("2")], other, &["1", "2"]), (ids(&[]), vec!["give_up"]));
+    let mut stored = whole("delivered", None, vec![delivery(Some("1"), "delivered", None)]);
+    stored.candidates = ids(&["1", "2"]);
+    assert!(scan_shown(&stored, &Told::default(), Language::En).candidates.is_empty());
+}
+
+#[test]
+fn a_held_scan_that_cannot_be_measured_says_why_there_is_no_picture() {
+    let told = Told { unmeasured: Some("no-leg".to_owned()), ..Told::default() };
+    let held = whole("delivered", None, vec![delivery(Some("1"), "held", Some("export-late"))]);
+    let said = |whole: &Whole, language| scan_shown(whole, &told, language).unmeasured;
+    let english = "There is no picture of its legs. The legs cannot be measured. [no-leg]";
+    assert_eq!(said(&held, Language::En).as_deref(), Some(english));
+    assert!(said(&held, Language::De).unwrap().starts_with("Von seinen Beinen"));
+    let stored = whole("delivered", None, vec![delivery(Some("1"), "delivered", None)]);
+    assert_eq!(said(&stored, Language::En), None);
+}

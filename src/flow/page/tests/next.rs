@@ -1,0 +1,98 @@
+//! Who is next, as the page, the light and `gaiter patient show` say it.
+
+use super::*;
+
+/// The sentence on who is next, with ids and without.
+fn next(booth: Situation<'_>, language: Language) -> [String; 2] {
+    let page = page(booth, &[], language);
+    let pieces = page.next.pieces.concat();
+    assert_eq!(page.next.sentence, pieces);
+    assert!(page.next.pieces.len() % 2 == 1, "words first and last: {:?}", page.next.pieces);
+    [pieces, page.without_ids().next.sentence]
+}
+
+#[test]
+fn who_is_next_is_named_with_a_button_and_without() {
+    let ids = |ids: &[&str]| ids.iter().map(|id| (*id).to_owned()).collect::<Vec<_>>();
+    let (none, one, two) = (ids(&[]), ids(&["4711"]), ids(&["4711", "0815"]));
+    for (has_button, next_ids, awaited_for, awaited, english, german, hidden) in [
+        (true, &none, &none, 0, "Nobody is named.", "Niemand ist benannt.", "Nobody is named."),
+        (true, &one, &none, 0, "Next: 4711.", "Als Nächstes: 4711.", "The next patient is named."),
+        (
+            true,
+            &two,
+            &none,
+            0,
+            "4711 or 0815: who is in the booth?",
+            "4711 oder 0815: Wer ist in der Kabine?",
+            "More than one patient is named: who is in the booth?",
+        ),
+        (
+            true,
+            &none,
+            &one,
+            1,
+            "4711's export is awaited.",
+            "Der Export von 4711 wird erwartet.",
+            "One export is awaited.",
+        ),
+        (
+            true,
+            &ids(&["12"]),
+            &two,
+            3,
+            "Next: 12. The exports of 4711 and 0815 are awaited. One export is awaited.",
+            "Als Nächstes: 12. Die Exporte von 4711 und 0815 werden erwartet. Ein Export wird erwartet.",
+            "The next patient is named. 3 exports are awaited.",
+        ),
+        (
+            true,
+            &none,
+            &none,
+            2,
+            "2 exports are awaited.",
+            "2 Exporte werden erwartet.",
+            "2 exports are awaited.",
+        ),
+        (
+            false,
+            &none,
+            &one,
+            1,
+            "4711's export is awaited.",
+            "Der Export von 4711 wird erwartet.",
+            "The next patient is named.",
+        ),
+        (
+            false,
+            &none,
+            &two,
+            2,
+            "4711 or 0815: who is in the booth?",
+            "4711 oder 0815: Wer ist in der Kabine?",
+            "More than one patient is named: who is in the booth?",
+        ),
+    ] {
+        let booth =
+            Situation { has_button, next: next_ids, awaited_for, awaited, ..booth(Signal::Ready) };
+        assert_eq!(next(booth, Language::En), [english, hidden]);
+        assert_eq!(next(booth, Language::De)[0], german);
+    }
+}
+
+#[test]
+fn those_who_may_be_next_are_told_once_each_and_nothing_in_their_ids_is_hidden() {
+    let ids = ["4711", "0815\u{202e}", "4711"].map(str::to_owned);
+    let who = page(Situation { next: &ids, ..booth(Signal::Ready) }, &[], Language::En).next.who;
+    assert_eq!(who, ["4711", "0815\u{202e}"].map(PatientShown::of));
+    assert_eq!((who[1].id.as_str(), who[1].shown.as_str()), ("0815\u{202e}", "0815[U+202E]"));
+}
+
+#[test]
+fn while_it_is_in_doubt_who_is_next_the_light_asks_for_it_before_the_press() {
+    let ids = ["1", "2"].map(str::to_owned);
+    let sentence =
+        |next| page(Situation { next, ..booth(Signal::Ready) }, &[], Language::En).light.sentence;
+    assert!(sentence(&ids[..]).starts_with("Say who is in the booth"));
+    assert!(sentence(&ids[..1]).starts_with("Press the button"));
+}

@@ -1,0 +1,147 @@
+//! Whose content a file has, whatever it is called: a file is followed by device and inode.
+//!
+//! Scanners write under a temporary name and rename; people and programs link, move and copy. A name
+//! tells nothing of when its content was written, so what is known of it goes with the inode, also
+//! through names that are no scans.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use super::{Remembered, Settled, Settling, Watched};
+use crate::flow::settle::LookTime;
+use crate::flow::stamp::Stamp;
+use crate::flow::writing::{Appeared, Mark, Writing};
+
+/// At most so many files are marked after one look: a backlog of old files is no reason to read the
+/// beginnings of all of them.
+const MARKED_A_LOOK: usize = 16;
+
+/// A file that is no scan as it is called now.
+#[derive(Debug, Clone)]
+pub struct Passer {
+    pub(super) stamp: Stamp,
+    pub(super) writing: Writing,
+    pub(super) is_unmarked: bool,
+}
+
+/// What was known of inodes before a look.
+pub(super) struct Lineages<'a> {
+    known: BTreeMap<(u64, u64), (Stamp, &'a Writing)>,
+    by_path: BTreeMap<&'a Path, (Stamp, &'a Writing)>,
+}
+
+impl<'a> Lineages<'a> {
+    pub(super) fn of(
+        files: &'a BTreeMap<PathBuf, Watched>,
+        passers: &'a BTreeMap<PathBuf, Passer>,
+        remembered: &'a [Remembered],
+    ) -> Lineages<'a> {
+        let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
+        let remembered = remembered.iter().map(|file| (&file.stamp, &file.writing));
+        let passers = passers.values().map(|file| (&file.stamp, &file.writing));
+        let watched = files.values().map(|file| (&file.group.stamp, &file.writing));
+        let all = remembered.chain(passers).chain(watched);
+        let known = all.map(|(stamp, writing)| (inode(stamp), (*stamp, writing))).collect();
+        let by_path = files.iter();
+        let by_path =
+            by_path.map(|(path, file)| (path.as_path(), (file.group.stamp, &file.writing)));
+        Lineages { known, by_path: by_path.collect() }
+    }
+
+    /// What is known of the content of a file that a look found in this state.
+    pub(super) fn writing(&self, path: &Path, stamp: Stamp, appeared: Appeared) -> Writing {
+        let same_inode =
+            |(before, _): &&(Stamp, &Writing)| (before.dev, before.ino) == (stamp.dev, stamp.ino);
+        // Two names of one inode may have been looked at with a change in between: its own name's
+        // state is the surer one.
+        let own = self.by_path.get(path).filter(same_inode);
+        let Some((before, writing)) = own.or_else(|| self.known.get(&(stamp.dev, stamp.ino)))
+        else {
+            return Writing::new(appeared.moved_in(moved(stamp)));
+        };
+        let mut writing = (*writing).clone();
+        if stamp.size < before.size {
+            return Writing::new(appeared);
+        }
+        if !stamp.has_content_of(before) {
+            writing.change(appeared.seen);
+        }
+        writing
+    }
+}
+
+/// How long after its content was last written a file came under its name, by the clock of its own
+/// file system.
+fn moved(stamp: Stamp) -> Duration {
+    let apart_ns = u64::try_from(stamp.ctime_ns - stamp.mtime_ns).unwrap_or(0);
+    Duration::from_nanos(apart_ns)
+}
+
+impl Settling {
+    /// Takes in the files of a look that are no scans, before [`Settling::observe`] takes in the
+    /// scans.
+    pub fn pass_over(&mut self, others: BTreeMap<PathBuf, Stamp>, when: LookTime) {
+        let lineages = Lineages::of(&self.files, &self.passers, &self.remembered);
+        let appeared = Appeared { absent: self.last_look, seen: when.ended };
+        let passers = others.into_iter().map(|(path, stamp)| {
+            let before = self.passers.get(&path);
+            let writing = match before.filter(|before| before.stamp == stamp) {
+                Some(before) => before.writing.clone(),
+                None => lineages.writing(&path, stamp, appeared),
+            };
+            let is_unmarked = before.is_none_or(|file| file.stamp != stamp || file.is_unmarked);
+            (path, Passer { stamp, writing, is_unmarked })
+        });
+        let passers = passers.collect();
+        let before = std::mem::replace(&mut self.passers, passers);
+        // One that has left its name may be a scan by now: the scans of this look are still to come.
+        let inode = |passer: &Passer| (passer.stamp.dev, passer.stamp.ino);
+        let left = before.into_iter().filter(|(path, old)| {
+            self.passers.get(path).is_none_or(|new| inode(new) != inode(old))
+        });
+        self.remembered
+            .extend(left.map(|(_, Passer { stamp, writing, .. })| Remembered { stamp, writing }));
+    }
+
+    /// When the content of a settled file began. Part of it may have been seen before in another file
+    /// that is not taken: a copy, or an export that was begun anew, is no younger than that.
+    pub fn began(&self, settled: &Settled, bytes: &[u8]) -> Appeared {
+        let own = settled.writing.began(bytes);
+        let files = self
+            .files
+            .iter()
+            .filter(|(path, file)| **path != settled.path && file.next != super::Next::Taken);
+        let others = files.map(|(_, file)| &file.writing);
+        let others = others.chain(self.passers.values().map(|file| &file.writing));
+        let seen = others.filter_map(|writing| writing.seen_in(bytes));
+        seen.fold(own, |first, seen| if seen.seen < first.seen { seen } else { first })
+    }
+
+    /// The files of which part is to be read now, with the state in which the look found them: those
+    /// whose content is new, and last those that were there before the first look.
+    pub fn unmarked(&self) -> Vec<(PathBuf, Stamp)> {
+        let files = self.files.iter();
+        let files = files.filter(|(_, file)| file.is_unmarked && file.next != super::Next::Taken);
+        let files = files.map(|(path, file)| (path, file.group.stamp, &file.writing));
+        let passers = self.passers.iter().filter(|(_, file)| file.is_unmarked);
+        let passers = passers.map(|(path, file)| (path, file.stamp, &file.writing));
+        let is_old = |writing: &Writing| writing.is_from_before_the_first_look();
+        let (old, new): (Vec<_>, Vec<_>) =
+            files.chain(passers).partition(|(_, _, writing)| is_old(writing));
+        let all = new.into_iter().chain(old).take(MARKED_A_LOOK);
+        all.map(|(path, stamp, _)| (path.clone(), stamp)).collect()
+    }
+
+    /// Part of a file was read, or could not be read, in this state of it.
+    pub fn marked(&mut self, path: &Path, stamp: Stamp, mark: Option<Mark>) {
+        if let Some(file) = self.files.get_mut(path).filter(|file| file.group.stamp == stamp) {
+            file.is_unmarked = false;
+            mark.clone().into_iter().for_each(|mark| file.writing.mark(mark));
+        }
+        if let Some(file) = self.passers.get_mut(path).filter(|file| file.stamp == stamp) {
+            file.is_unmarked = false;
+            mark.into_iter().for_each(|mark| file.writing.mark(mark));
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! When the content of a file was written, as far as looks and short reads tell.
+//!
+//! A look sees sizes and times, never content. So of each file that is not taken yet a few bytes are
+//! read whenever it has changed: what stood there is a [`Mark`]. A later content that begins with it
+//! has grown since; one that does not was written anew. A capture's export is judged by when its
+//! content began, not by when its name appeared.
+
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::record::sha256;
+
+/// How much of each end of a part is compared, bytes. Two bodies differ within their first points.
+pub const END_BYTES: usize = 4096;
+
+/// A shorter part shows nothing, bytes: two exports may begin with the same header.
+pub const MARK_LEAST: u64 = END_BYTES as u64;
+
+/// So many marks of one file are kept: the first, and the last ones.
+const MARKS_MOST: usize = 8;
+
+/// A file whose content is older than its name by more than this came from elsewhere. File systems
+/// keep times to 2 s at worst.
+const STAMPS_APART: Duration = Duration::from_secs(2);
+
+/// Digits of a mark's sum: two contents pass for one with a chance of 2⁻⁶⁴.
+const DIGITS: usize = 16;
+
+/// When a content began, as far as is known; times are since the machine's start.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Appeared {
+    /// It was not there at this time; none where nobody looked before.
+    pub absent: Option<Duration>,
+    /// It was there at this time.
+    pub seen: Duration,
+}
+
+impl Appeared {
+    /// A file that came under its name `moved` after its content was last written may have been
+    /// written elsewhere that much earlier.
+    pub fn moved_in(self, moved: Duration) -> Appeared {
+        if moved <= STAMPS_APART {
+            return self;
+        }
+        let written = self.seen.saturating_sub(moved);
+        Appeared { absent: self.absent.map(|absent| absent.min(written)), ..self }
+    }
+}
+
+/// The part of a file that was there at some time.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Mark {
+    /// Before it was read.
+    pub began: Duration,
+    /// After it was read.
+    pub ended: Duration,
+    /// Its length, bytes.
+    pub size: u64,
+    /// Of its two ends.
+    pub sum: String,
+}
+
+impl Mark {
+    /// The mark of a part of `size` bytes with these ends, each of [`END_BYTES`] or all of it.
+    pub fn new(began: Duration, ended: Duration, size: u64, head: &[u8], tail: &[u8]) -> Mark {
+        Mark { began, ended, size, sum: sum(head, tail) }
+    }
+
+    /// The mark of a whole content that was read at once.
+    pub fn of(began: Duration, ended: Duration, bytes: &[u8]) -> Mark {
+        let (head, tail) = ends(bytes);
+        Mark::new(began, ended, bytes.len() as u64, head, tail)
+    }
+
+    /// Whether a content begins with this part.
+    fn begins(&self, bytes: &[u8]) -> bool {
+        let part = usize::try_from(self.size).ok().and_then(|size| bytes.get(..size));
+        part.is_some_and(|part| {
+            let (head, tail) = ends(part);
+            self.size >= MARK_LEAST && sum(head, tail) == self.sum
+        })
+    }
+}
+
+fn ends(bytes: &[u8]) -> (&[u8], &[u8]) {
+    let length = bytes.len().min(END_BYTES);
+    (&bytes[..length], &bytes[bytes.len() - length..])
+}
+
+fn sum(head: &[u8], tail: &[u8]) -> String {
+    let mut digest = sha256(&[head, tail].concat());
+    digest.truncate(DIGITS);
+    digest
+}
+
+/// What is known of how a file was written. It follows the file under any name.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Writing {
+    first: Appeared,
+    /// When its content was last seen to have changed since; none while it has not.
+    changed: Option<Duration>,
+    marks: Vec<Mark>,
+}
+
+impl Writing {
+    /// A file that was seen for the first time, or begun anew.
+    pub fn new(first: Appeared) -> Writing {
+        Writing { first, changed: None, marks: Vec::new() }
+    }
+
+    /// Whether nobody had looked before it was seen first.
+    pub fn is_from_before_the_first_look(&self) -> bool {
+        self.first.absent.is_none()
+    }
+
+    /// When it was first seen.
+    pub fn first_seen(&self) -> Duration {
+        self.first.seen
+    }
+
+    /// Its content was seen to have changed.
+    pub fn change(&mut self, seen: Duration) {
+        self.changed = Some(seen);
+    }
+
+    /// Part of it was read.
+    pub fn mark(&mut self, mark: Mark) {
+        if mark.size < MARK_LEAST {
+            return;
+        }
+        if self.marks.len() == MARKS_MOST {
+            self.marks.remove(1);
+        }
+        self.marks.push(mark);
+    }
+
+    /// All of it was read, in a state that is known from now on: what came before matters only if
+    /// it grows.
+    pub fn known(&mut self, mark: Mark) {
+        self.marks.retain(|known| known.ended <= mark.began);
+        self.mark(mark);
+    }
+
+    /// When this content of the file began.
+    pub fn began(&self, bytes: &[u8]) -> Appeared {
+        let Some(changed) = self.changed else { return self.first };
+        self.seen_in(bytes).unwrap_or_else(|| {
+            let absent = self.marks.iter().map(|mark| mark.began).max().max(self.first.absent);
+            Appeared { absent, seen: changed }
+        })
+    }
+
+    /// When a part of this content was seen in this file, whatever the file holds now; none where none
+    /// is known to have been.
+    pub fn seen_in(&self, bytes: &[u8]) -> Option<Appeared> {
+        let mut absent = self.first.absent;
+        for mark in &self.marks {
+            if mark.begins(bytes) {
+                return Some(Appeared { absent, seen: mark.ended.max(self.first.seen) });
+            }
+            absent = absent.max(Some(mark.began));
+        }
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn s(seconds: u64) -> Duration {
+        Duration::from_secs(seconds)
+    }
+
+    fn content(of: u8, length: usize) -> Vec<u8> {
+        (0..length).map(|at| of.wrapping_add((at % 251) as u8)).collect()
+    }
+
+    fn first(absent: u64, seen: u64) -> Writing {
+        Writing::new(Appeared { absent: Some(s(absent)), seen: s(seen) })
+    }
+
+    #[test]
+    fn a_file_that_grows_at_its_end_began_when_it_was_first_seen() {
+        let whole = content(1, 30_000);
+        let mut writing = first(9, 10);
+        for (at, size) in [(10, 5_000), (20, 12_000), (30, 30_000)] {
+            if at > 10 {
+                writing.change(s(at));
+            }
+            writing.mark(Mark::of(s(at), s(at), &whole[..size]));
+        }
+        let began = Appeared { absent: Some(s(9)), seen: s(10) };
+        assert_eq!(writing.began(&whole), began);
+    }
+
+    #[test]
+    fn a_content_that_does_not_begin_with_what_was_there_began_after_it() {
+        let (first_body, second_body) = (content(1, 9_000), content(2, 30_000));
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(11), &first_body));
+        writing.change(s(60));
+        writing.mark(Mark::of(s(60), s(61), &second_body[..20_000]));
+        writing.change(s(70));
+        let began = Appeared { absent: Some(s(10)), seen: s(61) };
+        assert_eq!(writing.began(&second_body), began);
+    }
+
+    #[test]
+    fn a_header_that_two_exports_share_is_no_evidence() {
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), b"# exported\n"));
+        writing.change(s(60));
+        let began = Appeared { absent: Some(s(9)), seen: s(60) };
+        assert_eq!(writing.began(&[b"# exported\n", content(2, 9_000).as_slice()].concat()), began);
+    }
+
+    #[test]
+    fn a_touched_file_began_when_it_did() {
+        let body = content(1, 9_000);
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), &body));
+        writing.change(s(60));
+        assert_eq!(writing.began(&body), Appeared { absent: Some(s(9)), seen: s(10) });
+    }
+
+    #[test]
+    fn of_many_marks_the_first_and_the_last_are_kept() {
+        let whole = content(1, 100_000);
+        let mut writing = first(9, 10);
+        for at in 0..20 {
+            writing.change(s(10 + at));
+            writing.mark(Mark::of(s(10 + at), s(10 + at), &whole[..5_000 * (at as usize + 1)]));
+        }
+        assert_eq!(writing.marks.len(), MARKS_MOST);
+        assert_eq!(writing.began(&whole).seen, s(10));
+        assert_eq!(writing.marks.last().map(|mark| mark.size), Some(100_000));
+    }
+
+    #[test]
+    fn what_came_from_elsewhere_may_be_as_old_as_its_content() {
+        let appeared = Appeared { absent: Some(s(99)), seen: s(100) };
+        assert_eq!(appeared.moved_in(s(2)), appeared);
+        assert_eq!(appeared.moved_in(s(60)).absent, Some(s(40)));
+        let unlooked = Appeared { absent: None, seen: s(100) };
+        assert_eq!(unlooked.moved_in(s(60)).absent, None);
+    }
+}

@@ -1,0 +1,193 @@
+//! Decisions and the journal: each is kept before the journal changes, and carried out where the journal
+//! does not know it, for a crash came between the two or the journal was lost.
+
+use std::io::ErrorKind;
+use std::sync::PoisonError;
+
+use jiff::Timestamp;
+use tracing::{info, warn};
+
+use super::{Custody, CustodyFault, io};
+use crate::flow::decision::{Decided, Decision, Ruling};
+use crate::flow::{ScanId, ScanState};
+use crate::record::{Patient, Source, SourceKind};
+use crate::station::journal::{FoundThere, Journal, JournalError, ScanRow};
+use crate::store::{FoundRecord, StoredScan};
+
+/// What people decided about a scan.
+struct Known {
+    ruling: Ruling,
+    /// How many decisions there are.
+    number: usize,
+}
+
+impl Known {
+    /// Those whose scan it is by what was decided.
+    fn patients(&self) -> Vec<Patient> {
+        let ids = self.ruling.patients().iter().cloned();
+        ids.map(|id| Patient { id, sources: vec![Source::of(SourceKind::Operator)] }).collect()
+    }
+}
+
+impl Custody {
+    /// Keeps a decision, then changes the journal by it. Where the journal fails the decision is taken
+    /// back: a command that failed has no effect. Custody is locked.
+    pub(super) fn decide(
+        &self,
+        scan: &ScanId,
+        what: Decided,
+        patient: Option<String>,
+        change: impl FnOnce(&Journal, usize) -> Result<(), JournalError>,
+    ) -> Result<(), CustodyFault> {
+        let before = io("reading decisions", self.decisions.of(scan))?;
+        let mut decisions = before.clone();
+        decisions.push(Decision { at: Timestamp::now(), what, patient });
+        io("keeping a decision", self.decisions.keep(scan, &decisions))?;
+        let changed = change(&self.journal, decisions.len());
+        if changed.is_err() {
+            io("taking a decision back", self.decisions.keep(scan, &before))?;
+        }
+        Ok(changed?)
+    }
+
+    /// Carries out the decisions that the journal does not know; returns those scans whose decisions
+    /// cannot be read.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn carry_out(&self) -> Result<Vec<ScanId>, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let (mut count, mut unreadable) = (0, Vec::new());
+        for scan in io("listing decisions", self.decisions.scans())? {
+            match self.carry_out_of(&scan)? {
+                Some(is_new) => count += usize::from(is_new),
+                None => unreadable.push(scan),
+            }
+        }
+        if count > 0 {
+            info!(event = "decisions-carried-out", count);
+        }
+        Ok(unreadable)
+    }
+
+    /// Carries out the decisions about one scan where the journal knows the scan and not them; says
+    /// whether that was so, and none where they cannot be read. Custody is locked.
+    pub(super) fn carry_out_of(&self, scan: &ScanId) -> Result<Option<bool>, CustodyFault> {
+        let Some(known) = self.state_known(scan)? else { return Ok(None) };
+        if known.number == 0 || self.journal.scan(scan)?.is_none() || !self.holds(scan) {
+            return Ok(Some(false));
+        }
+        if known.number <= self.journal.last_decision(scan)? {
+            return Ok(Some(false));
+        }
+        let patients = known.patients();
+        let stores = self.stores_for(patients.first());
+        self.journal.carried_out(scan, &known.ruling, &patients, &stores, known.number)?;
+        Ok(Some(true))
+    }
+
+    /// What was decided about a scan; none where it cannot be read.
+    fn state_known(&self, scan: &ScanId) -> Result<Option<Known>, CustodyFault> {
+        let decisions = match self.decisions.of(scan) {
+            Err(error) if error.kind() == ErrorKind::InvalidData => {
+                warn!(event = "decisions-unreadable", scan = scan.short(), %error);
+                return Ok(None);
+            }
+            decisions => io("reading decisions", decisions)?,
+        };
+        Ok(Some(Known { ruling: Ruling::of(&decisions), number: decisions.len() }))
+    }
+
+    /// Whether a record that a store holds must not stay there by a person's word.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn contradicts(&self, record: &FoundRecord) -> Result<bool, CustodyFault> {
+        let known = self.state_known(&record.scan)?;
+        Ok(known.is_some_and(|known| !known.ruling.allows(record.patient.as_deref())))
+    }
+
+    /// Enters a record that a store holds; spooled bytes that have served by it are given up.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn found(&self, record: &FoundRecord, store: &str) -> Result<(), CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let (row, patient, folder) = parts(record);
+        let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
+        let known = self.state_known(&record.scan)?.unwrap_or(Known::NOTHING);
+        let number = (known.number > 0).then_some(known.number);
+        self.journal.found(&found, known.ruling.patients(), number)?;
+        self.give_up_served(&record.scan)
+    }
+
+    /// Enters a record that a store holds and that must not stay there: the scan goes to whom a person
+    /// gave it, and the record is taken back. `stored` is the scan as it lies there, where the state
+    /// folder has it no more.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn found_against(
+        &self,
+        record: &FoundRecord,
+        store: &str,
+        stored: Option<StoredScan>,
+    ) -> Result<(), CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let (row, patient, folder) = parts(record);
+        let found = FoundThere { row: &row, patient: patient.as_ref(), store, folder: &folder };
+        let known = self.state_known(&record.scan)?.unwrap_or(Known::NOTHING);
+        let patients = known.patients();
+        let has_bytes = self.bring_back(&row, patients.first(), stored)?;
+        let number = has_bytes.then_some(known.number);
+        let takers = self.stores_for(patients.first());
+        self.journal.found_against(&found, &patients, &takers, number)?;
+        warn!(event = "record-against-decision", scan = record.scan.short(), store, has_bytes);
+        Ok(())
+    }
+
+    /// Forgets scans that have rested since before a time, and what was decided about them; says how
+    /// many scans.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`].
+    pub fn forget(&self, before: Timestamp) -> Result<usize, CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let forgotten = self.journal.forget(before)?;
+        for store in &self.stores {
+            if self.journal.is_to_be_searched(store)? {
+                // A rebuilt journal does not know yet what lies there, and will need what was decided.
+                return Ok(forgotten);
+            }
+        }
+        for scan in io("listing decisions", self.decisions.scans())? {
+            if self.journal.scan(&scan)?.is_none() {
+                io("forgetting decisions", self.decisions.remove(&scan))?;
+            }
+        }
+        Ok(forgotten)
+    }
+}
+
+impl Known {
+    const NOTHING: Known = Known { ruling: Ruling::OPEN, number: 0 };
+}
+
+/// The journal's row of a record that a store holds, whose it is, and where it lies.
+fn parts(record: &FoundRecord) -> (ScanRow, Option<Patient>, String) {
+    let row = ScanRow {
+        scan: record.scan.clone(),
+        format: record.format.clone(),
+        size: record.size,
+        first_seen: record.first_seen,
+        file_time: None,
+        pressed_at: None,
+        state: ScanState::Delivered,
+    };
+    let sources = vec![Source::of(SourceKind::Record)];
+    let patient = record.patient.clone().map(|id| Patient { id, sources });
+    (row, patient, record.folder.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod tests;

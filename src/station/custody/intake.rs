@@ -1,0 +1,97 @@
+//! What is known of a scan when it comes in, as the spool and the journal keep it.
+
+use jiff::Timestamp;
+
+use super::Arrival;
+use crate::flow::capture::{Judged, Why};
+use crate::flow::identity::{ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
+use crate::flow::{ScanId, ScanState};
+use crate::record::Patient;
+use crate::station::journal::ScanRow;
+use crate::station::spool::Intake;
+
+/// What is known of bytes that have come in. The time of first sight is fixed once.
+pub(super) fn intake(
+    arrival: &Arrival<'_>,
+    known: Option<&ScanRow>,
+    held: Option<&str>,
+    candidates: Vec<String>,
+) -> Intake {
+    let now = Timestamp::now();
+    let now = Timestamp::from_second(now.as_second()).unwrap_or(now);
+    let not_an_id = arrival.whose.not_an_id.then_some(ID_NOT_ALLOWED);
+    let findings = held.into_iter().chain(not_an_id).map(str::to_owned).collect();
+    Intake {
+        sha256: arrival.scan.to_string(),
+        format: arrival.format.ending().to_owned(),
+        size: u64::try_from(arrival.bytes.len()).unwrap_or(u64::MAX),
+        first_seen: known.map_or(now, |row| row.first_seen),
+        file_time: known.map_or(arrival.file_time, |row| row.file_time),
+        pressed_at: known.map_or(arrival.pressed_at, |row| row.pressed_at),
+        patient: arrival.whose.patient.clone(),
+        held: held.is_some(),
+        findings,
+        geometry: arrival.geometry.to_owned(),
+        judged: arrival.judged.clone(),
+        candidates,
+    }
+}
+
+/// The ids of everybody whose a held scan may be, each once. Whoever has it already is none of them.
+pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<String> {
+    if held.is_none() {
+        return Vec::new();
+    }
+    let judged = match &arrival.judged {
+        Judged::Held { candidates, .. } => candidates.as_slice(),
+        Judged::Of(_) | Judged::Unpressed => &[],
+    };
+    let judged = judged.iter().map(|named| &named.id);
+    let whose = &arrival.whose;
+    let said = whose.claims.iter().chain(&whose.patient).map(|patient| &patient.id);
+    let mut candidates: Vec<String> = Vec::new();
+    for id in judged.chain(said) {
+        if !candidates.contains(id) {
+            candidates.push(id.clone());
+        }
+    }
+    candidates
+}
+
+/// Why a scan of the spool is held; an older intake does not say.
+pub(super) fn held_code(intake: &Intake) -> Option<&'static str> {
+    let mut codes = Why::ALL.map(Why::code).into_iter().chain([NO_PRESS, PATIENTS_DIFFER]);
+    let found = codes.find(|code| intake.findings.iter().any(|found| found == code));
+    intake.held.then_some(found.unwrap_or(SAME_SCAN_OTHER_PATIENT))
+}
+
+/// What was known of a scan whose bytes come back into the spool.
+pub(super) fn intake_of(row: &ScanRow, patient: Option<&Patient>) -> Intake {
+    Intake {
+        sha256: row.scan.to_string(),
+        format: row.format.clone(),
+        size: row.size,
+        first_seen: row.first_seen,
+        file_time: row.file_time,
+        pressed_at: row.pressed_at,
+        patient: patient.cloned(),
+        held: false,
+        findings: Vec::new(),
+        geometry: String::new(),
+        judged: Judged::Unpressed,
+        candidates: Vec::new(),
+    }
+}
+
+/// The journal's row of an intake. Held bytes have nothing to be delivered by itself.
+pub(super) fn row(intake: &Intake, scan: &ScanId) -> ScanRow {
+    ScanRow {
+        scan: scan.clone(),
+        format: intake.format.clone(),
+        size: intake.size,
+        first_seen: intake.first_seen,
+        file_time: intake.file_time,
+        pressed_at: intake.pressed_at,
+        state: if intake.held { ScanState::Delivered } else { ScanState::Spooled },
+    }
+}

@@ -1,0 +1,179 @@
+//! What people have decided about scans, kept apart from the journal: a journal can be rebuilt from
+//! spool, quarantine and stores, a person's word cannot.
+//!
+//! `decisions/<sha256>.json` holds the decisions about one scan in their order. The file is durable
+//! before the journal is changed by a decision; the journal notes how many of them it has taken up, so
+//! that a start finds the one that a crash cut off.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::flow::ScanId;
+use crate::flow::decision::Decision;
+use crate::store::durable;
+
+/// The ending of a scan's file.
+const ENDING: &str = ".json";
+
+/// The folder of the decisions.
+#[derive(Debug)]
+pub struct Decisions {
+    folder: PathBuf,
+}
+
+/// What a scan's file holds.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Book {
+    /// The scan, 64 hexadecimal digits.
+    sha256: String,
+    /// What was decided about it, the first decision first.
+    decisions: Vec<Decision>,
+}
+
+/// The schemas of a scan's file, told apart by their name.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "schema")]
+enum Versioned {
+    #[serde(rename = "gaiter.decisions/1")]
+    V1(Book),
+}
+
+impl Decisions {
+    /// Opens the decisions of a state folder, made if there are none, and removes what a crash left
+    /// half written.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn open(state_dir: &Path) -> io::Result<Decisions> {
+        let folder = state_dir.join("decisions");
+        durable::make_folder_once(&folder)?;
+        durable::sync_folder(state_dir)?;
+        for entry in fs::read_dir(&folder)? {
+            let entry = entry?;
+            if entry.file_name().to_string_lossy().starts_with('.') {
+                fs::remove_file(entry.path())?;
+            }
+        }
+        // The last run may have given a name and not lived to sync it.
+        durable::sync_folder(&folder)?;
+        Ok(Decisions { folder })
+    }
+
+    /// What was decided about a scan, in order; nothing for most.
+    ///
+    /// # Errors
+    /// Any I/O error; `InvalidData` where the file is none of ours.
+    pub fn of(&self, scan: &ScanId) -> io::Result<Vec<Decision>> {
+        let text = match fs::read(self.path(scan)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+            read => read?,
+        };
+        let Versioned::V1(book) = serde_json::from_slice(&text)
+            .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+        if book.sha256 != scan.as_str() {
+            let message = "these are the decisions about another scan";
+            return Err(io::Error::new(io::ErrorKind::InvalidData, message));
+        }
+        Ok(book.decisions)
+    }
+
+    /// Keeps everything that was decided about a scan; durable when this returns.
+    ///
+    /// # Errors
+    /// Any I/O error; what was kept before stands then.
+    pub fn keep(&self, scan: &ScanId, decisions: &[Decision]) -> io::Result<()> {
+        if decisions.is_empty() {
+            return self.remove(scan);
+        }
+        let staged = self.folder.join(format!(".{scan}{ENDING}"));
+        match fs::remove_file(&staged) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        let book = Book { sha256: scan.to_string(), decisions: decisions.to_vec() };
+        durable::write_new(&staged, &serde_json::to_vec_pretty(&Versioned::V1(book))?)?;
+        fs::rename(&staged, self.path(scan))?;
+        durable::sync_folder(&self.folder)
+    }
+
+    /// Removes what was decided about a scan; that there is nothing is fine.
+    ///
+    /// # Errors
+    /// Any other I/O error.
+    pub fn remove(&self, scan: &ScanId) -> io::Result<()> {
+        match fs::remove_file(self.path(scan)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+            removed => removed.and_then(|()| durable::sync_folder(&self.folder)),
+        }
+    }
+
+    /// The scans about which something was decided.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn scans(&self) -> io::Result<Vec<ScanId>> {
+        let mut scans = Vec::new();
+        for entry in fs::read_dir(&self.folder)? {
+            let name = entry?.file_name();
+            let name = name.to_string_lossy();
+            scans.extend(name.strip_suffix(ENDING).and_then(|name| ScanId::parse(name).ok()));
+        }
+        scans.sort();
+        Ok(scans)
+    }
+
+    fn path(&self, scan: &ScanId) -> PathBuf {
+        self.folder.join(format!("{scan}{ENDING}"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use jiff::Timestamp;
+
+    use super::*;
+    use crate::flow::decision::Decided;
+
+    fn assigned(id: &str) -> Decision {
+        let at = "2026-11-21T09:15:00Z".parse::<Timestamp>().unwrap();
+        Decision { at, what: Decided::Assigned, patient: Some(id.to_owned()) }
+    }
+
+    #[test]
+    fn what_was_decided_reads_back_in_its_order_after_a_restart() {
+        let dir = tempfile::tempdir().unwrap();
+        let scan = ScanId::of_digest([7; 32]);
+        let decisions = Decisions::open(dir.path()).unwrap();
+        assert_eq!(decisions.of(&scan).unwrap(), []);
+        let both = [assigned("1"), assigned("2")];
+        decisions.keep(&scan, &both[..1]).unwrap();
+        decisions.keep(&scan, &both).unwrap();
+        // A crash while the next one was written.
+        fs::write(dir.path().join(format!("decisions/.{scan}.json")), "{").unwrap();
+        let decisions = Decisions::open(dir.path()).unwrap();
+        assert_eq!(decisions.of(&scan).unwrap(), both);
+        assert_eq!(decisions.scans().unwrap(), std::slice::from_ref(&scan));
+        let text = fs::read_to_string(decisions.path(&scan)).unwrap();
+        assert!(text.contains("\"schema\": \"gaiter.decisions/1\""), "{text}");
+        assert!(text.contains("\"what\": \"assigned\""), "{text}");
+        decisions.keep(&scan, &[]).unwrap();
+        decisions.remove(&scan).unwrap();
+        assert!(decisions.scans().unwrap().is_empty());
+    }
+
+    #[test]
+    fn decisions_that_cannot_be_read_are_not_taken_for_none() {
+        let dir = tempfile::tempdir().unwrap();
+        let decisions = Decisions::open(dir.path()).unwrap();
+        let (scan, other) = (ScanId::of_digest([7; 32]), ScanId::of_digest([8; 32]));
+        fs::write(decisions.path(&scan), "{").unwrap();
+        assert_eq!(decisions.of(&scan).unwrap_err().kind(), io::ErrorKind::InvalidData);
+        decisions.keep(&other, &[assigned("1")]).unwrap();
+        fs::rename(decisions.path(&other), decisions.path(&scan)).unwrap();
+        assert_eq!(decisions.of(&scan).unwrap_err().kind(), io::ErrorKind::InvalidData);
+    }
+}

@@ -1,0 +1,111 @@
+//! How much of what people decided the journal has taken up, and what it does with the rest.
+
+use serde_json::json;
+
+use super::acts::{belongs_to, close, deliveries_in, for_whom, make_again};
+use super::scans::{set_state, state_of};
+use super::withdrawal;
+use super::{Due, Event, Journal, JournalError, history};
+use crate::flow::decision::Ruling;
+use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
+use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanStep};
+use crate::record::Patient;
+
+impl Journal {
+    /// The number of the last decision about a scan that this journal has taken up; 0 for none.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn last_decision(&self, scan: &ScanId) -> Result<usize, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT coalesce(max(json_extract(detail, '$.decision')), 0) FROM history
+             WHERE scan = ?1",
+        )?;
+        let number: i64 = query.query_row([scan.as_str()], |row| row.get(0))?;
+        Ok(usize::try_from(number).unwrap_or(0))
+    }
+
+    /// Carries out what was decided about a scan and this journal does not know: a crash came between
+    /// the decision and the journal, or the journal was rebuilt.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn carried_out(
+        &self,
+        scan: &ScanId,
+        ruling: &Ruling,
+        patients: &[Patient],
+        stores: &[&str],
+        number: usize,
+    ) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            if ruling.is_exclusive() {
+                belongs_to(transaction, scan, patients, stores)?;
+            } else {
+                for patient in patients {
+                    let held = deliveries_in(transaction, scan, DeliveryState::Held)?;
+                    let theirs: Vec<Due> =
+                        held.into_iter().filter(|due| due.patient_cell() == patient.id).collect();
+                    if !theirs.is_empty() {
+                        make_again(transaction, scan, &theirs, DeliveryStep::Release)?;
+                    }
+                    for_whom(transaction, scan, Some(patient), stores)?;
+                }
+                withdrawal::apply(transaction, scan)?;
+            }
+            if ruling.is_given_up() {
+                close(transaction, scan)?;
+            }
+            let detail = json!({ "patients": ruling.patients(), "decision": number });
+            history::append(transaction, Some(scan), Event::CarriedOut, &detail)
+        })
+    }
+
+    /// The bytes of a refused scan are let go, as the configuration says: they are not lost.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn let_go_of(&self, scan: &ScanId) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            history::append(transaction, Some(scan), Event::LetGo, &json!({}))
+        })
+    }
+
+    /// Whether the bytes of a scan were let go and nothing has happened to it since.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn was_let_go(&self, scan: &ScanId) -> Result<bool, JournalError> {
+        let last = self.history(scan)?.pop();
+        Ok(last.is_some_and(|last| last.event == Event::LetGo.word()))
+    }
+
+    /// The bytes of a refused scan, which were lost, came in again: its deliveries are made for whom
+    /// they were to be made, where that is one; else they are held.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn taken_again(&self, scan: &ScanId) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            let refused = deliveries_in(transaction, scan, DeliveryState::Refused)?;
+            let mut ids: Vec<&str> = refused.iter().map(Due::patient_cell).collect();
+            ids.dedup();
+            if ids.len() == 1 {
+                make_again(transaction, scan, &refused, DeliveryStep::Retry)?;
+            } else {
+                transaction.execute(
+                    "UPDATE deliveries SET state = 'held', code = ?2, next_at = NULL
+                     WHERE sha256 = ?1 AND state = 'refused'",
+                    [scan.as_str(), SAME_SCAN_OTHER_PATIENT],
+                )?;
+                let opened = "UPDATE scans SET closed = NULL WHERE sha256 = ?1";
+                transaction.execute(opened, [scan.as_str()])?;
+                let open = state_of(transaction, scan)?.after(ScanStep::Reopen)?;
+                set_state(transaction, scan, open.after(ScanStep::Finish)?)?;
+            }
+            let detail = json!({ "patients": ids });
+            history::append(transaction, Some(scan), Event::TakenAgain, &detail)
+        })
+    }
+}

@@ -1,0 +1,183 @@
+//! Records that a store holds and the journal did not know, as where it was lost.
+
+use std::collections::BTreeSet;
+
+use rusqlite::{Transaction, params};
+use serde_json::{Value, json};
+
+use super::acts::belongs_to;
+use super::deliveries::{close_superseded, finish_if_done};
+use super::scans::{insert_delivery, insert_scan};
+use super::withdrawal::{self, UNWANTED};
+use super::{Due, Event, Journal, JournalError, ScanRow, Task, history};
+use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
+use crate::flow::lifecycle::UNASSIGNED;
+use crate::flow::{DeliveryState, ScanId};
+use crate::record::Patient;
+
+/// A record that a store holds.
+#[derive(Debug, Clone, Copy)]
+pub struct FoundThere<'a> {
+    /// Its scan.
+    pub row: &'a ScanRow,
+    /// Whose it is there; none for nobody's.
+    pub patient: Option<&'a Patient>,
+    /// The store.
+    pub store: &'a str,
+    /// Where it lies.
+    pub folder: &'a str,
+}
+
+impl FoundThere<'_> {
+    /// The delivery by which it came there.
+    fn due(&self) -> Due {
+        Due {
+            scan: self.row.scan.clone(),
+            patient: self.patient.cloned(),
+            store: self.store.to_owned(),
+            task: Task::Deliver,
+            first_seen: self.row.first_seen,
+            attempts: 0,
+        }
+    }
+
+    fn detail(&self, number: Option<usize>) -> Value {
+        let id = self.patient.map_or("", |patient| &patient.id);
+        let mut detail = json!({ "patient": id, "store": self.store });
+        if let Some(number) = number {
+            detail["decision"] = Value::from(number);
+        }
+        detail
+    }
+}
+
+impl Journal {
+    /// A store holds this record, which the journal did not know. Deliveries of the same scan to
+    /// other patients that were entered in ignorance of it are held, but for those to `theirs`, whose
+    /// it is by a person's word. `number` is that of the last decision about the scan, if there is one.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn found(
+        &self,
+        found: &FoundThere<'_>,
+        theirs: &BTreeSet<String>,
+        number: Option<usize>,
+    ) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            let scan = &found.row.scan;
+            insert_scan(transaction, found.row)?;
+            if is_known(transaction, &found.due())? {
+                return Ok(());
+            }
+            enter_made(transaction, found, None)?;
+            hold_others(transaction, found, theirs)?;
+            close_superseded(transaction, &found.due())?;
+            if number.is_some() {
+                withdrawal::apply(transaction, scan)?;
+            }
+            finish_if_done(transaction, scan)?;
+            history::append(transaction, Some(scan), Event::Found, &found.detail(number))
+        })
+    }
+
+    /// A store holds this record, and by a person's word it is not whose folder it lies in: the scan is
+    /// these patients', or of none nobody's, in each store that has it for somebody else. Without a
+    /// number the bytes to do so are not at hand, and it is only noted that it must not stay.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn found_against(
+        &self,
+        found: &FoundThere<'_>,
+        patients: &[Patient],
+        takers: &[&str],
+        number: Option<usize>,
+    ) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            let scan = &found.row.scan;
+            insert_scan(transaction, found.row)?;
+            enter_made(transaction, found, Some(UNASSIGNED))?;
+            if number.is_some() {
+                let stores = stores_of_others(transaction, scan)?;
+                let stores: Vec<&str> =
+                    takers.iter().copied().filter(|store| stores.contains(*store)).collect();
+                belongs_to(transaction, scan, patients, &stores)?;
+            }
+            history::append(transaction, Some(scan), Event::Found, &found.detail(number))
+        })
+    }
+}
+
+/// Whether the journal has this delivery, and it was not refused.
+fn is_known(transaction: &Transaction<'_>, due: &Due) -> Result<bool, JournalError> {
+    Ok(transaction.query_row(
+        "SELECT EXISTS (SELECT 1 FROM deliveries
+                        WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state <> ?4)",
+        [due.scan.as_str(), due.patient_cell(), &due.store, DeliveryState::Refused.word()],
+        |row| row.get(0),
+    )?)
+}
+
+/// Enters the delivery by which a record came where it lies.
+fn enter_made(
+    transaction: &Transaction<'_>,
+    found: &FoundThere<'_>,
+    code: Option<&str>,
+) -> Result<(), JournalError> {
+    let (due, delivered) = (found.due(), DeliveryState::Delivered);
+    let cells = [due.scan.as_str(), due.patient_cell(), &due.store];
+    transaction.execute(
+        "DELETE FROM deliveries WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+        cells,
+    )?;
+    insert_delivery(transaction, &due.scan, found.patient, found.store, delivered, code)?;
+    transaction.execute(
+        "UPDATE deliveries SET folder = ?4 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+        [cells[0], cells[1], cells[2], found.folder],
+    )?;
+    Ok(())
+}
+
+/// What was entered in ignorance of a record: deliveries to other patients are held, and one for nobody
+/// adds nothing where the record names somebody.
+fn hold_others(
+    transaction: &Transaction<'_>,
+    found: &FoundThere<'_>,
+    theirs: &BTreeSet<String>,
+) -> Result<(), JournalError> {
+    let (scan, id) = (found.row.scan.as_str(), found.patient.map_or("", |patient| &patient.id));
+    transaction.execute(
+        "UPDATE deliveries SET state = ?3, code = ?4
+         WHERE sha256 = ?1 AND patient <> ?2 AND patient <> '' AND state = ?5
+               AND patient NOT IN (SELECT value FROM json_each(?6))",
+        params![
+            scan,
+            id,
+            DeliveryState::Held.word(),
+            SAME_SCAN_OTHER_PATIENT,
+            DeliveryState::Pending.word(),
+            json!(theirs).to_string()
+        ],
+    )?;
+    if !id.is_empty() {
+        transaction.execute(
+            "DELETE FROM deliveries WHERE sha256 = ?1 AND patient = '' AND state = ?2",
+            [scan, DeliveryState::Pending.word()],
+        )?;
+    }
+    Ok(())
+}
+
+/// The stores that may hold a record of the scan which nobody wants there.
+fn stores_of_others(
+    transaction: &Transaction<'_>,
+    scan: &ScanId,
+) -> Result<BTreeSet<String>, JournalError> {
+    let mut query = transaction.prepare_cached(&format!(
+        "SELECT DISTINCT store FROM deliveries
+         WHERE sha256 = ?1 AND (state = 'withdrawing' OR state = 'delivered' AND code IN {UNWANTED})"
+    ))?;
+    let rows = query.query_map([scan.as_str()], |row| row.get(0))?;
+    Ok(rows.collect::<rusqlite::Result<_>>()?)
+}

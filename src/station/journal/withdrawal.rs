@@ -1,0 +1,220 @@
+//! What is to be taken back: one rule for a scan and a store, applied with every change of its
+//! deliveries. So whatever a person decided while deliveries were in hand, and in whatever order these
+//! ended, at rest a record lies with those whose scan it is and with nobody else.
+//!
+//! A delivery that nobody wants any more is unwanted by its code while its state says what the store may
+//! hold: `delivered` with [`UNASSIGNED`] was made, with [`SUPERSEDED`] it may be in hand, or may have
+//! been made by a run that did not live to say so. Both are taken back as soon as somebody who is to
+//! have the record has it; taking back what is not there does nothing.
+
+use std::path::Path;
+
+use jiff::Timestamp;
+use rusqlite::{OptionalExtension, Transaction, params};
+use serde_json::json;
+
+use super::deliveries::{delivery_state, detail, set_code, step};
+use super::scans::insert_delivery;
+use super::{Due, Event, Journal, JournalError, cell, history};
+use crate::flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
+use crate::flow::{DeliveryState, DeliveryStep, ScanId};
+
+/// The code of a record that was to be taken back and was changed by somebody, so that it stays.
+pub const KEPT: &str = "record-kept";
+
+/// SQL: [`UNASSIGNED`], [`SUPERSEDED`] and [`HANDED_OVER`], the codes of deliveries that nobody wants.
+pub(super) const UNWANTED: &str = "('unassigned', 'superseded', 'result-handed-over')";
+
+/// Says what is to be taken back now from every store that has a scan: each record that nobody wants,
+/// and the one for nobody where a patient has the record, once it lies with another whose scan it is.
+pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
+    let withdrawing = DeliveryState::Delivered.after(DeliveryStep::Withdraw)?;
+    transaction.execute(
+        &format!(
+            "UPDATE deliveries SET state = ?2, code = NULL, attempts = 0, next_at = NULL,
+                    changed_at = ?3
+             WHERE sha256 = ?1 AND state = 'delivered'
+                   AND (code IN (?4, ?5) OR patient = '' AND code IS NULL)
+                   AND EXISTS (SELECT 1 FROM deliveries AS keeper
+                               WHERE keeper.sha256 = deliveries.sha256
+                                     AND keeper.store = deliveries.store
+                                     AND keeper.patient <> deliveries.patient
+                                     AND keeper.state = 'delivered'
+                                     AND coalesce(keeper.code, '') NOT IN {UNWANTED})"
+        ),
+        params![
+            scan.as_str(),
+            withdrawing.word(),
+            Timestamp::now().to_string(),
+            UNASSIGNED,
+            SUPERSEDED
+        ],
+    )?;
+    Ok(())
+}
+
+/// Whether a delivery is still to be made as it was begun.
+pub(super) fn is_to_be_made(
+    transaction: &rusqlite::Connection,
+    due: &Due,
+) -> Result<bool, JournalError> {
+    Ok(delivery_state(transaction, due)? == Some(DeliveryState::Pending))
+}
+
+/// What a receipt means for a delivery that is not to be made any more.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Overtaken {
+    /// It is one that is wanted: nobody decided otherwise.
+    No,
+    /// The scan was refused meanwhile at another store or for another patient, but this record lies in
+    /// its own.
+    Refused,
+    /// Nobody wants it any more.
+    Unwanted,
+}
+
+/// Whether somebody decided otherwise while a delivery was in hand.
+pub(super) fn overtaken(
+    transaction: &Transaction<'_>,
+    due: &Due,
+) -> Result<Overtaken, JournalError> {
+    let found: Option<(String, bool)> = transaction
+        .query_row(
+            &format!(
+                "SELECT state, coalesce(code, '') IN {UNWANTED} FROM deliveries
+                 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3"
+            ),
+            [due.scan.as_str(), due.patient_cell(), &due.store],
+            |row| Ok((row.get(0)?, row.get(1)?)),
+        )
+        .optional()?;
+    let Some((word, is_unwanted)) = found else { return Ok(Overtaken::Unwanted) };
+    Ok(match cell("state", word, DeliveryState::of_word)? {
+        DeliveryState::Withdrawing | DeliveryState::Withdrawn => Overtaken::Unwanted,
+        DeliveryState::Delivered if is_unwanted => Overtaken::Unwanted,
+        DeliveryState::Refused => Overtaken::Refused,
+        DeliveryState::Pending | DeliveryState::Delivered | DeliveryState::Held => Overtaken::No,
+    })
+}
+
+/// A record lies in a store that is not to be there: it is to be taken back.
+pub(super) fn made_in_vain(
+    transaction: &Transaction<'_>,
+    due: &Due,
+    folder: &Path,
+) -> Result<(), JournalError> {
+    let (scan, patient, delivered) = (&due.scan, due.patient.as_ref(), DeliveryState::Delivered);
+    insert_delivery(transaction, scan, patient, &due.store, delivered, Some(UNASSIGNED))?;
+    transaction.execute(
+        "UPDATE deliveries SET state = ?5, code = ?4, next_at = NULL, folder = ?6
+         WHERE sha256 = ?1 AND patient = ?2 AND store = ?3",
+        params![
+            scan.as_str(),
+            due.patient_cell(),
+            due.store,
+            UNASSIGNED,
+            delivered.word(),
+            folder.to_string_lossy()
+        ],
+    )?;
+    Ok(())
+}
+
+impl Journal {
+    /// Applies the rule to every scan of which something nobody wants may lie in a store: at a start
+    /// nothing is in hand. An older version may have left such.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn take_back_unwanted(&self) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            let mut query = transaction.prepare(
+                "SELECT DISTINCT sha256 FROM deliveries WHERE state = 'delivered' AND code IN (?1, ?2)",
+            )?;
+            let scans = query.query_map([UNASSIGNED, SUPERSEDED], |row| row.get(0))?;
+            let scans: Vec<String> = scans.collect::<rusqlite::Result<_>>()?;
+            for scan in scans {
+                apply(transaction, &cell("sha256", scan, |text| ScanId::parse(text).ok())?)?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Whether a delivery is still to be made: nobody has decided otherwise since it was begun.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn is_to_be_made(&self, due: &Due) -> Result<bool, JournalError> {
+        is_to_be_made(&self.connection(), due)
+    }
+
+    /// The record is gone from the store.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn withdrawn(&self, due: &Due) -> Result<(), JournalError> {
+        self.left(due, DeliveryStep::Gone, None)
+    }
+
+    /// The store gives nothing back: the record stays there, for a person to take away.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn left_there(&self, due: &Due) -> Result<(), JournalError> {
+        self.left(due, DeliveryStep::Keep, Some(HANDED_OVER))
+    }
+
+    fn left(&self, due: &Due, by: DeliveryStep, code: Option<&str>) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            if delivery_state(transaction, due)? != Some(DeliveryState::Withdrawing) {
+                // Somebody decided otherwise while it was in hand: it is to be made again.
+                return Ok(());
+            }
+            step(transaction, due, by, None)?;
+            let mut detail = detail(due);
+            if let Some(code) = code {
+                set_code(transaction, due, code)?;
+                detail["code"] = json!(code);
+            }
+            history::append(transaction, Some(&due.scan), Event::Withdrawn, &detail)
+        })
+    }
+
+    /// Who keeps the record of a scan in a store when another one's is taken back; none while nobody
+    /// has it, and inner none for the folder of scans for nobody.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn keeper(
+        &self,
+        scan: &ScanId,
+        store: &str,
+    ) -> Result<Option<Option<String>>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(&format!(
+            "SELECT patient FROM deliveries
+             WHERE sha256 = ?1 AND store = ?2 AND state = ?3
+                   AND coalesce(code, '') NOT IN {UNWANTED}
+             ORDER BY patient = '', changed_at LIMIT 1"
+        ))?;
+        let cells = [scan.as_str(), store, DeliveryState::Delivered.word()];
+        let found: Option<String> = query.query_row(cells, |row| row.get(0)).optional()?;
+        Ok(found.map(|id| Some(id).filter(|id| !id.is_empty())))
+    }
+
+    /// Whether a record that was to be taken back stays because somebody changed it.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn keeps_changed_records(&self) -> Result<bool, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT EXISTS (SELECT 1 FROM deliveries WHERE state = ?1 AND code = ?2)",
+        )?;
+        let cells = [DeliveryState::Withdrawing.word(), KEPT];
+        Ok(query.query_row(cells, |row| row.get(0))?)
+    }
+}
+
+#[cfg(test)]
+mod tests;

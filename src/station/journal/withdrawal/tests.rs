@@ -1,0 +1,329 @@
+//! Whatever a person decides while deliveries are in hand, fail, or are cut off: at rest each store holds
+//! the record for whom it was decided last, and for nobody else.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::flow::capture::Judged;
+use crate::flow::outbox::{Ended, Key};
+use crate::flow::{Outbox, ScanState};
+use crate::record::{Patient, Source, SourceKind};
+use crate::station::journal::{Entry, ScanRow, Task};
+
+const STORES: [&str; 2] = ["copy", "folder"];
+
+/// What may happen next.
+#[derive(Debug, Clone, Copy)]
+enum Happening {
+    /// A person assigns the scan to one of two patients, where it is nobody's.
+    Assign(bool),
+    /// A person takes it back from whose it is.
+    Unassign,
+    /// What is to be done is begun, as far as the outbox lets it.
+    Begin,
+    /// What is in hand at this place goes on by a step; the store may fail at it.
+    GoOn(usize, bool),
+    /// The station is killed and starts again.
+    Crash,
+}
+
+fn happening() -> impl Strategy<Value = Happening> {
+    prop_oneof![
+        2 => any::<bool>().prop_map(Happening::Assign),
+        2 => Just(Happening::Unassign),
+        3 => Just(Happening::Begin),
+        8 => (0_usize..4, prop::bool::weighted(0.8)).prop_map(|(at, ok)| Happening::GoOn(at, ok)),
+        1 => Just(Happening::Crash),
+    ]
+}
+
+/// How far an attempt has come.
+#[derive(Debug, Clone)]
+enum Stage {
+    Begun,
+    /// A delivery that is to be made; a withdrawal with the one who keeps the record.
+    Ready(String),
+    /// The store has done it.
+    Done,
+}
+
+/// A station with one scan and two stores that hold records by their patients' ids.
+struct World {
+    dir: tempfile::TempDir,
+    journal: Journal,
+    outbox: Outbox,
+    now: Duration,
+    hand: Vec<(Due, Stage)>,
+    stores: BTreeMap<&'static str, BTreeSet<String>>,
+    /// Whose the scan is by the last decision; '' for nobody.
+    decided: String,
+    number: usize,
+    /// Whether it is asked before a record is put that nobody decided otherwise.
+    looks_before: bool,
+}
+
+fn scan() -> ScanId {
+    ScanId::of_digest([7; 32])
+}
+
+fn patient(id: &str) -> Patient {
+    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::Operator)] }
+}
+
+fn key(due: &Due) -> Key {
+    let patient = due.patient.as_ref().map(|patient| patient.id.clone());
+    Key { scan: due.scan.clone(), patient, store: due.store.clone() }
+}
+
+fn store_of(due: &Due) -> &'static str {
+    STORES.into_iter().find(|store| *store == due.store).unwrap()
+}
+
+impl World {
+    fn new(first: Option<&str>, looks_before: bool) -> World {
+        let dir = tempfile::tempdir().unwrap();
+        let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
+        let row = ScanRow {
+            scan: scan(),
+            format: "obj".to_owned(),
+            size: 12,
+            first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
+            file_time: None,
+            pressed_at: None,
+            state: ScanState::Spooled,
+        };
+        let (of, judged) = (first.map(patient), &Judged::Unpressed);
+        let entry = Entry {
+            row: &row,
+            patient: of.as_ref(),
+            held: None,
+            claims: &[],
+            judged,
+            geometry: "",
+            candidates: &[],
+        };
+        journal.enter(&entry, &STORES).unwrap();
+        World {
+            dir,
+            journal,
+            outbox: Outbox::default(),
+            now: Duration::ZERO,
+            hand: Vec::new(),
+            stores: STORES.into_iter().map(|store| (store, BTreeSet::new())).collect(),
+            decided: first.unwrap_or_default().to_owned(),
+            number: 0,
+            looks_before,
+        }
+    }
+
+    fn happens(&mut self, happening: Happening) {
+        match happening {
+            Happening::Assign(first) => self.assign(if first { "1" } else { "2" }),
+            Happening::Unassign => self.unassign(),
+            Happening::Begin => self.begin(),
+            Happening::GoOn(at, ok) if !self.hand.is_empty() => {
+                self.go_on(at % self.hand.len(), ok)
+            }
+            Happening::GoOn(..) => {}
+            Happening::Crash => self.crash(),
+        }
+    }
+
+    fn assign(&mut self, id: &str) {
+        if self.journal.owners(&scan()).unwrap().is_empty() {
+            self.number += 1;
+            self.journal.assigned(&scan(), &patient(id), &STORES, self.number).unwrap();
+            self.decided = id.to_owned();
+        }
+    }
+
+    fn unassign(&mut self) {
+        if self.journal.owners(&scan()).unwrap().len() == 1 {
+            self.number += 1;
+            self.journal.unassigned(&scan(), &STORES, self.number).unwrap();
+            self.decided.clear();
+        }
+    }
+
+    fn begin(&mut self) {
+        // No pause is left.
+        self.now += Duration::from_secs(3600);
+        for store in STORES {
+            self.outbox.asked(store, true, self.now, 0.5);
+        }
+        let pending = self.journal.pending().unwrap();
+        let keys: Vec<Key> = pending.iter().map(key).collect();
+        let plan = self.outbox.plan(&keys, self.now, 4);
+        for begun in plan.attempts.iter().flatten() {
+            let due = pending.iter().find(|due| key(due) == *begun).unwrap();
+            self.hand.push((due.clone(), Stage::Begun));
+        }
+    }
+
+    fn go_on(&mut self, at: usize, ok: bool) {
+        let (due, stage) = self.hand.remove(at);
+        let next = match due.task {
+            Task::Deliver => self.deliver(&due, &stage, ok),
+            Task::Withdraw => self.withdraw(&due, &stage, ok),
+        };
+        match next {
+            Ok(stage) => self.hand.push((due, stage)),
+            Err(ended) => {
+                self.outbox.ended(&key(&due), ended, self.now, 0.5);
+                if ended != Ended::ForGood {
+                    let at = "2026-11-21T09:15:00Z".parse().unwrap();
+                    self.journal.put_off(&due, "put-off", at).unwrap();
+                }
+            }
+        }
+    }
+
+    fn deliver(&mut self, due: &Due, stage: &Stage, ok: bool) -> Result<Stage, Ended> {
+        match stage {
+            Stage::Begun if self.looks_before && !self.journal.is_to_be_made(due).unwrap() => {
+                Err(Ended::ForGood)
+            }
+            Stage::Begun => Ok(Stage::Ready(String::new())),
+            Stage::Ready(_) if !ok => Err(Ended::StoreFailed),
+            Stage::Ready(_) => {
+                let records = self.stores.get_mut(store_of(due)).unwrap();
+                records.insert(due.patient_cell().to_owned());
+                Ok(Stage::Done)
+            }
+            Stage::Done => {
+                self.journal.delivered(due, "/r/x".as_ref()).unwrap();
+                Err(Ended::ForGood)
+            }
+        }
+    }
+
+    /// A record goes only where the keeper's is there, as in the folder store.
+    fn withdraw(&mut self, due: &Due, stage: &Stage, ok: bool) -> Result<Stage, Ended> {
+        let from = due.patient_cell();
+        match stage {
+            Stage::Begun => {
+                let keeper = self.journal.keeper(&due.scan, &due.store).unwrap();
+                let keeper = keeper.map(Option::unwrap_or_default);
+                keeper.filter(|keeper| keeper != from).map(Stage::Ready).ok_or(Ended::PutOff)
+            }
+            Stage::Ready(_) if !ok => Err(Ended::StoreFailed),
+            Stage::Ready(keeper) => {
+                let records = self.stores.get_mut(store_of(due)).unwrap();
+                if records.contains(from) && !records.contains(keeper) {
+                    return Err(Ended::Kept);
+                }
+                records.remove(from);
+                Ok(Stage::Done)
+            }
+            Stage::Done => {
+                self.journal.withdrawn(due).unwrap();
+                Err(Ended::ForGood)
+            }
+        }
+    }
+
+    fn crash(&mut self) {
+        self.hand.clear();
+        self.outbox = Outbox::default();
+        self.journal = Journal::open(&self.dir.path().join("journal.db")).unwrap();
+        self.journal.take_back_unwanted().unwrap();
+    }
+
+    /// Everything goes well until nothing is to be done.
+    fn comes_to_rest(&mut self) {
+        for _ in 0..60 {
+            self.begin();
+            while !self.hand.is_empty() {
+                self.go_on(0, true);
+            }
+            if self.journal.pending().unwrap().is_empty() {
+                return;
+            }
+        }
+        panic!("it never rests: {:?}", self.journal.pending());
+    }
+}
+
+fn rests_where_it_was_decided_last(
+    first: Option<&str>,
+    looks_before: bool,
+    happenings: &[Happening],
+) -> Result<(), TestCaseError> {
+    let mut world = World::new(first, looks_before);
+    for happening in happenings {
+        world.happens(*happening);
+    }
+    world.comes_to_rest();
+    let decided = BTreeSet::from([world.decided.clone()]);
+    for (store, records) in &world.stores {
+        prop_assert_eq!(records, &decided, "in {}", store);
+    }
+    prop_assert_eq!(world.journal.tally().unwrap().withdrawing, 0);
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 120, ..ProptestConfig::default() })]
+
+    #[test]
+    fn at_rest_a_record_lies_with_whom_it_was_decided_for_last_and_with_nobody_else(
+        first in prop::option::of(Just("1")),
+        looks_before in any::<bool>(),
+        happenings in prop::collection::vec(happening(), 0..48),
+    ) {
+        rests_where_it_was_decided_last(first, looks_before, &happenings)?;
+    }
+}
+
+#[test]
+fn what_is_taken_back_and_assigned_again_while_it_is_put_for_nobody_is_not_left_there() {
+    use Happening::{Assign, Begin, GoOn, Unassign};
+    let put_both = [GoOn(0, true), GoOn(0, true)];
+    let delivered = [Begin].into_iter().chain(put_both).chain(put_both).chain(put_both);
+    let under_way = [Unassign, Begin].into_iter().chain(put_both).chain(put_both);
+    for first in [true, false] {
+        let happenings: Vec<Happening> =
+            delivered.clone().chain(under_way.clone()).chain([Assign(first)]).collect();
+        rests_where_it_was_decided_last(Some("1"), true, &happenings).unwrap();
+    }
+}
+
+#[test]
+fn the_codes_of_what_nobody_wants_are_those_that_the_queries_name() {
+    for code in [UNASSIGNED, SUPERSEDED, HANDED_OVER] {
+        assert!(UNWANTED.contains(&format!("'{code}'")), "{code}");
+    }
+}
+
+#[test]
+fn what_practice_software_was_handed_stays_and_is_nobodys_any_more() {
+    let mut world = World::new(Some("1"), true);
+    world.comes_to_rest();
+    world.unassign();
+    world.assign("2");
+    world.begin();
+    while let Some(at) = world.hand.iter().position(|(due, _)| due.task == Task::Deliver) {
+        world.go_on(at, true);
+    }
+    let pending = world.journal.pending().unwrap();
+    let due = pending.iter().find(|due| due.task == Task::Withdraw).unwrap();
+    world.journal.left_there(due).unwrap();
+    assert_eq!(world.journal.owners(&scan()).unwrap(), ["2"]);
+    let whole = world.journal.whole(&scan()).unwrap().unwrap();
+    let of = |store: &str| {
+        let theirs = |of: &&crate::flow::account::Delivered| {
+            of.store == store && of.patient.as_deref() == Some("1")
+        };
+        whole.deliveries.iter().find(theirs).unwrap().clone()
+    };
+    let left = of(&due.store);
+    assert_eq!((left.state.as_str(), left.code.as_deref()), ("delivered", Some(HANDED_OVER)));
+    assert!(left.is_to_go() && !left.is_there());
+    // And theirs again, if it is said so.
+    world.unassign();
+    world.assign("1");
+    assert_eq!(world.journal.owners(&scan()).unwrap(), ["1"]);
+}

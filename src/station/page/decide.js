@@ -1,0 +1,180 @@
+"use strict";
+// What a person decides on the page: each decision is asked for with whose it is about and what comes of
+// it, and then sent to the station. Goes before page.js, whose elements and labels it uses.
+
+let token = null;
+try {
+  token = localStorage.getItem("gaiter-token");
+} catch {
+  // Storage is switched off: the token lasts as long as the page.
+}
+
+// The token leaves the address bar before anybody can read it there.
+function takeToken() {
+  const found = /^#token=([0-9a-f]{64})$/.exec(location.hash);
+  if (!found) return false;
+  history.replaceState(null, "", location.pathname);
+  if (!isLocal) return false;
+  token = found[1];
+  try {
+    localStorage.setItem("gaiter-token", token);
+  } catch {
+    // As above.
+  }
+  return true;
+}
+
+function post(path, body) {
+  const headers = { "Authorization": `Bearer ${token}`, "Content-Type": "application/json" };
+  return fetch(path, { method: "POST", headers, body: JSON.stringify(body), credentials: "same-origin" });
+}
+
+// The cookie that lets the browser open reports by itself.
+async function enter() {
+  if (!token || !isLocal) return;
+  try {
+    const answer = await post("/enter", {});
+    if (answer.status === 401) forget((await answer.json()).sentence);
+  } catch {
+    // The station is away; the stream says so.
+  }
+}
+
+function forget(sentence) {
+  token = null;
+  try {
+    localStorage.removeItem("gaiter-token");
+  } catch {
+    // As above.
+  }
+  $("question")?.close();
+  say(sentence, true);
+  drawn.clear();
+  if (last) show(last);
+}
+
+let saying = 0;
+function say(sentence, isBad) {
+  const said = $("said");
+  if (!said) return;
+  said.textContent = sentence;
+  said.toggleAttribute("data-bad", isBad);
+  clearTimeout(saying);
+  if (!isBad) saying = setTimeout(() => { said.textContent = ""; }, 15000);
+}
+
+// What the station answers to a decision. A refused one has a code.
+async function ask(body) {
+  try {
+    const answer = await post("/ask", body);
+    const { code, sentence } = await answer.json();
+    if (answer.status === 401) forget(sentence);
+    return { isDone: answer.ok, code, sentence };
+  } catch {
+    return { isDone: false, code: null, sentence: label("away") };
+  }
+}
+
+async function decide(body) {
+  const { isDone, sentence } = await ask(body);
+  if (token) say(sentence, !isDone);
+}
+
+// Asks before it decides: for a patient's id, or whether it is meant. An id that is refused stays, to be
+// corrected. `send` may ask on.
+let asked = 0;
+function question({ title, hint, wantsId = false, yes = label("send"), send }) {
+  const [dialog, field, fault] = [$("question"), $("question_id"), $("question_fault")];
+  const mine = asked += 1;
+  $("question_title").replaceChildren(...[title].flat());
+  $("question_hint").replaceChildren(...[hint].flat());
+  $("question_yes").textContent = yes;
+  $("question_yes").disabled = false;
+  $("question_field").hidden = !wantsId;
+  fault.textContent = "";
+  field.required = wantsId;
+  field.value = "";
+  field.removeAttribute("aria-invalid");
+  dialog.querySelector("form").onsubmit = async (event) => {
+    event.preventDefault();
+    const id = field.value.trim();
+    if (wantsId && !id) return;
+    $("question_yes").disabled = true;
+    const said = await send(id);
+    if (mine !== asked) return;
+    $("question_yes").disabled = false;
+    if (wantsId && !said.isDone && dialog.open) {
+      fault.textContent = said.sentence;
+      field.setAttribute("aria-invalid", "true");
+      field.focus();
+      return;
+    }
+    dialog.close();
+    if (token) say(said.sentence, !said.isDone);
+  };
+  if (!dialog.open) dialog.showModal();
+  // Whoever presses Enter twice, or a reader of barcodes, has not said yes to a question.
+  (wantsId ? field : $("question_no")).focus();
+}
+
+function button(text, key, on, isMain) {
+  return make("button", { type: "button", "data-key": key, class: isMain ? "main" : undefined, on }, text);
+}
+
+// Words with ids in the places of their braces; each id is set apart from the words around it.
+function phrase(words, ...ids) {
+  const [first, ...rest] = words.split("{}");
+  return [first, ...rest.flatMap((part, at) => [make("bdi", {}, ids[at] ?? ""), part])];
+}
+
+const verb = (key) => label(key).replace(/ …$/, "");
+
+// A decision on a scan, which is asked for with whose it is and what comes of it.
+function act(key, scan, isMain) {
+  const send = (patient) => ask({ ask: key, scan: scan.scan, patient: patient || undefined });
+  const [patient] = scan.patients.length === 1 ? scan.patients : [];
+  const named = (words, plain) => (patient === undefined ? label(plain) : phrase(label(words), patient));
+  const asks = {
+    retry: () => decide({ ask: key, scan: scan.scan }),
+    assign: () => question({ title: verb(key), hint: label("assign_hint"), wantsId: true, send }),
+    release: () => question({
+      title: patient === undefined ? verb(key) : phrase(label("release_to"), patient),
+      hint: named("release_to_hint", "release_hint"), yes: verb(key), send,
+    }),
+    unassign: () => question({
+      title: patient === undefined ? verb(key) : phrase(label("unassign_from"), patient),
+      hint: named("unassign_from_hint", "unassign_hint"), yes: verb(key), send,
+    }),
+    give_up: () => question({ title: verb(key), hint: label("give_up_hint"), yes: verb(key), send }),
+  };
+  return button(label(key), `${key} ${scan.scan}`, asks[key], isMain);
+}
+
+// A button for each of those whose scan it may be.
+function candidate(scan, { id, shown }) {
+  const send = () => ask({ ask: "assign", scan: scan.scan, patient: id });
+  const on = () => question({
+    title: phrase(label("give"), shown), hint: phrase(label("give_hint"), shown), yes: verb("assign"), send,
+  });
+  return button(phrase(label("give"), shown), `give ${id} ${scan.scan}`, on, true);
+}
+
+// Names the next patient; one who is named and was not scanned is replaced after a question.
+function nameNext(next) {
+  const send = async (patient) => {
+    const said = await ask({ ask: "name_next", patient, replace: false });
+    if (said.code === "another-is-named") replace(last.next, patient);
+    return said;
+  };
+  const hint = [`${label("name_hint")} `, sentence(next)].flat();
+  question({ title: verb("name"), hint, wantsId: true, send });
+}
+
+function replace(next, patient) {
+  const named = next.who.map(({ shown }) => shown).join(", ") || label("another");
+  question({
+    title: label("replace"), hint: phrase(label("replace_hint"), named, patient), yes: label("replace"),
+    send: () => ask({ ask: "name_next", patient, replace: true }),
+  });
+}
+

@@ -1,0 +1,211 @@
+//! What may happen, by name. Every kind follows every other, many times over a run.
+
+use std::collections::BTreeMap;
+
+/// A kind of event.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Kind {
+    /// Somebody is scanned; with a button it is pressed for that.
+    Press,
+    /// The next patient is scanned before the last export came.
+    PressEarly,
+    /// The next patient steps in.
+    NextPatient,
+    /// Whoever stands there is named by card or barcode.
+    Card,
+    /// By a word on the page, or the verb.
+    Word,
+    /// By an order, before the press.
+    Order,
+    /// An order 0.5 to 5 s after its press.
+    OrderAfterPress,
+    /// An order long after its press.
+    OrderLate,
+    /// The order of the next patient, before the present one's is used or after.
+    OrderEarly,
+    /// An order that is kept is written again with the same words.
+    OrderRepeated,
+    /// An order that is kept changes its mode.
+    OrderTouched,
+    /// A card or an order cannot be read.
+    Unread,
+    /// Whoever takes over says that nobody is named.
+    Nobody,
+    /// Somebody who was ordered never comes.
+    NoShow,
+    /// An export begins under a name of its own.
+    Export,
+    /// Under a name that was used, in the same file.
+    ExportRewrites,
+    /// Under a name that was used, as a new file.
+    ExportReplaces,
+    /// Under a temporary name.
+    ExportRenamed,
+    /// It was written elsewhere and is moved in.
+    ExportMovedIn,
+    /// The export of the later of two presses comes first.
+    ExportOutOfOrder,
+    /// It comes when its window is over.
+    ExportLate,
+    /// More of it is written.
+    Grows,
+    /// All of it is written.
+    Ends,
+    /// It breaks off.
+    BreaksOff,
+    /// One that broke off goes on to its end.
+    GoesOn,
+    /// One comes again with the same bytes.
+    AgainSame,
+    /// With another comment.
+    AgainComment,
+    /// Whole after half.
+    AgainWhole,
+    /// Somebody whose scan was refused is named and scanned again.
+    RescanNamed,
+    /// Scanned again without a name.
+    RescanUnnamed,
+    /// Given up without a word.
+    GivenUp,
+    /// A virus scanner changes the mode of a file,
+    Chmod,
+    /// a backup links it,
+    Link,
+    /// somebody renames it,
+    Rename,
+    /// or sets its times.
+    Touch,
+    /// Somebody pauses the station, or lets it go on.
+    Pause,
+    /// The folder goes out of reach, or comes back.
+    FolderAway,
+    /// The button's port goes away, or comes back.
+    Unplug,
+    /// The process is killed, or starts again.
+    Crash,
+    /// The machine starts anew.
+    Reboot,
+    /// The journal is lost and built anew.
+    Rebuild,
+    /// The journal cannot be written for a while.
+    JournalLocked,
+    /// Something fails between spool, journal and memory with the next scan.
+    TakeFails,
+    /// The store goes out of reach, or comes back.
+    StoreAway,
+    /// A person says whose a held scan is.
+    Decide,
+    /// A person takes a scan back.
+    TakeBack,
+    /// Nothing happens for long.
+    Wait,
+}
+
+impl Kind {
+    pub const ALL: [Kind; 47] = [
+        Kind::Press,
+        Kind::PressEarly,
+        Kind::NextPatient,
+        Kind::Card,
+        Kind::Word,
+        Kind::Order,
+        Kind::OrderAfterPress,
+        Kind::OrderLate,
+        Kind::OrderEarly,
+        Kind::OrderRepeated,
+        Kind::OrderTouched,
+        Kind::Unread,
+        Kind::Nobody,
+        Kind::NoShow,
+        Kind::Export,
+        Kind::ExportRewrites,
+        Kind::ExportReplaces,
+        Kind::ExportRenamed,
+        Kind::ExportMovedIn,
+        Kind::ExportOutOfOrder,
+        Kind::ExportLate,
+        Kind::Grows,
+        Kind::Ends,
+        Kind::BreaksOff,
+        Kind::GoesOn,
+        Kind::AgainSame,
+        Kind::AgainComment,
+        Kind::AgainWhole,
+        Kind::RescanNamed,
+        Kind::RescanUnnamed,
+        Kind::GivenUp,
+        Kind::Chmod,
+        Kind::Link,
+        Kind::Rename,
+        Kind::Touch,
+        Kind::Pause,
+        Kind::FolderAway,
+        Kind::Unplug,
+        Kind::Crash,
+        Kind::Reboot,
+        Kind::Rebuild,
+        Kind::JournalLocked,
+        Kind::TakeFails,
+        Kind::StoreAway,
+        Kind::Decide,
+        Kind::TakeBack,
+        Kind::Wait,
+    ];
+
+    /// How often it is drawn: what seldom is possible often, what ends much seldom.
+    pub fn weight(self) -> usize {
+        match self {
+            Kind::Press => 12,
+            Kind::PressEarly | Kind::NextPatient | Kind::Card | Kind::Order => 5,
+            Kind::Export | Kind::ExportRewrites | Kind::ExportRenamed => 8,
+            Kind::ExportReplaces | Kind::ExportMovedIn | Kind::ExportOutOfOrder => 8,
+            Kind::ExportLate | Kind::OrderLate | Kind::OrderAfterPress => 6,
+            Kind::BreaksOff | Kind::GoesOn | Kind::AgainWhole => 8,
+            Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => 12,
+            Kind::Decide | Kind::TakeBack | Kind::NoShow => 6,
+            Kind::Grows | Kind::Ends | Kind::AgainSame | Kind::AgainComment => 4,
+            _ => 3,
+        }
+    }
+}
+
+/// How often each kind followed each other.
+#[derive(Debug, Default)]
+pub struct Pairs(BTreeMap<(Kind, Kind), u64>);
+
+impl Pairs {
+    pub fn note(&mut self, before: Kind, after: Kind) {
+        *self.0.entry((before, after)).or_default() += 1;
+    }
+
+    pub fn add(&mut self, other: &Pairs) {
+        for (pair, count) in &other.0 {
+            *self.0.entry(*pair).or_default() += count;
+        }
+    }
+
+    /// The pair that came least often, and how often.
+    pub fn rarest(&self) -> ((Kind, Kind), u64) {
+        let all = Kind::ALL.into_iter().flat_map(|a| Kind::ALL.map(|b| (a, b)));
+        let counted = all.map(|pair| (pair, self.0.get(&pair).copied().unwrap_or(0)));
+        counted.min_by_key(|(_, count)| *count).unwrap_or(((Kind::Wait, Kind::Wait), 0))
+    }
+
+    /// The rarest pairs, in words.
+    pub fn rare(&self) -> String {
+        let all = Kind::ALL.into_iter().flat_map(|a| Kind::ALL.map(|b| (a, b)));
+        let mut counted: Vec<(u64, (Kind, Kind))> =
+            all.map(|pair| (self.0.get(&pair).copied().unwrap_or(0), pair)).collect();
+        counted.sort();
+        counted.iter().take(60).map(|(count, pair)| format!("{count} {pair:?}\n")).collect()
+    }
+
+    /// How often each kind came after another.
+    pub fn counts(&self) -> BTreeMap<Kind, u64> {
+        let mut counts = BTreeMap::new();
+        for ((_, after), count) in &self.0 {
+            *counts.entry(*after).or_default() += count;
+        }
+        counts
+    }
+}

@@ -1,0 +1,183 @@
+//! One sequence of events, and what came of it.
+
+use std::fmt::Write as _;
+use std::rc::Rc;
+
+use gaiter::flow::OrdersWhen;
+use gaiter::flow::capture::Rules;
+use gaiter::flow::check_digit::CheckDigit;
+use gaiter::flow::identity::Identity;
+use regex::Regex;
+
+use super::booth::{Booth, LATE, NAME_LASTS, Setup, WINDOW};
+use super::chance::Chance;
+use super::kinds::{Kind, Pairs};
+use super::laws::Off;
+use super::people::People;
+
+/// Events of a sequence.
+const EVENTS: usize = 30;
+
+/// So often another kind is drawn where there is no occasion for one.
+const DRAWS: usize = 40;
+
+/// The stations that are tried: with a button and without, with orders before and after the press.
+pub struct Stations {
+    identity: Rc<Identity>,
+    kinds: Vec<Kind>,
+}
+
+impl Stations {
+    pub fn new() -> Stations {
+        let line = Some(Regex::new("^PATIENT=(?<patient>.*)$").unwrap());
+        let pattern = Regex::new("[0-9]+").unwrap();
+        let identity = Identity::new(None, line, &pattern, CheckDigit::None).unwrap();
+        let weighed = |kind: Kind| std::iter::repeat_n(kind, kind.weight());
+        let kinds = Kind::ALL.into_iter().flat_map(weighed).collect();
+        Stations { identity: Rc::new(identity), kinds }
+    }
+
+    /// One of them.
+    pub fn setup(&self, chance: &mut Chance, off: Off) -> Setup {
+        let by_press = chance.below(2) == 0;
+        let orders = match chance.below(2) {
+            0 => OrdersWhen::BeforePress,
+            _ => OrdersWhen::AfterPress,
+        };
+        let rules = Rules { by_press, window: WINDOW, late: LATE, name_lasts: NAME_LASTS, orders };
+        Setup {
+            rules,
+            hints: chance.below(3) > 0,
+            identity: Rc::clone(&self.identity),
+            has_measures: chance.below(5) == 0,
+            hold_unpressed: chance.below(4) == 0,
+            off,
+        }
+    }
+}
+
+/// What came of sequences.
+#[derive(Debug, Default)]
+pub struct Ended {
+    pub wrong: Option<String>,
+    pub story: Vec<String>,
+    pub pairs: Pairs,
+    pub events: u64,
+    pub scans: u64,
+    /// Scans that came to a patient, that a person had to decide upon, that came in for nobody.
+    pub given: u64,
+    pub held: u64,
+    pub nobodys: u64,
+    pub refused: u64,
+    /// Bodies that went wrong for something came later than anybody waits for it.
+    pub excused: u64,
+}
+
+impl Ended {
+    pub fn add(&mut self, other: Ended) {
+        self.pairs.add(&other.pairs);
+        self.events += other.events;
+        self.scans += other.scans;
+        self.given += other.given;
+        self.held += other.held;
+        self.nobodys += other.nobodys;
+        self.refused += other.refused;
+        self.excused += other.excused;
+    }
+
+    pub fn table(&self) -> String {
+        let Ended { events, scans, given, held, nobodys, refused, excused, .. } = self;
+        let (rarest, count) = self.pairs.rarest();
+        let mut table = format!(
+            "{events} events, {scans} scans came in: {given} to their patient, {held} held, \
+             {nobodys} for nobody, {refused} refused; wrong because too late: {excused}\n\
+             the rarest pair, {rarest:?}, {count} times\n"
+        );
+        for (kind, count) in self.pairs.counts() {
+            let _ = write!(table, "{kind:?} {count}  ");
+        }
+        table
+    }
+}
+
+/// Runs the sequence of a seed; `tells` keeps what happened in words.
+pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
+    let mut chance = Chance(seed.wrapping_mul(0xd134_2543_de82_ef95));
+    chance.below(7);
+    let setup = stations.setup(&mut chance, off);
+    let keeps_orders = chance.below(2) == 0;
+    let mut booth = Booth::new(setup, seed, tells);
+    let rules = booth.setup.rules;
+    booth.tell(|| format!("{rules:?}"));
+    let mut people = People::new(booth, keeps_orders);
+    let mut ended = Ended::default();
+    let mut before = None;
+    for _ in 0..EVENTS {
+        let gap_ms = gap_ms(&mut people.booth.chance);
+        people.booth.advance(gap_ms);
+        people.read_orders();
+        let Some(kind) = some_kind(stations, &mut people) else { continue };
+        if let Some(before) = before.replace(kind) {
+            ended.pairs.note(before, kind);
+        }
+        ended.events += 1;
+        if people.booth.truth.wrong.is_some() {
+            break;
+        }
+    }
+    rest(&mut people);
+    tally(&people, &mut ended);
+    ended.wrong = people.booth.truth.wrong.clone();
+    ended.story = people.booth.story.take().unwrap_or_default();
+    ended
+}
+
+fn some_kind(stations: &Stations, people: &mut People) -> Option<Kind> {
+    for _ in 0..DRAWS {
+        let kind = *people.booth.chance.pick(&stations.kinds)?;
+        if people.happens(kind) {
+            return Some(kind);
+        }
+    }
+    None
+}
+
+fn gap_ms(chance: &mut Chance) -> u64 {
+    let most = match chance.below(10) {
+        0..=2 => 400,
+        3..=6 => 4_000,
+        7 | 8 => 15_000,
+        _ => 60_000,
+    };
+    chance.below(most) as u64
+}
+
+/// Everything comes to an end.
+fn rest(people: &mut People) {
+    let booth = &mut people.booth;
+    (booth.is_paused, booth.is_away, booth.fault) = (false, false, None);
+    (booth.disk.is_locked, booth.disk.is_store_away) = (false, false);
+    if booth.run.is_none() {
+        booth.start();
+    }
+    booth.advance(70_000);
+    booth.disk.withdraw();
+    booth.advance(10_000);
+    booth.check_records();
+}
+
+fn tally(people: &People, ended: &mut Ended) {
+    use gaiter::flow::{DeliveryState, ScanState};
+    for (_, row) in people.booth.disk.scans() {
+        ended.scans += 1;
+        ended.refused += u64::from(row.state == ScanState::Refused);
+        ended.held += u64::from(row.held.is_some());
+        for (who, state) in &row.deliveries {
+            if *state == DeliveryState::Delivered {
+                let of = if who.is_some() { &mut ended.given } else { &mut ended.nobodys };
+                *of += 1;
+            }
+        }
+    }
+    ended.excused += people.booth.truth.excused as u64;
+}

@@ -1,0 +1,99 @@
+//! Measurements, what people decide afterwards, and first sights of names: composed as in `station/work.rs` and
+//! `station/custody`.
+
+// The everyday and the adversary each use their own part.
+#![allow(dead_code)]
+
+use std::time::Duration;
+
+use gaiter::flow::{Appeared, ScanState, Stamp};
+
+use super::booth::{Booth, Run};
+use super::content::Scan;
+use super::truth::{Plan, id};
+
+/// How soon a measurement is tried again whose end the journal did not take, milliseconds.
+const AGAIN_MS: u64 = 3000;
+
+impl Booth {
+    /// The measurement that is due ends.
+    pub fn measure_due(&mut self) {
+        let Some((_, scan)) = self.run.as_mut().and_then(|run| run.work.pop_first()) else {
+            return;
+        };
+        let Some(row) = self.disk.scan(scan).filter(|row| row.state == ScanState::Spooled) else {
+            return;
+        };
+        let body = row.content.whole.body;
+        let is_good = row.content.is_whole() && !self.truth.bodies[body].is_refused;
+        let ended = if is_good { self.disk.delivered(scan) } else { self.refuse(scan, body) };
+        if ended.is_err()
+            && let Some(run) = &mut self.run
+        {
+            run.work.insert(self.now_ms + AGAIN_MS, scan);
+            return;
+        }
+        if is_good {
+            self.tell(|| format!("body {body} is measured"));
+            self.check_records();
+        }
+    }
+
+    fn refuse(&mut self, scan: Scan, body: usize) -> Result<(), super::disk::Fault> {
+        self.disk.refused(scan)?;
+        self.tell(|| format!("body {body} is refused: {scan:?}"));
+        // Of one that a person had to decide upon nobody relies on its capture.
+        let was_held = self.disk.scan(scan).is_some_and(|row| row.held.is_some());
+        if !was_held {
+            self.truth.bodies[body].refused_ms = Some(self.now_ms);
+        }
+        let _ = self.reopen_capture(scan);
+        Ok(())
+    }
+
+    /// A person says whose a held scan is; none where nothing is held.
+    pub fn decide_held(&mut self) -> bool {
+        let held = self.disk.scans().find(|(_, row)| row.is_held());
+        let Some((scan, row)) = held else { return false };
+        let body = row.content.whole.body;
+        let who = Some(id(self.truth.bodies[body].patient));
+        self.decide_as(scan, who)
+    }
+
+    /// A person decides, and the scan is measured for that.
+    pub fn decide_as(&mut self, scan: Scan, who: Option<String>) -> bool {
+        if self.run.is_none() || self.disk.decide(scan, &who).is_err() {
+            return false;
+        }
+        self.tell(|| format!("a person decides that {scan:?} is of {who:?}"));
+        let at = self.now_ms + 1500;
+        if let Some(run) = &mut self.run {
+            run.work.insert(at, scan);
+        }
+        self.disk.withdraw();
+        true
+    }
+
+    /// Whether the station has all of a body that it will get.
+    pub fn is_settled(&self, body: usize) -> bool {
+        let of = &self.truth.bodies[body];
+        let is_known = |length: usize| {
+            self.disk
+                .scans()
+                .any(|(_, row)| row.content.whole.body == body && row.content.length() == length)
+        };
+        match of.plan {
+            Plan::Over => true,
+            Plan::Whole => is_known(of.whole.length()),
+            Plan::Scanned | Plan::Coming | Plan::Broken => false,
+        }
+    }
+}
+
+/// When each name was seen first, whatever lay there since.
+pub fn first_sights(run: &mut Run, found: &[(String, Stamp)], began: Duration, ended: Duration) {
+    let appeared = Appeared { absent: run.last_look.replace(began), seen: ended };
+    let before = std::mem::take(&mut run.names);
+    let first = |name: &String| (name.clone(), before.get(name).copied().unwrap_or(appeared));
+    run.names = found.iter().map(|(name, _)| first(name)).collect();
+}
