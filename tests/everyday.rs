@@ -1,6 +1,9 @@
 //! The everyday: days at a booth where nobody means harm, each workflow alone. Forty to sixty patients
 //! in eight hours; people are late, forget, and answer half of what the light asks. Nobody's scan comes
-//! under another's name, hardly any named scan is held, and a hold stays with those whom it concerns.
+//! under another's name, hardly any named scan is held, and a hold stays with those whom it concerns, if
+//! somebody answers when the light asks who is there: where an order waits whose patient never came, and
+//! nobody answers, the next order cannot tell who of the two is next (the adversary finds a wrong name
+//! for each rule that guesses). Those days are counted in the table.
 //!
 //! `GAITER_DAYS` sets how many days each workflow is played, `GAITER_SEED` plays one again and tells it.
 
@@ -148,13 +151,11 @@ fn two_exports_for_one_press() {
 }
 
 #[test]
-#[ignore = "not held yet: 4 scans of 5 135 never come in"]
 fn refusals() {
     in_every_way("4 % refused", |habits| Habits { refused: true, ..habits });
 }
 
 #[test]
-#[ignore = "not held yet: one hold of 8 spreads"]
 fn the_next_order_sent_early() {
     for (way, button) in [("order, then press", true), ("order, no button", false)] {
         let habits = Habits { early: true, ..Habits::of(Naming::Order, button) };
@@ -163,7 +164,6 @@ fn the_next_order_sent_early() {
 }
 
 #[test]
-#[ignore = "not held yet: 15 holds of 65 spread to the patient after the next"]
 fn patients_who_never_come() {
     for (way, button) in [("order, then press", true), ("order, no button", false)] {
         let habits = Habits { no_shows: true, ..Habits::of(Naming::Order, button) };

@@ -308,7 +308,13 @@ impl Captures {
         if content.is_known {
             return Judged::Unpressed;
         }
-        let judged = self.judge(content.began);
+        let mut judged = self.judge(content.began);
+        if let Judged::Held { answered, doubtful, .. } = &mut judged
+            && content.is_cut_short
+        {
+            // Whosever it is, another export of that body is to come.
+            (*answered, *doubtful) = (None, Vec::new());
+        }
         match &content.completes {
             Some(patient) => judged.completing(patient.as_ref()),
             None => judged,

@@ -233,14 +233,9 @@ fn name_next(
     by: SourceKind,
     replaces: bool,
 ) -> Result<String, ActFault> {
-    if !replaces {
-        let patient = station.identity.patient(id, by).ok_or(ActFault::NotAnId)?;
-        if named_unscanned(station).iter().any(|named| *named != patient.id) {
-            return Err(ActFault::AnotherNamed);
-        }
-    }
-    let next = station.name_patient(id, by).map_err(|fault| match fault {
+    let next = station.name_patient(id, by, replaces).map_err(|fault| match fault {
         NameFault::NotAnId => ActFault::NotAnId,
+        NameFault::AnotherNamed => ActFault::AnotherNamed,
         NameFault::Journal(error) => ActFault::Journal(error),
     })?;
     Ok(match next {
@@ -260,16 +255,6 @@ fn name_next(
         NamedNext::Prolonged(_) => "the next export is this patient's already; it is awaited longer",
     }
     .to_owned())
-}
-
-/// Those who are named and were not scanned: their names wait for a press, or without a button for an
-/// export. The export of a press is its own patient's, whoever is named next.
-fn named_unscanned(station: &Station) -> Vec<String> {
-    let mut named = station.booth.next_ids();
-    if station.config.buttons().is_empty() {
-        named.extend(station.booth.awaited_ids());
-    }
-    named
 }
 
 fn call_off(station: &Station) -> Result<String, ActFault> {

@@ -186,24 +186,12 @@ impl Booth {
 
     /// The ids of whoever may be next: one where that is certain.
     pub fn next_ids(&self) -> Vec<String> {
-        let inner = self.inner();
-        let names = inner.captures.next().map_or(&[][..], |next| &next.names);
-        names.iter().map(|said| said.named.id.clone()).collect()
+        self.inner().captures.next_ids()
     }
 
     /// The ids of those whose exports are awaited, each once.
     pub fn awaited_ids(&self) -> Vec<String> {
-        let inner = self.inner();
-        let open = |capture: &&Capture| capture.state == CaptureState::Open;
-        let mut ids: Vec<String> = Vec::new();
-        for capture in inner.captures.waiting().iter().filter(open) {
-            for named in capture.named() {
-                if !ids.contains(&named.id) {
-                    ids.push(named.id.clone());
-                }
-            }
-        }
-        ids
+        self.inner().captures.awaited_ids()
     }
 
     /// When the last capture was opened that waits; none while none does.

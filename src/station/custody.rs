@@ -43,6 +43,8 @@ pub struct Custody {
     change: Mutex<()>,
     /// Something that is to go could not be removed; see [`Custody::tidy`].
     untidy: AtomicBool,
+    /// The spool may hold a scan that the journal does not know; see [`Custody::enter_kept`].
+    unentered: AtomicBool,
 }
 
 /// Bytes that have come in.
@@ -97,9 +99,18 @@ impl Custody {
         stores: Vec<&'static str>,
         kept: Duration,
     ) -> Custody {
-        let (change, untidy) = (Mutex::new(()), AtomicBool::new(false));
-        let named_only = Vec::new();
-        Custody { journal, spool, quarantine, decisions, stores, named_only, kept, change, untidy }
+        Custody {
+            journal,
+            spool,
+            quarantine,
+            decisions,
+            stores,
+            named_only: Vec::new(),
+            kept,
+            change: Mutex::new(()),
+            untidy: AtomicBool::new(false),
+            unentered: AtomicBool::new(false),
+        }
     }
 
     /// The same, where stores of these names take no record for nobody.
@@ -154,6 +165,7 @@ impl Custody {
         let intake = intake(arrival, row_known.as_ref(), held, candidates.clone());
         let row = row(&intake, scan);
         // A held scan that was refused before has its bytes in quarantine already.
+        let was_unentered = self.unentered.swap(true, Ordering::Relaxed);
         let kept = self.spool.holds(scan) || (held.is_some() && self.quarantine.holds(scan));
         if !kept {
             let (bytes, beside) = (arrival.bytes, arrival.companions);
@@ -165,6 +177,7 @@ impl Custody {
         let (geometry, candidates) = (arrival.geometry, candidates.as_slice());
         let entry = Entry { row: &row, patient, held, claims, judged, geometry, candidates };
         self.journal.enter(&entry, &self.stores_for(patient))?;
+        self.unentered.store(was_unentered, Ordering::Relaxed);
         // What a lost journal does not know of these bytes may have been decided before.
         self.carry_out_of(scan)?;
         Ok(verdict)

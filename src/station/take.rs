@@ -104,13 +104,15 @@ pub fn take(
     let name = file.to_string_lossy();
     // A look offers no other files.
     let Ok(format) = Format::of_file_name(&name) else { return Ok(Taken::Done) };
-    if !settled.awaited && awaits_rest(export, format) {
+    let is_cut_short = awaits_rest(export, format);
+    if is_cut_short && !settled.awaited {
         station.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
         return Ok(Taken::CutShort);
     }
     let companions = fresh(station, settled, export)?;
     let says = [station.identity.of_file_name(&name), beside(station, &companions)];
-    let (verdict, not_an_id) = admit(station, began, export, (format, &companions), says)?;
+    let found = Found { began, format, is_cut_short, companions: &companions };
+    let (verdict, not_an_id) = admit(station, export, &found, says)?;
     if let Verdict::Held(_) = verdict {
         station.booth.ended(&export.scan, Outcome::NeedsPerson, station.now());
     }
@@ -157,25 +159,35 @@ fn fresh(
     Ok(fresh)
 }
 
+/// What is known of an export beside its bytes.
+struct Found<'a> {
+    /// When its content was written.
+    began: Appeared,
+    format: Format,
+    /// Its format shows that more was to come.
+    is_cut_short: bool,
+    companions: &'a [Companion],
+}
+
 /// Gives an export to custody, for the capture that it answers.
 fn admit(
     station: &Station,
-    began: Appeared,
     export: &Export,
-    (format, companions): (Format, &[Companion]),
+    found: &Found<'_>,
     says: [NameSays; 2],
 ) -> Result<(Verdict, bool), TakeFault> {
     let (custody, scan) = (&station.custody, &export.scan);
     // No press and no other export may come between the judgement and what is done by it.
     let mut booth = station.booth.hold();
-    if let Some(judged) = custody.enter_kept(scan)? {
-        booth.answer(&judged, scan, false);
+    custody.enter_kept(|kept, judged| {
+        booth.answer(judged, kept, false);
         station.work.notify_one();
-    }
+    })?;
     let known = custody.known(scan, &export.geometry)?;
     let content = Content {
-        began,
+        began: found.began,
         is_known: known.is_some(),
+        is_cut_short: found.is_cut_short,
         completes: match &known {
             Some(_) => None,
             None => custody.completed_by(&export.bytes)?,
@@ -188,12 +200,12 @@ fn admit(
     let admitted = custody.admit(&Arrival {
         scan,
         bytes: &export.bytes,
-        format,
+        format: found.format,
         file_time: export.file_time,
         whose,
         pressed_at: pressed_at(station, &judged)?,
         judged: judged.clone(),
-        companions,
+        companions: found.companions,
         geometry: &export.geometry,
         known,
     });

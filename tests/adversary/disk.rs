@@ -183,8 +183,10 @@ impl Disk {
         self.spool.entry(scan).or_insert(intake);
     }
 
-    pub fn spooled(&self, scan: Scan) -> Option<Intake> {
-        self.spool.get(&scan).cloned()
+    /// What the spool keeps and the journal does not know.
+    pub fn unentered(&self) -> Vec<(Scan, Intake)> {
+        let unknown = self.spool.iter().filter(|(scan, _)| self.scan(**scan).is_none());
+        unknown.map(|(scan, intake)| (*scan, intake.clone())).collect()
     }
 
     /// As `Journal::enter`: a scan, its delivery and what it means for captures.
@@ -321,10 +323,7 @@ impl Disk {
 
     /// As `Custody::recover`: what the spool keeps and the journal does not know is entered.
     pub fn recover(&mut self, off: Off) {
-        let unknown = self.spool.iter().filter(|(scan, _)| self.scan(**scan).is_none());
-        let unknown: Vec<(Scan, Intake)> =
-            unknown.map(|(scan, intake)| (*scan, intake.clone())).collect();
-        for (scan, mut intake) in unknown {
+        for (scan, mut intake) in self.unentered() {
             if off == Off::KeptScansAnswer {
                 intake.judged = Judged::Unpressed;
             }

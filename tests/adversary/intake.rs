@@ -224,7 +224,7 @@ impl Booth {
         let Some(run) = &self.run else { return Err(Fault) };
         let mut began = run.settling.began(settled, content.bytes());
         self.tell(|| format!("{} is read; its content began {began:?}", name_of(&settled.path)));
-        self.enter_kept(content)?;
+        self.enter_kept()?;
         let known = self.disk.known(scan, &content.geometry());
         let completes = match known {
             Some(_) => None,
@@ -237,7 +237,8 @@ impl Booth {
             began = *first;
         }
         let is_known = known.is_some() && off != Off::KnownAnswerNothing;
-        let judge = Judge { began, is_known, completes };
+        let is_cut_short = content.awaits_rest();
+        let judge = Judge { began, is_known, is_cut_short, completes };
         let judged = match off {
             Off::RefusedIsCandidate => without_refused(run).judge_content(&judge),
             _ => run.captures.judge_content(&judge),
@@ -318,23 +319,19 @@ impl Booth {
     }
 
     /// As `Custody::enter_kept`.
-    fn enter_kept(&mut self, content: &Content) -> Result<(), Fault> {
-        let scan = content.scan();
-        let Some(intake) = self.disk.spooled(scan).filter(|_| self.disk.scan(scan).is_none())
-        else {
-            return Ok(());
-        };
-        let mut intake = intake;
-        if self.setup.off == Off::KeptScansAnswer {
-            intake.judged = Judged::Unpressed;
+    fn enter_kept(&mut self) -> Result<(), Fault> {
+        for (scan, mut intake) in self.disk.unentered() {
+            if self.setup.off == Off::KeptScansAnswer {
+                intake.judged = Judged::Unpressed;
+            }
+            self.disk.enter(scan, &intake)?;
+            let Some(run) = &mut self.run else { return Err(Fault) };
+            run.captures.answer(&intake.judged);
+            if intake.held.is_none() {
+                run.work.insert(self.now_ms + 1500, scan);
+            }
+            self.tell(|| format!("{scan:?} is entered after all"));
         }
-        self.disk.enter(scan, &intake)?;
-        let Some(run) = &mut self.run else { return Err(Fault) };
-        run.captures.answer(&intake.judged);
-        if intake.held.is_none() {
-            run.work.insert(self.now_ms + 1500, scan);
-        }
-        self.tell(|| format!("{scan:?} is entered after all"));
         Ok(())
     }
 

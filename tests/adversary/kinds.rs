@@ -101,6 +101,15 @@ pub enum Kind {
     Wait,
 }
 
+/// In how many sequences a kind occurs.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Share {
+    Always,
+    Half,
+    /// Of these each sequence has few, and many have none.
+    Fault,
+}
+
 impl Kind {
     pub const ALL: [Kind; 47] = [
         Kind::Press,
@@ -151,6 +160,17 @@ impl Kind {
         Kind::TakeBack,
         Kind::Wait,
     ];
+
+    pub fn share(self) -> Share {
+        match self {
+            Kind::Press | Kind::NextPatient | Kind::Card | Kind::Word => Share::Always,
+            Kind::Export | Kind::Ends | Kind::Wait => Share::Always,
+            Kind::Pause | Kind::FolderAway | Kind::Unplug | Kind::Crash => Share::Fault,
+            Kind::Reboot | Kind::Rebuild | Kind::JournalLocked | Kind::TakeFails => Share::Fault,
+            Kind::StoreAway => Share::Fault,
+            _ => Share::Half,
+        }
+    }
 
     /// How often it is drawn: what seldom is possible often, what ends much seldom.
     pub fn weight(self) -> usize {

@@ -162,10 +162,17 @@ impl People {
         true
     }
 
-    /// Whoever takes over says that nobody is named; not while an export is to come.
+    /// Whoever takes over says that nobody is named; not while an export comes in. Scans whose exports
+    /// have not begun are given up with that.
     pub fn nobody(&mut self) -> bool {
-        if !self.runs() || self.standing.is_none() || self.awaits_exports() {
+        let bodies = &self.booth.truth.bodies;
+        let comes = (0..bodies.len())
+            .any(|at| !self.booth.is_settled(at) && bodies[at].plan != Plan::Scanned);
+        if !self.runs() || self.standing.is_none() || comes {
             return false;
+        }
+        for body in self.booth.truth.planned(Plan::Scanned) {
+            self.booth.truth.bodies[body].plan = Plan::Over;
         }
         let called_off = self.booth.call_off();
         self.booth.tell(|| format!("nobody is named: {called_off:?}"));

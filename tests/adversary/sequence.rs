@@ -11,7 +11,7 @@ use regex::Regex;
 
 use super::booth::{Booth, LATE, NAME_LASTS, Setup, WINDOW};
 use super::chance::Chance;
-use super::kinds::{Kind, Pairs};
+use super::kinds::{Kind, Pairs, Share};
 use super::laws::Off;
 use super::people::People;
 
@@ -21,10 +21,12 @@ const EVENTS: usize = 30;
 /// So often another kind is drawn where there is no occasion for one.
 const DRAWS: usize = 40;
 
+/// One in so many times what is away comes back.
+const BACK: usize = 4;
+
 /// The stations that are tried: with a button and without, with orders before and after the press.
 pub struct Stations {
     identity: Rc<Identity>,
-    kinds: Vec<Kind>,
 }
 
 impl Stations {
@@ -32,9 +34,7 @@ impl Stations {
         let line = Some(Regex::new("^PATIENT=(?<patient>.*)$").unwrap());
         let pattern = Regex::new("[0-9]+").unwrap();
         let identity = Identity::new(None, line, &pattern, CheckDigit::None).unwrap();
-        let weighed = |kind: Kind| std::iter::repeat_n(kind, kind.weight());
-        let kinds = Kind::ALL.into_iter().flat_map(weighed).collect();
-        Stations { identity: Rc::new(identity), kinds }
+        Stations { identity: Rc::new(identity) }
     }
 
     /// One of them.
@@ -105,6 +105,7 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     let mut chance = Chance(seed.wrapping_mul(0xd134_2543_de82_ef95));
     chance.below(7);
     let setup = stations.setup(&mut chance, off);
+    let kinds = some_kinds(&mut chance);
     let keeps_orders = chance.below(2) == 0;
     let mut booth = Booth::new(setup, seed, tells);
     let rules = booth.setup.rules;
@@ -116,7 +117,7 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
         let gap_ms = gap_ms(&mut people.booth.chance);
         people.booth.advance(gap_ms);
         people.read_orders();
-        let Some(kind) = some_kind(stations, &mut people) else { continue };
+        let Some(kind) = some_kind(&kinds, &mut people) else { continue };
         if let Some(before) = before.replace(kind) {
             ended.pairs.note(before, kind);
         }
@@ -132,9 +133,39 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     ended
 }
 
-fn some_kind(stations: &Stations, people: &mut People) -> Option<Kind> {
+/// The kinds of one sequence, as often as they are drawn. Where each sequence leaves out some, the few
+/// that must meet do so more often than where all are drawn every time (Groce et al., "Swarm Testing",
+/// ISSTA 2012); and faults at every step would leave nothing but held scans.
+fn some_kinds(chance: &mut Chance) -> Vec<Kind> {
+    let faults_in = [0, 1, 1, 3][chance.below(4)];
+    let is_in = |kind: &Kind, chance: &mut Chance| match kind.share() {
+        Share::Always => true,
+        Share::Half => chance.below(2) == 0,
+        Share::Fault => chance.below(9) < faults_in,
+    };
+    let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| is_in(kind, chance)).collect();
+    kinds.into_iter().flat_map(|kind| std::iter::repeat_n(kind, kind.weight())).collect()
+}
+
+/// What is away comes back, sooner than anything else.
+fn what_is_away(booth: &Booth) -> Option<Kind> {
+    let away = [
+        (booth.is_paused, Kind::Pause),
+        (booth.is_away, Kind::FolderAway),
+        (booth.is_unplugged, Kind::Unplug),
+        (booth.disk.is_store_away, Kind::StoreAway),
+        (booth.run.is_none(), Kind::Crash),
+    ];
+    away.into_iter().find(|(is_away, _)| *is_away).map(|(_, kind)| kind)
+}
+
+fn some_kind(kinds: &[Kind], people: &mut People) -> Option<Kind> {
     for _ in 0..DRAWS {
-        let kind = *people.booth.chance.pick(&stations.kinds)?;
+        let back = what_is_away(&people.booth).filter(|_| people.booth.chance.below(BACK) == 0);
+        let kind = match back {
+            Some(back) => back,
+            None => *people.booth.chance.pick(kinds)?,
+        };
         if people.happens(kind) {
             return Some(kind);
         }

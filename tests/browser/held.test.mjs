@@ -16,12 +16,14 @@ const WORDS = {
     view: "3D view", held: "Held", give: (id) => `Give to ${id}`, given: (id) => `The scan is then ${id}'s, and its record goes to nobody else.`,
     next: (id) => `Next: ${id}.`, replace: "Replace", asks: (a, b) => `${a} is named and was not scanned. Replace by ${b}?`,
     hidden: "The next patient is named.", inBooth: (id) => `${id} is in the booth`, refused: /no patient's id/,
+    again: "Scan again …", yesAgain: "Scan again", againOf: (id) => `Scan ${id} again`,
   },
   de: {
     name: "Nächste Person benennen …", id: "Patientennummer", assign: "Zuordnen …", yes: "Zuordnen", cancel: "Abbrechen", close: "Schließen",
     view: "3D-Ansicht", held: "Angehalten", give: (id) => `An ${id} geben`, given: (id) => `Der Scan gehört dann zu ${id}, und die Messakte geht an niemand anderen.`,
     next: (id) => `Als Nächstes: ${id}.`, replace: "Ersetzen", asks: (a, b) => `${a} ist benannt und wurde nicht gescannt. Durch ${b} ersetzen?`,
     hidden: "Die nächste Person ist benannt.", inBooth: (id) => `${id} ist in der Kabine`, refused: /keine Patientennummer/,
+    again: "Neu scannen …", yesAgain: "Neu scannen", againOf: (id) => `${id} neu scannen`,
   },
 };
 
@@ -158,6 +160,22 @@ for (const [language, words] of Object.entries(WORDS)) {
       await page.goto(`${station.origin}/kiosk`);
       await next.getByText(words.hidden).waitFor();
       assert.ok(!(await page.content()).includes("222"), "everybody sees the kiosk");
+    });
+  });
+
+  test(`${language}: the patient of a refused scan is named to be scanned again by one click and one yes`, async () => {
+    await at(await make(language, BUTTON), async (station) => {
+      const { page } = await tab(browser, station);
+      await page.goto(station.link());
+      station.export("4711_point.obj", Buffer.from("v 0 0 0\n"));
+      const card = page.locator("#undecided_body article");
+      await card.getByRole("button", exact(words.again)).click();
+      assert.equal(await page.locator("#question_title").textContent(), words.againOf("4711"));
+      assert.deepEqual(await violations(page), []);
+      await shoot(page, `again-${language}`);
+      await page.locator("#question").getByRole("button", exact(words.yesAgain)).click();
+      await page.locator("#next_body .who").getByText(words.next("4711")).waitFor();
+      assert.match(station.verb("patient", "show"), /Next: 4711\./);
     });
   });
 

@@ -22,8 +22,10 @@ pub struct Count {
     /// Bodies whose export never came in.
     pub lost: usize,
     causes: BTreeMap<&'static str, usize>,
-    /// The days on which a hold came to a third patient.
+    /// The days on which a hold came to a third patient although the booth had said who is there.
     pub spread: Vec<u64>,
+    /// The days on which it did so, and the light had asked and got no answer.
+    pub spread_unanswered: Vec<u64>,
 }
 
 impl Count {
@@ -54,8 +56,11 @@ impl Count {
                 self.nobodys += 1;
             }
         }
-        if chains.iter().any(|chain| chain.len() > 2) {
-            self.spread.push(seed);
+        let unanswered: BTreeSet<String> = day.unanswered.iter().map(|who| id(*who)).collect();
+        for chain in chains.iter().filter(|chain| chain.len() > 2) {
+            let was_answered = chain.is_disjoint(&unanswered);
+            let days = if was_answered { &mut self.spread } else { &mut self.spread_unanswered };
+            days.push(seed);
         }
     }
 
@@ -78,13 +83,14 @@ fn join(chains: &mut Vec<BTreeSet<String>>, mut concerned: BTreeSet<String>) {
 
 impl fmt::Display for Count {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Count { scans, given, held, nobodys, refused, spread, .. } = self;
+        let Count { scans, given, held, nobodys, refused, spread, spread_unanswered, .. } = self;
         write!(
             out,
             "{scans:6} scans {given:6} given {held:4} held ({:.2} %) {nobodys:5} nobody's \
-             {refused:4} refused   0 wrong   {} spread ",
+             {refused:4} refused   0 wrong   {} spread, {} unanswered ",
             self.held_percent(),
             spread.len(),
+            spread_unanswered.len(),
         )?;
         for (why, count) in &self.causes {
             write!(out, " {why} {count}")?;

@@ -1,6 +1,6 @@
 //! One day at a booth: who comes when, what people do, and what the scanner writes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use gaiter::flow::ScanState;
 use gaiter::record::SourceKind;
@@ -40,13 +40,23 @@ pub struct Day<'a> {
     files: Vec<String>,
     /// Of each body, whether it is a second scan of somebody whose first one was refused.
     pub is_again: Vec<bool>,
+    /// Patients at whose scan the light asked who is there, and nobody answered.
+    pub unanswered: BTreeSet<usize>,
 }
 
 /// Plays the day of a seed.
 pub fn play(habits: &Habits, seed: u64, tells: bool) -> Day<'_> {
     let booth = Booth::new(habits.setup(), seed, tells);
     let (acts, files) = (BTreeMap::new(), Vec::new());
-    let mut day = Day { booth, habits, acts, acts_made: 0, files, is_again: Vec::new() };
+    let mut day = Day {
+        booth,
+        habits,
+        acts,
+        acts_made: 0,
+        files,
+        is_again: Vec::new(),
+        unanswered: BTreeSet::new(),
+    };
     day.plan();
     while let Some(((at, _), act)) = day.acts.pop_first() {
         let by_ms = at.saturating_sub(day.booth.now_ms);
@@ -136,7 +146,12 @@ impl Day<'_> {
                     .any(|capture| capture.patient.as_ref().is_some_and(|p| p.id != id(patient)))
             }
         };
-        if is_asked && self.one_in(2) {
+        if !is_asked {
+            return;
+        }
+        if self.one_in(2) {
+            self.unanswered.insert(patient);
+        } else {
             self.booth.tell(|| "the operator answers what the light asks".to_owned());
             let _ = self.booth.name(&id(patient), SourceKind::Operator, false);
         }
@@ -185,6 +200,10 @@ impl Day<'_> {
         let lasts = if self.habits.slow { 60_000 } else { self.some_s(1, 10) };
         let rest = if is_short { Rest::Open } else { Rest::After(lasts) };
         self.booth.begin_export(body, &whole, how, &name, rest);
+        if is_short {
+            // An empty file is no export that was cut short.
+            self.at(self.booth.now_ms + 500, Act::Grow(body));
+        }
         let grows = if self.habits.slow { 5_000 } else { 700 };
         for at in 1..lasts / grows {
             self.at(self.booth.now_ms + at * grows, Act::Grow(body));

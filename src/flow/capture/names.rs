@@ -45,6 +45,31 @@ impl Next {
 type Used = (Option<Named>, Vec<Named>, Option<Doubt>);
 
 impl Captures {
+    /// The ids of whoever may be next: one where that is certain.
+    pub fn next_ids(&self) -> Vec<String> {
+        let names = self.next.as_ref().map_or(&[][..], |next| &next.names);
+        names.iter().map(|said| said.named.id.clone()).collect()
+    }
+
+    /// The ids of those whose exports are awaited, each once.
+    pub fn awaited_ids(&self) -> Vec<String> {
+        let open = |capture: &&Capture| capture.state == CaptureState::Open;
+        let mut ids: Vec<String> = Vec::new();
+        for named in self.waiting.iter().filter(open).flat_map(Capture::named) {
+            if !ids.contains(&named.id) {
+                ids.push(named.id.clone());
+            }
+        }
+        ids
+    }
+
+    /// Whether somebody else is named and was not scanned: the name waits for a press, or without a
+    /// button for an export. The export of a press is its own patient's, whoever is named next.
+    pub fn is_another_named(&self, id: &str) -> bool {
+        let awaited = if self.rules.by_press { Vec::new() } else { self.awaited_ids() };
+        self.next_ids().iter().chain(&awaited).any(|named| named != id)
+    }
+
     /// Somebody named the patient of the next scan. `number` is the number of the capture that may
     /// be opened; `coming` as in [`Captures::pass`].
     pub fn named(

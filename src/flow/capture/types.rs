@@ -93,6 +93,8 @@ pub struct Content {
     pub began: Appeared,
     /// The scan came in before, with these bytes or this geometry.
     pub is_known: bool,
+    /// Its format shows that it was cut short.
+    pub is_cut_short: bool,
     /// It begins with a scan that was refused, of this one patient or of nobody.
     pub completes: Option<Option<Named>>,
 }

@@ -170,6 +170,7 @@ impl Shown {
         for scan in self.undecided.iter_mut().chain(&mut self.scans) {
             scan.patients.clear();
             scan.candidates.clear();
+            scan.again = None;
         }
         self
     }

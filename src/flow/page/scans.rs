@@ -33,6 +33,8 @@ pub struct ScanShown {
     pub patients: Vec<String>,
     /// Of a held scan, those whose it may be, and to whom it can be given.
     pub candidates: Vec<PatientShown>,
+    /// Of a refused scan, the one patient whose it is, who can be named to be scanned again.
+    pub again: Option<PatientShown>,
     /// What a person can decide.
     pub acts: Vec<&'static str>,
     /// Its measures, once its record was read; of a held scan, its preview.
@@ -116,6 +118,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         advice,
         patients: patients(whole),
         candidates: candidates(place, &acts, whole),
+        again: again(place, whole),
         acts,
         measures: told.measures.clone(),
         files: told.files.clone(),
@@ -186,6 +189,13 @@ fn candidates(place: Place, acts: &[&str], whole: &Whole) -> Vec<PatientShown> {
     }
     let released = if acts.contains(&"release") { theirs(whole) } else { BTreeSet::new() };
     distinct(whole.candidates.iter().filter(|id| !released.contains(id.as_str())))
+}
+
+/// Who can be named to be scanned again.
+fn again(place: Place, whole: &Whole) -> Option<PatientShown> {
+    let theirs = theirs(whole);
+    let is_for_one = place == Place::Refused && theirs.len() == 1;
+    theirs.first().filter(|_| is_for_one).map(|id| PatientShown::of(id))
 }
 
 /// Whether a scan is held: there may be a preview of it.

@@ -228,6 +228,9 @@ fn without_ids_no_patient_is_named_anywhere() {
     let mut doubtful = whole("delivered", None, vec![delivery(None, "held", Some("no-press"))]);
     doubtful.candidates = vec!["4711".to_owned()];
     page.undecided.push(scan_shown(&doubtful, &Told::default(), Language::En));
+    let refused = vec![delivery(Some("4711"), "refused", Some("no-leg"))];
+    page.undecided.push(scan("refused", Some("no-leg"), refused));
+    assert!(page.undecided.iter().any(|scan| scan.again.is_some()));
     assert!(page.next.sentence.contains("4711") && page.next.who[0].id == "4711");
     assert_eq!(page.undecided[1].candidates[0].id, "4711");
     let page = page.without_ids();

@@ -36,7 +36,7 @@ pub fn done(verb: &str, language: Language) -> Option<&'static str> {
 }
 
 /// The page's labels by their keys, in the order of the keys.
-pub const LABELS: [(&str, Both); 64] = [
+pub const LABELS: [(&str, Both); 67] = [
     ("another", ("Another patient", "Eine andere Person")),
     ("assign", ("Assign …", "Zuordnen …")),
     ("assign_hint", ("Whose scan is this?", "Wessen Scan ist das?")),
@@ -155,6 +155,16 @@ pub const LABELS: [(&str, Both); 64] = [
     ("retry", ("Try again", "Noch einmal versuchen")),
     ("right", ("Right", "Rechts")),
     ("scan", ("Scan", "Scan")),
+    ("scan_again", ("Scan again …", "Neu scannen …")),
+    (
+        "scan_again_hint",
+        (
+            "{} is named for the next scan. Press the button then; this scan is closed when the new one is good.",
+            "{} ist für den nächsten Scan benannt. Dann den Knopf drücken; dieser Scan ist erledigt, wenn der \
+             neue gelingt.",
+        ),
+    ),
+    ("scan_again_of", ("Scan {} again", "{} neu scannen")),
     ("send", ("OK", "OK")),
     ("undecided", ("Needs a decision", "Braucht eine Entscheidung")),
     ("unassign", ("Take back …", "Zurücknehmen …")),

@@ -27,9 +27,21 @@ pub enum NameFault {
     /// The id is against the configuration's pattern or its own check digit.
     #[error("this is no patient id that patient.pattern and patient.check_digit allow")]
     NotAnId,
+    /// Another patient is named and was not scanned, and is not to be replaced.
+    #[error("another patient is named and was not scanned")]
+    AnotherNamed,
     /// The journal failed.
     #[error("the journal could not be written")]
     Journal(#[from] JournalError),
+}
+
+/// How somebody is named.
+struct Naming {
+    by: SourceKind,
+    /// It is an order that came before with the same words.
+    is_repeated: bool,
+    /// Whoever is named and was not scanned may be replaced.
+    replaces: bool,
 }
 
 impl Inner {
@@ -59,8 +71,9 @@ impl Station {
     }
 
     fn heard_name(&self, id: &str, by: SourceKind, repeated: bool) -> Result<(), JournalError> {
-        match self.name(id, by, repeated) {
-            Ok(_) => Ok(()),
+        // A card is the booth's last word; an order replaces nobody by itself.
+        match self.name(id, Naming { by, is_repeated: repeated, replaces: true }) {
+            Ok(_) | Err(NameFault::AnotherNamed) => Ok(()),
             Err(NameFault::NotAnId) => {
                 warn!(event = "finding", code = ID_NOT_ALLOWED);
                 self.booth.inner().last = Some((Outcome::NeedsPerson, self.now()));
@@ -125,18 +138,28 @@ impl Station {
         Ok(())
     }
 
-    /// Somebody names the patient of the next scan. Blocks.
+    /// Somebody names the patient of the next scan; `replaces` says whether another who is named and was
+    /// not scanned is so no more. Blocks.
     ///
     /// # Errors
-    /// See [`NameFault`]; nobody is named then.
-    pub fn name_patient(&self, id: &str, by: SourceKind) -> Result<NamedNext, NameFault> {
-        self.name(id, by, false)
+    /// See [`NameFault`]; nothing was changed then.
+    pub fn name_patient(
+        &self,
+        id: &str,
+        by: SourceKind,
+        replaces: bool,
+    ) -> Result<NamedNext, NameFault> {
+        self.name(id, Naming { by, is_repeated: false, replaces })
     }
 
-    fn name(&self, id: &str, by: SourceKind, repeated: bool) -> Result<NamedNext, NameFault> {
+    fn name(&self, id: &str, naming: Naming) -> Result<NamedNext, NameFault> {
+        let Naming { by, is_repeated, replaces } = naming;
         let Patient { id, .. } = self.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
         let now = self.now();
         let mut inner = self.booth.inner();
+        if !replaces && inner.captures.is_another_named(&id) {
+            return Err(NameFault::AnotherNamed);
+        }
         let (number, coming) = (inner.next_number, inner.coming());
         let mut after = inner.captures.clone();
         let named = Named { id, by };
@@ -146,10 +169,10 @@ impl Station {
         };
         let late = came == OrderCame::AfterPress;
         let mut detail = json!({ "patient": named.id, "by": by, "after_press": late });
-        if repeated {
+        if is_repeated {
             detail["question"] = json!(true);
         }
-        let next = match repeated {
+        let next = match is_repeated {
             false => after.named(named, number, now, &coming),
             true => after.repeated(named, number, now, &coming),
         };

@@ -2,6 +2,7 @@
 //! a scan that was cut short.
 
 use std::sync::PoisonError;
+use std::sync::atomic::Ordering;
 
 use super::{Custody, CustodyFault, io};
 use crate::flow::ScanId;
@@ -17,18 +18,30 @@ const COMPLETED_LEAST: u64 = 64 * 1024;
 const COMPLETED_MOST: u32 = 64;
 
 impl Custody {
-    /// Enters the scan of an earlier attempt, which kept the bytes and failed at the journal or at
-    /// their name's sync; says which capture it answered.
+    /// Enters the scans of earlier attempts, which kept the bytes and failed at the journal or at their
+    /// name's sync, before another is judged: what they answered is not to be answered again, and their
+    /// geometries are known. Tells of each which capture it answered.
     ///
     /// # Errors
-    /// See [`CustodyFault`].
-    pub fn enter_kept(&self, scan: &ScanId) -> Result<Option<Judged>, CustodyFault> {
-        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.journal.scan(scan)?.is_some() || !self.spool.holds(scan) {
-            return Ok(None);
+    /// See [`CustodyFault`]; the next call goes on.
+    pub fn enter_kept(
+        &self,
+        mut entered: impl FnMut(&ScanId, &Judged),
+    ) -> Result<(), CustodyFault> {
+        if !self.unentered.load(Ordering::Relaxed) {
+            return Ok(());
         }
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         io("syncing the spool", self.spool.sync())?;
-        self.adopt(scan).map(Some)
+        for scan in io("listing the spool", self.spool.entries())? {
+            if self.journal.scan(&scan)?.is_none()
+                && let Some(judged) = self.adopt_or_refuse(&scan)?
+            {
+                entered(&scan, &judged);
+            }
+        }
+        self.unentered.store(false, Ordering::Relaxed);
+        Ok(())
     }
 
     /// The scan that these bytes are, or that has the same geometry, if it came in before.

@@ -73,7 +73,7 @@ impl Custody {
     }
 
     /// Enters a scan of the spool that the journal does not know.
-    pub(super) fn adopt(&self, scan: &ScanId) -> Result<Judged, CustodyFault> {
+    fn adopt(&self, scan: &ScanId) -> Result<Judged, CustodyFault> {
         let intake = io("reading an intake", self.spool.intake(scan))?;
         self.adopt_as(&intake, held_code(&intake), &row(&intake, scan))?;
         Ok(intake.judged)
@@ -93,9 +93,9 @@ impl Custody {
     }
 
     /// As [`Custody::adopt`]; an entry whose intake cannot be read must not stop every start.
-    fn adopt_or_refuse(&self, scan: &ScanId) -> Result<(), CustodyFault> {
+    pub(super) fn adopt_or_refuse(&self, scan: &ScanId) -> Result<Option<Judged>, CustodyFault> {
         let unreadable = match self.spool.intake(scan) {
-            Ok(_) => return self.adopt(scan).map(drop),
+            Ok(_) => return self.adopt(scan).map(Some),
             Err(error) => error,
         };
         if !matches!(unreadable.kind(), ErrorKind::InvalidData | ErrorKind::NotFound) {
@@ -103,7 +103,7 @@ impl Custody {
         }
         let message = format!("its intake.json cannot be read: {unreadable}");
         let reason = Reason::new("spool-damaged", message, Stage::Intake, Timestamp::now());
-        io("quarantining a scan", self.quarantined(scan, &reason))
+        io("quarantining a scan", self.quarantined(scan, &reason)).map(|()| None)
     }
 
     /// Enters the scans of the quarantine that the journal does not know, as refused; returns how

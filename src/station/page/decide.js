@@ -160,14 +160,24 @@ function candidate(scan, { id, shown }) {
 }
 
 // Names the next patient; one who is named and was not scanned is replaced after a question.
+async function nameAs(patient) {
+  const said = await ask({ ask: "name_next", patient, replace: false });
+  if (said.code === "another-is-named") replace(last.next, patient);
+  return said;
+}
+
 function nameNext(next) {
-  const send = async (patient) => {
-    const said = await ask({ ask: "name_next", patient, replace: false });
-    if (said.code === "another-is-named") replace(last.next, patient);
-    return said;
-  };
   const hint = [`${label("name_hint")} `, sentence(next)].flat();
-  question({ title: verb("name"), hint, wantsId: true, send });
+  question({ title: verb("name"), hint, wantsId: true, send: nameAs });
+}
+
+// The patient of a refused scan is named to be scanned again.
+function scanAgain(scan, { id, shown }) {
+  const on = () => question({
+    title: phrase(label("scan_again_of"), shown), hint: phrase(label("scan_again_hint"), shown),
+    yes: verb("scan_again"), send: () => nameAs(id),
+  });
+  return button(label("scan_again"), `scan_again ${scan.scan}`, on, true);
 }
 
 function replace(next, patient) {

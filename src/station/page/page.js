@@ -105,9 +105,10 @@ function patients(ids) {
 }
 
 function about(scan, canAct, ...more) {
-  const isMain = (key, at) => at === 0 && !["give_up", "unassign"].includes(key) && scan.candidates.length === 0;
+  const offered = [...scan.candidates.map((of) => candidate(scan, of)), ...(scan.again ? [scanAgain(scan, scan.again)] : [])];
+  const isMain = (key, at) => at === 0 && !["give_up", "unassign"].includes(key) && offered.length === 0;
   const buttons = canAct
-    ? [...scan.candidates.map((of) => candidate(scan, of)), ...scan.acts.map((key, at) => act(key, scan, isMain(key, at)))]
+    ? [...offered, ...scan.acts.map((key, at) => act(key, scan, isMain(key, at)))]
     : [];
   return [
     make("h3", {}, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),

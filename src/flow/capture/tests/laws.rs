@@ -217,7 +217,10 @@ fn a_press_that_could_not_be_kept_puts_in_doubt_what_comes_within_its_time() {
 fn a_known_scan_answers_nothing_and_the_rest_of_a_refused_one_is_no_other_patients() {
     let mut captures = captures();
     pressed_for(&mut captures, "2", 1, 0);
-    let content = |is_known, completes| Content { began: seen(20), is_known, completes };
+    let content = |is_known, completes| {
+        let (began, is_cut_short) = (seen(20), false);
+        Content { began, is_known, is_cut_short, completes }
+    };
     assert_eq!(captures.judge_content(&content(true, None)), Judged::Unpressed);
     let of_2 = captures.judge_content(&content(false, Some(Some(named("2")))));
     assert_eq!(patient_of(&of_2), Some("2"));

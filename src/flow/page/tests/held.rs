@@ -46,3 +46,16 @@ fn a_held_scan_that_cannot_be_measured_says_why_there_is_no_picture() {
     let stored = whole("delivered", None, vec![delivery(Some("1"), "delivered", None)]);
     assert_eq!(said(&stored, Language::En), None);
 }
+
+#[test]
+fn who_is_to_be_scanned_again_is_offered_by_name_where_a_refused_scan_is_one_patients() {
+    let again = |state, patients: &[Option<&str>]| {
+        let of = |patient: &Option<&str>| delivery(*patient, state, Some("no-leg"));
+        let whole = whole(state, Some("no-leg"), patients.iter().map(of).collect());
+        scan_shown(&whole, &Told::default(), Language::En).again.map(|of| of.id)
+    };
+    assert_eq!(again("refused", &[Some("1")]).as_deref(), Some("1"));
+    assert_eq!(again("refused", &[Some("1"), Some("2")]), None);
+    assert_eq!(again("refused", &[None]), None);
+    assert_eq!(again("delivered", &[Some("1")]), None);
+}
