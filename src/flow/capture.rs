@@ -6,7 +6,8 @@
 //!    after that capture opened and before another one opened ([`super::writing`] tells when). With a
 //!    button only presses open captures; a name that comes during one is for the next.
 //! 2. **Known scans answer nothing**, neither by their bytes nor by their geometry.
-//! 3. **A capture ends** with a measured scan; by a person; or, where no byte of an export was seen for
+//! 3. **A capture ends** with a measured scan (while that is not measured another export may be another
+//!    one of it); by a person; or, where no byte of an export was seen for
 //!    it, after `window + late` (without a button: `expires + late`). A refusal opens it again for the
 //!    same time. An export without a new press is its own then; naming the same patient again joins it;
 //!    another press holds the next export for both.
@@ -35,6 +36,7 @@
 //! | the machine restarts in between | the capture expires |
 //! | the clock on the wall jumps | nothing: times are since the machine's start |
 
+mod answers;
 mod names;
 mod outcome;
 mod types;
@@ -44,6 +46,7 @@ use std::time::Duration;
 
 use super::orders_when::OrdersWhen;
 use super::writing::Appeared;
+use answers::Measuring;
 pub use names::{Next, Said};
 pub use outcome::{CalledOff, Judged, NamedNext, Passed, Pressed, Why};
 pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules};
@@ -79,6 +82,8 @@ pub struct Captures {
     /// When somebody was named without a button and it could not be read: whoever was named before may
     /// have left by then.
     unread: Vec<Duration>,
+    /// Captures whose exports were taken and are not measured yet.
+    measuring: Vec<Measuring>,
 }
 
 /// So many namings that failed are remembered, the last ones.
@@ -103,8 +108,9 @@ impl Captures {
         unsure_press: Option<Duration>,
     ) -> Captures {
         let hearing = Hearing::Deaf;
-        let unread = Vec::new();
-        let mut captures = Captures { rules, waiting, next, hearing, unsure_press, unread };
+        let (unread, measuring) = (Vec::new(), Vec::new());
+        let mut captures =
+            Captures { rules, waiting, next, hearing, unsure_press, unread, measuring };
         // Whatever was pressed or said before may have been lost with the run before.
         for capture in &mut captures.waiting {
             capture.doubt.get_or_insert(Doubt::Unheard);
@@ -242,24 +248,11 @@ impl Captures {
 
     /// A person gives up what waits: captures whose exports will not come, and names.
     pub fn call_off(&mut self) -> CalledOff {
-        let captures = self.waiting.drain(..).map(|capture| capture.number).collect();
+        let measuring: Vec<i64> = self.measuring().collect();
+        self.measuring.clear();
+        let waiting = self.waiting.drain(..).map(|capture| capture.number);
+        let captures = waiting.chain(measuring).collect();
         CalledOff { captures, name: self.next.take().is_some() }
-    }
-
-    /// The export that answered a capture was refused: another is awaited for the same time again.
-    pub fn refused(&mut self, capture: Capture, now: Duration) -> &Capture {
-        let lasts = match capture.by {
-            Opener::Press => self.rules.window,
-            Opener::Name => self.rules.name_lasts,
-        };
-        let (state, until) = (CaptureState::Open, now + lasts);
-        // What may have gone unheard since then puts it in doubt like those that wait.
-        let unheard =
-            (capture.by == Opener::Press && self.is_in_doubt(now)).then_some(Doubt::Unheard);
-        let doubt = capture.doubt.or(unheard);
-        let place = self.waiting.partition_point(|known| known.number < capture.number);
-        self.waiting.insert(place, Capture { state, until, is_refused: true, doubt, ..capture });
-        &self.waiting[place]
     }
 
     /// Which capture an export belongs to; nothing is changed before [`Captures::answer`].
@@ -276,18 +269,22 @@ impl Captures {
             capture.state == CaptureState::Open && export.seen <= capture.until
         };
         let its_own = after.iter().find(in_time).map(|capture| (**capture).clone());
-        let ids: BTreeSet<Option<&str>> = all.iter().flat_map(|capture| ids(capture)).collect();
+        let measuring = self.measured_for_others(&all, export);
+        let in_question = all.iter().chain(&measuring);
+        let ids: BTreeSet<Option<&str>> = in_question.flat_map(|capture| ids(capture)).collect();
         if ids.iter().flatten().next().is_none() {
             // Whose scan it is cannot be mistaken where no capture in question says it.
             return its_own.map_or(Judged::Unpressed, Judged::Of);
         }
+        if !measuring.is_empty() {
+            return held_beside(&all, &measuring);
+        }
         let shared = (ids.len() > 1).then_some(Doubt::Shared);
-        let of_one = |capture: &&Capture| capture.doubt.or(self.unread_between(capture, export));
-        if let Some(doubt) = shared.or(all.iter().find_map(of_one)) {
+        let unread = all.iter().find_map(|capture| self.unread_between(capture, export));
+        if let Some(doubt) = shared.or(all.iter().find_map(|capture| capture.doubt)).or(unread) {
             // Without a button it may be the export of whoever could not be read, and that of the one
             // who was named is still to come.
-            let may_be_nobodys = doubt == Doubt::Unread && !self.rules.by_press;
-            return held(doubt.why(), &all, !may_be_nobodys);
+            return held(doubt.why(), &all, unread.is_none());
         }
         match (its_own, after.is_empty()) {
             (Some(capture), _) => Judged::Of(capture),
@@ -316,24 +313,8 @@ impl Captures {
             (*answered, *doubtful) = (None, Vec::new());
         }
         match &content.completes {
-            Some(patient) => judged.completing(patient.as_ref()),
+            Some(whose) => judged.completing(whose),
             None => judged,
-        }
-    }
-
-    /// The export was taken: what it answered waits no more.
-    pub fn answer(&mut self, judged: &Judged) {
-        let (answered, in_doubt, candidates) = match judged {
-            Judged::Unpressed => return,
-            Judged::Of(capture) => (Some(capture.number), &[][..], &[][..]),
-            Judged::Held { answered, doubtful, candidates, .. } => {
-                (*answered, doubtful.as_slice(), candidates.as_slice())
-            }
-        };
-        self.waiting.retain(|capture| Some(capture.number) != answered);
-        for capture in self.waiting.iter_mut().filter(|c| in_doubt.contains(&c.number)) {
-            capture.doubt = Some(Doubt::Shared);
-            candidates.iter().for_each(|named| capture.may_also_be(named));
         }
     }
 
@@ -349,6 +330,7 @@ impl Captures {
                 passed.expired.extend((!capture.is_refused).then_some(capture.number));
             }
         }
+        self.measuring.retain(|measuring| now <= measuring.until);
         let late = self.rules.late;
         let over = |capture: &mut Capture| {
             let end = capture.until + late;
@@ -368,15 +350,33 @@ fn ids(capture: &Capture) -> Vec<Option<&str>> {
     capture.named().map(|named| Some(named.id.as_str())).collect()
 }
 
-/// An export that a person must decide upon, for captures that may all be meant. `answers` says
-/// whether the oldest of them waits no more.
-fn held(why: Why, all: &[&Capture], answers: bool) -> Judged {
+/// Everybody whom captures name, each once.
+fn candidates<'a>(all: impl Iterator<Item = &'a Capture>) -> Vec<Named> {
     let mut candidates: Vec<Named> = Vec::new();
-    for named in all.iter().flat_map(|capture| capture.named()) {
+    for named in all.flat_map(Capture::named) {
         if candidates.iter().all(|known| known.id != named.id) {
             candidates.push(named.clone());
         }
     }
+    candidates
+}
+
+/// An export that may be another one of a scan that is being measured: that one may be refused, and then
+/// this is it. Whosever it is, the captures that wait are in doubt.
+fn held_beside(all: &[&Capture], measuring: &[&Capture]) -> Judged {
+    Judged::Held {
+        why: Why::Ambiguous,
+        patient: None,
+        candidates: candidates(all.iter().chain(measuring).copied()),
+        answered: None,
+        doubtful: all.iter().map(|capture| capture.number).collect(),
+    }
+}
+
+/// An export that a person must decide upon, for captures that may all be meant. `answers` says
+/// whether the oldest of them waits no more.
+fn held(why: Why, all: &[&Capture], answers: bool) -> Judged {
+    let candidates = candidates(all.iter().copied());
     let patient = match candidates.as_slice() {
         [one] => Some(one.clone()),
         _ => None,

@@ -20,6 +20,9 @@ pub const MARK_LEAST: u64 = END_BYTES as u64;
 /// So many marks of one file are kept: the first, and the last ones.
 const MARKS_MOST: usize = 8;
 
+/// So many lengths at which a file was read whole are kept, the last ones.
+const READ_MOST: usize = 8;
+
 /// A file whose content is older than its name by more than this came from elsewhere. File systems
 /// keep times to 2 s at worst.
 const STAMPS_APART: Duration = Duration::from_secs(2);
@@ -101,12 +104,15 @@ pub struct Writing {
     /// When its content was last seen to have changed since; none while it has not.
     changed: Option<Duration>,
     marks: Vec<Mark>,
+    /// Its lengths when it was read whole, bytes.
+    #[serde(default)]
+    read: Vec<u64>,
 }
 
 impl Writing {
     /// A file that was seen for the first time, or begun anew.
     pub fn new(first: Appeared) -> Writing {
-        Writing { first, changed: None, marks: Vec::new() }
+        Writing { first, changed: None, marks: Vec::new(), read: Vec::new() }
     }
 
     /// Whether nobody had looked before it was seen first.
@@ -139,7 +145,17 @@ impl Writing {
     /// it grows.
     pub fn known(&mut self, mark: Mark) {
         self.marks.retain(|known| known.ended <= mark.began);
+        if self.read.last() != Some(&mark.size) {
+            self.read.drain(..(self.read.len() + 1).saturating_sub(READ_MOST));
+            self.read.push(mark.size);
+        }
         self.mark(mark);
+    }
+
+    /// The lengths at which it was read whole, bytes, the last one last: a longer content that begins
+    /// with one of them is the rest of it.
+    pub fn read(&self) -> &[u64] {
+        &self.read
     }
 
     /// When this content of the file began.

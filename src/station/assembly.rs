@@ -139,7 +139,7 @@ impl Station {
         let orders = config.patient.orders.as_ref();
         let orders = orders.map_or(OrdersWhen::default(), |orders| orders.when);
         let rules = config.capture.rules(&buttons, orders);
-        let booth = Booth::open(custody.journal(), rules, folders, buttons);
+        let booth = Booth::open(custody.journal(), rules, folders, buttons, since_boot());
         let booth = booth.map_err(CustodyFault::from).map_err(failed)?;
         info!(event = "station-open", adopted, first_start);
         let of = &config.station;

@@ -85,7 +85,8 @@ pub struct BoothState {
 }
 
 impl Booth {
-    /// The booth as the journal has it. `buttons` are the ports that buttons are on.
+    /// The booth as the journal has it, at this time of the station's clock. `buttons` are the ports
+    /// that buttons are on.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -94,6 +95,7 @@ impl Booth {
         rules: Rules,
         folders: usize,
         buttons: BTreeSet<&'static str>,
+        now: Duration,
     ) -> Result<Booth, JournalError> {
         let boot = boot_id();
         let is_ours = |row: &CaptureRow| row.boot == boot && !boot.is_empty();
@@ -112,7 +114,7 @@ impl Booth {
         });
         let waiting = ours.into_iter().map(|row| row.capture).collect();
         let mut captures = Captures::new(rules, waiting, next, unsure_press);
-        captures = captures.with_unread(unread);
+        captures = captures.with_unread(unread).with_measuring(journal.measuring(&boot)?, now);
         if buttons.is_empty() {
             captures.hears(Duration::ZERO);
         }
@@ -224,8 +226,8 @@ impl Held<'_> {
     }
 
     /// The export stands in the journal, or its bytes in the spool with what it answers.
-    pub fn answer(&mut self, judged: &Judged, scan: &ScanId, held: bool) {
-        self.inner.captures.answer(judged);
+    pub fn answer(&mut self, judged: &Judged, scan: &ScanId, held: bool, now: Duration) {
+        self.inner.captures.answer(judged, now);
         if *judged != Judged::Unpressed {
             self.inner.missed = false;
         }

@@ -157,6 +157,7 @@ impl Round {
                 return match station.previews.keep(&row.scan, &files) {
                     Ok(()) => {
                         info!(event = "preview-made", scan);
+                        note(station, station.scan_measured(&row.scan));
                         station.page.hurry();
                     }
                     Err(error) => self.put_off(station, row, &error.to_string()),
@@ -174,6 +175,8 @@ impl Round {
         };
         info!(event = "preview-impossible", scan, code);
         station.previews.cannot_be(&row.scan, code);
+        // Whosever it is, another export is to come.
+        note(station, station.reopen_capture(&row.scan));
         station.page.hurry();
     }
 
@@ -188,6 +191,14 @@ impl Round {
             warn!(event = "preview-failed", error);
         }
         self.said = fault;
+    }
+}
+
+/// The captures could not learn of a preview: it counts as not made for a while.
+fn note(station: &Station, noted: Result<(), JournalError>) {
+    if let Err(error) = noted {
+        station.mind(&error);
+        warn!(event = "journal-failed", error = chain(&error));
     }
 }
 

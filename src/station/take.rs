@@ -111,7 +111,8 @@ pub fn take(
     }
     let companions = fresh(station, settled, export)?;
     let says = [station.identity.of_file_name(&name), beside(station, &companions)];
-    let found = Found { began, format, is_cut_short, companions: &companions };
+    let read = settled.writing.read();
+    let found = Found { began, format, is_cut_short, read, companions: &companions };
     let (verdict, not_an_id) = admit(station, export, &found, says)?;
     if let Verdict::Held(_) = verdict {
         station.booth.ended(&export.scan, Outcome::NeedsPerson, station.now());
@@ -166,6 +167,8 @@ struct Found<'a> {
     format: Format,
     /// Its format shows that more was to come.
     is_cut_short: bool,
+    /// The lengths at which the same file was read before, bytes.
+    read: &'a [u64],
     companions: &'a [Companion],
 }
 
@@ -180,7 +183,7 @@ fn admit(
     // No press and no other export may come between the judgement and what is done by it.
     let mut booth = station.booth.hold();
     custody.enter_kept(|kept, judged| {
-        booth.answer(judged, kept, false);
+        booth.answer(judged, kept, false, station.now());
         station.work.notify_one();
     })?;
     let known = custody.known(scan, &export.geometry)?;
@@ -190,7 +193,7 @@ fn admit(
         is_cut_short: found.is_cut_short,
         completes: match &known {
             Some(_) => None,
-            None => custody.completed_by(&export.bytes)?,
+            None => custody.completed_by(&export.bytes, found.read)?,
         },
     };
     let judged = booth.judge(&content);
@@ -209,12 +212,13 @@ fn admit(
         geometry: &export.geometry,
         known,
     });
+    let now = station.now();
     match &admitted {
-        Ok(Verdict::New) => booth.answer(&judged, scan, false),
-        Ok(Verdict::Held(_)) => booth.answer(&judged, scan, true),
+        Ok(Verdict::New) => booth.answer(&judged, scan, false, now),
+        Ok(Verdict::Held(_)) => booth.answer(&judged, scan, true, now),
         Ok(Verdict::Already) => {}
         // Its bytes may be kept already, and with them what it answers: no other export may.
-        Err(_) if custody.spool().holds(scan) => booth.answer(&judged, scan, true),
+        Err(_) if custody.spool().holds(scan) => booth.answer(&judged, scan, true, now),
         Err(_) => {}
     }
     Ok((admitted?, not_an_id))

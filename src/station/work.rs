@@ -67,7 +67,10 @@ fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setba
         Err(Setback::Refused(Reason::new(code, message, Stage::Measure, row.first_seen)))
     };
     match measured {
-        Measured::Answered(Answer::Files(files)) => Ok(Ready { row, files }),
+        Measured::Answered(Answer::Files(files)) => {
+            station.scan_measured(&row.scan)?;
+            Ok(Ready { row, files })
+        }
         Measured::Answered(Answer::Refused { code, message }) => refused(&code, message),
         Measured::Trouble(trouble) if !trouble.may_pass() => {
             refused(trouble.code(), trouble.to_string())

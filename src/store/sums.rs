@@ -1,5 +1,6 @@
 //! `SHA256SUMS`: whether a record folder is whole.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::ops::Range;
@@ -47,6 +48,18 @@ pub enum SumsFault {
 /// The SHA-256 of bytes as a scan id.
 pub fn scan_id(bytes: &[u8]) -> ScanId {
     ScanId::of_digest(Sha256::digest(bytes).into())
+}
+
+/// The ids of the beginnings of these lengths, bytes; of none that are longer than the bytes. One pass.
+pub fn of_beginnings(bytes: &[u8], lengths: &BTreeSet<usize>) -> BTreeMap<usize, ScanId> {
+    let (mut digest, mut done) = (Sha256::new(), 0);
+    let mut found = BTreeMap::new();
+    for &length in lengths.range(..=bytes.len()) {
+        digest.update(&bytes[done..length]);
+        done = length;
+        found.insert(length, ScanId::of_digest(digest.clone().finalize().into()));
+    }
+    found
 }
 
 /// The SHA-256 of parts of bytes, one after the other.

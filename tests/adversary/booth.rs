@@ -151,7 +151,8 @@ impl Booth {
         self.disk.recover(self.setup.off);
         let (waiting, next, unsure_press) = self.disk.captures();
         let mut captures = Captures::new(self.setup.rules, waiting, next, unsure_press)
-            .with_unread(self.disk.unread.clone());
+            .with_unread(self.disk.unread.clone())
+            .with_measuring(self.disk.measuring(), self.clock());
         if !self.setup.rules.by_press {
             captures.hears(Duration::ZERO);
         } else if !self.is_unplugged {
@@ -161,7 +162,7 @@ impl Booth {
         let last_look = memory.looked;
         let mut work = BTreeMap::new();
         for (scan, row) in self.disk.scans() {
-            if row.state == gaiter::flow::ScanState::Spooled {
+            if row.state == gaiter::flow::ScanState::Spooled || row.is_held() {
                 work.insert(self.now_ms + 1000 + work.len() as u64, scan);
             }
         }

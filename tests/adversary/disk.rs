@@ -15,6 +15,9 @@ use gaiter::flow::{DeliveryState, ScanState, Stamp};
 use super::content::{Content, Scan};
 use super::laws::Off;
 
+#[path = "disk_known.rs"]
+mod known;
+
 /// A patient's id; none stands for nobody named.
 pub type Who = Option<String>;
 
@@ -28,6 +31,13 @@ enum End {
     Answered,
     Held,
     Over,
+}
+
+impl End {
+    /// Its export was taken.
+    fn is_taken(self) -> bool {
+        self != End::Over
+    }
 }
 
 #[derive(Debug, Clone)]
@@ -101,8 +111,10 @@ impl Disk {
             }
         }
         let still = |number: i64| after.waiting().iter().any(|known| known.number == number);
-        for gone in before.waiting().iter().filter(|capture| !still(capture.number)) {
-            if let Some(row) = self.captures.get_mut(&gone.number) {
+        let still = |number: i64| still(number) || after.measuring().any(|known| known == number);
+        let before = before.waiting().iter().map(|known| known.number).chain(before.measuring());
+        for gone in before.filter(|number| !still(*number)) {
+            if let Some(row) = self.captures.get_mut(&gone) {
                 row.end = Some(End::Over);
             }
         }
@@ -134,7 +146,7 @@ impl Disk {
 
     pub fn answered_by(&self, scan: Scan) -> Option<Capture> {
         let mut rows = self.captures.values();
-        let row = rows.find(|row| row.end == Some(End::Answered) && row.scan == Some(scan));
+        let row = rows.find(|row| row.end.is_some_and(End::is_taken) && row.scan == Some(scan));
         row.map(|row| row.capture.clone())
     }
 
@@ -150,29 +162,9 @@ impl Disk {
         self.scans.iter().map(|(scan, row)| (*scan, row))
     }
 
-    /// As `Custody::known`.
-    pub fn known(&self, scan: Scan, geometry: &str) -> Option<Scan> {
-        let same = |(known, row): &&(Scan, ScanRow)| {
-            *known == scan || (!geometry.is_empty() && row.geometry == geometry)
-        };
-        let own = self.scans.iter().find(|(known, _)| *known == scan);
-        own.or_else(|| self.scans.iter().find(same)).map(|(known, _)| *known)
-    }
-
     /// As `Journal::patients`.
     pub fn patients(&self, scan: Scan) -> Vec<Who> {
         self.scan(scan).map_or_else(Vec::new, |row| row.deliveries.keys().cloned().collect())
-    }
-
-    /// As `Journal::refused_of`, with its comparison: the refused scan of at least `least` bytes with
-    /// which a content begins.
-    pub fn refused_beginning(&self, content: &Content, least: usize) -> Option<Scan> {
-        let is_part = |(_, row): &&(Scan, ScanRow)| {
-            let (part, all) = (row.content.bytes(), content.bytes());
-            let is_refused = row.state == ScanState::Refused;
-            is_refused && part.len() >= least && part.len() < all.len() && all.starts_with(part)
-        };
-        self.scans.iter().rev().find(is_part).map(|(scan, _)| *scan)
     }
 
     pub fn spool_holds(&self, scan: Scan) -> bool {
@@ -181,12 +173,6 @@ impl Disk {
 
     pub fn spool_keep(&mut self, scan: Scan, intake: Intake) {
         self.spool.entry(scan).or_insert(intake);
-    }
-
-    /// What the spool keeps and the journal does not know.
-    pub fn unentered(&self) -> Vec<(Scan, Intake)> {
-        let unknown = self.spool.iter().filter(|(scan, _)| self.scan(**scan).is_none());
-        unknown.map(|(scan, intake)| (*scan, intake.clone())).collect()
     }
 
     /// As `Journal::enter`: a scan, its delivery and what it means for captures.
@@ -222,6 +208,7 @@ impl Disk {
             }
         }
         if let Some(row) = answered.and_then(|number| self.captures.get_mut(&number)) {
+            candidates.iter().for_each(|named| row.capture.may_also_be(named));
             (row.end, row.scan) = (Some(end), Some(scan));
         }
     }

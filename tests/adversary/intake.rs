@@ -220,7 +220,7 @@ impl Booth {
 
     /// As `take::admit`.
     fn admit(&mut self, settled: &Settled, content: &Content, says: NameSays) -> Result<(), Fault> {
-        let (scan, off) = (content.scan(), self.setup.off);
+        let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
         let Some(run) = &self.run else { return Err(Fault) };
         let mut began = run.settling.began(settled, content.bytes());
         self.tell(|| format!("{} is read; its content began {began:?}", name_of(&settled.path)));
@@ -228,7 +228,7 @@ impl Booth {
         let known = self.disk.known(scan, &content.geometry());
         let completes = match known {
             Some(_) => None,
-            None => self.completes(content),
+            None => self.completes(settled, content),
         };
         let Some(run) = &mut self.run else { return Err(Fault) };
         if off == Off::ContentNotName
@@ -255,7 +255,7 @@ impl Booth {
         };
         if verdict == Verdict::Already {
             if off == Off::KnownAnswerNothing {
-                run.captures.answer(&judged);
+                run.captures.answer(&judged, now);
             }
             self.tell(|| format!("{:?} is known", content.scan()));
             return Ok(());
@@ -276,7 +276,7 @@ impl Booth {
 
     /// Spool, then journal, then memory; or what goes wrong in between.
     fn keep(&mut self, content: &Content, intake: &Intake) -> Result<(), Fault> {
-        let (scan, off) = (content.scan(), self.setup.off);
+        let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
         let fault = self.fault.take();
         let kept = match fault {
             Some(TakeFault::Spool) => Err(Fault),
@@ -300,9 +300,9 @@ impl Booth {
         let (is_kept, judged) = (self.disk.spool_holds(scan), &intake.judged);
         let Some(run) = &mut self.run else { return Err(Fault) };
         if entered.is_ok() || (is_kept && off != Off::KeptScansAnswer) {
-            run.captures.answer(judged);
+            run.captures.answer(judged, now);
         }
-        if entered.is_ok() && intake.held.is_none() {
+        if entered.is_ok() {
             let at = self.now_ms + 1000 + self.chance.below(3000) as u64;
             run.work.insert(at, scan);
         }
@@ -320,28 +320,25 @@ impl Booth {
 
     /// As `Custody::enter_kept`.
     fn enter_kept(&mut self) -> Result<(), Fault> {
+        let now = self.clock();
         for (scan, mut intake) in self.disk.unentered() {
             if self.setup.off == Off::KeptScansAnswer {
                 intake.judged = Judged::Unpressed;
             }
             self.disk.enter(scan, &intake)?;
             let Some(run) = &mut self.run else { return Err(Fault) };
-            run.captures.answer(&intake.judged);
-            if intake.held.is_none() {
-                run.work.insert(self.now_ms + 1500, scan);
-            }
+            run.captures.answer(&intake.judged, now);
+            run.work.insert(self.now_ms + 1500, scan);
             self.tell(|| format!("{scan:?} is entered after all"));
         }
         Ok(())
     }
 
     /// As `Custody::completed_by`.
-    fn completes(&self, content: &Content) -> Option<Option<Named>> {
-        let part = self.disk.refused_beginning(content, COMPLETED_LEAST)?;
-        let patients = self.disk.patients(part);
-        let mut named = patients.into_iter().flatten();
-        let id = named.next().filter(|_| named.next().is_none());
-        Some(id.map(|id| Named { id, by: SourceKind::Record }))
+    fn completes(&self, settled: &Settled, content: &Content) -> Option<Vec<Named>> {
+        let part = self.disk.beginning(content, settled.writing.read(), COMPLETED_LEAST)?;
+        let whose = self.disk.whose(part).into_iter();
+        Some(whose.map(|id| Named { id, by: SourceKind::Record }).collect())
     }
 
     /// What the scanner's own measures beside a scan say, where they are of this scan.
@@ -387,7 +384,8 @@ fn dealt_with(disk: &super::disk::Disk, run: &mut Run, file: &Settled) -> bool {
 fn without_refused(run: &Run) -> gaiter::flow::capture::Captures {
     let mut captures = run.captures.clone();
     for refused in run.captures.waiting().iter().filter(|capture| capture.is_refused) {
-        captures.answer(&Judged::Of(refused.clone()));
+        captures.answer(&Judged::Of(refused.clone()), Duration::ZERO);
+        captures.measured(refused.number);
     }
     captures
 }

@@ -110,6 +110,16 @@ pub enum Share {
     Fault,
 }
 
+/// What a sequence has most of: kinds that must meet before anything goes wrong.
+pub const THEMES: [&[Kind]; 6] = [
+    &[],
+    &[Kind::BreaksOff, Kind::AgainWhole, Kind::PressEarly, Kind::Card, Kind::ExportOutOfOrder],
+    &[Kind::BreaksOff, Kind::RescanNamed, Kind::RescanUnnamed, Kind::GivenUp, Kind::Word],
+    &[Kind::Order, Kind::OrderAfterPress, Kind::OrderEarly, Kind::OrderTouched, Kind::NextPatient],
+    &[Kind::JournalLocked, Kind::TakeFails, Kind::Card, Kind::Word, Kind::PressEarly],
+    &[Kind::Decide, Kind::TakeBack, Kind::Rebuild, Kind::StoreAway, Kind::OrderEarly],
+];
+
 impl Kind {
     pub const ALL: [Kind; 47] = [
         Kind::Press,

@@ -11,15 +11,18 @@ use regex::Regex;
 
 use super::booth::{Booth, LATE, NAME_LASTS, Setup, WINDOW};
 use super::chance::Chance;
-use super::kinds::{Kind, Pairs, Share};
+use super::kinds::{Kind, Pairs, Share, THEMES};
 use super::laws::Off;
 use super::people::People;
 
 /// Events of a sequence.
-const EVENTS: usize = 30;
+const EVENTS: usize = 40;
 
 /// So often another kind is drawn where there is no occasion for one.
 const DRAWS: usize = 40;
+
+/// So many times as often the kinds of a sequence's theme are drawn.
+const THEME: usize = 3;
 
 /// One in so many times what is away comes back.
 const BACK: usize = 4;
@@ -138,13 +141,18 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
 /// ISSTA 2012); and faults at every step would leave nothing but held scans.
 fn some_kinds(chance: &mut Chance) -> Vec<Kind> {
     let faults_in = [0, 1, 1, 3][chance.below(4)];
+    let theme = THEMES[chance.below(THEMES.len())];
     let is_in = |kind: &Kind, chance: &mut Chance| match kind.share() {
         Share::Always => true,
         Share::Half => chance.below(2) == 0,
         Share::Fault => chance.below(9) < faults_in,
     };
+    let is_in = |kind: &Kind, chance: &mut Chance| is_in(kind, chance) || theme.contains(kind);
     let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| is_in(kind, chance)).collect();
-    kinds.into_iter().flat_map(|kind| std::iter::repeat_n(kind, kind.weight())).collect()
+    let often = |kind: &Kind| if theme.contains(kind) { THEME } else { 1 };
+    let weighed =
+        kinds.iter().flat_map(|kind| std::iter::repeat_n(*kind, kind.weight() * often(kind)));
+    weighed.collect()
 }
 
 /// What is away comes back, sooner than anything else.

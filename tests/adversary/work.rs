@@ -6,6 +6,7 @@
 
 use std::time::Duration;
 
+use gaiter::flow::capture::Judged;
 use gaiter::flow::{Appeared, ScanState, Stamp};
 
 use super::booth::{Booth, Run};
@@ -16,35 +17,56 @@ use super::truth::{Plan, id};
 const AGAIN_MS: u64 = 3000;
 
 impl Booth {
-    /// The measurement that is due ends.
+    /// The measurement that is due ends; that of a held scan is for its preview.
     pub fn measure_due(&mut self) {
         let Some((_, scan)) = self.run.as_mut().and_then(|run| run.work.pop_first()) else {
             return;
         };
-        let Some(row) = self.disk.scan(scan).filter(|row| row.state == ScanState::Spooled) else {
-            return;
+        let Some(row) = self.disk.scan(scan) else { return };
+        let (is_due, is_held) = (row.state == ScanState::Spooled, row.is_held());
+        let (is_whole, body) = (row.content.is_whole(), row.content.whole.body);
+        let is_good = is_whole && !self.truth.bodies[body].is_refused;
+        let ended = match (is_due, is_held, is_good) {
+            (false, false, _) => return,
+            (false, true, true) => Ok(()),
+            (false, true, false) => self.reopen_capture(scan),
+            (true, _, true) => self.disk.delivered(scan),
+            (true, _, false) => self.refuse(scan, body),
         };
-        let body = row.content.whole.body;
-        let is_good = row.content.is_whole() && !self.truth.bodies[body].is_refused;
-        let ended = if is_good { self.disk.delivered(scan) } else { self.refuse(scan, body) };
-        if ended.is_err()
-            && let Some(run) = &mut self.run
-        {
-            run.work.insert(self.now_ms + AGAIN_MS, scan);
+        if ended.is_err() && is_due {
+            if let Some(run) = &mut self.run {
+                run.work.insert(self.now_ms + AGAIN_MS, scan);
+            }
             return;
         }
-        if is_good {
-            self.tell(|| format!("body {body} is measured"));
-            self.check_records();
+        if !is_good {
+            return;
         }
+        let answered = self.disk.answered_by(scan);
+        if let (Some(run), Some(capture)) = (&mut self.run, answered) {
+            run.captures.measured(capture.number);
+        }
+        if is_due {
+            self.is_measured(body);
+        }
+    }
+
+    fn is_measured(&mut self, body: usize) {
+        self.tell(|| format!("body {body} is measured"));
+        // Everybody sees that it is done after all.
+        let patient = self.truth.bodies[body].patient;
+        for of in self.truth.bodies.iter_mut().filter(|of| of.patient == patient) {
+            of.refused_ms = None;
+        }
+        self.check_records();
     }
 
     fn refuse(&mut self, scan: Scan, body: usize) -> Result<(), super::disk::Fault> {
         self.disk.refused(scan)?;
         self.tell(|| format!("body {body} is refused: {scan:?}"));
-        // Of one that a person had to decide upon nobody relies on its capture.
-        let was_held = self.disk.scan(scan).is_some_and(|row| row.held.is_some());
-        if !was_held {
+        // Of one that came for nobody, or that a person had to decide upon, nobody relies on its capture.
+        let answered = self.disk.scan(scan).is_some_and(|row| matches!(row.judged, Judged::Of(_)));
+        if answered {
             self.truth.bodies[body].refused_ms = Some(self.now_ms);
         }
         let _ = self.reopen_capture(scan);

@@ -173,6 +173,7 @@ impl Captures {
             let was_answered_in_doubt = capture.doubt == Some(Doubt::Shared);
             !is_same && !was_answered_in_doubt && !is_coming_in(capture, coming)
         };
+        self.measuring.retain(|known| known.capture.is_of(id));
         self.waiting.extract_if(.., is_given_up).map(|capture| capture.number).collect()
     }
 

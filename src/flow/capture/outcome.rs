@@ -64,21 +64,21 @@ pub enum Judged {
 }
 
 impl Judged {
-    /// The same for an export that begins with a scan that was refused as cut short and was this
-    /// patient's, or nobody's: it is that scan, whole, and no other patient's.
-    pub fn completing(self, patient: Option<&Named>) -> Judged {
-        let id = |named: Option<&Named>| named.map(|named| named.id.clone());
+    /// The same for an export that begins with a scan that came in before and was one of these patients',
+    /// or nobody's: it is that scan, whole, and no other patient's.
+    pub fn completing(self, whose: &[Named]) -> Judged {
         let (why, mut candidates) = match self {
-            Judged::Of(capture) if id(capture.patient.as_ref()) == id(patient) => {
-                return Judged::Of(capture);
-            }
+            Judged::Of(capture) if capture.is_of_all(whose) => return Judged::Of(capture),
             Judged::Of(capture) => (Why::Ambiguous, capture.named().cloned().collect::<Vec<_>>()),
             // Its own name says whose it is, or nobody does.
             Judged::Unpressed => return Judged::Unpressed,
             Judged::Held { why, candidates, .. } => (why, candidates),
         };
-        let is_new = |named: &&Named| candidates.iter().all(|known| known.id != named.id);
-        candidates.extend(patient.filter(is_new).cloned());
+        for named in whose {
+            if candidates.iter().all(|known| known.id != named.id) {
+                candidates.push(named.clone());
+            }
+        }
         // The captures go on waiting for exports of their own.
         Judged::Held { why, patient: None, candidates, answered: None, doubtful: Vec::new() }
     }

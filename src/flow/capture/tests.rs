@@ -36,9 +36,18 @@ fn seen(second: u64) -> Appeared {
 }
 
 /// Judges and takes.
-fn export(captures: &mut Captures, appeared: Appeared) -> Judged {
+fn taken(captures: &mut Captures, appeared: Appeared) -> Judged {
     let judged = captures.judge(appeared);
-    captures.answer(&judged);
+    captures.answer(&judged, appeared.seen);
+    judged
+}
+
+/// Judges, takes and measures.
+fn export(captures: &mut Captures, appeared: Appeared) -> Judged {
+    let judged = taken(captures, appeared);
+    if let Judged::Of(capture) = &judged {
+        captures.measured(capture.number);
+    }
     judged
 }
 

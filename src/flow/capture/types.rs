@@ -1,5 +1,6 @@
 //! What a capture is, and what rules it.
 
+use std::collections::BTreeSet;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
@@ -67,6 +68,12 @@ impl Capture {
         is_sure && self.patient.as_ref().is_some_and(|patient| patient.id == id)
     }
 
+    /// Whether it names these and nobody else.
+    pub(super) fn is_of_all(&self, whose: &[Named]) -> bool {
+        let ours: BTreeSet<&str> = self.named().map(|named| named.id.as_str()).collect();
+        ours == whose.iter().map(|named| named.id.as_str()).collect()
+    }
+
     pub(super) fn is_unnamed(&self) -> bool {
         self.patient.is_none() && self.others.is_empty()
     }
@@ -95,8 +102,8 @@ pub struct Content {
     pub is_known: bool,
     /// Its format shows that it was cut short.
     pub is_cut_short: bool,
-    /// It begins with a scan that was refused, of this one patient or of nobody.
-    pub completes: Option<Option<Named>>,
+    /// It begins with a scan that came in before, of one of these patients, or of nobody.
+    pub completes: Option<Vec<Named>>,
 }
 
 /// Why the export of a capture could be another patient's.

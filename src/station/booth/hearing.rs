@@ -206,6 +206,18 @@ impl Station {
         kept
     }
 
+    /// The scan that answered a capture was measured: no other export of it is awaited.
+    ///
+    /// # Errors
+    /// See [`JournalError`]; then it counts as being measured for a while longer.
+    pub fn scan_measured(&self, scan: &ScanId) -> Result<(), JournalError> {
+        let answered = self.custody.journal().capture_answered_by(scan, self.booth.boot())?;
+        if let Some(capture) = answered {
+            self.booth.inner().captures.measured(capture.number);
+        }
+        Ok(())
+    }
+
     /// The scan that answered a capture was refused: another export is awaited.
     ///
     /// # Errors

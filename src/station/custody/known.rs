@@ -58,22 +58,42 @@ impl Custody {
         Ok(self.journal.of_geometry(geometry)?)
     }
 
-    /// The refused scan with which these bytes begin, and the one patient whose it was: it was cut
-    /// short, and this is all of it.
+    /// Whose the scan is, or may be, with which these bytes begin: one that was read from the same file
+    /// when that had one of these lengths, or one that was refused as cut short. They are all of it.
     ///
     /// # Errors
     /// See [`CustodyFault`].
-    pub fn completed_by(&self, bytes: &[u8]) -> Result<Option<Option<Named>>, CustodyFault> {
+    pub fn completed_by(
+        &self,
+        bytes: &[u8],
+        read: &[u64],
+    ) -> Result<Option<Vec<Named>>, CustodyFault> {
         let sizes = COMPLETED_LEAST..bytes.len() as u64;
-        for (scan, size) in self.journal.refused_of(sizes, COMPLETED_MOST)? {
-            let part = usize::try_from(size).ok().and_then(|size| bytes.get(..size));
-            if part.is_some_and(|part| sums::scan_id(part) == scan) {
-                let patients = self.journal.patients(&scan)?;
-                let mut named = patients.into_iter().flatten();
-                let id = named.next().filter(|_| named.next().is_none());
-                return Ok(Some(id.map(|id| Named { id, by: SourceKind::Record })));
+        let refused = self.journal.refused_of(sizes, COMPLETED_MOST)?;
+        let length = |size: u64| usize::try_from(size).ok().filter(|size| *size < bytes.len());
+        let read: Vec<usize> = read.iter().rev().filter_map(|size| length(*size)).collect();
+        let lengths = refused.iter().filter_map(|(_, size)| length(*size)).chain(read.clone());
+        let beginnings = sums::of_beginnings(bytes, &lengths.collect());
+        for part in read.iter().filter_map(|length| beginnings.get(length)) {
+            if self.journal.scan(part)?.is_some() {
+                return self.whose(part).map(Some);
             }
         }
-        Ok(None)
+        let is_beginning = |(scan, size): &&(ScanId, u64)| {
+            length(*size).is_some_and(|length| beginnings.get(&length) == Some(scan))
+        };
+        match refused.iter().find(is_beginning) {
+            Some((scan, _)) => self.whose(scan).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    /// Everybody whose a scan is or may be.
+    fn whose(&self, scan: &ScanId) -> Result<Vec<Named>, CustodyFault> {
+        let patients = self.journal.patients(scan)?.into_iter().flatten();
+        let mut ids: Vec<String> = patients.chain(self.journal.candidates(scan)?).collect();
+        ids.sort();
+        ids.dedup();
+        Ok(ids.into_iter().map(|id| Named { id, by: SourceKind::Record }).collect())
     }
 }

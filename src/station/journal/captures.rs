@@ -13,15 +13,18 @@ use rusqlite::{OptionalExtension, Row, Transaction, params};
 use serde_json::{Value, json};
 
 use super::{Event, Journal, JournalError, cell, history, seal};
-use crate::flow::ScanId;
 use crate::flow::capture::{Capture, Captures, Judged, Named};
 use crate::flow::order_habit::{ORDERS_MOST, OrderCame};
+use crate::flow::{ScanId, ScanState};
 use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_word, word_of};
 pub(super) use next::upgrade;
 
 /// The states of a capture that is over.
 const ANSWERED: &str = "answered";
 const HELD: &str = "held";
+
+/// Of captures whose exports were taken.
+const TAKEN: &str = "('answered', 'held')";
 
 /// The states of a capture whose export has not come, as SQL has them.
 const WAITING: &str = "('open', 'expired')";
@@ -81,6 +84,14 @@ impl Journal {
             for capture in before.waiting().iter().filter(|capture| !still(capture.number)) {
                 end(transaction, &[capture.number], ended_as)?;
             }
+            let still = |number: i64| {
+                after
+                    .measuring()
+                    .chain(after.waiting().iter().map(|of| of.number))
+                    .any(|of| of == number)
+            };
+            let given_up: Vec<i64> = before.measuring().filter(|number| !still(*number)).collect();
+            end(transaction, &given_up, ended_as)?;
             next::save(transaction, before, after, boot)?;
             if let Some((event, detail)) = event {
                 history::append(transaction, None, *event, detail)?;
@@ -117,10 +128,31 @@ impl Journal {
     ) -> Result<Option<Capture>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(&format!(
-            "SELECT {CELLS} FROM captures WHERE scan = ?1 AND state = '{ANSWERED}' AND boot = ?2"
+            "SELECT {CELLS} FROM captures WHERE scan = ?1 AND state IN {TAKEN} AND boot = ?2"
         ))?;
         let mut rows = query.query([scan.as_str(), boot])?;
         rows.next()?.map(|row| Ok(read(row)?.capture)).transpose()
+    }
+
+    /// The captures whose scans are to be measured, are held, or were refused without their being opened
+    /// again, if the machine has not been started since.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn measuring(&self, boot: &str) -> Result<Vec<Capture>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(&format!(
+            "SELECT {CELLS} FROM captures WHERE state IN {TAKEN} AND boot = ?1
+             AND (state = '{HELD}' OR scan IN (SELECT sha256 FROM scans WHERE state IN (?2, ?3)))
+             ORDER BY number"
+        ))?;
+        let (spooled, refused) = (ScanState::Spooled.word(), ScanState::Refused.word());
+        let mut rows = query.query([boot, spooled, refused])?;
+        let mut found = Vec::new();
+        while let Some(row) = rows.next()? {
+            found.push(read(row)?.capture);
+        }
+        Ok(found)
     }
 
     /// When the last orders came, the newest last.
@@ -190,6 +222,7 @@ pub(super) fn answer(
         doubt(transaction, *number, candidates)?;
     }
     let Some(number) = answered else { return Ok(()) };
+    doubt(transaction, number, candidates)?;
     transaction.execute(
         "UPDATE captures SET state = ?2, scan = ?3 WHERE number = ?1",
         params![number, state, scan.as_str()],

@@ -222,15 +222,54 @@ fn a_known_scan_answers_nothing_and_the_rest_of_a_refused_one_is_no_other_patien
         Content { began, is_known, is_cut_short, completes }
     };
     assert_eq!(captures.judge_content(&content(true, None)), Judged::Unpressed);
-    let of_2 = captures.judge_content(&content(false, Some(Some(named("2")))));
+    let of_2 = captures.judge_content(&content(false, Some(vec![named("2")])));
     assert_eq!(patient_of(&of_2), Some("2"));
-    let of_1 = captures.judge_content(&content(false, Some(Some(named("1")))));
+    let of_1 = captures.judge_content(&content(false, Some(vec![named("1")])));
     assert_eq!((code(&of_1), candidates(&of_1)), (AMBIGUOUS, vec!["2", "1"]));
-    let of_nobody = captures.judge_content(&content(false, Some(None)));
+    let of_nobody = captures.judge_content(&content(false, Some(Vec::new())));
     assert_eq!(code(&of_nobody), AMBIGUOUS);
-    captures.answer(&of_nobody);
+    captures.answer(&of_nobody, at(20));
     assert_eq!(captures.waiting().len(), 1, "it goes on waiting for its own");
     // Where nothing is open, its own name says whose it is.
-    let unpressed = self::captures().judge_content(&content(false, Some(Some(named("1")))));
+    let unpressed = self::captures().judge_content(&content(false, Some(vec![named("1")])));
     assert_eq!(unpressed, Judged::Unpressed);
+}
+
+#[test]
+fn while_a_scan_is_measured_an_export_for_somebody_else_may_be_another_one_of_it() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    let first = taken(&mut captures, seen(10));
+    assert_eq!(patient_of(&first), Some("1"));
+    pressed_for(&mut captures, "2", 2, 11);
+    let second = taken(&mut captures, seen(15));
+    assert_eq!((code(&second), candidates(&second)), (AMBIGUOUS, vec!["2", "1"]));
+    // Whichever it was, the other is still to come.
+    let Judged::Of(first) = first else { unreachable!() };
+    captures.refused(first, at(16));
+    let third = export(&mut captures, seen(20));
+    assert_eq!(code(&third), AMBIGUOUS);
+}
+
+#[test]
+fn once_a_scan_is_measured_the_next_export_is_the_next_patients() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
+    // A second export of the same press is nobody's in any case.
+    assert_eq!(captures.judge(seen(12)), Judged::Unpressed);
+    captures.measured(1);
+    pressed_for(&mut captures, "2", 2, 11);
+    assert_eq!(patient_of(&export(&mut captures, seen(15))), Some("2"));
+}
+
+#[test]
+fn a_scan_that_cannot_be_measured_for_long_is_in_nobodys_way() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
+    // Window and late are 360 s.
+    captures.pass(at(371), &[]);
+    pressed_for(&mut captures, "2", 2, 372);
+    assert_eq!(patient_of(&export(&mut captures, seen(380))), Some("2"));
 }

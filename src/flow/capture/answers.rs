@@ -1,0 +1,87 @@
+//! What becomes of captures when their exports are taken, measured or refused.
+
+use std::time::Duration;
+
+use super::{Appeared, Capture, CaptureState, Captures, Doubt, Judged, Opener, ids};
+
+/// A capture whose export was taken and is not measured, for its patient or, where it is held, for a
+/// preview: it may still be refused.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Measuring {
+    pub(super) capture: Capture,
+    /// Nobody waits for another export of it after this time, whatever becomes of it.
+    pub(super) until: Duration,
+}
+
+impl Captures {
+    /// The same, where the exports of these captures were taken and are not known to be measured.
+    pub fn with_measuring(mut self, taken: Vec<Capture>, now: Duration) -> Captures {
+        let late = self.rules.late;
+        let may_come = |capture: &Capture| now <= capture.until + late;
+        let taken = taken.into_iter().filter(may_come);
+        self.measuring = taken.map(|capture| self.measuring_since(capture, now)).collect();
+        self
+    }
+
+    /// The numbers of the captures whose exports were taken and are not measured: a refusal opens them
+    /// again. One that is none of them any more was given up, or nobody waits for it.
+    pub fn measuring(&self) -> impl Iterator<Item = i64> {
+        self.measuring.iter().map(|known| known.capture.number)
+    }
+
+    fn measuring_since(&self, capture: Capture, now: Duration) -> Measuring {
+        Measuring { capture, until: now + self.rules.window + self.rules.late }
+    }
+
+    /// The export was taken: what it answered waits no more, and is remembered until it is measured.
+    pub fn answer(&mut self, judged: &Judged, now: Duration) {
+        let (answered, in_doubt, candidates) = match judged {
+            Judged::Unpressed => return,
+            Judged::Of(capture) => (Some(capture.number), &[][..], &[][..]),
+            Judged::Held { answered, doubtful, candidates, .. } => {
+                (*answered, doubtful.as_slice(), candidates.as_slice())
+            }
+        };
+        let is_answered = |capture: &mut Capture| Some(capture.number) == answered;
+        for mut capture in self.waiting.extract_if(.., is_answered).collect::<Vec<_>>() {
+            candidates.iter().for_each(|named| capture.may_also_be(named));
+            self.measuring.push(self.measuring_since(capture, now));
+        }
+        for capture in self.waiting.iter_mut().filter(|c| in_doubt.contains(&c.number)) {
+            capture.doubt = Some(Doubt::Shared);
+            candidates.iter().for_each(|named| capture.may_also_be(named));
+        }
+    }
+
+    /// The export of the capture of this number was measured: nothing more is awaited of it.
+    pub fn measured(&mut self, number: i64) {
+        self.measuring.retain(|known| known.capture.number != number);
+    }
+
+    /// The export that answered a capture was refused: another is awaited for the same time again.
+    pub fn refused(&mut self, capture: Capture, now: Duration) -> &Capture {
+        self.measured(capture.number);
+        let lasts = match capture.by {
+            Opener::Press => self.rules.window,
+            Opener::Name => self.rules.name_lasts,
+        };
+        let (state, until) = (CaptureState::Open, now + lasts);
+        // What may have gone unheard since then puts it in doubt like those that wait.
+        let unheard =
+            (capture.by == Opener::Press && self.is_in_doubt(now)).then_some(Doubt::Unheard);
+        let doubt = capture.doubt.or(unheard);
+        let place = self.waiting.partition_point(|known| known.number < capture.number);
+        self.waiting.insert(place, Capture { state, until, is_refused: true, doubt, ..capture });
+        &self.waiting[place]
+    }
+
+    /// The captures whose exports are being measured, and that name somebody else than these or
+    /// nobody: if one of those is refused, an export that comes now may be another one of it.
+    pub(super) fn measured_for_others(&self, all: &[&Capture], export: Appeared) -> Vec<&Capture> {
+        let of_all: Vec<_> = all.iter().flat_map(|capture| ids(capture)).collect();
+        let is_others = |capture: &&Capture| {
+            capture.opened < export.seen && ids(capture).iter().any(|id| !of_all.contains(id))
+        };
+        self.measuring.iter().map(|known| &known.capture).filter(is_others).collect()
+    }
+}
