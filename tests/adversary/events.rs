@@ -1,9 +1,7 @@
 //! What each kind of event does; whether there was occasion for it.
 
-use super::booth::Booth;
 use super::exports::{How, Rest};
 use super::folder::Held;
-use super::intake::TakeFault;
 use super::kinds::Kind;
 use super::people::{People, Said};
 use super::truth::{Plan, id};
@@ -16,7 +14,7 @@ impl People {
     /// Something happens, if there is occasion for it.
     pub fn happens(&mut self, kind: Kind) -> bool {
         match kind {
-            Kind::Press => self.press(),
+            Kind::Press => self.press_in_turn(),
             Kind::PressEarly => self.press_early(),
             Kind::NextPatient => self.next_patient(),
             Kind::Card => self.card(),
@@ -124,8 +122,7 @@ impl People {
         true
     }
 
-    /// Whether something may come later than anybody waits for it: what goes wrong then is counted in a
-    /// row of its own.
+    /// Whether something may come later than anybody waits for it: counted in a row of its own.
     fn comes_late(&mut self) -> bool {
         let may = self.booth.chance.below(40) == 0;
         self.booth.truth.is_late |= may;
@@ -331,12 +328,10 @@ impl People {
     }
 
     fn refused(&self) -> Vec<usize> {
-        let bodies = &self.booth.truth.bodies;
-        let now = self.booth.now_ms;
-        let is_refused = |at: &usize| {
-            bodies[*at].refused_ms.is_some_and(|at_ms| now < at_ms + 80_000)
-                && bodies[*at].is_covered
-        };
+        let (bodies, now) = (&self.booth.truth.bodies, self.booth.now_ms);
+        let is_recent = |at_ms: u64| now < at_ms + 80_000;
+        let is_refused =
+            |at: &usize| bodies[*at].refused_ms.is_some_and(is_recent) && bodies[*at].is_covered;
         (0..bodies.len()).filter(is_refused).collect()
     }
 
@@ -357,7 +352,18 @@ impl People {
         self.booth.tell(|| format!("{} is scanned again", id(patient)));
         let of = &mut self.booth.truth.bodies[body];
         (of.plan, of.refused_ms) = (Plan::Over, None);
-        self.press()
+        let is_pressed = self.press();
+        if is_pressed && !is_named && !self.has_button() {
+            // The rest of the refused one may come before it.
+            self.booth
+                .truth
+                .bodies
+                .iter_mut()
+                .last()
+                .into_iter()
+                .for_each(|of| of.is_covered = false);
+        }
+        is_pressed
     }
 
     fn given_up(&mut self) -> bool {
@@ -381,16 +387,4 @@ impl People {
         let Some(&scan) = self.booth.chance.pick(&delivered) else { return false };
         self.booth.decide_as(scan, None)
     }
-}
-
-/// What goes wrong with the next scan.
-pub fn some_fault(booth: &mut Booth) -> TakeFault {
-    let faults = [
-        TakeFault::Spool,
-        TakeFault::Sync,
-        TakeFault::Journal,
-        TakeFault::Crash,
-        TakeFault::CrashEntered,
-    ];
-    faults[booth.chance.below(faults.len())]
 }

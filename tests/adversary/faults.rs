@@ -1,7 +1,8 @@
 //! What disturbs the station: other programs at its files, faults, and people who stop it.
 
-use super::events::some_fault;
+use super::booth::Booth;
 use super::folder::Held;
+use super::intake::TakeFault;
 use super::kinds::Kind;
 use super::people::People;
 use super::truth::Plan;
@@ -143,4 +144,16 @@ impl People {
         self.booth.hint();
         true
     }
+}
+
+/// What goes wrong with the next scan.
+fn some_fault(booth: &mut Booth) -> TakeFault {
+    let faults = [
+        TakeFault::Spool,
+        TakeFault::Sync,
+        TakeFault::Journal,
+        TakeFault::Crash,
+        TakeFault::CrashEntered,
+    ];
+    faults[booth.chance.below(faults.len())]
 }

@@ -132,8 +132,18 @@ impl People {
         self.booth.tell(|| format!("{} is named by word: {named:?}", id(patient)));
         if named.is_ok() {
             self.is_named(patient, Said::Name);
+            if !self.has_button() {
+                self.gives_up_refused(patient);
+            }
         }
         true
+    }
+
+    /// Nobody relies on refused scans of others any more.
+    fn gives_up_refused(&mut self, patient: usize) {
+        for body in self.booth.truth.bodies.iter_mut().filter(|body| body.patient != patient) {
+            body.refused_ms = None;
+        }
     }
 
     /// At the booth: the last word counts.
@@ -264,7 +274,7 @@ impl People {
     /// Whether the order of a scan is still to come where orders come after the press.
     pub fn is_order_owed(&self) -> bool {
         let is_after_press = self.booth.setup.rules.orders == OrdersWhen::AfterPress;
-        is_after_press && self.not_ordered.values().any(|body| !self.booth.is_settled(*body))
+        is_after_press && self.not_ordered.keys().any(|patient| self.unsettled_of(*patient))
     }
 
     fn was_scanned(&self) -> bool {
@@ -300,6 +310,11 @@ impl People {
         }
         self.said = None;
         true
+    }
+
+    /// Mostly nobody is scanned before the scan before has come in.
+    pub fn press_in_turn(&mut self) -> bool {
+        (!self.awaits_exports() || self.booth.chance.below(8) == 0) && self.press()
     }
 
     fn unsettled_of(&self, patient: usize) -> bool {

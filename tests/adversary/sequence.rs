@@ -1,5 +1,6 @@
 //! One sequence of events, and what came of it.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::rc::Rc;
 
@@ -72,6 +73,8 @@ pub struct Ended {
     pub held: u64,
     pub nobodys: u64,
     pub refused: u64,
+    /// Why they are held.
+    pub causes: BTreeMap<&'static str, u64>,
     /// Bodies that went wrong for something came later than anybody waits for it.
     pub excused: u64,
 }
@@ -86,14 +89,18 @@ impl Ended {
         self.nobodys += other.nobodys;
         self.refused += other.refused;
         self.excused += other.excused;
+        for (why, count) in other.causes {
+            *self.causes.entry(why).or_default() += count;
+        }
     }
 
     pub fn table(&self) -> String {
-        let Ended { events, scans, given, held, nobodys, refused, excused, .. } = self;
+        let Ended { events, scans, given, held, nobodys, refused, excused, causes, .. } = self;
         let (rarest, count) = self.pairs.rarest();
         let mut table = format!(
             "{events} events, {scans} scans came in: {given} to their patient, {held} held, \
              {nobodys} for nobody, {refused} refused; wrong because too late: {excused}\n\
+             held: {causes:?}\n\
              the rarest pair, {rarest:?}, {count} times\n"
         );
         for (kind, count) in self.pairs.counts() {
@@ -211,6 +218,9 @@ fn tally(people: &People, ended: &mut Ended) {
         ended.scans += 1;
         ended.refused += u64::from(row.state == ScanState::Refused);
         ended.held += u64::from(row.held.is_some());
+        if let Some(why) = row.held {
+            *ended.causes.entry(why).or_default() += 1;
+        }
         for (who, state) in &row.deliveries {
             if *state == DeliveryState::Delivered {
                 let of = if who.is_some() { &mut ended.given } else { &mut ended.nobodys };

@@ -228,6 +228,13 @@ impl Captures {
 
     /// The order of a practice that orders after the press.
     fn pair(&mut self, named: &Named, now: Duration) -> Paired {
+        // Whoever was pressed for by name needs no order, and the order is for no other press.
+        let is_theirs =
+            |capture: &&Capture| capture.by == Opener::Press && capture.is_of(&named.id);
+        let measuring = self.measuring.iter().map(|known| &known.capture);
+        if let Some(capture) = self.waiting.iter().chain(measuring).find(is_theirs) {
+            return Paired::With(capture.clone());
+        }
         let by_order = |capture: &Capture| {
             capture.named().next().is_none_or(|named| named.by == SourceKind::Order)
         };
@@ -244,9 +251,6 @@ impl Captures {
                     self.unsure_press = None;
                 }
                 return Paired::With(capture.clone());
-            }
-            [only] if self.waiting[*only].is_of(&named.id) => {
-                return Paired::With(self.waiting[*only].clone());
             }
             _ => {}
         }
