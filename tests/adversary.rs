@@ -6,8 +6,9 @@
 //! It assumes, as the documentation does:
 //!
 //! - A person at the booth names who is there, or nobody. Whoever takes over says so before a scan, and
-//!   says it again where a verb answered that it failed, where the press was seen not to be heard, and
-//!   where a name was said more than ten minutes ago.
+//!   says it again where a verb answered that it failed, where the press was seen not to be heard, where
+//!   the station was started again after it could not keep a name, and where a name was said more than
+//!   ten minutes ago.
 //! - A capture is given up only if its export will not come; so nobody is named, and the word of a
 //!   person without a button, which gives up the captures of others, is said only then. A body that is
 //!   given up or scanned again is not exported anew.

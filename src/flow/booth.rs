@@ -1,5 +1,6 @@
 //! What is said between the booth and the station: what its ports hear, and what its light shows.
 
+use super::capture::Doubt;
 use crate::record::SourceKind;
 
 /// What a port has heard.
@@ -15,11 +16,13 @@ pub enum Heard {
         /// Who named it.
         by: SourceKind,
     },
-    /// An order names its patient with the same words as one that was heard before, at a newer time:
-    /// whether the patient comes again is a question.
-    Repeated {
+    /// An order names its patient, and whether that one is next is a question: it has the words of one
+    /// that was heard before and a newer time, or it could not be kept when it came.
+    Doubtful {
         /// The id.
         id: String,
+        /// Why it is a question.
+        doubt: Doubt,
     },
     /// Somebody tried to name the patient of the next scan, and it could not be understood: an order
     /// was refused, a card misread, a line cut off, a check digit wrong.

@@ -37,7 +37,7 @@ use crate::flow::{Look, LookTime, OrderState, Settled, Settling};
 use crate::record::SourceKind;
 use crate::record::gdt::order;
 use crate::record::gdt::{Charset, Order, OrderFault};
-use take::{Taken, take};
+use take::{Before, Taken, take};
 
 /// The alarm of a station that had lost its journal.
 const JOURNAL_REBUILT: &str = "journal-rebuilt";
@@ -74,8 +74,8 @@ enum TakeFault {
 /// The orders of one folder on their way to being heard.
 struct Orders {
     settling: Settling,
-    /// What was known of orders that were noted and could not be heard, for the journal failed.
-    unheard: BTreeMap<PathBuf, Option<OrderState>>,
+    /// Orders that could not be heard, for the journal failed.
+    unheard: BTreeMap<PathBuf, Before>,
 }
 
 /// Looks for orders until it is asked to stop.
@@ -168,14 +168,19 @@ impl Orders {
             }
             Ok(Taken::Changed) => self.settling.changed(settled, now),
             Ok(Taken::Unheard(known)) => {
-                self.unheard.insert(settled.path.clone(), known);
+                self.unheard.insert(settled.path.clone(), Before::Noted(known));
                 self.settling.failed(settled, now, chance::unit());
             }
             Ok(Taken::Later) => {
                 self.unheard.remove(&settled.path);
                 self.settling.failed(settled, now, chance::unit());
             }
-            Err(_) => self.settling.failed(settled, now, chance::unit()),
+            Err(fault) => {
+                if let TakeFault::Journal(_) = fault {
+                    self.unheard.entry(settled.path.clone()).or_insert(Before::Unnoted);
+                }
+                self.settling.failed(settled, now, chance::unit());
+            }
         }
     }
 }

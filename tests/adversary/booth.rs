@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::time::Duration;
 
-use gaiter::flow::capture::{Captures, Named, NamedNext, Rules};
+use gaiter::flow::capture::{Captures, Doubt, Named, NamedNext, Rules};
 use gaiter::flow::identity::Identity;
 use gaiter::flow::settle::Memory;
 use gaiter::flow::{Appeared, Settling};
@@ -293,9 +293,9 @@ impl Booth {
     }
 
     /// A card was read or an order came in.
-    pub fn heard_name(&mut self, id: &str, by: SourceKind, repeated: bool) {
+    pub fn heard_name(&mut self, id: &str, by: SourceKind, doubt: Option<Doubt>) {
         let now = self.clock();
-        if self.name(id, by, repeated).is_err()
+        if self.name(id, by, doubt).is_err()
             && let Some(run) = &mut self.run
         {
             run.captures.unread(now);
@@ -303,16 +303,16 @@ impl Booth {
     }
 
     /// Somebody names the patient of the next scan.
-    pub fn name(&mut self, id: &str, by: SourceKind, repeated: bool) -> Result<(), Fault> {
+    pub fn name(&mut self, id: &str, by: SourceKind, doubt: Option<Doubt>) -> Result<(), Fault> {
         let now = self.clock();
         let Some(run) = &mut self.run else { return Err(Fault) };
         let number = self.disk.next_capture();
         let coming = run.coming.clone();
         let mut after = run.captures.clone();
         let named = Named { id: id.to_owned(), by: as_heard(self.setup.off, run, id, by, now) };
-        let came = match repeated {
-            false => after.named(named, number, now, &coming),
-            true => after.repeated(named, number, now, &coming),
+        let came = match doubt {
+            None => after.named(named, number, now, &coming),
+            Some(doubt) => after.doubtful(named, doubt, number, now, &coming),
         };
         change(self.setup.off, &mut self.disk, run, after)?;
         if !matches!(came, NamedNext::Waits { .. }) {

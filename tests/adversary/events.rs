@@ -14,11 +14,13 @@ impl People {
     /// Something happens, if there is occasion for it.
     pub fn happens(&mut self, kind: Kind) -> bool {
         match kind {
-            Kind::Press => self.press_in_turn(),
+            Kind::Press => self.has_reason(self.is_ones_turn()) && self.press(),
             Kind::PressEarly => self.press_early(),
-            Kind::NextPatient => self.next_patient(),
-            Kind::Card => self.card(),
-            Kind::Word => self.word(),
+            Kind::NextPatient => {
+                self.has_reason(!self.is_waiting_in_booth()) && self.next_patient()
+            }
+            Kind::Card => self.has_reason(self.said.is_none()) && self.card(),
+            Kind::Word => self.has_reason(self.said.is_none()) && self.word(),
             Kind::Order => self.order_now(),
             Kind::OrderAfterPress => self.order_after_press(),
             Kind::OrderLate => self.order_late(),

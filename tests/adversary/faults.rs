@@ -4,7 +4,7 @@ use super::booth::Booth;
 use super::folder::Held;
 use super::intake::TakeFault;
 use super::kinds::Kind;
-use super::people::People;
+use super::people::{People, Said};
 use super::truth::Plan;
 
 impl People {
@@ -34,7 +34,7 @@ impl People {
             }
             Kind::Crash => {
                 match self.runs() {
-                    true => self.booth.crash(),
+                    true => self.crash(),
                     false => self.booth.start(),
                 }
                 true
@@ -81,6 +81,12 @@ impl People {
             }
             _ => false,
         }
+    }
+
+    /// Whoever saw that the station could not keep a name and is started again says it again.
+    fn crash(&mut self) {
+        self.booth.crash();
+        self.said = self.said.filter(|(said, _)| *said != Said::Unheard);
     }
 
     /// What was said before is over, and everybody sees that the station began anew.

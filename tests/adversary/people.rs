@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use gaiter::flow::OrdersWhen;
+use gaiter::flow::capture::Doubt;
 use gaiter::flow::order_news::{self, News, OrderState};
 use gaiter::record::SourceKind;
 
@@ -30,6 +31,8 @@ pub struct Order {
     pub file: String,
     pub patient: usize,
     pub mtime_ms: u64,
+    /// The journal failed when it was to be heard.
+    pub is_late: bool,
 }
 
 /// The booth with its people.
@@ -117,7 +120,7 @@ impl People {
         let Some(patient) = self.standing.filter(|_| self.may_name()) else { return false };
         self.booth.tell(|| format!("{} is named by card", id(patient)));
         let is_kept = !self.booth.disk.is_locked;
-        self.booth.heard_name(&id(patient), SourceKind::Reader, false);
+        self.booth.heard_name(&id(patient), SourceKind::Reader, None);
         self.is_named(patient, if is_kept { Said::Name } else { Said::Unheard });
         true
     }
@@ -128,7 +131,7 @@ impl People {
         if !self.has_button() && self.awaits_exports() {
             return false;
         }
-        let named = self.booth.name(&id(patient), SourceKind::Operator, false);
+        let named = self.booth.name(&id(patient), SourceKind::Operator, None);
         self.booth.tell(|| format!("{} is named by word: {named:?}", id(patient)));
         if named.is_ok() {
             self.is_named(patient, Said::Name);
@@ -209,7 +212,7 @@ impl People {
     /// somebody stands in the booth unnamed who has not been scanned.
     pub fn order(&mut self, patient: usize) {
         let file = format!("order{}", self.booth.truth.comment());
-        let order = Order { file, patient, mtime_ms: self.booth.now_ms };
+        let order = Order { file, patient, mtime_ms: self.booth.now_ms, is_late: false };
         self.booth.tell(|| format!("an order for {}", id(patient)));
         self.not_ordered.remove(&patient);
         if !self.waiting.contains(&patient) {
@@ -224,12 +227,17 @@ impl People {
 
     /// The station reads what orders there are.
     pub fn read_orders(&mut self) {
+        if !self.runs() {
+            // What a run could not keep it takes with it.
+            self.letters.iter_mut().for_each(|order| order.is_late = false);
+        }
         if !self.runs() || self.letters.is_empty() {
             return;
         }
         if self.booth.disk.is_locked {
             // They were said and are not kept.
             self.booth.unread();
+            self.letters.iter_mut().for_each(|order| order.is_late = true);
             return;
         }
         for order in std::mem::take(&mut self.letters) {
@@ -254,9 +262,12 @@ impl People {
             News::Known => {}
             News::Repeated => {
                 self.booth.tell(|| format!("the order for {words} came again"));
-                self.booth.heard_name(&words, SourceKind::Order, true);
+                self.booth.heard_name(&words, SourceKind::Order, Some(Doubt::Repeated));
             }
-            News::New => self.booth.heard_name(&words, SourceKind::Order, false),
+            News::New => {
+                let doubt = order.is_late.then_some(Doubt::Unread);
+                self.booth.heard_name(&words, SourceKind::Order, doubt);
+            }
         }
     }
 
@@ -312,9 +323,19 @@ impl People {
         true
     }
 
-    /// Mostly nobody is scanned before the scan before has come in.
-    pub fn press_in_turn(&mut self) -> bool {
-        (!self.awaits_exports() || self.booth.chance.below(8) == 0) && self.press()
+    /// People do what there is reason for, and now and then what there is none for.
+    pub fn has_reason(&mut self, is_reason: bool) -> bool {
+        is_reason || self.booth.chance.below(8) == 0
+    }
+
+    /// Whoever stands there has not been scanned, and nobody's export is to come.
+    pub fn is_ones_turn(&self) -> bool {
+        !self.awaits_exports() && !self.was_scanned()
+    }
+
+    /// Whoever stands there has not been scanned.
+    pub fn is_waiting_in_booth(&self) -> bool {
+        self.standing.is_some() && !self.was_scanned()
     }
 
     fn unsettled_of(&self, patient: usize) -> bool {

@@ -131,7 +131,7 @@ impl Day<'_> {
 
     fn name(&mut self, patient: usize, by: SourceKind) {
         self.booth.tell(|| format!("{} is named: {by:?}", id(patient)));
-        self.booth.heard_name(&id(patient), by, false);
+        self.booth.heard_name(&id(patient), by, None);
     }
 
     /// Half of what the light asks is answered.
@@ -153,7 +153,7 @@ impl Day<'_> {
             self.unanswered.insert(patient);
         } else {
             self.booth.tell(|| "the operator answers what the light asks".to_owned());
-            let _ = self.booth.name(&id(patient), SourceKind::Operator, false);
+            let _ = self.booth.name(&id(patient), SourceKind::Operator, None);
         }
     }
 

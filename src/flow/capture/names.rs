@@ -94,17 +94,19 @@ impl Captures {
         NamedNext::Waits { replaced, in_doubt: false }
     }
 
-    /// An order came again with the same words: whether its patient comes again is a question.
-    pub fn repeated(
+    /// An order whose patient need not be the next one: it came again with the same words, or others may
+    /// have been named since it was sent.
+    pub fn doubtful(
         &mut self,
         named: Named,
+        doubt: Doubt,
         number: i64,
         now: Duration,
         coming: &[Duration],
     ) -> NamedNext {
         let id = named.id.clone();
         let came = self.named(named, number, now, coming);
-        let doubt = Some(Doubt::Repeated);
+        let doubt = Some(doubt);
         match &came {
             NamedNext::Waits { .. } => {
                 if let Some(next) = &mut self.next {
@@ -260,7 +262,9 @@ impl Captures {
         }
         if any_unnamed {
             self.unsure_press = Some(now);
-            return Paired::InDoubt;
+            if self.next.is_none() {
+                return Paired::InDoubt;
+            }
         }
         Paired::Crossed
     }

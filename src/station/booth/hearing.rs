@@ -10,7 +10,7 @@ use tracing::{info, warn};
 use super::{Inner, NO_EXPORT};
 use crate::flow::ScanId;
 use crate::flow::booth::{Heard, Press};
-use crate::flow::capture::{Captures, Named, NamedNext, Pressed};
+use crate::flow::capture::{Captures, Doubt, Named, NamedNext, Pressed};
 use crate::flow::facts::Alarm;
 use crate::flow::identity::ID_NOT_ALLOWED;
 use crate::flow::light::Outcome;
@@ -38,8 +38,8 @@ pub enum NameFault {
 /// How somebody is named.
 struct Naming {
     by: SourceKind,
-    /// It is an order that came before with the same words.
-    is_repeated: bool,
+    /// Why it is not certain that this patient is next, however the name came.
+    doubt: Option<Doubt>,
     /// Whoever is named and was not scanned may be replaced.
     replaces: bool,
 }
@@ -58,8 +58,8 @@ impl Station {
         let done = match heard {
             Heard::Press(Press::Short) => self.pressed(),
             Heard::Press(Press::Long) => self.call_off().map(drop),
-            Heard::Named { id, by } => self.heard_name(id, *by, false),
-            Heard::Repeated { id } => self.heard_name(id, SourceKind::Order, true),
+            Heard::Named { id, by } => self.heard_name(id, *by, None),
+            Heard::Doubtful { id, doubt } => self.heard_name(id, SourceKind::Order, Some(*doubt)),
             Heard::Unread { by } => self.unread(*by),
         };
         if let Err(error) = done {
@@ -70,9 +70,14 @@ impl Station {
         true
     }
 
-    fn heard_name(&self, id: &str, by: SourceKind, repeated: bool) -> Result<(), JournalError> {
+    fn heard_name(
+        &self,
+        id: &str,
+        by: SourceKind,
+        doubt: Option<Doubt>,
+    ) -> Result<(), JournalError> {
         // A card is the booth's last word; an order replaces nobody by itself.
-        match self.name(id, Naming { by, is_repeated: repeated, replaces: true }) {
+        match self.name(id, Naming { by, doubt, replaces: true }) {
             Ok(_) | Err(NameFault::AnotherNamed) => Ok(()),
             Err(NameFault::NotAnId) => {
                 warn!(event = "finding", code = ID_NOT_ALLOWED);
@@ -149,11 +154,11 @@ impl Station {
         by: SourceKind,
         replaces: bool,
     ) -> Result<NamedNext, NameFault> {
-        self.name(id, Naming { by, is_repeated: false, replaces })
+        self.name(id, Naming { by, doubt: None, replaces })
     }
 
     fn name(&self, id: &str, naming: Naming) -> Result<NamedNext, NameFault> {
-        let Naming { by, is_repeated, replaces } = naming;
+        let Naming { by, doubt, replaces } = naming;
         let Patient { id, .. } = self.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
         let now = self.now();
         let mut inner = self.booth.inner();
@@ -169,12 +174,12 @@ impl Station {
         };
         let late = came == OrderCame::AfterPress;
         let mut detail = json!({ "patient": named.id, "by": by, "after_press": late });
-        if is_repeated {
+        if doubt.is_some() {
             detail["question"] = json!(true);
         }
-        let next = match is_repeated {
-            false => after.named(named, number, now, &coming),
-            true => after.repeated(named, number, now, &coming),
+        let next = match doubt {
+            None => after.named(named, number, now, &coming),
+            Some(doubt) => after.doubtful(named, doubt, number, now, &coming),
         };
         self.change_booth(&mut inner, after, "given_up", Some((Event::Named, detail)))?;
         if matches!(next, NamedNext::Opened(..)) {

@@ -12,6 +12,7 @@ use super::removal::{self, Removal};
 use super::{NOT_REMOVED, REFUSED, REPEATED, TakeFault, alarm, aside};
 use crate::config::{AfterOrder, OrdersConfig};
 use crate::flow::booth::Heard;
+use crate::flow::capture::Doubt;
 use crate::flow::order_news::{self, News};
 use crate::flow::{OrderState, Settled};
 use crate::record::SourceKind;
@@ -33,6 +34,15 @@ pub enum Taken {
     Unheard(Option<OrderState>),
 }
 
+/// An order for which the journal failed before.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Before {
+    /// It could not be noted.
+    Unnoted,
+    /// It was noted and could not be heard; this was known before that.
+    Noted(Option<OrderState>),
+}
+
 /// An order that is dealt with.
 struct Taking<'a> {
     station: &'a Station,
@@ -41,11 +51,12 @@ struct Taking<'a> {
     read: Read,
     /// It lies under a hidden name of ours.
     is_hidden: bool,
+    /// The journal failed when it was to be heard: others may have been named since.
+    is_late: bool,
     pulse: &'a Pulse,
 }
 
-/// Deals with one order. `before` is what was known of one that was noted and could not be heard.
-/// Blocks.
+/// Deals with one order. `before` is of one for which the journal failed. Blocks.
 ///
 /// # Errors
 /// See [`TakeFault`]; nothing was heard.
@@ -53,7 +64,7 @@ pub fn take(
     station: &Station,
     config: &OrdersConfig,
     settled: &Settled,
-    before: Option<Option<OrderState>>,
+    before: Option<Before>,
     pulse: &Pulse,
 ) -> Result<Taken, TakeFault> {
     let read = read::read(&settled.path, settled.stamp, pulse);
@@ -61,7 +72,8 @@ pub fn take(
     let Some(read) = read else { return Ok(Taken::Changed) };
     let journal = station.custody.journal();
     let original = removal::original(&settled.path);
-    let taking = Taking { station, config, settled, read, is_hidden: original.is_some(), pulse };
+    let (is_hidden, is_late) = (original.is_some(), before.is_some());
+    let taking = Taking { station, config, settled, read, is_hidden, is_late, pulse };
     if let Some(original) = &original {
         for name in [&settled.path, original] {
             let known = journal.order_known(name)?;
@@ -73,7 +85,10 @@ pub fn take(
             return Ok(Taken::Done);
         }
     }
-    let known = before.map_or_else(|| taking.known(), Ok)?;
+    let known = match before {
+        Some(Before::Noted(known)) => known,
+        Some(Before::Unnoted) | None => taking.known()?,
+    };
     match order_news::news(known.as_ref(), &taking.read.state) {
         // It is to stay, or is no order; or the last run ended before it was removed.
         News::Known if taking.is_order() => taking.remove_if_asked(),
@@ -129,7 +144,12 @@ impl Taking<'_> {
                 let message = "it is older than patient.orders.max_age and names nobody any more";
                 (None, Some((TOO_OLD, message.to_owned())))
             }
-            Ok(order) if repeated => (Some(Heard::Repeated { id: order.patient }), None),
+            Ok(order) if repeated => {
+                (Some(Heard::Doubtful { id: order.patient, doubt: Doubt::Repeated }), None)
+            }
+            Ok(order) if self.is_late => {
+                (Some(Heard::Doubtful { id: order.patient, doubt: Doubt::Unread }), None)
+            }
             Ok(order) => (Some(Heard::Named { id: order.patient, by: SourceKind::Order }), None),
         };
         if let Some((code, message)) = refused.as_ref().filter(|_| !self.read.is_too_large()) {

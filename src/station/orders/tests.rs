@@ -157,10 +157,10 @@ fn an_order_that_could_not_be_heard_is_remembered_with_what_was_known_until_it_i
     let settled = orders.due(look(), at(1)).remove(0);
     let known = Some(read(&path).state);
     orders.taken(&settled, Ok(Taken::Unheard(known.clone())), at(1).ended);
-    assert_eq!(orders.unheard.get(&path), Some(&known));
+    assert_eq!(orders.unheard.get(&path), Some(&Before::Noted(known)));
     let again = orders.due(look(), at(900)).remove(0);
     orders.taken(&again, Ok(Taken::Unheard(None)), at(900).ended);
-    assert_eq!(orders.unheard.get(&path), Some(&None));
+    assert_eq!(orders.unheard.get(&path), Some(&Before::Noted(None)));
     orders.taken(&again, Ok(Taken::Done), at(900).ended);
     assert_eq!((orders.unheard.len(), orders.due(look(), at(9000)).len()), (0, 0));
     orders.taken(&again, Ok(Taken::Unheard(None)), at(9000).ended);

@@ -126,7 +126,7 @@ impl Noted {
         match heard {
             Heard::Press(_) => self.facts.presses += 1,
             Heard::Named { .. } => self.facts.ids += 1,
-            Heard::Repeated { .. } | Heard::Unread { .. } => {}
+            Heard::Doubtful { .. } | Heard::Unread { .. } => {}
         }
     }
 

@@ -192,12 +192,12 @@ fn without_a_button_a_naming_that_failed_disarms_all_but_an_export_that_is_comin
 #[test]
 fn an_order_that_is_repeated_is_in_doubt() {
     let mut captures = captures();
-    captures.repeated(order("1"), 1, at(0), &[]);
+    captures.doubtful(order("1"), Doubt::Repeated, 1, at(0), &[]);
     captures.pressed(1, at(2));
     assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
     let rules = Rules { by_press: false, ..rules() };
     let mut captures = Captures::new(rules, Vec::new(), None, None);
-    captures.repeated(order("1"), 1, at(0), &[]);
+    captures.doubtful(order("1"), Doubt::Repeated, 1, at(0), &[]);
     assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
 }
 
