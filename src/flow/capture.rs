@@ -9,8 +9,8 @@
 //! 3. **A capture ends** with a measured scan (while that is not measured another export may be another
 //!    one of it); by a person; or, where no byte of an export was seen for
 //!    it, after `window + late` (without a button: `expires + late`). A refusal opens it again for the
-//!    same time. An export without a new press is its own then; naming the same patient again joins it;
-//!    another press holds the next export for both.
+//!    same time, and an export without a new press is its own then. The same patient's next scan is no
+//!    other's, and closes it once it is measured; a press for anybody else holds the next export for both.
 //! 4. **The booth overrides.** Card, page and verb replace the name that waits. An order never does: two
 //!    orders that wait make both candidates, until the booth says which. An order that comes while a
 //!    press without a name is open, or soon after one, is in doubt with it; where the practice orders
@@ -48,7 +48,7 @@ use super::orders_when::OrdersWhen;
 use super::writing::Appeared;
 use answers::Measuring;
 pub use names::{Next, Said};
-pub use outcome::{CalledOff, Judged, NamedNext, Passed, Pressed, Why};
+pub use outcome::{CalledOff, Judged, NamedNext, Passed, Why};
 pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules};
 
 /// Finding: the export could belong to captures of different patients.
@@ -198,28 +198,18 @@ impl Captures {
         self.rules.by_press && !heard_long
     }
 
-    /// The button was pressed: a capture with this number, with the patient whose name waited; or that
-    /// of the same patient whose export was refused goes on.
-    pub fn pressed(&mut self, number: i64, now: Duration) -> Pressed {
+    /// The button was pressed: a capture with this number, with the patient whose name waited.
+    pub fn pressed(&mut self, number: i64, now: Duration) -> Capture {
         self.drop_old_names(now);
         let (patient, others, doubt) = self.use_next();
         if (patient.is_none() && others.is_empty()) || doubt == Some(Doubt::Crossed) {
             self.unsure_press = Some(now);
         }
-        let refused = patient.as_ref().filter(|_| doubt.is_none()).and_then(|patient| {
-            self.waiting.iter().position(|known| known.is_refused && known.is_of(&patient.id))
-        });
         let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
-        if let Some(place) = refused {
-            let capture = &mut self.waiting[place];
-            (capture.until, capture.state) = (now + self.rules.window, CaptureState::Open);
-            (capture.is_refused, capture.doubt) = (false, unheard);
-            return Pressed::Joined(capture.clone());
-        }
         let window = self.rules.window;
         let opened = self.open(number, now, window, Opener::Press, patient);
         (opened.others, opened.doubt) = (others, doubt.or(unheard));
-        Pressed::Opened(opened.clone())
+        opened.clone()
     }
 
     fn open(
@@ -268,7 +258,10 @@ impl Captures {
         let in_time = |capture: &&&&Capture| {
             capture.state == CaptureState::Open && export.seen <= capture.until
         };
-        let its_own = after.iter().find(in_time).map(|capture| (**capture).clone());
+        // Of a patient who was scanned again the newer scan goes before what may still come of the
+        // refused one.
+        let its_own = after.iter().filter(in_time).min_by_key(|capture| capture.is_refused);
+        let its_own = its_own.map(|capture| (**capture).clone());
         let measuring = self.measured_for_others(&all, export);
         let in_question = all.iter().chain(&measuring);
         let ids: BTreeSet<Option<&str>> = in_question.flat_map(|capture| ids(capture)).collect();

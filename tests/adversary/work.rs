@@ -43,7 +43,9 @@ impl Booth {
             return;
         }
         let answered = self.disk.answered_by(scan);
-        if let (Some(run), Some(capture)) = (&mut self.run, answered) {
+        if let (Some(run), Some(capture)) = (&mut self.run, answered)
+            && self.disk.closed(&run.captures.closed_by(capture.number)).is_ok()
+        {
             run.captures.measured(capture.number);
         }
         if is_due {

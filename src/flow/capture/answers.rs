@@ -53,14 +53,29 @@ impl Captures {
         }
     }
 
-    /// The export of the capture of this number was measured: nothing more is awaited of it.
+    /// The numbers of the captures that end when the export of this one was measured: those of refused
+    /// scans of the same patient.
+    pub fn closed_by(&self, number: i64) -> Vec<i64> {
+        let measured = self.measuring.iter().find(|known| known.capture.number == number);
+        let patient = measured.and_then(|known| known.capture.patient.as_ref());
+        let is_closed = |capture: &&Capture| {
+            let is_theirs = patient.is_some_and(|patient| capture.is_of(&patient.id));
+            capture.is_refused && is_theirs && capture.number < number
+        };
+        self.waiting.iter().filter(is_closed).map(|capture| capture.number).collect()
+    }
+
+    /// The export of the capture of this number was measured: nothing more is awaited of it, nor of
+    /// those that it closes.
     pub fn measured(&mut self, number: i64) {
+        let closed = self.closed_by(number);
+        self.waiting.retain(|capture| !closed.contains(&capture.number));
         self.measuring.retain(|known| known.capture.number != number);
     }
 
     /// The export that answered a capture was refused: another is awaited for the same time again.
     pub fn refused(&mut self, capture: Capture, now: Duration) -> &Capture {
-        self.measured(capture.number);
+        self.measuring.retain(|known| known.capture.number != capture.number);
         let lasts = match capture.by {
             Opener::Press => self.rules.window,
             Opener::Name => self.rules.name_lasts,

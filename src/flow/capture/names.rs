@@ -160,9 +160,11 @@ impl Captures {
             false => Vec::new(),
         };
         let newest = self.waiting.last().map(|capture| capture.number);
-        let joins = |capture: &&mut Capture| capture.is_refused || Some(capture.number) == newest;
+        // Whoever is named after a refusal is scanned again: what may still come of the refused scan is
+        // another export.
+        let joins = |capture: &&mut Capture| !capture.is_refused && Some(capture.number) == newest;
         if let Some(capture) = self.waiting.iter_mut().filter(open).find(joins) {
-            (capture.until, capture.is_refused) = (now + lasts, false);
+            capture.until = now + lasts;
             return NamedNext::Prolonged(capture.clone());
         }
         let opened = self.open(number, now, lasts, Opener::Name, Some(named)).clone();

@@ -84,24 +84,6 @@ impl Judged {
     }
 }
 
-/// What came of a press.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Pressed {
-    /// A capture was opened.
-    Opened(Capture),
-    /// The capture of the same patient, whose export was refused, goes on.
-    Joined(Capture),
-}
-
-impl Pressed {
-    /// The capture whose export is awaited.
-    pub fn capture(&self) -> &Capture {
-        match self {
-            Pressed::Opened(capture) | Pressed::Joined(capture) => capture,
-        }
-    }
-}
-
 /// What came of naming the next patient.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NamedNext {

@@ -10,7 +10,7 @@ use tracing::{info, warn};
 use super::{Inner, NO_EXPORT};
 use crate::flow::ScanId;
 use crate::flow::booth::{Heard, Press};
-use crate::flow::capture::{Captures, Doubt, Named, NamedNext, Pressed};
+use crate::flow::capture::{Capture, Captures, Doubt, Named, NamedNext};
 use crate::flow::facts::Alarm;
 use crate::flow::identity::ID_NOT_ALLOWED;
 use crate::flow::light::Outcome;
@@ -118,8 +118,7 @@ impl Station {
         let mut inner = self.booth.inner();
         let number = inner.next_number;
         let mut after = inner.captures.clone();
-        let pressed = after.pressed(number, now);
-        let capture = pressed.capture();
+        let capture = after.pressed(number, now);
         let patient = capture.patient.as_ref();
         let detail = json!({
             "capture": capture.number,
@@ -131,9 +130,7 @@ impl Station {
             inner.captures.missed_press(now);
             return kept;
         }
-        if matches!(pressed, Pressed::Opened(_)) {
-            inner.next_number += 1;
-        }
+        inner.next_number += 1;
         (inner.missed, inner.last) = (false, None);
         drop(inner);
         self.look_at_folders();
@@ -217,9 +214,13 @@ impl Station {
     /// See [`JournalError`]; then it counts as being measured for a while longer.
     pub fn scan_measured(&self, scan: &ScanId) -> Result<(), JournalError> {
         let answered = self.custody.journal().capture_answered_by(scan, self.booth.boot())?;
-        if let Some(capture) = answered {
-            self.booth.inner().captures.measured(capture.number);
+        let Some(Capture { number, .. }) = answered else { return Ok(()) };
+        let mut inner = self.booth.inner();
+        let closed = inner.captures.closed_by(number);
+        if !closed.is_empty() {
+            self.custody.journal().captures_closed(&closed)?;
         }
+        inner.captures.measured(number);
         Ok(())
     }
 

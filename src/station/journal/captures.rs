@@ -189,6 +189,14 @@ impl Journal {
         text.map(|text| cell("at", text, |text| text.parse().ok())).transpose()
     }
 
+    /// Captures of refused scans end, for a good one of the same patient was measured.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn captures_closed(&self, captures: &[i64]) -> Result<(), JournalError> {
+        self.change(|transaction| end(transaction, captures, "over"))
+    }
+
     /// Captures of an earlier start of the machine end, and their names with them.
     ///
     /// # Errors
