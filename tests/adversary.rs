@@ -13,7 +13,7 @@
 //!   person without a button, which gives up the captures of others, is said only then. A body that is
 //!   given up or scanned again is not exported anew.
 //! - Somebody whose scan came in for nobody, or had to be decided upon by a person, and was refused then,
-//!   is named to be scanned again.
+//!   is named to be scanned again; so is whoever is scanned again while somebody else's name waits.
 //! - While somebody stands in the booth unnamed who has not been scanned, the desk orders for nobody
 //!   else, but for late orders of patients who were scanned before; nor, where orders come after the
 //!   press, while the export of somebody is to come whose order is, too.

@@ -77,8 +77,8 @@ pub struct Captures {
     waiting: Vec<Capture>,
     next: Option<Next>,
     hearing: Hearing,
-    /// When the button was last pressed without a certain name, to which an order may still come.
-    unsure_press: Option<Duration>,
+    /// When the button was pressed without a certain name, to which an order may still come.
+    unsure: Vec<Duration>,
     /// When somebody was named without a button and it could not be read: whoever was named before may
     /// have left by then.
     unread: Vec<Duration>,
@@ -99,18 +99,11 @@ enum Hearing {
 }
 
 impl Captures {
-    /// As the journal has them after a start, at which nobody has listened yet. `unsure_press` is when
-    /// the button was last pressed without a certain name.
-    pub fn new(
-        rules: Rules,
-        waiting: Vec<Capture>,
-        next: Option<Next>,
-        unsure_press: Option<Duration>,
-    ) -> Captures {
+    /// As the journal has them after a start, at which nobody has listened yet.
+    pub fn new(rules: Rules, waiting: Vec<Capture>, next: Option<Next>) -> Captures {
         let hearing = Hearing::Deaf;
-        let (unread, measuring) = (Vec::new(), Vec::new());
-        let mut captures =
-            Captures { rules, waiting, next, hearing, unsure_press, unread, measuring };
+        let (unsure, unread, measuring) = (Vec::new(), Vec::new(), Vec::new());
+        let mut captures = Captures { rules, waiting, next, hearing, unsure, unread, measuring };
         // Whatever was pressed or said before may have been lost with the run before.
         for capture in &mut captures.waiting {
             capture.doubt.get_or_insert(Doubt::Unheard);
@@ -118,9 +111,10 @@ impl Captures {
         captures
     }
 
-    /// The same, where namings failed at these times; see [`Captures::unread_at`].
-    pub fn with_unread(self, unread: Vec<Duration>) -> Captures {
-        Captures { unread, ..self }
+    /// The same, where the button was pressed without a certain name and namings failed at these times;
+    /// see [`Captures::unsure_at`] and [`Captures::unread_at`].
+    pub fn with_doubts(self, unsure: Vec<Duration>, unread: Vec<Duration>) -> Captures {
+        Captures { unsure, unread, ..self }
     }
 
     /// When somebody was named without a button and it could not be read.
@@ -166,9 +160,9 @@ impl Captures {
         self.next.as_ref()
     }
 
-    /// When the button was last pressed without a certain name.
-    pub fn unsure_press(&self) -> Option<Duration> {
-        self.unsure_press
+    /// When the button was pressed without a certain name, so shortly ago that an order may be for it.
+    pub fn unsure_at(&self) -> &[Duration] {
+        &self.unsure
     }
 
     /// Whether the export of a press is awaited that nobody has seen yet. One that was refused may be
@@ -203,7 +197,7 @@ impl Captures {
         self.drop_old_names(now);
         let (patient, others, doubt) = self.use_next();
         if (patient.is_none() && others.is_empty()) || doubt == Some(Doubt::Crossed) {
-            self.unsure_press = Some(now);
+            self.press_is_unsure(now);
         }
         let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
         let window = self.rules.window;

@@ -109,12 +109,12 @@ impl Booth {
             journal.captures_of_before(&others, is_name_over)?;
         }
         let names = names.filter(|_| !is_name_over);
-        let (next, unsure_press, unread) = names.map_or((None, None, Vec::new()), |names| {
-            (names.next, names.unsure_press, names.unread)
+        let (next, unsure, unread) = names.map_or((None, Vec::new(), Vec::new()), |names| {
+            (names.next, names.unsure, names.unread)
         });
         let waiting = ours.into_iter().map(|row| row.capture).collect();
-        let mut captures = Captures::new(rules, waiting, next, unsure_press);
-        captures = captures.with_unread(unread).with_measuring(journal.measuring(&boot)?, now);
+        let mut captures = Captures::new(rules, waiting, next).with_doubts(unsure, unread);
+        captures = captures.with_measuring(journal.measuring(&boot)?, now);
         if buttons.is_empty() {
             captures.hears(Duration::ZERO);
         }

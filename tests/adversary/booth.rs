@@ -124,7 +124,7 @@ impl Booth {
         let heard = Duration::from_secs(1);
         let looked = booth.clock();
         if let Some(run) = &mut booth.run {
-            run.captures = Captures::new(booth.setup.rules, Vec::new(), None, None);
+            run.captures = Captures::new(booth.setup.rules, Vec::new(), None);
             run.captures.hears(heard);
             let memory = Memory { looked: Some(looked), files: Vec::new() };
             run.settling = settling().remembering(memory);
@@ -149,9 +149,9 @@ impl Booth {
         self.start_ms = None;
         (self.disk.is_locked, self.unlock_ms) = (false, None);
         self.disk.recover(self.setup.off);
-        let (waiting, next, unsure_press) = self.disk.captures();
-        let mut captures = Captures::new(self.setup.rules, waiting, next, unsure_press)
-            .with_unread(self.disk.unread.clone())
+        let (waiting, next) = self.disk.captures();
+        let mut captures = Captures::new(self.setup.rules, waiting, next)
+            .with_doubts(self.disk.unsure.clone(), self.disk.unread.clone())
             .with_measuring(self.disk.measuring(), self.clock());
         if !self.setup.rules.by_press {
             captures.hears(Duration::ZERO);
@@ -385,7 +385,7 @@ fn change(off: Off, disk: &mut Disk, run: &mut Run, after: Captures) -> Result<(
 fn as_heard(off: Off, run: &Run, id: &str, by: SourceKind, now: Duration) -> SourceKind {
     let others_wait =
         run.captures.next().is_some_and(|next| next.names.iter().any(|said| said.named.id != id));
-    let is_unsure = run.captures.unsure_press().is_some_and(|at| now <= at + WINDOW + LATE);
+    let is_unsure = run.captures.unsure_at().iter().any(|at| now <= *at + WINDOW + LATE);
     let as_said = match off {
         Off::OrdersAddUp => others_wait,
         Off::OrderAfterUnnamedPress => !others_wait && is_unsure,

@@ -74,7 +74,7 @@ pub struct Disk {
     pub is_locked: bool,
     captures: BTreeMap<i64, CaptureRow>,
     next: Option<Next>,
-    unsure_press: Option<Duration>,
+    pub unsure: Vec<Duration>,
     pub unread: Vec<Duration>,
     last_capture: i64,
     /// In the order of first sight.
@@ -118,7 +118,7 @@ impl Disk {
                 row.end = Some(End::Over);
             }
         }
-        (self.next, self.unsure_press) = (after.next().cloned(), after.unsure_press());
+        (self.next, self.unsure) = (after.next().cloned(), after.unsure_at().to_vec());
         self.unread = after.unread_at().to_vec();
         Ok(())
     }
@@ -142,10 +142,10 @@ impl Disk {
     }
 
     /// What a start finds: the captures whose exports have not come, and the names.
-    pub fn captures(&self) -> (Vec<Capture>, Option<Next>, Option<Duration>) {
+    pub fn captures(&self) -> (Vec<Capture>, Option<Next>) {
         let waiting = self.captures.values().filter(|row| row.end.is_none());
         let waiting = waiting.map(|row| row.capture.clone()).collect();
-        (waiting, self.next.clone(), self.unsure_press)
+        (waiting, self.next.clone())
     }
 
     /// The machine was off: whatever a press had begun is over.
@@ -153,7 +153,8 @@ impl Disk {
         self.captures.values_mut().for_each(|row| {
             row.end.get_or_insert(End::Over);
         });
-        (self.next, self.unsure_press, self.looks) = (None, None, None);
+        (self.next, self.looks) = (None, None);
+        self.unsure.clear();
         self.unread.clear();
     }
 
@@ -342,7 +343,8 @@ impl Disk {
         self.scans = refused;
         self.sighted.clear();
         self.companions.clear();
-        (self.next, self.unsure_press, self.looks) = (None, None, None);
+        (self.next, self.looks) = (None, None);
+        self.unsure.clear();
         self.unread.clear();
         self.recover(off);
         for (scan, (content, whose)) in self.records.clone() {

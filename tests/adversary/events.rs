@@ -19,12 +19,12 @@ impl People {
             Kind::NextPatient => {
                 self.has_reason(!self.is_waiting_in_booth()) && self.next_patient()
             }
-            Kind::Card => self.has_reason(self.said.is_none()) && self.card(),
-            Kind::Word => self.has_reason(self.said.is_none()) && self.word(),
-            Kind::Order => self.order_now(),
+            Kind::Card => self.has_reason(self.is_unsaid()) && self.card(),
+            Kind::Word => self.has_reason(self.is_unsaid()) && self.word(),
+            Kind::Order => self.has_reason(self.is_unsaid()) && self.order_now(),
             Kind::OrderAfterPress => self.order_after_press(),
             Kind::OrderLate => self.order_late(),
-            Kind::OrderEarly => self.order_early(),
+            Kind::OrderEarly => self.has_reason(self.was_scanned()) && self.order_early(),
             Kind::OrderRepeated => self.order_touched(true),
             Kind::OrderTouched => self.order_touched(false),
             Kind::Unread => self.misread(),
@@ -342,6 +342,9 @@ impl People {
         let refused = self.refused();
         let Some(&body) = self.booth.chance.pick(&refused) else { return false };
         let patient = self.booth.truth.bodies[body].patient;
+        if !is_named && self.waiting.iter().any(|other| *other != patient) {
+            return false;
+        }
         if self.standing != Some(patient) {
             self.step_in(patient);
         }

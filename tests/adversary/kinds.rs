@@ -193,6 +193,8 @@ impl Kind {
             Kind::BreaksOff | Kind::GoesOn | Kind::AgainWhole => 8,
             Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => 12,
             Kind::Decide | Kind::TakeBack | Kind::NoShow => 6,
+            Kind::Rebuild | Kind::Reboot | Kind::StoreAway | Kind::Crash | Kind::JournalLocked => 1,
+            Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch | Kind::Unread => 1,
             Kind::Grows | Kind::Ends | Kind::AgainSame | Kind::AgainComment => 4,
             _ => 3,
         }

@@ -288,7 +288,7 @@ impl People {
         is_after_press && self.not_ordered.keys().any(|patient| self.unsettled_of(*patient))
     }
 
-    fn was_scanned(&self) -> bool {
+    pub fn was_scanned(&self) -> bool {
         let bodies = &self.booth.truth.bodies;
         bodies.last().is_some_and(|body| Some(body.patient) == self.standing)
     }
@@ -331,6 +331,11 @@ impl People {
     /// Whoever stands there has not been scanned, and nobody's export is to come.
     pub fn is_ones_turn(&self) -> bool {
         !self.awaits_exports() && !self.was_scanned()
+    }
+
+    /// Whoever stands there was not named and has not been scanned.
+    pub fn is_unsaid(&self) -> bool {
+        self.said.is_none() && !self.was_scanned()
     }
 
     /// Whoever stands there has not been scanned.

@@ -23,7 +23,7 @@ const EVENTS: usize = 40;
 const DRAWS: usize = 40;
 
 /// So many times as often the kinds of a sequence's theme are drawn.
-const THEME: usize = 3;
+const THEME: usize = 2;
 
 /// One in so many times what is away comes back.
 const BACK: usize = 4;
@@ -156,7 +156,8 @@ fn some_kinds(chance: &mut Chance) -> Vec<Kind> {
     };
     let is_in = |kind: &Kind, chance: &mut Chance| is_in(kind, chance) || theme.contains(kind);
     let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| is_in(kind, chance)).collect();
-    let often = |kind: &Kind| if theme.contains(kind) { THEME } else { 1 };
+    let is_often = |kind: &Kind| theme.contains(kind) && kind.share() != Share::Fault;
+    let often = |kind: &Kind| if is_often(kind) { THEME } else { 1 };
     let weighed =
         kinds.iter().flat_map(|kind| std::iter::repeat_n(*kind, kind.weight() * often(kind)));
     weighed.collect()

@@ -14,11 +14,17 @@ pub(super) struct Measuring {
 }
 
 impl Captures {
-    /// The same, where the exports of these captures were taken and are not known to be measured.
+    /// The same after a start, where the exports of these captures were taken and are not known to be
+    /// measured.
     pub fn with_measuring(mut self, taken: Vec<Capture>, now: Duration) -> Captures {
         let late = self.rules.late;
         let may_come = |capture: &Capture| now <= capture.until + late;
-        let taken = taken.into_iter().filter(may_come);
+        // Whatever was pressed or said since may have been lost with the run before.
+        let doubted = |mut capture: Capture| {
+            capture.doubt.get_or_insert(Doubt::Unheard);
+            capture
+        };
+        let taken = taken.into_iter().filter(may_come).map(doubted);
         self.measuring = taken.map(|capture| self.measuring_since(capture, now)).collect();
         self
     }
@@ -75,7 +81,9 @@ impl Captures {
 
     /// The export that answered a capture was refused: another is awaited for the same time again.
     pub fn refused(&mut self, capture: Capture, now: Duration) -> &Capture {
-        self.measuring.retain(|known| known.capture.number != capture.number);
+        let is_it = |known: &mut Measuring| known.capture.number == capture.number;
+        let known = self.measuring.extract_if(.., is_it).last();
+        let capture = known.map_or(capture, |known| known.capture);
         let lasts = match capture.by {
             Opener::Press => self.rules.window,
             Opener::Name => self.rules.name_lasts,

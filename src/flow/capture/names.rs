@@ -214,7 +214,22 @@ impl Captures {
     /// that press: its export may have been taken already, so the time counts and not the capture.
     fn is_unsure(&self, now: Duration) -> bool {
         let still = self.rules.window + self.rules.late;
-        self.unsure_press.is_some_and(|at| now <= at + still)
+        self.unsure.iter().any(|at| now <= *at + still)
+    }
+
+    /// The button was pressed without a certain name, or it is certain no more.
+    pub(super) fn press_is_unsure(&mut self, now: Duration) {
+        let still = self.rules.window + self.rules.late;
+        self.unsure.retain(|at| now <= *at + still);
+        let too_many = (self.unsure.len() + 1).saturating_sub(UNREAD_MOST);
+        self.unsure.drain(..too_many);
+        self.unsure.push(now);
+    }
+
+    /// Whether another press than this one may be the one that an order is for.
+    fn is_another_unsure(&self, opened: Duration, now: Duration) -> bool {
+        let still = self.rules.window + self.rules.late;
+        self.unsure.iter().any(|at| *at != opened && now <= *at + still)
     }
 
     /// An order before the next press that may be for an earlier one: whoever was pressed for without
@@ -248,12 +263,14 @@ impl Captures {
         let is_unnamed = |at: &usize| self.waiting[*at].is_unnamed();
         match open.as_slice() {
             [] => return Paired::None,
-            [only] if is_unnamed(only) && self.next.is_none() => {
+            [only]
+                if is_unnamed(only)
+                    && self.next.is_none()
+                    && !self.is_another_unsure(self.waiting[*only].opened, now) =>
+            {
                 let capture = &mut self.waiting[*only];
                 capture.patient = Some(named.clone());
-                if self.unsure_press == Some(capture.opened) {
-                    self.unsure_press = None;
-                }
+                self.unsure.retain(|at| *at != capture.opened);
                 return Paired::With(capture.clone());
             }
             _ => {}
@@ -263,7 +280,7 @@ impl Captures {
             self.waiting[at].may_also_be(named);
         }
         if any_unnamed {
-            self.unsure_press = Some(now);
+            self.press_is_unsure(now);
             if self.next.is_none() {
                 return Paired::InDoubt;
             }

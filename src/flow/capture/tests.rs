@@ -21,7 +21,7 @@ fn rules() -> Rules {
 
 /// A station that has listened for long.
 fn captures() -> Captures {
-    let mut captures = Captures::new(rules(), Vec::new(), None, None);
+    let mut captures = Captures::new(rules(), Vec::new(), None);
     captures.hears(at(0) - 360 * SECOND);
     captures
 }
@@ -215,7 +215,7 @@ fn a_late_export_does_not_pass_for_the_next_patients() {
     captures.pressed(2, at(71));
     assert_eq!(code(&export(&mut captures, seen(75))), AMBIGUOUS);
     // Long after the first window nobody awaits that export any more.
-    let mut captures = Captures::new(rules(), captures.waiting, None, None);
+    let mut captures = Captures::new(rules(), captures.waiting, None);
     captures.pass(at(1000), &[]);
     assert!(captures.waiting().is_empty());
 }
@@ -274,7 +274,7 @@ fn what_a_person_gave_up_is_awaited_no_more_and_the_next_capture_is_not_in_doubt
 #[test]
 fn without_a_button_the_name_awaits_the_export_and_is_used_once() {
     let rules = Rules { by_press: false, ..rules() };
-    let mut captures = Captures::new(rules, Vec::new(), None, None);
+    let mut captures = Captures::new(rules, Vec::new(), None);
     assert!(matches!(captures.named(named("4711"), 1, at(0), &[]), NamedNext::Opened(..)));
     let again = captures.named(named("4711"), 2, at(100), &[]);
     assert!(matches!(again, NamedNext::Prolonged(capture) if capture.until == at(700)));
@@ -286,19 +286,19 @@ fn without_a_button_the_name_awaits_the_export_and_is_used_once() {
 fn without_a_button_two_cards_or_orders_hold_the_export_and_a_word_of_a_person_replaces() {
     let rules = Rules { by_press: false, ..rules() };
     for by in [SourceKind::Order, SourceKind::Reader] {
-        let mut captures = Captures::new(rules, Vec::new(), None, None);
+        let mut captures = Captures::new(rules, Vec::new(), None);
         captures.named(by_whom("4711", by), 1, at(0), &[]);
         captures.named(by_whom("0815", by), 2, at(5), &[]);
         let judged = export(&mut captures, seen(20));
         assert_eq!((code(&judged), candidates(&judged)), (AMBIGUOUS, vec!["4711", "0815"]));
     }
-    let mut captures = Captures::new(rules, Vec::new(), None, None);
+    let mut captures = Captures::new(rules, Vec::new(), None);
     captures.named(named("4711"), 1, at(0), &[]);
     let replaced = captures.named(named("0815"), 2, at(5), &[]);
     assert!(matches!(replaced, NamedNext::Opened(_, given_up) if given_up == [1]));
     assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("0815"));
     // Whose export is coming in is not given up by another name.
-    let mut captures = Captures::new(rules, Vec::new(), None, None);
+    let mut captures = Captures::new(rules, Vec::new(), None);
     captures.named(named("4711"), 1, at(0), &[]);
     captures.named(named("0815"), 2, at(5), &[at(3)]);
     assert_eq!(patient_of(&export(&mut captures, seen(3))), Some("4711"));
@@ -317,7 +317,7 @@ fn a_press_that_may_have_gone_unheard_casts_doubt_on_captures_with_a_patient() {
     back.hears(at(0));
     back.named(named("4711"), 1, at(0), &[]);
     back.pressed(1, at(359));
-    let mut begun = Captures::new(rules(), Vec::new(), None, None);
+    let mut begun = Captures::new(rules(), Vec::new(), None);
     begun.named(named("4711"), 1, at(0), &[]);
     begun.pressed(1, at(1));
     for (mut captures, second) in [(away, 20), (back, 370), (begun, 20)] {
@@ -337,7 +337,7 @@ fn a_press_that_may_have_gone_unheard_casts_doubt_on_captures_with_a_patient() {
 
 #[test]
 fn where_no_capture_names_a_patient_nothing_can_be_mistaken() {
-    let mut captures = Captures::new(rules(), Vec::new(), None, None);
+    let mut captures = Captures::new(rules(), Vec::new(), None);
     captures.pressed(1, at(1));
     captures.deaf();
     assert_eq!(patient_of(&export(&mut captures, seen(5))), None);

@@ -4,7 +4,7 @@ use super::*;
 
 fn after_press() -> Captures {
     let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
-    let mut captures = Captures::new(rules, Vec::new(), None, None);
+    let mut captures = Captures::new(rules, Vec::new(), None);
     captures.hears(at(0) - 360 * SECOND);
     captures
 }
@@ -180,7 +180,7 @@ fn a_naming_that_failed_disarms_the_name_that_waits_until_a_good_one() {
 fn without_a_button_a_naming_that_failed_disarms_all_but_an_export_that_is_coming_in() {
     let rules = Rules { by_press: false, ..rules() };
     for (unread, is_sure) in [(4, false), (5, true)] {
-        let mut captures = Captures::new(rules, Vec::new(), None, None);
+        let mut captures = Captures::new(rules, Vec::new(), None);
         captures.named(order("1"), 1, at(0), &[]);
         captures.unread(at(unread));
         let judged = export(&mut captures, seen(5));
@@ -195,7 +195,7 @@ fn an_order_that_is_repeated_is_in_doubt() {
     captures.pressed(1, at(2));
     assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
     let rules = Rules { by_press: false, ..rules() };
-    let mut captures = Captures::new(rules, Vec::new(), None, None);
+    let mut captures = Captures::new(rules, Vec::new(), None);
     captures.doubtful(order("1"), Doubt::Repeated, 1, at(0), &[]);
     assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
 }

@@ -18,8 +18,9 @@ const NEXT: &str = "next-patient";
 pub struct Names {
     /// Who may be next.
     pub next: Option<Next>,
-    /// When the button was last pressed without a certain name.
-    pub unsure_press: Option<Duration>,
+    /// When the button was pressed without a certain name, so shortly ago that an order may be for it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unsure: Vec<Duration>,
     /// When somebody was named without a button and it could not be read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unread: Vec<Duration>,
@@ -69,13 +70,13 @@ pub(super) fn save(
 ) -> Result<(), JournalError> {
     let of = |captures: &Captures| {
         let unread = captures.unread_at().to_vec();
-        (captures.next().cloned(), captures.unsure_press(), unread)
+        (captures.next().cloned(), captures.unsure_at().to_vec(), unread)
     };
     if of(before) == of(after) {
         return Ok(());
     }
-    let (next, unsure_press, unread) = of(after);
-    put(transaction, Names { next, unsure_press, unread, boot: boot.to_owned() })
+    let (next, unsure, unread) = of(after);
+    put(transaction, Names { next, unsure, unread, boot: boot.to_owned() })
 }
 
 fn put(transaction: &Transaction<'_>, names: Names) -> Result<(), JournalError> {
@@ -105,5 +106,5 @@ pub fn upgrade(transaction: &Transaction<'_>) -> Result<(), JournalError> {
         cell("value", text, |text| serde_json::from_str(text).ok())?;
     let doubt = is_doubtful.then_some(Doubt::Shared);
     let next = Next::one(Named { id, by }, Duration::from_millis(at_ms), doubt);
-    put(transaction, Names { next: Some(next), unsure_press: None, unread: Vec::new(), boot })
+    put(transaction, Names { next: Some(next), unsure: Vec::new(), unread: Vec::new(), boot })
 }
