@@ -15,8 +15,8 @@
 //! - Somebody whose scan came in for nobody, or had to be decided upon by a person, and was refused then,
 //!   is named to be scanned again; so is whoever is scanned again while somebody else's name waits.
 //! - While somebody stands in the booth unnamed who has not been scanned, the desk orders for nobody
-//!   else, but for late orders of patients who were scanned before; nor, where orders come after the
-//!   press, while the export of somebody is to come whose order is, too.
+//!   else, but for late orders of patients who were scanned before. Where the configuration says that
+//!   orders come after the press, it orders ahead for nobody who is not in the booth.
 //! - Without a button nobody is named, and nothing ordered, while the export of a scan without a name
 //!   has not begun; and each scan is named, or one that was refused before it.
 //! - The scanner writes its own measures of a scan once that lies under its name; it leaves those of

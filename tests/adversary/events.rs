@@ -58,7 +58,7 @@ impl People {
         }
     }
 
-    fn next_patient(&mut self) -> bool {
+    pub fn steps_in(&mut self) -> bool {
         let ordered: Vec<usize> = self.ordered.keys().copied().collect();
         let patient = match self.booth.chance.below(4) {
             0 => self.new_patient(),
@@ -75,7 +75,7 @@ impl People {
         if self.booth.truth.planned(Plan::Scanned).is_empty() {
             return false;
         }
-        self.next_patient() && self.press()
+        self.steps_in() && self.press()
     }
 
     fn order_now(&mut self) -> bool {
@@ -100,7 +100,8 @@ impl People {
         else {
             return false;
         };
-        if !self.has_button() {
+        let is_fresh = |body: &super::truth::Body| self.booth.now_ms < body.scanned_ms + 60_000;
+        if !self.has_button() || !self.booth.truth.bodies.last().is_some_and(is_fresh) {
             return false;
         }
         self.booth.advance(after_ms);

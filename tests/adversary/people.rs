@@ -87,6 +87,15 @@ impl People {
         self.booth.tell(|| format!("{} steps in", id(patient)));
     }
 
+    /// Mostly there are some minutes between two patients.
+    pub fn next_patient(&mut self) -> bool {
+        if !self.awaits_exports() && self.booth.chance.below(2) == 0 {
+            let by_ms = self.booth.chance.below(300_000) as u64;
+            self.booth.advance(by_ms);
+        }
+        self.steps_in()
+    }
+
     pub fn new_patient(&mut self) -> usize {
         self.patients += 1;
         self.patients
@@ -273,6 +282,10 @@ impl People {
 
     /// Whether the desk may send an order for somebody who is not in the booth.
     pub fn may_order_ahead(&self) -> bool {
+        let is_after_press = self.booth.setup.rules.orders == OrdersWhen::AfterPress;
+        if is_after_press && self.has_button() {
+            return false;
+        }
         let is_unnamed = self.standing.is_some() && self.said_now() != Some(Said::Name);
         let was_scanned = self.said.is_none() && self.was_scanned();
         self.runs()
