@@ -196,7 +196,12 @@ impl Captures {
     pub fn pressed(&mut self, number: i64, now: Duration) -> Capture {
         self.drop_old_names(now);
         let (patient, others, doubt) = self.use_next();
-        if (patient.is_none() && others.is_empty()) || doubt == Some(Doubt::Crossed) {
+        let is_unsure = match self.rules.orders {
+            OrdersWhen::BeforePress => patient.is_none() && others.is_empty(),
+            // The order of this press is still to come.
+            OrdersWhen::AfterPress => patient.is_none() || doubt.is_some(),
+        };
+        if is_unsure || doubt == Some(Doubt::Crossed) {
             self.press_is_unsure(now);
         }
         let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);

@@ -343,7 +343,7 @@ impl People {
         let refused = self.refused();
         let Some(&body) = self.booth.chance.pick(&refused) else { return false };
         let patient = self.booth.truth.bodies[body].patient;
-        if !is_named && self.waiting.iter().any(|other| *other != patient) {
+        if !is_named && self.is_other_awaited(patient) {
             return false;
         }
         if self.standing != Some(patient) {

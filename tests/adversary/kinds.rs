@@ -186,11 +186,12 @@ impl Kind {
     pub fn weight(self) -> usize {
         match self {
             Kind::Press => 12,
-            Kind::PressEarly | Kind::NextPatient | Kind::Card | Kind::Order => 5,
+            Kind::NextPatient | Kind::Card | Kind::Order => 5,
+            Kind::PressEarly | Kind::BreaksOff => 2,
             Kind::Export | Kind::ExportRewrites | Kind::ExportRenamed => 8,
             Kind::ExportReplaces | Kind::ExportMovedIn | Kind::ExportOutOfOrder => 8,
             Kind::ExportLate | Kind::OrderLate | Kind::OrderAfterPress => 6,
-            Kind::BreaksOff | Kind::GoesOn | Kind::AgainWhole => 8,
+            Kind::GoesOn | Kind::AgainWhole => 8,
             Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => 12,
             Kind::Decide | Kind::TakeBack | Kind::NoShow => 6,
             Kind::Rebuild | Kind::Reboot | Kind::StoreAway | Kind::Crash | Kind::JournalLocked => 1,

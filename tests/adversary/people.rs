@@ -120,6 +120,14 @@ impl People {
             && bodies.iter().any(|body| body.plan == Plan::Scanned && !body.is_covered)
     }
 
+    /// Whether another patient's name waits, or without a button the export of one who was named.
+    pub fn is_other_awaited(&self, patient: usize) -> bool {
+        let bodies = &self.booth.truth.bodies;
+        let comes = |at: usize| bodies[at].patient != patient && !self.booth.is_settled(at);
+        self.waiting.iter().any(|other| *other != patient)
+            || (!self.has_button() && (0..bodies.len()).any(comes))
+    }
+
     /// Whether somebody may be named at the booth now.
     pub fn may_name(&self) -> bool {
         self.runs() && self.standing.is_some() && !self.is_nobodys_awaited()
