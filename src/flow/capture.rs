@@ -274,9 +274,9 @@ impl Captures {
         let shared = (ids.len() > 1).then_some(Doubt::Shared);
         let unread = all.iter().find_map(|capture| self.unread_between(capture, export));
         if let Some(doubt) = shared.or(all.iter().find_map(|capture| capture.doubt)).or(unread) {
-            // Without a button it may be the export of whoever could not be read, and that of the one
-            // who was named is still to come.
-            return held(doubt.why(), &all, unread.is_none());
+            // It may have been written before any of them, or without a button be the export of whoever
+            // could not be read: then their own are still to come.
+            return held(doubt.why(), &all, unread.is_none() && !after.is_empty());
         }
         match (its_own, after.is_empty()) {
             (Some(capture), _) => Judged::Of(capture),

@@ -81,7 +81,7 @@ impl People {
     fn order_now(&mut self) -> bool {
         let Some(patient) = self.standing else { return false };
         let is_other = self.said_now().is_some_and(|said| said != Said::Name);
-        if self.is_nobodys_awaited() || self.is_order_owed() || is_other {
+        if self.is_nobodys_awaited() || self.orders_after_press() || is_other {
             return false;
         }
         let (runs, is_kept) = (self.runs(), !self.booth.disk.is_locked);

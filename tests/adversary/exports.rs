@@ -103,8 +103,10 @@ impl Booth {
     /// Another file takes a name: what was being written there is lost.
     pub fn overwritten(&mut self, name: &str) {
         let exports = std::mem::take(&mut self.truth.exports);
+        // Nobody writes into a file that another export is written over, under whatever name.
+        let ino = self.folder.inode(name);
         let (lost, kept): (Vec<Export>, Vec<Export>) =
-            exports.into_iter().partition(|export| export.name == name);
+            exports.into_iter().partition(|export| export.name == name || Some(export.ino) == ino);
         self.truth.exports = kept;
         for export in lost {
             let body = &mut self.truth.bodies[export.body];

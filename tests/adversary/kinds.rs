@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use super::laws::Off;
+
 /// A kind of event.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
@@ -110,15 +112,25 @@ pub enum Share {
     Fault,
 }
 
-/// What a sequence has most of: kinds that must meet before anything goes wrong.
-pub const THEMES: [&[Kind]; 6] = [
-    &[],
-    &[Kind::BreaksOff, Kind::AgainWhole, Kind::PressEarly, Kind::Card, Kind::ExportOutOfOrder],
-    &[Kind::BreaksOff, Kind::RescanNamed, Kind::RescanUnnamed, Kind::GivenUp, Kind::Word],
-    &[Kind::Order, Kind::OrderAfterPress, Kind::OrderEarly, Kind::OrderTouched, Kind::NextPatient],
-    &[Kind::JournalLocked, Kind::TakeFails, Kind::Card, Kind::Word, Kind::PressEarly],
-    &[Kind::Decide, Kind::TakeBack, Kind::Rebuild, Kind::StoreAway, Kind::OrderEarly],
-];
+/// What must meet before a law is put to the test: a sequence is drawn with one of these in mind.
+pub fn theme(of: Off) -> &'static [Kind] {
+    match of {
+        Off::Nothing => &[],
+        Off::ContentNotName => &[Kind::ExportRewrites, Kind::BreaksOff],
+        Off::Inodes => &[Kind::ExportRenamed, Kind::Rename, Kind::Link],
+        Off::KnownAnswerNothing => &[Kind::AgainSame, Kind::AgainComment, Kind::Card],
+        Off::RefusalOpensAgain => &[Kind::BreaksOff, Kind::AgainWhole, Kind::PressEarly],
+        Off::RefusedIsCandidate => &[Kind::BreaksOff, Kind::AgainWhole, Kind::Card],
+        Off::OrdersAddUp => &[Kind::Order, Kind::OrderEarly],
+        Off::OrderAfterUnnamedPress => &[Kind::OrderAfterPress, Kind::OrderLate],
+        Off::FailedNamingDisarms => &[Kind::Unread, Kind::Order],
+        Off::JournalFirst => &[Kind::JournalLocked, Kind::Word, Kind::Card],
+        Off::KeptScansAnswer => &[Kind::TakeFails, Kind::PressEarly],
+        Off::DecisionsOutlive => &[Kind::Decide, Kind::TakeBack, Kind::Rebuild],
+        Off::FreshCompanions => &[Kind::ExportRewrites, Kind::ExportReplaces],
+        Off::OrdersNameOnce => &[Kind::Order, Kind::OrderTouched],
+    }
+}
 
 impl Kind {
     pub const ALL: [Kind; 47] = [

@@ -36,3 +36,22 @@ pub enum Off {
     /// An order that was touched names its patient again.
     OrdersNameOnce,
 }
+
+impl Off {
+    pub const ALL: [Off; 14] = [
+        Off::Nothing,
+        Off::ContentNotName,
+        Off::Inodes,
+        Off::KnownAnswerNothing,
+        Off::RefusalOpensAgain,
+        Off::RefusedIsCandidate,
+        Off::OrdersAddUp,
+        Off::OrderAfterUnnamedPress,
+        Off::FailedNamingDisarms,
+        Off::JournalFirst,
+        Off::KeptScansAnswer,
+        Off::DecisionsOutlive,
+        Off::FreshCompanions,
+        Off::OrdersNameOnce,
+    ];
+}

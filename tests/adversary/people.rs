@@ -288,10 +288,14 @@ impl People {
         }
     }
 
+    /// Whether this is a practice that orders after the press.
+    pub fn orders_after_press(&self) -> bool {
+        self.has_button() && self.booth.setup.rules.orders == OrdersWhen::AfterPress
+    }
+
     /// Whether the desk may send an order for somebody who is not in the booth.
     pub fn may_order_ahead(&self) -> bool {
-        let is_after_press = self.booth.setup.rules.orders == OrdersWhen::AfterPress;
-        if is_after_press && self.has_button() {
+        if self.orders_after_press() {
             return false;
         }
         let is_unnamed = self.standing.is_some() && self.said_now() != Some(Said::Name);

@@ -12,7 +12,7 @@ use regex::Regex;
 
 use super::booth::{Booth, LATE, NAME_LASTS, Setup, WINDOW};
 use super::chance::Chance;
-use super::kinds::{Kind, Pairs, Share, THEMES};
+use super::kinds::{Kind, Pairs, Share, theme};
 use super::laws::Off;
 use super::people::People;
 
@@ -115,7 +115,7 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     let mut chance = Chance(seed.wrapping_mul(0xd134_2543_de82_ef95));
     chance.below(7);
     let setup = stations.setup(&mut chance, off);
-    let kinds = some_kinds(&mut chance);
+    let kinds = some_kinds(&mut chance, off);
     let keeps_orders = chance.below(2) == 0;
     let mut booth = Booth::new(setup, seed, tells);
     let rules = booth.setup.rules;
@@ -146,9 +146,10 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
 /// The kinds of one sequence, as often as they are drawn. Where each sequence leaves out some, the few
 /// that must meet do so more often than where all are drawn every time (Groce et al., "Swarm Testing",
 /// ISSTA 2012); and faults at every step would leave nothing but held scans.
-fn some_kinds(chance: &mut Chance) -> Vec<Kind> {
+fn some_kinds(chance: &mut Chance, off: Off) -> Vec<Kind> {
     let faults_in = [0, 1, 1, 3][chance.below(4)];
-    let theme = THEMES[chance.below(THEMES.len())];
+    let law = if off == Off::Nothing { Off::ALL[chance.below(Off::ALL.len())] } else { off };
+    let theme = theme(law);
     let is_in = |kind: &Kind, chance: &mut Chance| match kind.share() {
         Share::Always => true,
         Share::Half => chance.below(2) == 0,
