@@ -33,7 +33,7 @@ use super::stop::Stop;
 use crate::config::OrdersConfig;
 use crate::flow::booth::Heard;
 use crate::flow::facts::Alarm;
-use crate::flow::{Look, LookTime, OrderState, Settled, Settling};
+use crate::flow::{Look, LookTime, Settled, Settling};
 use crate::record::SourceKind;
 use crate::record::gdt::order;
 use crate::record::gdt::{Charset, Order, OrderFault};
