@@ -123,19 +123,6 @@ impl Disk {
         Ok(())
     }
 
-    /// As `Journal::captures_closed`.
-    pub fn closed(&mut self, captures: &[i64]) -> Result<(), Fault> {
-        if !captures.is_empty() {
-            self.change()?;
-        }
-        for (number, row) in &mut self.captures {
-            if captures.contains(number) {
-                row.end = Some(End::Over);
-            }
-        }
-        Ok(())
-    }
-
     fn save(&mut self, capture: Capture) {
         self.last_capture = self.last_capture.max(capture.number);
         self.captures.insert(capture.number, CaptureRow { capture, end: None, scan: None });

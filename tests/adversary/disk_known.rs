@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use gaiter::flow::ScanState;
 use gaiter::flow::capture::{Capture, Judged};
 
-use super::{Content, Disk, End, Intake, Scan, ScanRow};
+use super::{Content, Disk, End, Fault, Intake, Scan, ScanRow};
 
 impl Disk {
     /// As `Custody::known`.
@@ -61,5 +61,18 @@ impl Disk {
     pub fn unentered(&self) -> Vec<(Scan, Intake)> {
         let unknown = self.spool.iter().filter(|(scan, _)| self.scan(**scan).is_none());
         unknown.map(|(scan, intake)| (*scan, intake.clone())).collect()
+    }
+
+    /// As `Journal::captures_closed`.
+    pub fn closed(&mut self, captures: &[i64]) -> Result<(), Fault> {
+        if !captures.is_empty() {
+            self.change()?;
+        }
+        for (number, row) in &mut self.captures {
+            if captures.contains(number) {
+                row.end = Some(End::Over);
+            }
+        }
+        Ok(())
     }
 }

@@ -174,8 +174,7 @@ impl Captures {
     fn give_up_others(&mut self, id: &str, coming: &[Duration]) -> Vec<i64> {
         let is_given_up = |capture: &mut Capture| {
             let is_same = capture.patient.as_ref().is_some_and(|patient| patient.id == id);
-            let was_answered_in_doubt = capture.doubt == Some(Doubt::Shared);
-            !is_same && !was_answered_in_doubt && !is_coming_in(capture, coming)
+            !is_same && !is_coming_in(capture, coming)
         };
         self.measuring.retain(|known| known.capture.is_of(id));
         self.waiting.extract_if(.., is_given_up).map(|capture| capture.number).collect()

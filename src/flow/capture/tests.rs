@@ -45,9 +45,12 @@ fn taken(captures: &mut Captures, appeared: Appeared) -> Judged {
 /// Judges, takes and measures.
 fn export(captures: &mut Captures, appeared: Appeared) -> Judged {
     let judged = taken(captures, appeared);
-    if let Judged::Of(capture) = &judged {
-        captures.measured(capture.number);
-    }
+    let answered = match &judged {
+        Judged::Unpressed => None,
+        Judged::Of(capture) => Some(capture.number),
+        Judged::Held { answered, .. } => *answered,
+    };
+    answered.into_iter().for_each(|number| captures.measured(number));
     judged
 }
 

@@ -1,6 +1,7 @@
 //! Custody on real folders: what is kept, for whom, and what a crash between two steps leaves.
 
 use std::fs;
+use std::sync::atomic::Ordering;
 
 use super::*;
 use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
@@ -138,7 +139,8 @@ fn spooled_bytes_that_the_journal_does_not_know_are_adopted_with_their_first_sig
     let first_seen = "2026-11-21T09:15:00Z".parse().unwrap();
     let kept = Intake { first_seen, ..intake(&arrival, None, None, Vec::new()) };
     custody.spool.keep(&scan, kept, BYTES, &[]).unwrap();
-    // The crash was here. Either the start adopts it, or the file is seen again first.
+    custody.unentered.store(true, Ordering::Relaxed);
+    // The journal failed here. Either a start adopts it, or the file is seen again first.
     assert_eq!(admit(&custody, says("4711")), Verdict::Already);
     assert_eq!(custody.recover().unwrap(), 0);
     assert_eq!(custody.journal.scan(&scan).unwrap().unwrap().first_seen, first_seen);
