@@ -196,12 +196,16 @@ impl Captures {
     pub fn pressed(&mut self, number: i64, now: Duration) -> Capture {
         self.drop_old_names(now);
         let (patient, others, doubt) = self.use_next();
-        let is_unsure = match self.rules.orders {
-            OrdersWhen::BeforePress => patient.is_none() && others.is_empty(),
+        let is_unsure = match (self.rules.orders, doubt) {
+            // Who has been ordered before need not be ordered again.
+            (OrdersWhen::BeforePress, None | Some(Doubt::Shared)) => {
+                patient.is_none() && others.is_empty()
+            }
+            (OrdersWhen::BeforePress, Some(_)) => true,
             // The order of this press is still to come.
-            OrdersWhen::AfterPress => patient.is_none() || doubt.is_some(),
+            (OrdersWhen::AfterPress, doubt) => patient.is_none() || doubt.is_some(),
         };
-        if is_unsure || doubt == Some(Doubt::Crossed) {
+        if is_unsure {
             self.press_is_unsure(now);
         }
         let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
@@ -304,9 +308,13 @@ impl Captures {
             // Whosever it is, another export of that body is to come.
             (*answered, *doubtful) = (None, Vec::new());
         }
-        match &content.completes {
-            Some(whose) => judged.completing(whose),
-            None => judged,
+        match (&content.completes, judged) {
+            // The part that came in before is being measured for its capture, and so is this.
+            (Some(whose), Judged::Unpressed) => self
+                .measuring_of(whose, content.began)
+                .map_or(Judged::Unpressed, |capture| Judged::Of(capture.clone())),
+            (Some(whose), judged) => judged.completing(whose),
+            (None, judged) => judged,
         }
     }
 

@@ -348,11 +348,12 @@ impl Booth {
     /// The scan that answered a capture was refused: another export is awaited.
     pub fn reopen_capture(&mut self, scan: Scan) -> Result<(), Fault> {
         let now = self.clock();
-        if self.setup.off == Off::RefusalOpensAgain {
-            return Ok(());
-        }
         let Some(run) = &mut self.run else { return Err(Fault) };
         let Some(capture) = self.disk.answered_by(scan) else { return Ok(()) };
+        if self.setup.off == Off::RefusalOpensAgain {
+            run.captures.measured(capture.number);
+            return Ok(());
+        }
         let mut after = run.captures.clone();
         after.refused(capture, now);
         change(self.setup.off, &mut self.disk, run, after)

@@ -13,18 +13,19 @@ pub const IN_TIME_MS: u64 = 168_000;
 impl People {
     /// Something happens, if there is occasion for it.
     pub fn happens(&mut self, kind: Kind) -> bool {
+        if !self.has_reason(kind) {
+            return false;
+        }
         match kind {
-            Kind::Press => self.has_reason(self.is_ones_turn()) && self.press(),
+            Kind::Press => self.press(),
             Kind::PressEarly => self.press_early(),
-            Kind::NextPatient => {
-                self.has_reason(!self.is_waiting_in_booth()) && self.next_patient()
-            }
-            Kind::Card => self.has_reason(self.is_unsaid()) && self.card(),
-            Kind::Word => self.has_reason(self.is_unsaid()) && self.word(),
-            Kind::Order => self.has_reason(self.is_unsaid()) && self.order_now(),
+            Kind::NextPatient => self.next_patient(),
+            Kind::Card => self.card(),
+            Kind::Word => self.word(),
+            Kind::Order => self.order_now(),
             Kind::OrderAfterPress => self.order_after_press(),
             Kind::OrderLate => self.order_late(),
-            Kind::OrderEarly => self.has_reason(self.was_scanned()) && self.order_early(),
+            Kind::OrderEarly => self.order_early(),
             Kind::OrderRepeated => self.order_touched(true),
             Kind::OrderTouched => self.order_touched(false),
             Kind::Unread => self.misread(),
@@ -72,10 +73,7 @@ impl People {
     }
 
     fn press_early(&mut self) -> bool {
-        if self.booth.truth.planned(Plan::Scanned).is_empty() {
-            return false;
-        }
-        self.steps_in() && self.press()
+        self.awaits_exports() && self.steps_in() && self.press()
     }
 
     fn order_now(&mut self) -> bool {
@@ -139,6 +137,7 @@ impl People {
         let patient = self.new_patient();
         self.order(patient);
         self.ordered.insert(patient, self.booth.now_ms);
+        self.expected.push(patient);
         true
     }
 
@@ -160,7 +159,7 @@ impl People {
     }
 
     fn no_show(&mut self) -> bool {
-        let Some((&patient, _)) = self.ordered.first_key_value() else { return false };
+        let Some(patient) = self.expected.pop() else { return false };
         self.ordered.remove(&patient);
         self.booth.tell(|| format!("{} never comes", id(patient)));
         true

@@ -350,7 +350,8 @@ impl Booth {
         if !self.setup.has_measures || !is_fresh {
             return NameSays::Nothing;
         }
-        match self.folder.held(&name_of(&only.path)) {
+        let name = name_of(&only.path);
+        match self.folder.held(&name).filter(|_| self.folder.stamp(&name) == Some(only.stamp)) {
             Some(Held::Measures(text)) => self.setup.identity.of_sidecar(text),
             _ => NameSays::Nothing,
         }

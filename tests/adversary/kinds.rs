@@ -1,6 +1,6 @@
 //! What may happen, by name. Every kind follows every other, many times over a run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::laws::Off;
 
@@ -118,14 +118,18 @@ pub fn theme(of: Off) -> &'static [Kind] {
         Off::Nothing => &[],
         Off::ContentNotName => &[Kind::ExportRewrites, Kind::BreaksOff],
         Off::Inodes => &[Kind::ExportRenamed, Kind::Rename, Kind::Link],
-        Off::KnownAnswerNothing => &[Kind::AgainSame, Kind::AgainComment, Kind::Card],
-        Off::RefusalOpensAgain => &[Kind::BreaksOff, Kind::AgainWhole, Kind::PressEarly],
-        Off::RefusedIsCandidate => &[Kind::BreaksOff, Kind::AgainWhole, Kind::Card],
+        Off::KnownAnswerNothing => &[Kind::AgainSame, Kind::PressEarly, Kind::Card],
+        Off::RefusalOpensAgain => {
+            &[Kind::BreaksOff, Kind::AgainWhole, Kind::Card, Kind::NextPatient]
+        }
+        Off::RefusedIsCandidate => {
+            &[Kind::BreaksOff, Kind::AgainWhole, Kind::Card, Kind::NextPatient]
+        }
         Off::OrdersAddUp => &[Kind::Order, Kind::OrderEarly],
         Off::OrderAfterUnnamedPress => &[Kind::OrderAfterPress, Kind::OrderLate],
         Off::FailedNamingDisarms => &[Kind::Unread, Kind::Order],
-        Off::JournalFirst => &[Kind::JournalLocked, Kind::Word, Kind::Card],
-        Off::KeptScansAnswer => &[Kind::TakeFails, Kind::PressEarly],
+        Off::JournalFirst => &[Kind::JournalLocked, Kind::Word, Kind::NextPatient],
+        Off::KeptScansAnswer => &[Kind::TakeFails, Kind::Card, Kind::NextPatient],
         Off::DecisionsOutlive => &[Kind::Decide, Kind::TakeBack, Kind::Rebuild],
         Off::FreshCompanions => &[Kind::ExportRewrites, Kind::ExportReplaces],
         Off::OrdersNameOnce => &[Kind::Order, Kind::OrderTouched],
@@ -187,6 +191,9 @@ impl Kind {
         match self {
             Kind::Press | Kind::NextPatient | Kind::Card | Kind::Word => Share::Always,
             Kind::Export | Kind::Ends | Kind::Wait => Share::Always,
+            // There is seldom occasion for these.
+            Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => Share::Always,
+            Kind::NoShow | Kind::ExportOutOfOrder | Kind::OrderEarly => Share::Always,
             Kind::Pause | Kind::FolderAway | Kind::Unplug | Kind::Crash => Share::Fault,
             Kind::Reboot | Kind::Rebuild | Kind::JournalLocked | Kind::TakeFails => Share::Fault,
             Kind::StoreAway => Share::Fault,
@@ -214,13 +221,20 @@ impl Kind {
     }
 }
 
-/// How often each kind followed each other.
+/// Two events that far apart have to do with each other.
+const APART: usize = 10;
+
+/// How often each kind came after each other, with at most [`APART`] events from one to the other.
 #[derive(Debug, Default)]
 pub struct Pairs(BTreeMap<(Kind, Kind), u64>);
 
 impl Pairs {
-    pub fn note(&mut self, before: Kind, after: Kind) {
-        *self.0.entry((before, after)).or_default() += 1;
+    /// One more event happens in a sequence: `before` are those before it, the last one last.
+    pub fn note(&mut self, before: &[Kind], after: Kind) {
+        let near: BTreeSet<Kind> = before.iter().rev().take(APART).copied().collect();
+        for before in near {
+            *self.0.entry((before, after)).or_default() += 1;
+        }
     }
 
     pub fn add(&mut self, other: &Pairs) {

@@ -2,14 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use gaiter::flow::OrdersWhen;
-use gaiter::flow::capture::Doubt;
-use gaiter::flow::order_news::{self, News, OrderState};
+use gaiter::flow::ScanState;
 use gaiter::record::SourceKind;
 
 use super::booth::Booth;
-use super::laws::Off;
+use super::desk::Order;
+use super::kinds::Kind;
 use super::truth::{Plan, id};
+
+/// One whole scan in so many cannot be measured.
+const REFUSED: usize = 6;
 
 /// After so long nobody relies on a name that was said, milliseconds.
 const RELIED_MS: u64 = 600_000;
@@ -25,16 +27,6 @@ pub enum Said {
     Nobody,
 }
 
-/// An order, as the practice software keeps it.
-#[derive(Debug, Clone)]
-pub struct Order {
-    pub file: String,
-    pub patient: usize,
-    pub mtime_ms: u64,
-    /// The journal failed when it was to be heard.
-    pub is_late: bool,
-}
-
 /// The booth with its people.
 pub struct People {
     pub booth: Booth,
@@ -45,6 +37,8 @@ pub struct People {
     pub waiting: Vec<usize>,
     /// Patients to come whose orders were sent, and when.
     pub ordered: BTreeMap<usize, u64>,
+    /// Patients to come, whatever became of their orders.
+    pub expected: Vec<usize>,
     /// Patients who were scanned and never ordered, with their last scan.
     pub not_ordered: BTreeMap<usize, usize>,
     pub orders: Vec<Order>,
@@ -52,21 +46,28 @@ pub struct People {
     pub letters: Vec<Order>,
     pub patients: usize,
     pub keeps_orders: bool,
+    /// So many scans were made before somebody last said that nobody is named.
+    given_up: usize,
+    /// What the sequence has in mind: it happens without a reason, too.
+    pub theme: &'static [Kind],
 }
 
 impl People {
-    pub fn new(booth: Booth, keeps_orders: bool) -> People {
+    pub fn new(booth: Booth, keeps_orders: bool, theme: &'static [Kind]) -> People {
         People {
             booth,
             standing: None,
             said: None,
             waiting: Vec::new(),
             ordered: BTreeMap::new(),
+            expected: Vec::new(),
             not_ordered: BTreeMap::new(),
             orders: Vec::new(),
             letters: Vec::new(),
             patients: 0,
             keeps_orders,
+            given_up: 0,
+            theme,
         }
     }
 
@@ -81,6 +82,7 @@ impl People {
     /// Somebody new steps in, or somebody who is known comes back.
     pub fn step_in(&mut self, patient: usize) {
         self.standing = Some(patient);
+        self.expected.retain(|other| *other != patient);
         let now = self.booth.now_ms;
         let sent = self.ordered.remove(&patient).filter(|sent| now < sent + RELIED_MS);
         self.said = sent.filter(|_| self.waiting.contains(&patient)).map(|sent| (Said::Name, sent));
@@ -120,12 +122,13 @@ impl People {
             && bodies.iter().any(|body| body.plan == Plan::Scanned && !body.is_covered)
     }
 
-    /// Whether another patient's name waits, or without a button the export of one who was named.
+    /// Whether another patient's name waits, or without a button something may still come of the scan of
+    /// one who was named.
     pub fn is_other_awaited(&self, patient: usize) -> bool {
         let bodies = &self.booth.truth.bodies;
-        let comes = |at: usize| bodies[at].patient != patient && !self.booth.is_settled(at);
+        let others = (self.given_up..bodies.len()).filter(|at| bodies[*at].patient != patient);
         self.waiting.iter().any(|other| *other != patient)
-            || (!self.has_button() && (0..bodies.len()).any(comes))
+            || (!self.has_button() && !others.into_iter().all(|body| self.is_done(body)))
     }
 
     /// Whether somebody may be named at the booth now.
@@ -201,13 +204,14 @@ impl People {
         if !self.runs() || self.standing.is_none() || comes {
             return false;
         }
-        for body in self.booth.truth.planned(Plan::Scanned) {
-            self.booth.truth.bodies[body].plan = Plan::Over;
-        }
         let called_off = self.booth.call_off();
         self.booth.tell(|| format!("nobody is named: {called_off:?}"));
         if called_off.is_ok() {
             self.said = Some((Said::Nobody, self.booth.now_ms));
+            self.given_up = self.booth.truth.bodies.len();
+            for body in self.booth.truth.planned(Plan::Scanned) {
+                self.booth.truth.bodies[body].plan = Plan::Over;
+            }
             self.nothing_waits();
         }
         true
@@ -223,94 +227,6 @@ impl People {
                 body.plan = Plan::Over;
             }
         }
-    }
-
-    /// An order of the practice software is written. The desk does not order for somebody else while
-    /// somebody stands in the booth unnamed who has not been scanned.
-    pub fn order(&mut self, patient: usize) {
-        let file = format!("order{}", self.booth.truth.comment());
-        let order = Order { file, patient, mtime_ms: self.booth.now_ms, is_late: false };
-        self.booth.tell(|| format!("an order for {}", id(patient)));
-        self.not_ordered.remove(&patient);
-        if !self.waiting.contains(&patient) {
-            self.waiting.push(patient);
-        }
-        if self.keeps_orders {
-            self.orders.push(order.clone());
-        }
-        self.letters.push(order);
-        self.read_orders();
-    }
-
-    /// The station reads what orders there are.
-    pub fn read_orders(&mut self) {
-        if !self.runs() {
-            // What a run could not keep it takes with it.
-            self.letters.iter_mut().for_each(|order| order.is_late = false);
-        }
-        if !self.runs() || self.letters.is_empty() {
-            return;
-        }
-        if self.booth.disk.is_locked {
-            // They were said and are not kept.
-            self.booth.unread();
-            self.letters.iter_mut().for_each(|order| order.is_late = true);
-            return;
-        }
-        for order in std::mem::take(&mut self.letters) {
-            // One that could not be read in time comes too late where no button tells one scan from
-            // the next.
-            let is_of_before = order.mtime_ms < self.booth.now_ms;
-            self.booth.truth.is_late |= is_of_before && self.is_nobodys_awaited();
-            self.read_order(&order);
-        }
-    }
-
-    fn read_order(&mut self, order: &Order) {
-        let words = id(order.patient);
-        let mtime_ns = i128::from(order.mtime_ms) * 1_000_000;
-        let found = OrderState { size: 100, mtime_ns, digest: words.clone() };
-        let known = self.booth.disk.orders.insert(order.file.clone(), found.clone());
-        let news = match self.booth.setup.off {
-            Off::OrdersNameOnce => News::New,
-            _ => order_news::news(known.as_ref(), &found),
-        };
-        match news {
-            News::Known => {}
-            News::Repeated => {
-                self.booth.tell(|| format!("the order for {words} came again"));
-                self.booth.heard_name(&words, SourceKind::Order, Some(Doubt::Repeated));
-            }
-            News::New => {
-                let doubt = order.is_late.then_some(Doubt::Unread);
-                self.booth.heard_name(&words, SourceKind::Order, doubt);
-            }
-        }
-    }
-
-    /// Whether this is a practice that orders after the press.
-    pub fn orders_after_press(&self) -> bool {
-        self.has_button() && self.booth.setup.rules.orders == OrdersWhen::AfterPress
-    }
-
-    /// Whether the desk may send an order for somebody who is not in the booth.
-    pub fn may_order_ahead(&self) -> bool {
-        if self.orders_after_press() {
-            return false;
-        }
-        let is_unnamed = self.standing.is_some() && self.said_now() != Some(Said::Name);
-        let was_scanned = self.said.is_none() && self.was_scanned();
-        self.runs()
-            && !self.booth.disk.is_locked
-            && (!is_unnamed || was_scanned)
-            && !self.is_nobodys_awaited()
-            && !self.is_order_owed()
-    }
-
-    /// Whether the order of a scan is still to come where orders come after the press.
-    pub fn is_order_owed(&self) -> bool {
-        let is_after_press = self.booth.setup.rules.orders == OrdersWhen::AfterPress;
-        is_after_press && self.not_ordered.keys().any(|patient| self.unsettled_of(*patient))
     }
 
     pub fn was_scanned(&self) -> bool {
@@ -340,7 +256,7 @@ impl People {
         }
         let is_covered = if self.has_button() { is_kept } else { said == Said::Name };
         let body = self.booth.scan_body(patient, is_covered);
-        self.booth.truth.bodies[body].is_refused = self.booth.chance.below(25) == 0;
+        self.booth.truth.bodies[body].is_refused = self.booth.chance.below(REFUSED) == 0;
         if said != Said::Name {
             self.not_ordered.entry(patient).or_insert(body);
         }
@@ -349,26 +265,32 @@ impl People {
     }
 
     /// People do what there is reason for, and now and then what there is none for.
-    pub fn has_reason(&mut self, is_reason: bool) -> bool {
-        is_reason || self.booth.chance.below(8) == 0
+    pub fn has_reason(&mut self, kind: Kind) -> bool {
+        let is_reason = match kind {
+            Kind::Press => !self.awaits_exports() && !self.was_scanned(),
+            Kind::NextPatient => self.standing.is_none() || self.was_scanned(),
+            Kind::Card | Kind::Word | Kind::Order => self.said.is_none() && !self.was_scanned(),
+            Kind::OrderEarly => self.was_scanned(),
+            _ => true,
+        };
+        is_reason || self.theme.contains(&kind) || self.booth.chance.below(8) == 0
     }
 
-    /// Whoever stands there has not been scanned, and nobody's export is to come.
-    pub fn is_ones_turn(&self) -> bool {
-        !self.awaits_exports() && !self.was_scanned()
+    /// Whether all that came in of a scan was measured.
+    fn is_done(&self, body: usize) -> bool {
+        let rows = self.booth.disk.scans().filter(|(_, row)| row.content.whole.body == body);
+        let mut states =
+            rows.map(|(_, row)| row.state == ScanState::Delivered && row.held.is_none()).peekable();
+        states.peek().is_some() && states.all(|is_delivered| is_delivered)
     }
 
-    /// Whoever stands there was not named and has not been scanned.
-    pub fn is_unsaid(&self) -> bool {
-        self.said.is_none() && !self.was_scanned()
+    /// Whether every scan was measured since somebody last said that nobody is named.
+    fn is_all_done(&self) -> bool {
+        let count = self.booth.truth.bodies.len();
+        !self.awaits_exports() && (self.given_up..count).all(|body| self.is_done(body))
     }
 
-    /// Whoever stands there has not been scanned.
-    pub fn is_waiting_in_booth(&self) -> bool {
-        self.standing.is_some() && !self.was_scanned()
-    }
-
-    fn unsettled_of(&self, patient: usize) -> bool {
+    pub fn unsettled_of(&self, patient: usize) -> bool {
         let bodies = &self.booth.truth.bodies;
         (0..bodies.len()).any(|at| bodies[at].patient == patient && !self.booth.is_settled(at))
     }
@@ -381,7 +303,7 @@ impl People {
                 return Some(said);
             }
         }
-        if self.waiting.is_empty() && self.has_button() {
+        if self.waiting.is_empty() && (self.has_button() || self.is_all_done()) {
             // Nobody is named, and nobody need say so.
             return Some(Said::Nobody);
         }

@@ -23,7 +23,7 @@ const EVENTS: usize = 40;
 const DRAWS: usize = 40;
 
 /// So many times as often the kinds of a sequence's theme are drawn.
-const THEME: usize = 2;
+const THEME: usize = 3;
 
 /// One in so many times what is away comes back.
 const BACK: usize = 4;
@@ -115,22 +115,23 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     let mut chance = Chance(seed.wrapping_mul(0xd134_2543_de82_ef95));
     chance.below(7);
     let setup = stations.setup(&mut chance, off);
-    let kinds = some_kinds(&mut chance, off);
+    let law = if off == Off::Nothing { Off::ALL[chance.below(Off::ALL.len())] } else { off };
+    let theme = theme(law);
+    let kinds = some_kinds(&mut chance, theme);
     let keeps_orders = chance.below(2) == 0;
     let mut booth = Booth::new(setup, seed, tells);
     let rules = booth.setup.rules;
     booth.tell(|| format!("{rules:?}"));
-    let mut people = People::new(booth, keeps_orders);
+    let mut people = People::new(booth, keeps_orders, theme);
     let mut ended = Ended::default();
-    let mut before = None;
+    let mut before = Vec::new();
     for _ in 0..EVENTS {
         let gap_ms = gap_ms(&mut people.booth.chance);
         people.booth.advance(gap_ms);
         people.read_orders();
         let Some(kind) = some_kind(&kinds, &mut people) else { continue };
-        if let Some(before) = before.replace(kind) {
-            ended.pairs.note(before, kind);
-        }
+        ended.pairs.note(&before, kind);
+        before.push(kind);
         ended.events += 1;
         if people.booth.truth.wrong.is_some() {
             break;
@@ -146,10 +147,8 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
 /// The kinds of one sequence, as often as they are drawn. Where each sequence leaves out some, the few
 /// that must meet do so more often than where all are drawn every time (Groce et al., "Swarm Testing",
 /// ISSTA 2012); and faults at every step would leave nothing but held scans.
-fn some_kinds(chance: &mut Chance, off: Off) -> Vec<Kind> {
+fn some_kinds(chance: &mut Chance, theme: &[Kind]) -> Vec<Kind> {
     let faults_in = [0, 1, 1, 3][chance.below(4)];
-    let law = if off == Off::Nothing { Off::ALL[chance.below(Off::ALL.len())] } else { off };
-    let theme = theme(law);
     let is_in = |kind: &Kind, chance: &mut Chance| match kind.share() {
         Share::Always => true,
         Share::Half => chance.below(2) == 0,
@@ -157,8 +156,7 @@ fn some_kinds(chance: &mut Chance, off: Off) -> Vec<Kind> {
     };
     let is_in = |kind: &Kind, chance: &mut Chance| is_in(kind, chance) || theme.contains(kind);
     let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| is_in(kind, chance)).collect();
-    let is_often = |kind: &Kind| theme.contains(kind) && kind.share() != Share::Fault;
-    let often = |kind: &Kind| if is_often(kind) { THEME } else { 1 };
+    let often = |kind: &Kind| if theme.contains(kind) { THEME } else { 1 };
     let weighed =
         kinds.iter().flat_map(|kind| std::iter::repeat_n(*kind, kind.weight() * often(kind)));
     weighed.collect()

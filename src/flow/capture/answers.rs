@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use super::{Appeared, Capture, CaptureState, Captures, Doubt, Judged, Opener, ids};
+use super::{Appeared, Capture, CaptureState, Captures, Doubt, Judged, Named, Opener, ids};
 
 /// A capture whose export was taken and is not measured, for its patient or, where it is held, for a
 /// preview: it may still be refused.
@@ -96,6 +96,14 @@ impl Captures {
         let place = self.waiting.partition_point(|known| known.number < capture.number);
         self.waiting.insert(place, Capture { state, until, is_refused: true, doubt, ..capture });
         &self.waiting[place]
+    }
+
+    /// The capture of these patients and of nobody else whose export is being measured, if an export that
+    /// appeared then was written after it opened.
+    pub(super) fn measuring_of(&self, whose: &[Named], export: Appeared) -> Option<&Capture> {
+        let is_after = |capture: &&Capture| export.absent.is_some_and(|at| at >= capture.opened);
+        let measuring = self.measuring.iter().map(|known| &known.capture).filter(is_after);
+        measuring.filter(|capture| capture.doubt.is_none()).find(|capture| capture.is_of_all(whose))
     }
 
     /// The captures whose exports are being measured, and that name somebody else than these or
