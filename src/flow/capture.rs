@@ -196,6 +196,8 @@ impl Captures {
     pub fn pressed(&mut self, number: i64, now: Duration) -> Capture {
         self.drop_old_names(now);
         let (patient, others, doubt) = self.use_next();
+        let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
+        let doubt = doubt.or(unheard);
         let is_unsure = match (self.rules.orders, doubt) {
             // Who has been ordered before need not be ordered again.
             (OrdersWhen::BeforePress, None | Some(Doubt::Shared)) => {
@@ -208,10 +210,9 @@ impl Captures {
         if is_unsure {
             self.press_is_unsure(now);
         }
-        let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
         let window = self.rules.window;
         let opened = self.open(number, now, window, Opener::Press, patient);
-        (opened.others, opened.doubt) = (others, doubt.or(unheard));
+        (opened.others, opened.doubt) = (others, doubt);
         opened.clone()
     }
 

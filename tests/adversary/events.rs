@@ -78,7 +78,8 @@ impl People {
 
     fn order_now(&mut self) -> bool {
         let Some(patient) = self.standing else { return false };
-        let is_other = self.said_now().is_some_and(|said| said != Said::Name);
+        let is_other = self.said_now().is_some_and(|said| said != Said::Name)
+            || self.not_ordered.contains_key(&patient);
         if self.is_nobodys_awaited() || self.orders_after_press() || is_other {
             return false;
         }
@@ -331,7 +332,7 @@ impl People {
 
     fn refused(&self) -> Vec<usize> {
         let (bodies, now) = (&self.booth.truth.bodies, self.booth.now_ms);
-        let is_recent = |at_ms: u64| now < at_ms + 80_000;
+        let is_recent = |at_ms: u64| now < at_ms + 85_000;
         let is_refused =
             |at: &usize| bodies[*at].refused_ms.is_some_and(is_recent) && bodies[*at].is_covered;
         (0..bodies.len()).filter(is_refused).collect()

@@ -108,6 +108,8 @@ pub enum Kind {
 pub enum Share {
     Always,
     Half,
+    /// There is seldom occasion for these: half, where a law is looked for, else all.
+    Seldom,
     /// Of these each sequence has few, and many have none.
     Fault,
 }
@@ -191,9 +193,9 @@ impl Kind {
         match self {
             Kind::Press | Kind::NextPatient | Kind::Card | Kind::Word => Share::Always,
             Kind::Export | Kind::Ends | Kind::Wait => Share::Always,
-            // There is seldom occasion for these.
-            Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => Share::Always,
-            Kind::NoShow | Kind::ExportOutOfOrder | Kind::OrderEarly => Share::Always,
+            Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => Share::Seldom,
+            Kind::NoShow | Kind::ExportOutOfOrder | Kind::OrderEarly => Share::Seldom,
+            Kind::OrderRepeated => Share::Seldom,
             Kind::Pause | Kind::FolderAway | Kind::Unplug | Kind::Crash => Share::Fault,
             Kind::Reboot | Kind::Rebuild | Kind::JournalLocked | Kind::TakeFails => Share::Fault,
             Kind::StoreAway => Share::Fault,
@@ -208,12 +210,15 @@ impl Kind {
             Kind::NextPatient | Kind::Card | Kind::Order => 5,
             Kind::PressEarly | Kind::BreaksOff => 2,
             Kind::Export | Kind::ExportRewrites | Kind::ExportRenamed => 8,
-            Kind::ExportReplaces | Kind::ExportMovedIn | Kind::ExportOutOfOrder => 8,
+            Kind::ExportReplaces | Kind::ExportMovedIn => 8,
             Kind::ExportLate | Kind::OrderLate | Kind::OrderAfterPress => 6,
-            Kind::GoesOn | Kind::AgainWhole => 8,
-            Kind::RescanNamed | Kind::RescanUnnamed | Kind::GivenUp => 12,
+            Kind::GoesOn | Kind::AgainWhole => 10,
+            Kind::RescanNamed | Kind::GivenUp => 30,
+            Kind::RescanUnnamed => 60,
+            Kind::ExportOutOfOrder => 24,
             Kind::Decide | Kind::TakeBack | Kind::NoShow => 6,
-            Kind::Rebuild | Kind::Reboot | Kind::StoreAway | Kind::Crash | Kind::JournalLocked => 1,
+            Kind::Rebuild | Kind::StoreAway | Kind::Crash | Kind::JournalLocked => 1,
+            Kind::Reboot | Kind::Unplug => 3,
             Kind::Chmod | Kind::Link | Kind::Rename | Kind::Touch | Kind::Unread => 1,
             Kind::Grows | Kind::Ends | Kind::AgainSame | Kind::AgainComment => 4,
             _ => 3,

@@ -25,6 +25,9 @@ const DRAWS: usize = 40;
 /// So many times as often the kinds of a sequence's theme are drawn.
 const THEME: usize = 3;
 
+/// So many times where a law is looked for.
+const LAW: usize = 4;
+
 /// One in so many times what is away comes back.
 const BACK: usize = 4;
 
@@ -117,7 +120,7 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
     let setup = stations.setup(&mut chance, off);
     let law = if off == Off::Nothing { Off::ALL[chance.below(Off::ALL.len())] } else { off };
     let theme = theme(law);
-    let kinds = some_kinds(&mut chance, theme);
+    let kinds = some_kinds(&mut chance, off, theme);
     let keeps_orders = chance.below(2) == 0;
     let mut booth = Booth::new(setup, seed, tells);
     let rules = booth.setup.rules;
@@ -147,16 +150,18 @@ pub fn run(stations: &Stations, seed: u64, off: Off, tells: bool) -> Ended {
 /// The kinds of one sequence, as often as they are drawn. Where each sequence leaves out some, the few
 /// that must meet do so more often than where all are drawn every time (Groce et al., "Swarm Testing",
 /// ISSTA 2012); and faults at every step would leave nothing but held scans.
-fn some_kinds(chance: &mut Chance, theme: &[Kind]) -> Vec<Kind> {
+fn some_kinds(chance: &mut Chance, off: Off, theme: &[Kind]) -> Vec<Kind> {
     let faults_in = [0, 1, 1, 3][chance.below(4)];
     let is_in = |kind: &Kind, chance: &mut Chance| match kind.share() {
         Share::Always => true,
         Share::Half => chance.below(2) == 0,
+        Share::Seldom => off == Off::Nothing || chance.below(2) == 0,
         Share::Fault => chance.below(9) < faults_in,
     };
     let is_in = |kind: &Kind, chance: &mut Chance| is_in(kind, chance) || theme.contains(kind);
     let kinds: Vec<Kind> = Kind::ALL.into_iter().filter(|kind| is_in(kind, chance)).collect();
-    let often = |kind: &Kind| if theme.contains(kind) { THEME } else { 1 };
+    let times = if off == Off::Nothing { THEME } else { LAW };
+    let often = |kind: &Kind| if theme.contains(kind) { times } else { 1 };
     let weighed =
         kinds.iter().flat_map(|kind| std::iter::repeat_n(*kind, kind.weight() * often(kind)));
     weighed.collect()
