@@ -10,28 +10,37 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "adversary/booth.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod booth;
 #[path = "support/chance.rs"]
 mod chance;
 #[path = "adversary/content.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod content;
 #[path = "everyday/count.rs"]
 mod count;
 #[path = "everyday/day.rs"]
 mod day;
 #[path = "adversary/disk.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod disk;
 #[path = "adversary/exports.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod exports;
 #[path = "adversary/folder.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod folder;
 #[path = "adversary/intake.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod intake;
 #[path = "adversary/laws.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod laws;
 #[path = "adversary/truth.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod truth;
 #[path = "adversary/work.rs"]
+#[allow(dead_code)] // The adversary uses the rest.
 mod work;
 #[path = "everyday/workflow.rs"]
 mod workflow;

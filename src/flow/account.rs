@@ -163,7 +163,7 @@ pub fn why_held(code: &str) -> &'static str {
         capture::UNCLEAR => "it may have been written before the button was pressed or a name said",
         capture::LATE => "it came after the time in which the export of the press is awaited",
         capture::UNHEARD => "a press of the button may have gone unheard",
-        capture::UNREAD => "a card or an order before it could not be read",
+        capture::UNREAD => "a card or an order before it could not be read or kept",
         capture::REPEATED => "the order that names its patient came a second time",
         NO_PRESS => "nobody pressed the button for it",
         PATIENTS_DIFFER => "two sources name different patients",

@@ -6,11 +6,12 @@
 //!    after that capture opened and before another one opened ([`super::writing`] tells when). With a
 //!    button only presses open captures; a name that comes during one is for the next.
 //! 2. **Known scans answer nothing**, neither by their bytes nor by their geometry.
-//! 3. **A capture ends** with a measured scan (while that is not measured another export may be another
-//!    one of it); by a person; or, where no byte of an export was seen for
-//!    it, after `window + late` (without a button: `expires + late`). A refusal opens it again for the
-//!    same time, and an export without a new press is its own then. The same patient's next scan is no
-//!    other's, and closes it once it is measured; a press for anybody else holds the next export for both.
+//! 3. **A capture ends** with a measured scan; by a person; or, where no byte of an export was seen for
+//!    it, after `window + late` (without a button: `expires + late`). Until the scan is measured, for
+//!    `window + late` at most, another export may be a second one of it. A refusal opens the capture
+//!    again for the same time; an export without a new press is then its own. A new scan of the same
+//!    patient has a capture of its own, and closes the refused one once it is measured. A press for
+//!    another patient, or without a name, holds the next export for both.
 //! 4. **The booth overrides.** Card, page and verb replace the name that waits. An order never does: two
 //!    orders that wait make both candidates, until the booth says which. An order that comes while a
 //!    press without a name is open, or soon after one, is in doubt with it; where the practice orders
@@ -79,15 +80,14 @@ pub struct Captures {
     hearing: Hearing,
     /// When the button was pressed without a certain name, to which an order may still come.
     unsure: Vec<Duration>,
-    /// When somebody was named without a button and it could not be read: whoever was named before may
-    /// have left by then.
+    /// When a naming without a button could not be read: the patient named before may have left.
     unread: Vec<Duration>,
     /// Captures whose exports were taken and are not measured yet.
     measuring: Vec<Measuring>,
 }
 
-/// So many namings that failed are remembered, the last ones.
-const UNREAD_MOST: usize = 64;
+/// So many of the last unsure presses, and of the last namings that failed, are remembered.
+const DOUBTS_MOST: usize = 64;
 
 /// Whether presses are heard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -187,8 +187,8 @@ impl Captures {
     /// Whether a press at this time would be in doubt, for one before it may have gone unheard.
     pub fn is_in_doubt(&self, now: Duration) -> bool {
         // The export of a press that was not heard may still come for as long as any other.
-        let still = self.rules.window + self.rules.late;
-        let heard_long = matches!(self.hearing, Hearing::Since(at) if now >= at + still);
+        let awaited = self.rules.awaited();
+        let heard_long = matches!(self.hearing, Hearing::Since(at) if now >= at + awaited);
         self.rules.by_press && !heard_long
     }
 
@@ -279,8 +279,8 @@ impl Captures {
         let shared = (ids.len() > 1).then_some(Doubt::Shared);
         let unread = all.iter().find_map(|capture| self.unread_between(capture, export));
         if let Some(doubt) = shared.or(all.iter().find_map(|capture| capture.doubt)).or(unread) {
-            // It may have been written before any of them, or without a button be the export of whoever
-            // could not be read: then their own are still to come.
+            // It may be older than all of these captures. Without a button it may also be of the patient
+            // whose name could not be read. In both cases the captures still wait for their own exports.
             return held(doubt.why(), &all, unread.is_none() && !after.is_empty());
         }
         match (its_own, after.is_empty()) {
@@ -306,7 +306,7 @@ impl Captures {
         if let Judged::Held { answered, doubtful, .. } = &mut judged
             && content.is_cut_short
         {
-            // Whosever it is, another export of that body is to come.
+            // Another export of the same body is still to come.
             (*answered, *doubtful) = (None, Vec::new());
         }
         match (&content.completes, judged) {
@@ -362,8 +362,8 @@ fn candidates<'a>(all: impl Iterator<Item = &'a Capture>) -> Vec<Named> {
     candidates
 }
 
-/// An export that may be another one of a scan that is being measured: that one may be refused, and then
-/// this is it. Whosever it is, the captures that wait are in doubt.
+/// An export that may be a second one of a scan that is being measured and may yet be refused. Either way
+/// the captures that wait are in doubt.
 fn held_beside(all: &[&Capture], measuring: &[&Capture]) -> Judged {
     Judged::Held {
         why: Why::Ambiguous,

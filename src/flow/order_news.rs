@@ -31,7 +31,7 @@ pub enum News {
 }
 
 /// What a file is, by what is known of the one that was heard under its name. Nothing is known of one
-/// that was gone since, whoever removed it.
+/// that was gone since.
 pub fn news(known: Option<&OrderState>, found: &OrderState) -> News {
     let Some(known) = known else { return News::New };
     let is_unread = known.digest.is_empty() || found.digest.is_empty();

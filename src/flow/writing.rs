@@ -262,4 +262,19 @@ mod tests {
         let unlooked = Appeared { absent: None, seen: s(100) };
         assert_eq!(unlooked.moved_in(s(60)).absent, None);
     }
+
+    #[test]
+    fn the_lengths_at_which_a_file_was_read_whole_are_kept_the_last_ones_each_once() {
+        let whole = content(1, 100_000);
+        let mut writing = first(9, 10);
+        writing.mark(Mark::of(s(10), s(10), &whole[..4_500]));
+        for size in [5_000, 5_000, 6_000] {
+            writing.known(Mark::of(s(11), s(11), &whole[..size]));
+        }
+        assert_eq!(writing.read(), [5_000, 6_000]);
+        for size in 7..=20 {
+            writing.known(Mark::of(s(12), s(12), &whole[..size * 1000]));
+        }
+        assert_eq!((writing.read().len(), writing.read()[7]), (READ_MOST, 20_000));
+    }
 }

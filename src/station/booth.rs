@@ -24,6 +24,7 @@ use crate::flow::booth::Signal;
 use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
 use crate::flow::light::{Light, Outcome, Scene};
 use crate::flow::order_habit::{OrderCame, OrdersComeLate, orders_come_late};
+use crate::flow::page::Situation;
 use crate::flow::{OrdersWhen, ScanId};
 pub use hearing::NameFault;
 
@@ -82,6 +83,40 @@ pub struct BoothState {
     pub is_in_doubt: bool,
     /// Most orders come after the press, and the configuration expects them before it.
     pub orders_come_late: Option<OrdersComeLate>,
+}
+
+/// Who is next, and whose exports are awaited.
+#[derive(Debug, Clone)]
+pub struct WhoIsNext {
+    state: BoothState,
+    has_button: bool,
+    next: Vec<String>,
+    awaited_for: Vec<String>,
+}
+
+impl WhoIsNext {
+    /// The same for the page.
+    pub fn situation(&self) -> Situation<'_> {
+        Situation {
+            signal: self.state.signal,
+            has_button: self.has_button,
+            awaited: self.state.awaited,
+            next: &self.next,
+            awaited_for: &self.awaited_for,
+            is_in_doubt: self.state.is_in_doubt,
+        }
+    }
+}
+
+impl Station {
+    /// Who is next, and whose exports are awaited.
+    pub fn who_is_next(&self) -> WhoIsNext {
+        let state = self.booth.state(self.now());
+        let has_button = !self.config.buttons().is_empty();
+        let captures = &self.booth.inner().captures;
+        let (next, awaited_for) = (captures.next_ids(), captures.awaited_ids());
+        WhoIsNext { state, has_button, next, awaited_for }
+    }
 }
 
 impl Booth {
@@ -179,21 +214,6 @@ impl Booth {
                 OrdersWhen::AfterPress => None,
             },
         }
-    }
-
-    /// The name that waits for a press.
-    pub fn next_named(&self) -> Option<String> {
-        self.next_ids().into_iter().next()
-    }
-
-    /// The ids of whoever may be next: one where that is certain.
-    pub fn next_ids(&self) -> Vec<String> {
-        self.inner().captures.next_ids()
-    }
-
-    /// The ids of those whose exports are awaited, each once.
-    pub fn awaited_ids(&self) -> Vec<String> {
-        self.inner().captures.awaited_ids()
     }
 
     /// When the last capture was opened that waits; none while none does.

@@ -175,7 +175,7 @@ impl Round {
         };
         info!(event = "preview-impossible", scan, code);
         station.previews.cannot_be(&row.scan, code);
-        // Whosever it is, another export is to come.
+        // Another export of the same scan is to come.
         note(station, station.reopen_capture(&row.scan));
         station.page.hurry();
     }

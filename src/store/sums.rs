@@ -172,3 +172,17 @@ pub fn plain(name: &str) -> bool {
         && !name.starts_with('.')
         && name.bytes().all(|b| b.is_ascii_graphic() && b != b'/' && b != b'\\')
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_beginning_has_the_id_that_it_has_by_itself_and_one_that_is_too_long_has_none() {
+        let bytes = b"v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+        let found = of_beginnings(bytes, &BTreeSet::from([0, 8, 23, bytes.len(), 999]));
+        let lengths = [0, 8, 23, bytes.len()];
+        let expected = lengths.map(|length| (length, scan_id(&bytes[..length])));
+        assert_eq!(found, BTreeMap::from(expected));
+    }
+}

@@ -1,9 +1,6 @@
 //! The simulated booth with its station: what the ports hear and what becomes of it, composed as in
 //! `station/booth/hearing.rs`. What is decided is decided by `gaiter::flow`.
 
-// The everyday and the adversary each use their own part.
-#![allow(dead_code)]
-
 use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::time::Duration;
@@ -355,7 +352,7 @@ impl Booth {
             return Ok(());
         }
         let mut after = run.captures.clone();
-        after.refused(capture, now);
+        after.refused(capture.number, now);
         change(self.setup.off, &mut self.disk, run, after)
     }
 

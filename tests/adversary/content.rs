@@ -1,9 +1,6 @@
 //! What lies in export files: bodies as bytes. A body is of one patient, which only the model knows;
 //! the decisions see bytes, as the station does.
 
-// The everyday and the adversary each use their own part.
-#![allow(dead_code)]
-
 use std::rc::Rc;
 use std::time::Duration;
 

@@ -1,9 +1,6 @@
 //! What a crash leaves: journal, spool, decisions and the records in the store. Each change of the
 //! journal is whole or not at all, as in the station's `journal` and `custody`.
 
-// The everyday and the adversary each use their own part.
-#![allow(dead_code)]
-
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 

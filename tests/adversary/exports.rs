@@ -1,8 +1,5 @@
 //! How exports come to lie in the folder.
 
-// The everyday and the adversary each use their own part.
-#![allow(dead_code)]
-
 use super::booth::Booth;
 use super::content::{Content, Whole};
 use super::folder::Held;

@@ -1,9 +1,6 @@
 //! The simulated export folder: names, and inodes with contents and times. What was removed gives its
 //! inode back, and the next file may get it.
 
-// The everyday and the adversary each use their own part.
-#![allow(dead_code)]
-
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 

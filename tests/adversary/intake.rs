@@ -1,7 +1,7 @@
 //! Looks and takes, step by step as the intake makes them, so that anything may happen in between:
 //! composed as in `station/intake.rs`, `station/take.rs` and `station/custody.rs`.
 
-#![allow(dead_code, clippy::large_enum_variant)] // Each of two models uses its own part.
+#![allow(clippy::large_enum_variant)]
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 

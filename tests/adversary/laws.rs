@@ -1,9 +1,6 @@
 //! The laws that can be switched off, in the model and never in the program: with any one of them off
 //! a wrong name must come up, or the model proves nothing of it.
 
-// The everyday and the adversary each use their own part.
-#![allow(dead_code)]
-
 /// A law that does not hold in a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Off {

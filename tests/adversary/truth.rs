@@ -1,9 +1,6 @@
 //! What is true, and what only the model knows: who stood in the booth when each body was scanned, and
 //! what becomes of its exports.
 
-// The everyday and the adversary each use their own part.
-#![allow(dead_code)]
-
 use std::rc::Rc;
 
 use super::booth::Booth;

@@ -1,9 +1,6 @@
 //! Measurements, what people decide afterwards, and first sights of names: composed as in `station/work.rs` and
 //! `station/custody`.
 
-// The everyday and the adversary each use their own part.
-#![allow(dead_code)]
-
 use std::time::Duration;
 
 use gaiter::flow::capture::Judged;

@@ -36,7 +36,7 @@ impl Captures {
     }
 
     fn measuring_since(&self, capture: Capture, now: Duration) -> Measuring {
-        Measuring { capture, until: now + self.rules.window + self.rules.late }
+        Measuring { capture, until: now + self.rules.awaited() }
     }
 
     /// The export was taken: what it answered waits no more, and is remembered until it is measured.
@@ -79,11 +79,11 @@ impl Captures {
         self.measuring.retain(|known| known.capture.number != number);
     }
 
-    /// The export that answered a capture was refused: another is awaited for the same time again.
-    pub fn refused(&mut self, capture: Capture, now: Duration) -> &Capture {
-        let is_it = |known: &mut Measuring| known.capture.number == capture.number;
-        let known = self.measuring.extract_if(.., is_it).last();
-        let capture = known.map_or(capture, |known| known.capture);
+    /// The export that answered the capture of this number was refused: another is awaited for the same
+    /// time again. None where the capture was given up, or its scan was taken too long ago.
+    pub fn refused(&mut self, number: i64, now: Duration) -> Option<&Capture> {
+        let is_it = |known: &mut Measuring| known.capture.number == number;
+        let Measuring { capture, .. } = self.measuring.extract_if(.., is_it).last()?;
         let lasts = match capture.by {
             Opener::Press => self.rules.window,
             Opener::Name => self.rules.name_lasts,
@@ -95,7 +95,7 @@ impl Captures {
         let doubt = capture.doubt.or(unheard);
         let place = self.waiting.partition_point(|known| known.number < capture.number);
         self.waiting.insert(place, Capture { state, until, is_refused: true, doubt, ..capture });
-        &self.waiting[place]
+        self.waiting.get(place)
     }
 
     /// The capture of these patients and of nobody else whose export is being measured, if an export that

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Capture, CaptureState, Captures, Doubt, Named, NamedNext, Opener, UNREAD_MOST};
+use super::{Capture, CaptureState, Captures, DOUBTS_MOST, Doubt, Named, NamedNext, Opener};
 use crate::flow::orders_when::OrdersWhen;
 use crate::record::SourceKind;
 
@@ -45,7 +45,7 @@ impl Next {
 type Used = (Option<Named>, Vec<Named>, Option<Doubt>);
 
 impl Captures {
-    /// The ids of whoever may be next: one where that is certain.
+    /// The ids of the patients who may be next; one if that is certain.
     pub fn next_ids(&self) -> Vec<String> {
         let names = self.next.as_ref().map_or(&[][..], |next| &next.names);
         names.iter().map(|said| said.named.id.clone()).collect()
@@ -63,8 +63,8 @@ impl Captures {
         ids
     }
 
-    /// Whether somebody else is named and was not scanned: the name waits for a press, or without a
-    /// button for an export. The export of a press is its own patient's, whoever is named next.
+    /// Whether another patient is named and not yet scanned: that name waits for a press or, without a
+    /// button, for an export.
     pub fn is_another_named(&self, id: &str) -> bool {
         let awaited = if self.rules.by_press { Vec::new() } else { self.awaited_ids() };
         self.next_ids().iter().chain(&awaited).any(|named| named != id)
@@ -94,7 +94,7 @@ impl Captures {
         NamedNext::Waits { replaced, in_doubt: false }
     }
 
-    /// An order whose patient need not be the next one: it came again with the same words, or others may
+    /// An order whose patient may not be the next one: it came again with the same words, or others may
     /// have been named since it was sent.
     pub fn doubtful(
         &mut self,
@@ -126,14 +126,14 @@ impl Captures {
         came
     }
 
-    /// Somebody tried to name a patient and it could not be read: whoever was named before may have
-    /// left. What was seen to come in before is not in doubt.
+    /// Somebody tried to name a patient and it could not be read: the patient named before may have left.
+    /// An export that was seen before is not in doubt.
     pub fn unread(&mut self, now: Duration) {
         if let Some(next) = &mut self.next {
             next.doubt.get_or_insert(Doubt::Unread);
         }
         if !self.rules.by_press {
-            let too_many = (self.unread.len() + 1).saturating_sub(UNREAD_MOST);
+            let too_many = (self.unread.len() + 1).saturating_sub(DOUBTS_MOST);
             self.unread.drain(..too_many);
             self.unread.push(now);
         }
@@ -160,8 +160,7 @@ impl Captures {
             false => Vec::new(),
         };
         let newest = self.waiting.last().map(|capture| capture.number);
-        // Whoever is named after a refusal is scanned again: what may still come of the refused scan is
-        // another export.
+        // A name after a refusal means a new scan. What still comes of the refused scan is another export.
         let joins = |capture: &&mut Capture| !capture.is_refused && Some(capture.number) == newest;
         if let Some(capture) = self.waiting.iter_mut().filter(open).find(joins) {
             capture.until = now + lasts;
@@ -212,27 +211,27 @@ impl Captures {
     /// Whether the button was pressed without a certain name so shortly ago that an order may be for
     /// that press: its export may have been taken already, so the time counts and not the capture.
     fn is_unsure(&self, now: Duration) -> bool {
-        let still = self.rules.window + self.rules.late;
-        self.unsure.iter().any(|at| now <= *at + still)
+        let awaited = self.rules.awaited();
+        self.unsure.iter().any(|at| now <= *at + awaited)
     }
 
     /// The button was pressed without a certain name, or it is certain no more.
     pub(super) fn press_is_unsure(&mut self, now: Duration) {
-        let still = self.rules.window + self.rules.late;
-        self.unsure.retain(|at| now <= *at + still);
-        let too_many = (self.unsure.len() + 1).saturating_sub(UNREAD_MOST);
+        let awaited = self.rules.awaited();
+        self.unsure.retain(|at| now <= *at + awaited);
+        let too_many = (self.unsure.len() + 1).saturating_sub(DOUBTS_MOST);
         self.unsure.drain(..too_many);
         self.unsure.push(now);
     }
 
     /// Whether another press than this one may be the one that an order is for.
     fn is_another_unsure(&self, opened: Duration, now: Duration) -> bool {
-        let still = self.rules.window + self.rules.late;
-        self.unsure.iter().any(|at| *at != opened && now <= *at + still)
+        let awaited = self.rules.awaited();
+        self.unsure.iter().any(|at| *at != opened && now <= *at + awaited)
     }
 
-    /// An order before the next press that may be for an earlier one: whoever was pressed for without
-    /// a certain name may be this patient.
+    /// An order before the next press that may be for an earlier one: a press without a certain name may
+    /// have been this patient's.
     fn cross(&mut self, named: &Named, now: Duration) -> bool {
         let is_unsure = self.is_unsure(now);
         if is_unsure {
@@ -246,7 +245,7 @@ impl Captures {
 
     /// The order of a practice that orders after the press.
     fn pair(&mut self, named: &Named, now: Duration) -> Paired {
-        // Whoever was pressed for by name needs no order, and the order is for no other press.
+        // The patient already has a press by name, so the order is for no other press.
         let is_theirs =
             |capture: &&Capture| capture.by == Opener::Press && capture.is_of(&named.id);
         let measuring = self.measuring.iter().map(|known| &known.capture);
@@ -287,7 +286,7 @@ impl Captures {
         Paired::Crossed
     }
 
-    /// Takes whoever is next for a press.
+    /// Takes the waiting names for a press.
     pub(super) fn use_next(&mut self) -> Used {
         let Some(mut next) = self.next.take() else { return (None, Vec::new(), None) };
         if let [only] = next.names.as_slice() {

@@ -25,6 +25,13 @@ pub struct Rules {
     pub orders: OrdersWhen,
 }
 
+impl Rules {
+    /// How long after a press its export may still come.
+    pub(super) fn awaited(&self) -> Duration {
+        self.window + self.late
+    }
+}
+
 /// The patient whom somebody named for the next scan.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Named {

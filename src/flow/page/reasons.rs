@@ -74,8 +74,9 @@ pub fn of_held(code: &str, language: Language) -> Advice {
         ),
         capture::UNREAD => (
             (
-                "A card or an order before it could not be read: somebody else may have been meant.",
-                "Eine Karte oder ein Auftrag davor war nicht lesbar: vielleicht war jemand anders gemeint.",
+                "A card or an order before it was not read or not kept: somebody else may have been meant.",
+                "Eine Karte oder ein Auftrag davor wurde nicht gelesen oder nicht gespeichert: vielleicht war \
+                 jemand anders gemeint.",
             ),
             IF_SO,
         ),

@@ -35,15 +35,6 @@ pub enum NameFault {
     Journal(#[from] JournalError),
 }
 
-/// How somebody is named.
-struct Naming {
-    by: SourceKind,
-    /// Why it is not certain that this patient is next, however the name came.
-    doubt: Option<Doubt>,
-    /// Whoever is named and was not scanned may be replaced.
-    replaces: bool,
-}
-
 impl Inner {
     /// When the files were first seen that are coming in.
     fn coming(&self) -> Vec<Duration> {
@@ -76,21 +67,15 @@ impl Station {
         by: SourceKind,
         doubt: Option<Doubt>,
     ) -> Result<(), JournalError> {
-        // A card is the booth's last word; an order replaces nobody by itself.
-        match self.name(id, Naming { by, doubt, replaces: true }) {
-            Ok(_) | Err(NameFault::AnotherNamed) => Ok(()),
-            Err(NameFault::NotAnId) => {
-                warn!(event = "finding", code = ID_NOT_ALLOWED);
-                self.booth.inner().last = Some((Outcome::NeedsPerson, self.now()));
-                self.unread(by)
-            }
-            Err(NameFault::Journal(error)) => {
-                // It was said and is not kept: whoever was named before may have left.
-                let now = self.now();
-                self.booth.inner().captures.unread(now);
-                Err(error)
-            }
-        }
+        let Some(Patient { id, .. }) = self.identity.patient(id, by) else {
+            warn!(event = "finding", code = ID_NOT_ALLOWED);
+            self.booth.inner().last = Some((Outcome::NeedsPerson, self.now()));
+            return self.unread(by);
+        };
+        let (mut inner, now) = (self.booth.inner(), self.now());
+        let named = self.name(&mut inner, Named { id, by }, doubt);
+        // A name that could not be kept was said all the same: the patient named before may have left.
+        named.map(drop).inspect_err(|_| inner.captures.unread(now))
     }
 
     /// Writes a change of the captures down; it holds from then on. Where the journal fails nothing
@@ -151,20 +136,24 @@ impl Station {
         by: SourceKind,
         replaces: bool,
     ) -> Result<NamedNext, NameFault> {
-        self.name(id, Naming { by, doubt: None, replaces })
-    }
-
-    fn name(&self, id: &str, naming: Naming) -> Result<NamedNext, NameFault> {
-        let Naming { by, doubt, replaces } = naming;
         let Patient { id, .. } = self.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
-        let now = self.now();
         let mut inner = self.booth.inner();
         if !replaces && inner.captures.is_another_named(&id) {
             return Err(NameFault::AnotherNamed);
         }
+        Ok(self.name(&mut inner, Named { id, by }, None)?)
+    }
+
+    /// Names the patient of the next scan, with the reason if that is in doubt.
+    fn name(
+        &self,
+        inner: &mut Inner,
+        named: Named,
+        doubt: Option<Doubt>,
+    ) -> Result<NamedNext, JournalError> {
+        let (now, by) = (self.now(), named.by);
         let (number, coming) = (inner.next_number, inner.coming());
         let mut after = inner.captures.clone();
-        let named = Named { id, by };
         let came = match after.has_unnamed_press() {
             true => OrderCame::AfterPress,
             false => OrderCame::BeforePress,
@@ -178,7 +167,7 @@ impl Station {
             None => after.named(named, number, now, &coming),
             Some(doubt) => after.doubtful(named, doubt, number, now, &coming),
         };
-        self.change_booth(&mut inner, after, "given_up", Some((Event::Named, detail)))?;
+        self.change_booth(inner, after, "given_up", Some((Event::Named, detail)))?;
         if matches!(next, NamedNext::Opened(..)) {
             inner.next_number += 1;
         }
@@ -187,7 +176,6 @@ impl Station {
             let spare = inner.orders.len().saturating_sub(ORDERS_MOST);
             inner.orders.drain(..spare);
         }
-        drop(inner);
         if !matches!(next, NamedNext::Waits { .. }) {
             self.look_at_folders();
         }
@@ -231,11 +219,12 @@ impl Station {
     pub fn reopen_capture(&self, scan: &ScanId) -> Result<(), JournalError> {
         let mut inner = self.booth.inner();
         let answered = self.custody.journal().capture_answered_by(scan, self.booth.boot())?;
-        let Some(capture) = answered else { return Ok(()) };
+        let Some(Capture { number, .. }) = answered else { return Ok(()) };
         let mut after = inner.captures.clone();
-        let number = after.refused(capture, self.now()).number;
-        self.change_booth(&mut inner, after, "over", None)?;
-        info!(event = "capture-reopened", capture = number);
+        if after.refused(number, self.now()).is_some() {
+            self.change_booth(&mut inner, after, "over", None)?;
+            info!(event = "capture-reopened", capture = number);
+        }
         Ok(())
     }
 

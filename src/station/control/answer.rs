@@ -12,7 +12,7 @@ use super::protocol::{
 use crate::flow::explain::{Known, of_file};
 use crate::flow::facts::IntakeState;
 use crate::flow::health::age;
-use crate::flow::page::{Situation, next_shown};
+use crate::flow::page::next_shown;
 use crate::flow::{ScanId, account};
 use crate::record::gdt::OrderFault;
 use crate::record::{Language, SourceKind};
@@ -124,17 +124,7 @@ fn known(station: &Station, path: &Path) -> Result<Option<Known>, Fault> {
 
 /// Who is next, as the page says it; the ids are for the person who asks.
 fn next(station: &Station) -> String {
-    let (next, awaited_for) = (station.booth.next_ids(), station.booth.awaited_ids());
-    let booth = station.booth.state(station.now());
-    let situation = Situation {
-        signal: booth.signal,
-        has_button: !station.config.buttons().is_empty(),
-        awaited: booth.awaited,
-        next: &next,
-        awaited_for: &awaited_for,
-        is_in_doubt: booth.is_in_doubt,
-    };
-    next_shown(&situation, Language::En).sentence
+    next_shown(&station.who_is_next().situation(), Language::En).sentence
 }
 
 /// The link to the operator's page, with what it takes to decide there.

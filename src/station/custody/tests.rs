@@ -148,6 +148,43 @@ fn spooled_bytes_that_the_journal_does_not_know_are_adopted_with_their_first_sig
 }
 
 #[test]
+fn every_scan_that_was_kept_and_not_entered_is_entered_before_the_next_and_told_once() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let both = [BYTES, b"v 1 1 1\n"];
+    for bytes in both {
+        let scan = sums::scan_id(bytes);
+        let arrival = Arrival { bytes, ..arrival(&scan, says("4711")) };
+        let kept = intake(&arrival, None, None, Vec::new());
+        custody.spool.keep(&scan, kept, bytes, &[]).unwrap();
+    }
+    custody.unentered.store(true, Ordering::Relaxed);
+    let mut entered = Vec::new();
+    custody.enter_kept(|scan, _| entered.push(scan.clone())).unwrap();
+    custody.enter_kept(|scan, _| entered.push(scan.clone())).unwrap();
+    entered.sort();
+    let mut expected = both.map(sums::scan_id);
+    expected.sort();
+    assert_eq!(entered, expected);
+}
+
+#[test]
+fn a_content_that_begins_with_what_the_same_file_was_is_whose_that_was() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    admit(&custody, says("4711"));
+    let grown = [BYTES, b"v 1 1 1\n"].concat();
+    let whose = |bytes: &[u8], read: &[u64]| {
+        let whose = custody.completed_by(bytes, read).unwrap();
+        whose.map(|whose| whose.into_iter().map(|named| named.id).collect::<Vec<_>>())
+    };
+    assert_eq!(whose(&grown, &[8]), Some(vec!["4711".to_owned()]));
+    assert_eq!(whose(&grown, &[4]), None, "no scan came in at that length");
+    assert_eq!(whose(&grown, &[]), None, "a short beginning in another file tells nothing");
+    assert_eq!(whose(BYTES, &[8]), None, "it has not grown");
+}
+
+#[test]
 fn a_refused_scan_lies_in_quarantine_with_its_reason_and_bytes() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());

@@ -113,7 +113,7 @@ function question({ title, hint, wantsId = false, yes = label("send"), send }) {
     if (token) say(said.sentence, !said.isDone);
   };
   if (!dialog.open) dialog.showModal();
-  // Whoever presses Enter twice, or a reader of barcodes, has not said yes to a question.
+  // Pressing Enter twice, or scanning a barcode, must not answer the question.
   (wantsId ? field : $("question_no")).focus();
 }
 

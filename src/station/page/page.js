@@ -171,7 +171,7 @@ function sentence(next) {
 function nextPatient(next, isPaused, canAct) {
   const parts = [make("p", { class: "who" }, sentence(next)), next.doubt ? make("p", { class: "bad" }, next.doubt) : null];
   if (!canAct) return parts;
-  // Whoever answers who is in the booth has not erred before: no question.
+  // An answer to the question who is in the booth needs no second question.
   const answers = next.who.length < 2 ? [] : next.who.map(({ id, shown }) =>
     button(phrase(label("in_booth"), shown), `in_booth ${id}`, () => decide({ ask: "name_next", patient: id, replace: true }), !isPaused));
   const off = () => question({

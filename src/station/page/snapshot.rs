@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use super::assets;
 use crate::flow::ScanId;
 use crate::flow::account::Whole;
-use crate::flow::page::{self, Known, ScanShown, Shown, Situation};
+use crate::flow::page::{self, Known, ScanShown, Shown};
 use crate::station::assembly::Station;
 use crate::station::journal::JournalError;
 use crate::station::overview::Overview;
@@ -24,16 +24,7 @@ pub const STORE: &str = "folder";
 /// value names the records that they should read.
 pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
     let overview = Overview::take(station);
-    let booth = station.booth.state(station.now());
-    let (next, awaited_for) = (station.booth.next_ids(), station.booth.awaited_ids());
-    let situation = Situation {
-        signal: booth.signal,
-        has_button: !station.config.buttons().is_empty(),
-        awaited: booth.awaited,
-        next: &next,
-        awaited_for: &awaited_for,
-        is_in_doubt: booth.is_in_doubt,
-    };
+    let who_is_next = station.who_is_next();
     let journal = station.custody.journal();
     let (mut records, of_list) = (Vec::new(), |ids: Result<Vec<ScanId>, JournalError>| {
         let wholes = ids.and_then(|ids| {
@@ -60,7 +51,7 @@ pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
         station: &station.config.station.id,
         facts: &overview.facts,
         complaints: &overview.complaints,
-        booth: situation,
+        booth: who_is_next.situation(),
         now: overview.now,
     };
     (page::shown(&known, undecided, more, scans, station.config.language), records)

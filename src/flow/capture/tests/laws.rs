@@ -9,7 +9,7 @@ fn after_press() -> Captures {
     captures
 }
 
-fn pressed_for(captures: &mut Captures, id: &str, number: i64, second: u64) {
+pub(super) fn pressed_for(captures: &mut Captures, id: &str, number: i64, second: u64) {
     captures.named(named(id), number, at(second), &[]);
     captures.pressed(number, at(second));
 }
@@ -18,7 +18,7 @@ fn pressed_for(captures: &mut Captures, id: &str, number: i64, second: u64) {
 fn a_refused_export_leaves_its_capture_to_the_next_one_without_a_press() {
     let mut captures = captures();
     pressed_for(&mut captures, "4711", 1, 0);
-    let first = export(&mut captures, seen(20));
+    let first = taken(&mut captures, seen(20));
     refuse(&mut captures, &first, at(100));
     assert!(!captures.is_armed(), "nobody pressed for it");
     assert_eq!(patient_of(&export(&mut captures, seen(150))), Some("4711"));
@@ -29,7 +29,7 @@ fn a_refused_export_leaves_its_capture_to_the_next_one_without_a_press() {
 fn a_refused_capture_is_over_after_the_same_time_without_an_alarm() {
     let mut captures = captures();
     pressed_for(&mut captures, "4711", 1, 0);
-    let first = export(&mut captures, seen(20));
+    let first = taken(&mut captures, seen(20));
     refuse(&mut captures, &first, at(100));
     assert_eq!(captures.pass(at(161), &[]), Passed::default());
     assert_eq!(captures.pass(at(461), &[]).over, [1]);
@@ -38,20 +38,20 @@ fn a_refused_capture_is_over_after_the_same_time_without_an_alarm() {
 }
 
 #[test]
-fn the_same_patient_again_joins_a_refused_capture_and_any_other_press_holds_for_both() {
-    let mut joined = captures();
-    pressed_for(&mut joined, "4711", 1, 0);
-    let first = export(&mut joined, seen(20));
-    refuse(&mut joined, &first, at(30));
-    joined.named(named("4711"), 2, at(40), &[]);
-    joined.pressed(2, at(41));
-    assert_eq!(patient_of(&export(&mut joined, seen(60))), Some("4711"));
-    assert!(joined.waiting().is_empty());
+fn the_same_patient_scanned_again_is_not_in_doubt_and_any_other_press_holds_for_both() {
+    let mut again = captures();
+    pressed_for(&mut again, "4711", 1, 0);
+    let first = taken(&mut again, seen(20));
+    refuse(&mut again, &first, at(30));
+    again.named(named("4711"), 2, at(40), &[]);
+    again.pressed(2, at(41));
+    assert_eq!(patient_of(&export(&mut again, seen(60))), Some("4711"));
+    assert!(again.waiting().is_empty());
 
     for id in [None, Some("0815")] {
         let mut captures = captures();
         pressed_for(&mut captures, "4711", 1, 0);
-        let first = export(&mut captures, seen(20));
+        let first = taken(&mut captures, seen(20));
         refuse(&mut captures, &first, at(30));
         if let Some(id) = id {
             captures.named(named(id), 2, at(40), &[]);
@@ -235,40 +235,41 @@ fn a_known_scan_answers_nothing_and_the_rest_of_a_refused_one_is_no_other_patien
 }
 
 #[test]
-fn while_a_scan_is_measured_an_export_for_somebody_else_may_be_another_one_of_it() {
-    let mut captures = captures();
+fn an_order_after_the_press_for_a_patient_with_a_press_by_name_is_for_no_other_press() {
+    let mut captures = after_press();
     pressed_for(&mut captures, "1", 1, 0);
-    let first = taken(&mut captures, seen(10));
-    assert_eq!(patient_of(&first), Some("1"));
-    pressed_for(&mut captures, "2", 2, 11);
-    let second = taken(&mut captures, seen(15));
-    assert_eq!((code(&second), candidates(&second)), (AMBIGUOUS, vec!["2", "1"]));
-    // Whichever it was, the other is still to come.
-    let Judged::Of(first) = first else { unreachable!() };
-    captures.refused(first, at(16));
-    let third = export(&mut captures, seen(20));
-    assert_eq!(code(&third), AMBIGUOUS);
+    captures.pressed(2, at(10));
+    assert!(matches!(captures.named(order("1"), 3, at(11), &[]), NamedNext::Paired(_)));
+    assert!(captures.has_unnamed_press(), "the second press is still nobody's");
 }
 
 #[test]
-fn once_a_scan_is_measured_the_next_export_is_the_next_patients() {
-    let mut captures = captures();
-    pressed_for(&mut captures, "1", 1, 0);
-    assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
-    // A second export of the same press is nobody's in any case.
-    assert_eq!(captures.judge(seen(12)), Judged::Unpressed);
-    captures.measured(1);
-    pressed_for(&mut captures, "2", 2, 11);
-    assert_eq!(patient_of(&export(&mut captures, seen(15))), Some("2"));
+fn an_order_after_the_press_that_may_be_for_an_earlier_unnamed_press_is_held() {
+    let mut captures = after_press();
+    captures.pressed(1, at(0));
+    export(&mut captures, seen(10));
+    captures.pressed(2, at(30));
+    let in_doubt = NamedNext::Waits { replaced: false, in_doubt: true };
+    assert_eq!(captures.named(order("1"), 3, at(31), &[]), in_doubt);
+    assert_eq!(code(&export(&mut captures, seen(40))), AMBIGUOUS);
 }
 
 #[test]
-fn a_scan_that_cannot_be_measured_for_long_is_in_nobodys_way() {
+fn an_order_beside_a_waiting_name_makes_both_candidates_after_the_press_too() {
+    let mut captures = after_press();
+    captures.pressed(1, at(0));
+    captures.named(by_whom("2", SourceKind::Reader), 2, at(10), &[]);
+    captures.named(order("3"), 2, at(11), &[]);
+    assert_eq!(captures.next_ids(), ["2", "3"]);
+}
+
+#[test]
+fn an_order_soon_after_a_press_with_a_name_in_doubt_may_be_for_that_press() {
     let mut captures = captures();
-    pressed_for(&mut captures, "1", 1, 0);
-    assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
-    // Window and late are 360 s.
-    captures.pass(at(371), &[]);
-    pressed_for(&mut captures, "2", 2, 372);
-    assert_eq!(patient_of(&export(&mut captures, seen(380))), Some("2"));
+    captures.doubtful(order("2"), Doubt::Repeated, 1, at(0), &[]);
+    captures.pressed(1, at(10));
+    export(&mut captures, seen(20));
+    captures.named(order("3"), 2, at(25), &[]);
+    captures.pressed(2, at(40));
+    assert_eq!(code(&export(&mut captures, seen(50))), AMBIGUOUS);
 }

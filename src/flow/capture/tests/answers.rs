@@ -1,0 +1,124 @@
+//! What becomes of captures when their exports are taken, measured, refused or given up, a claim each.
+
+use super::laws::pressed_for;
+use super::*;
+
+#[test]
+fn while_a_scan_is_measured_an_export_for_somebody_else_may_be_another_one_of_it() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    let first = taken(&mut captures, seen(10));
+    assert_eq!(patient_of(&first), Some("1"));
+    pressed_for(&mut captures, "2", 2, 11);
+    let second = taken(&mut captures, seen(15));
+    assert_eq!((code(&second), candidates(&second)), (AMBIGUOUS, vec!["2", "1"]));
+    // Whichever it was, the other is still to come.
+    refuse(&mut captures, &first, at(16));
+    let third = export(&mut captures, seen(20));
+    assert_eq!(code(&third), AMBIGUOUS);
+}
+
+#[test]
+fn once_a_scan_is_measured_the_next_export_is_the_next_patients() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
+    // A second export of the same press is nobody's in any case.
+    assert_eq!(captures.judge(seen(12)), Judged::Unpressed);
+    captures.measured(1);
+    pressed_for(&mut captures, "2", 2, 11);
+    assert_eq!(patient_of(&export(&mut captures, seen(15))), Some("2"));
+}
+
+#[test]
+fn a_scan_that_cannot_be_measured_for_long_is_in_nobodys_way() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
+    // Window and late are 360 s.
+    captures.pass(at(371), &[]);
+    pressed_for(&mut captures, "2", 2, 372);
+    assert_eq!(patient_of(&export(&mut captures, seen(380))), Some("2"));
+}
+
+#[test]
+fn a_held_export_that_was_cut_short_uses_up_no_press_and_a_whole_one_does() {
+    for (is_cut_short, left) in [(true, 2), (false, 1)] {
+        let mut captures = captures();
+        pressed_for(&mut captures, "1", 1, 0);
+        pressed_for(&mut captures, "2", 2, 10);
+        let (began, is_known, completes) = (seen(20), false, None);
+        let judged = captures.judge_content(&Content { began, is_known, is_cut_short, completes });
+        assert_eq!(code(&judged), AMBIGUOUS);
+        captures.answer(&judged, at(20));
+        assert_eq!(captures.waiting().len(), left);
+    }
+}
+
+#[test]
+fn the_rest_of_a_scan_that_is_measured_is_its_captures_and_its_part_opens_that_no_more() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    taken(&mut captures, seen(10));
+    let of = |id: &str| Content {
+        began: seen(10),
+        is_known: false,
+        is_cut_short: false,
+        completes: Some(vec![named(id)]),
+    };
+    assert_eq!(captures.judge_content(&of("2")), Judged::Unpressed);
+    let rest = captures.judge_content(&of("1"));
+    assert_eq!(patient_of(&rest), Some("1"));
+    captures.answer(&rest, at(12));
+    captures.measured(1);
+    assert!(captures.refused(1, at(14)).is_none());
+    assert!(captures.waiting().is_empty());
+}
+
+#[test]
+fn what_was_given_up_is_not_opened_again_by_a_refusal() {
+    let mut pressed = captures();
+    pressed_for(&mut pressed, "1", 1, 0);
+    taken(&mut pressed, seen(10));
+    assert_eq!(pressed.call_off().captures, [1]);
+    assert!(pressed.refused(1, at(12)).is_none());
+
+    let rules = Rules { by_press: false, ..rules() };
+    let mut unpressed = Captures::new(rules, Vec::new(), None);
+    unpressed.hears(Duration::ZERO);
+    unpressed.named(order("1"), 1, at(0), &[]);
+    taken(&mut unpressed, seen(10));
+    // The word at the page gives up the patients named before.
+    unpressed.named(named("2"), 2, at(11), &[]);
+    assert!(unpressed.refused(1, at(12)).is_none());
+}
+
+#[test]
+fn a_scan_that_was_refused_long_after_it_was_taken_opens_no_capture() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    taken(&mut captures, seen(10));
+    // Window and late are 360 s.
+    captures.pass(at(371), &[]);
+    assert!(captures.refused(1, at(372)).is_none());
+}
+
+#[test]
+fn what_a_start_finds_unmeasured_is_in_doubt_when_it_is_refused() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 0);
+    let Judged::Of(capture) = taken(&mut captures, seen(10)) else { panic!("it is held") };
+    let mut started =
+        Captures::new(rules(), Vec::new(), None).with_measuring(vec![capture], at(20));
+    let doubt = started.refused(1, at(21)).and_then(|capture| capture.doubt);
+    assert_eq!(doubt, Some(Doubt::Unheard));
+}
+
+#[test]
+fn an_export_that_may_be_older_than_every_press_uses_up_none() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "1", 1, 10);
+    pressed_for(&mut captures, "2", 2, 20);
+    let judged = taken(&mut captures, Appeared { absent: Some(at(5)), seen: at(30) });
+    assert_eq!((code(&judged), captures.waiting().len()), (AMBIGUOUS, 2));
+}
