@@ -74,8 +74,8 @@ pub fn of_held(code: &str, language: Language) -> Advice {
         ),
         capture::UNREAD => (
             (
-                "A card or an order before it was not read or not kept: somebody else may have been meant.",
-                "Eine Karte oder ein Auftrag davor wurde nicht gelesen oder nicht gespeichert: vielleicht war \
+                "A card or an order before it could not be read or kept: somebody else may have been meant.",
+                "Eine Karte oder ein Auftrag davor war nicht lesbar oder nicht zu speichern: vielleicht war \
                  jemand anders gemeint.",
             ),
             IF_SO,
