@@ -50,7 +50,7 @@ use super::writing::Appeared;
 use answers::Measuring;
 pub use names::{Next, Said};
 pub use outcome::{CalledOff, Judged, NamedNext, Passed, Why};
-pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules};
+pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Sights};
 
 /// Finding: the export could belong to captures of different patients.
 pub const AMBIGUOUS: &str = Why::Ambiguous.code();
@@ -319,13 +319,14 @@ impl Captures {
         }
     }
 
-    /// Time has passed. `coming` are the times at which files were first seen that have not settled:
-    /// a capture with such a file does not expire.
-    pub fn pass(&mut self, now: Duration, coming: &[Duration]) -> Passed {
+    /// Time has passed. A capture whose export may be among the files that have not settled does not
+    /// expire; one whose export may lie where nobody has looked since expires, and is not over.
+    pub fn pass(&mut self, now: Duration, sights: &Sights) -> Passed {
         let mut passed = Passed { name_expired: self.drop_old_names(now), ..Passed::default() };
         for capture in self.waiting.iter_mut().filter(|c| c.state == CaptureState::Open) {
-            let is_coming = |seen: &Duration| capture.opened < *seen && *seen <= capture.until;
-            if now > capture.until && !coming.iter().any(is_coming) {
+            let is_in_time =
+                |file: &Appeared| capture.opened < file.seen && file.seen <= capture.until;
+            if now > capture.until && !sights.coming.iter().any(is_in_time) {
                 capture.state = CaptureState::Expired;
                 // Of one that was refused somebody knows already.
                 passed.expired.extend((!capture.is_refused).then_some(capture.number));
@@ -335,8 +336,9 @@ impl Captures {
         let late = self.rules.late;
         let over = |capture: &mut Capture| {
             let end = capture.until + late;
-            let is_coming = |seen: &Duration| capture.opened < *seen && *seen <= end;
-            capture.state != CaptureState::Open && now > end && !coming.iter().any(is_coming)
+            let has_looked_since = sights.looked.is_some_and(|looked| looked > end);
+            let is_over = capture.state != CaptureState::Open && now > end && has_looked_since;
+            is_over && !sights.coming.iter().any(|file| capture.may_have(*file, late))
         };
         passed.over = self.waiting.extract_if(.., over).map(|capture| capture.number).collect();
         passed

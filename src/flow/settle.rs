@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::backoff;
+use super::capture::Sights;
 use super::companions::{Companion, Done, Group};
 use super::stamp::Stamp;
 use super::writing::{Appeared, Mark, Writing};
@@ -338,10 +339,11 @@ impl Settling {
         untaken.map(move |(path, file)| (path.as_path(), self.wait(file, now)))
     }
 
-    /// When the files appeared that are not taken yet.
-    pub fn coming(&self) -> impl Iterator<Item = Duration> {
+    /// When the last look began, and when the files appeared that are not taken yet.
+    pub fn sights(&self) -> Sights {
         let untaken = self.files.values().filter(|file| file.next != Next::Taken);
-        untaken.map(|file| file.writing.first_seen())
+        let coming = untaken.map(|file| file.writing.appeared()).collect();
+        Sights { looked: self.last_look, coming }
     }
 
     /// How many files have become overdue since this was asked last.

@@ -120,9 +120,9 @@ impl Writing {
         self.first.absent.is_none()
     }
 
-    /// When it was first seen.
-    pub fn first_seen(&self) -> Duration {
-        self.first.seen
+    /// When the file appeared, whatever was written into it since.
+    pub fn appeared(&self) -> Appeared {
+        self.first
     }
 
     /// Its content was seen to have changed.

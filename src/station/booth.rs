@@ -4,7 +4,7 @@
 
 mod hearing;
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fs;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -21,7 +21,7 @@ use super::journal::{CaptureRow, Journal, JournalError};
 use super::overview::Overview;
 use super::stop::Stop;
 use crate::flow::booth::Signal;
-use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
+use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules, Sights};
 use crate::flow::light::{Light, Outcome, Scene};
 use crate::flow::order_habit::{OrderCame, OrdersComeLate, orders_come_late};
 use crate::flow::page::Situation;
@@ -54,8 +54,8 @@ struct Inner {
     next_number: i64,
     /// The ports that are not open.
     away: BTreeSet<&'static str>,
-    /// When the files appeared that are coming in, by export folder.
-    coming: BTreeMap<usize, Vec<Duration>>,
+    /// What the looks have found, by export folder.
+    sights: Vec<Sights>,
     /// Scans that came in and whose records are not all delivered.
     in_work: BTreeSet<ScanId>,
     /// When the last orders came.
@@ -157,7 +157,7 @@ impl Booth {
             captures,
             next_number: journal.next_capture()?,
             away: buttons,
-            coming: BTreeMap::new(),
+            sights: vec![Sights::default(); folders],
             in_work: BTreeSet::new(),
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
@@ -187,9 +187,11 @@ impl Booth {
         Held { inner: self.inner() }
     }
 
-    /// Notes when the files of an export folder appeared that are coming in.
-    pub fn coming(&self, place: usize, seen: impl Iterator<Item = Duration>) {
-        self.inner().coming.insert(place, seen.collect());
+    /// Notes what the looks at an export folder have found.
+    pub fn looked(&self, place: usize, sights: Sights) {
+        if let Some(known) = self.inner().sights.get_mut(place) {
+            *known = sights;
+        }
     }
 
     /// A scan ended, or needs a person; `now` is of the station's clock.
@@ -228,7 +230,7 @@ impl Booth {
 
     fn scene(&self, not_ready: bool) -> Scene {
         let inner = self.inner();
-        let coming = inner.coming.values().any(|files| !files.is_empty());
+        let coming = inner.sights.iter().any(|folder| !folder.coming.is_empty());
         Scene {
             not_ready,
             missed: inner.missed,

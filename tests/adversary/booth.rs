@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::time::Duration;
 
-use gaiter::flow::capture::{Captures, Doubt, Named, NamedNext, Rules};
+use gaiter::flow::capture::{Captures, Doubt, Named, NamedNext, Rules, Sights};
 use gaiter::flow::identity::Identity;
 use gaiter::flow::settle::Memory;
 use gaiter::flow::{Appeared, Settling};
@@ -56,8 +56,8 @@ pub struct Run {
     pub captures: Captures,
     /// What the journal has of the looks.
     pub kept: Option<Memory>,
-    /// When the files appeared that are coming in.
-    pub coming: Vec<Duration>,
+    /// What the looks have found.
+    pub sights: Sights,
     pub phase: Phase,
     pub step_at_ms: u64,
     /// Measurements in hand, by when they end.
@@ -167,7 +167,7 @@ impl Booth {
             settling: settling().remembering(memory),
             captures,
             kept: None,
-            coming: Vec::new(),
+            sights: Sights::default(),
             phase: Phase::Rest,
             step_at_ms: self.now_ms,
             work,
@@ -270,7 +270,7 @@ impl Booth {
         let Some(run) = &mut self.run else { return };
         run.pass_at_ms = self.now_ms + PASS_MS;
         let mut after = run.captures.clone();
-        after.pass(now, &run.coming);
+        after.pass(now, &run.sights);
         if after != run.captures {
             let _ = change(self.setup.off, &mut self.disk, run, after);
         }
@@ -304,7 +304,7 @@ impl Booth {
         let now = self.clock();
         let Some(run) = &mut self.run else { return Err(Fault) };
         let number = self.disk.next_capture();
-        let coming = run.coming.clone();
+        let Sights { coming, .. } = run.sights.clone();
         let mut after = run.captures.clone();
         let named = Named { id: id.to_owned(), by: as_heard(self.setup.off, run, id, by, now) };
         let came = match doubt {

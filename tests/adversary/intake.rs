@@ -111,7 +111,7 @@ impl Booth {
         let when = LookTime { began, ended };
         if is_away {
             run.settling.observe(Look::OutOfReach, when);
-            run.coming = run.settling.coming().collect();
+            run.sights = run.settling.sights();
             return VecDeque::new();
         }
         first_sights(run, &found, began, ended);
@@ -134,7 +134,7 @@ impl Booth {
         run.settling.pass_over(passers, when);
         let groups = companions::groups(scans, beside, |_| Done::NotAsked);
         let due = run.settling.observe(Look::Seen(groups), when);
-        run.coming = run.settling.coming().collect();
+        run.sights = run.settling.sights();
         let journal = &self.disk;
         due.into_iter().filter(|file| !dealt_with(journal, run, file)).collect()
     }
@@ -178,7 +178,7 @@ impl Booth {
                 return (Phase::Take { due, settled, mark, content }, self.chance.below(20) as u64);
             }
         }
-        run.coming = run.settling.coming().collect();
+        run.sights = run.settling.sights();
         let is_idle = run.settling.next_due().is_none() && !is_shut;
         if is_idle && run.listed == self.folder.version {
             run.idle_ms = Some(self.now_ms + RESCAN_MS);

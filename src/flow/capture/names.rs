@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Capture, CaptureState, Captures, DOUBTS_MOST, Doubt, Named, NamedNext, Opener};
 use crate::flow::orders_when::OrdersWhen;
+use crate::flow::writing::Appeared;
 use crate::record::SourceKind;
 
 /// A name, and when it was said; times as in [`Capture`].
@@ -71,13 +72,13 @@ impl Captures {
     }
 
     /// Somebody named the patient of the next scan. `number` is the number of the capture that may
-    /// be opened; `coming` as in [`Captures::pass`].
+    /// be opened; `coming` are the files that are not taken yet.
     pub fn named(
         &mut self,
         named: Named,
         number: i64,
         now: Duration,
-        coming: &[Duration],
+        coming: &[Appeared],
     ) -> NamedNext {
         if !self.rules.by_press {
             return self.name_export(named, number, now, coming);
@@ -102,7 +103,7 @@ impl Captures {
         doubt: Doubt,
         number: i64,
         now: Duration,
-        coming: &[Duration],
+        coming: &[Appeared],
     ) -> NamedNext {
         let id = named.id.clone();
         let came = self.named(named, number, now, coming);
@@ -120,6 +121,10 @@ impl Captures {
                 };
                 if let Some(capture) = self.waiting.iter_mut().rfind(its) {
                     capture.doubt = capture.doubt.or(doubt);
+                }
+                if let NamedNext::Paired(capture) = &came {
+                    // Its own order may still come.
+                    self.press_is_unsure(capture.opened);
                 }
             }
         }
@@ -146,7 +151,7 @@ impl Captures {
         named: Named,
         number: i64,
         now: Duration,
-        coming: &[Duration],
+        coming: &[Appeared],
     ) -> NamedNext {
         let lasts = self.rules.name_lasts;
         let open = |capture: &&mut Capture| {
@@ -170,7 +175,7 @@ impl Captures {
         NamedNext::Opened(opened, given_up)
     }
 
-    fn give_up_others(&mut self, id: &str, coming: &[Duration]) -> Vec<i64> {
+    fn give_up_others(&mut self, id: &str, coming: &[Appeared]) -> Vec<i64> {
         let is_given_up = |capture: &mut Capture| {
             let is_same = capture.patient.as_ref().is_some_and(|patient| patient.id == id);
             !is_same && !is_coming_in(capture, coming)
@@ -197,6 +202,8 @@ impl Captures {
             },
             OrdersWhen::BeforePress => self.cross(&named, now),
         };
+        // It may be for a press that was not heard, or that a lost journal knew.
+        let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
         let next = self.next.get_or_insert_with(|| Next::one(named.clone(), now, None));
         match next.names.iter_mut().find(|said| said.named.id == named.id) {
             Some(said) => said.at = now,
@@ -205,6 +212,7 @@ impl Captures {
         if crossed {
             next.doubt = Some(Doubt::Crossed);
         }
+        next.doubt = next.doubt.or(unheard);
         NamedNext::Waits { replaced: false, in_doubt: !next.is_certain() }
     }
 
@@ -335,6 +343,6 @@ enum Paired {
 }
 
 /// Whether a file was seen that may be the export of a capture.
-fn is_coming_in(capture: &Capture, coming: &[Duration]) -> bool {
-    coming.iter().any(|seen| capture.opened < *seen)
+fn is_coming_in(capture: &Capture, coming: &[Appeared]) -> bool {
+    coming.iter().any(|file| capture.opened < file.seen)
 }

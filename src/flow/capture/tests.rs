@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::record::SourceKind;
+use laws::pressed_for;
 
 const SECOND: Duration = Duration::from_secs(1);
 
@@ -33,6 +34,11 @@ fn named(id: &str) -> Named {
 /// First seen in this second, in which a look began, and absent in the second before.
 fn seen(second: u64) -> Appeared {
     Appeared { absent: Some(at(second - 1)), seen: at(second) }
+}
+
+/// Every folder was looked at a moment ago, and no file is coming in.
+fn all_seen(second: u64) -> Sights {
+    Sights { looked: Some(at(second)), coming: Vec::new() }
 }
 
 /// Judges and takes.
@@ -103,7 +109,7 @@ fn the_export_of_a_press_is_the_patients_who_was_named_before() {
     assert_eq!(captures.next(), None, "a name is used once");
     assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("4711"));
     assert!(!captures.is_armed());
-    assert_eq!(captures.pass(at(10_000), &[]), Passed::default());
+    assert_eq!(captures.pass(at(10_000), &all_seen(10_000)), Passed::default());
 }
 
 #[test]
@@ -199,9 +205,9 @@ fn a_capture_without_an_export_expires_once_and_its_late_export_is_held() {
     let mut captures = captures();
     captures.named(named("4711"), 1, at(0), &[]);
     captures.pressed(1, at(0));
-    assert_eq!(captures.pass(at(60), &[]), Passed::default());
-    assert_eq!(captures.pass(at(61), &[]).expired, [1]);
-    assert_eq!(captures.pass(at(62), &[]), Passed::default());
+    assert_eq!(captures.pass(at(60), &all_seen(60)), Passed::default());
+    assert_eq!(captures.pass(at(61), &all_seen(61)).expired, [1]);
+    assert_eq!(captures.pass(at(62), &all_seen(62)), Passed::default());
     let judged = export(&mut captures, seen(90));
     assert_eq!(code(&judged), LATE);
     assert!(matches!(judged, Judged::Held { answered: Some(1), .. }));
@@ -213,13 +219,13 @@ fn a_late_export_does_not_pass_for_the_next_patients() {
     let mut captures = captures();
     captures.named(named("4711"), 1, at(0), &[]);
     captures.pressed(1, at(0));
-    captures.pass(at(61), &[]);
+    captures.pass(at(61), &all_seen(61));
     captures.named(named("0815"), 2, at(70), &[]);
     captures.pressed(2, at(71));
     assert_eq!(code(&export(&mut captures, seen(75))), AMBIGUOUS);
     // Long after the first window nobody awaits that export any more.
     let mut captures = Captures::new(rules(), captures.waiting, None);
-    captures.pass(at(1000), &[]);
+    captures.pass(at(1000), &all_seen(1000));
     assert!(captures.waiting().is_empty());
 }
 
@@ -227,10 +233,31 @@ fn a_late_export_does_not_pass_for_the_next_patients() {
 fn a_file_that_is_coming_in_keeps_its_capture_from_expiring() {
     let mut captures = captures();
     captures.pressed(1, at(0));
-    assert_eq!(captures.pass(at(100), &[at(50)]), Passed::default());
+    let coming = |files: &[u64]| Sights {
+        looked: Some(at(300)),
+        coming: files.iter().map(|file| seen(*file)).collect(),
+    };
+    assert_eq!(captures.pass(at(100), &coming(&[50])), Passed::default());
     assert_eq!(patient_of(&export(&mut captures, seen(50))), None);
     captures.pressed(2, at(200));
-    assert_eq!(captures.pass(at(300), &[at(150), at(290)]).expired, [2], "those are not its own");
+    assert_eq!(captures.pass(at(300), &coming(&[150, 290])).expired, [2], "those are not its own");
+}
+
+#[test]
+fn a_capture_is_over_only_when_every_folder_was_looked_at_after_its_end() {
+    let mut captures = captures();
+    pressed_for(&mut captures, "4711", 1, 0);
+    let end = 60 + 300;
+    let before = Sights::of_all([all_seen(end), all_seen(end + 40)]);
+    assert_eq!(captures.pass(at(end + 50), &before).expired, [1], "the alarm does not wait");
+    let unseen = Sights::of_all([Sights::default(), all_seen(end + 40)]);
+    assert_eq!(captures.pass(at(end + 50), &unseen), Passed::default());
+    // The look that comes then finds a file that was not there at the look before the end.
+    let mut found = captures.clone();
+    pressed_for(&mut found, "0815", 2, end - 10);
+    let away = Appeared { absent: Some(at(end - 5)), seen: at(end + 51) };
+    assert_eq!(code(&export(&mut found, away)), AMBIGUOUS);
+    assert_eq!(captures.pass(at(end + 50), &all_seen(end + 1)).over, [1]);
 }
 
 #[test]
@@ -240,8 +267,8 @@ fn a_name_that_is_not_used_in_time_is_dropped_by_time_and_by_a_press() {
     captures.pressed(1, at(601));
     assert_eq!(captures.waiting()[0].patient, None);
     captures.named(named("4711"), 2, at(700), &[]);
-    assert!(!captures.pass(at(1300), &[]).name_expired);
-    assert!(captures.pass(at(1301), &[]).name_expired);
+    assert!(!captures.pass(at(1300), &all_seen(1300)).name_expired);
+    assert!(captures.pass(at(1301), &all_seen(1301)).name_expired);
 }
 
 #[test]
@@ -268,7 +295,11 @@ fn what_a_person_gave_up_is_awaited_no_more_and_the_next_capture_is_not_in_doubt
     captures.named(named("4711"), 1, at(0), &[]);
     assert_eq!(captures.call_off(), CalledOff { captures: vec![1], name: true });
     assert!(!captures.is_armed());
-    assert_eq!(captures.pass(at(61), &[]), Passed::default(), "no alarm for what was given up");
+    assert_eq!(
+        captures.pass(at(61), &all_seen(61)),
+        Passed::default(),
+        "no alarm for what was given up"
+    );
     captures.named(named("0815"), 2, at(62), &[]);
     captures.pressed(2, at(62));
     assert_eq!(patient_of(&export(&mut captures, seen(70))), Some("0815"));
@@ -303,7 +334,7 @@ fn without_a_button_two_cards_or_orders_hold_the_export_and_a_word_of_a_person_r
     // Whose export is coming in is not given up by another name.
     let mut captures = Captures::new(rules, Vec::new(), None);
     captures.named(named("4711"), 1, at(0), &[]);
-    captures.named(named("0815"), 2, at(5), &[at(3)]);
+    captures.named(named("0815"), 2, at(5), &[seen(3)]);
     assert_eq!(patient_of(&export(&mut captures, seen(3))), Some("4711"));
     assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("0815"));
 }
@@ -347,7 +378,7 @@ fn where_no_capture_names_a_patient_nothing_can_be_mistaken() {
     captures.pressed(2, at(10));
     let unclear = Appeared { absent: None, seen: at(11) };
     assert_eq!(export(&mut captures, unclear), Judged::Unpressed);
-    assert_eq!(captures.pass(at(71), &[]).expired, [2]);
+    assert_eq!(captures.pass(at(71), &all_seen(71)).expired, [2]);
     assert_eq!(export(&mut captures, seen(80)), Judged::Unpressed);
 }
 

@@ -1,8 +1,6 @@
 //! What is done by what the booth says: presses, names and time open, end and call off captures, each
 //! in the journal.
 
-use std::time::Duration;
-
 use jiff::Timestamp;
 use serde_json::{Value, json};
 use tracing::{info, warn};
@@ -10,7 +8,7 @@ use tracing::{info, warn};
 use super::{Inner, NO_EXPORT};
 use crate::flow::ScanId;
 use crate::flow::booth::{Heard, Press};
-use crate::flow::capture::{Capture, Captures, Doubt, Named, NamedNext};
+use crate::flow::capture::{Capture, Captures, Doubt, Named, NamedNext, Sights};
 use crate::flow::facts::Alarm;
 use crate::flow::identity::ID_NOT_ALLOWED;
 use crate::flow::light::Outcome;
@@ -36,9 +34,8 @@ pub enum NameFault {
 }
 
 impl Inner {
-    /// When the files were first seen that are coming in.
-    fn coming(&self) -> Vec<Duration> {
-        self.coming.values().flatten().copied().collect()
+    fn sights(&self) -> Sights {
+        Sights::of_all(self.sights.iter().cloned())
     }
 }
 
@@ -152,7 +149,7 @@ impl Station {
         doubt: Option<Doubt>,
     ) -> Result<NamedNext, JournalError> {
         let (now, by) = (self.now(), named.by);
-        let (number, coming) = (inner.next_number, inner.coming());
+        let (number, Sights { coming, .. }) = (inner.next_number, inner.sights());
         let mut after = inner.captures.clone();
         let came = match after.has_unnamed_press() {
             true => OrderCame::AfterPress,
@@ -266,9 +263,8 @@ impl Station {
     pub(super) fn pass(&self) -> Result<(), JournalError> {
         let now = self.now();
         let mut inner = self.booth.inner();
-        let coming = inner.coming();
         let mut after = inner.captures.clone();
-        let passed = after.pass(now, &coming);
+        let passed = after.pass(now, &inner.sights());
         if !inner.missed && after.is_armed() {
             self.clear_missed();
         }

@@ -144,7 +144,7 @@ impl Notes {
         let files = settling.waiting(now);
         let waiting = files.map(|(path, waiting)| (path.to_owned(), file(waiting))).collect();
         self.note(|source| source.waiting = waiting);
-        self.station.booth.coming(self.place, settling.coming());
+        self.station.booth.looked(self.place, settling.sights());
     }
 
     /// A time of the station's monotonic clock on the wall, whatever clocks on the wall did since.

@@ -180,7 +180,7 @@ impl Taking<'_> {
     }
 
     fn is_old(&self) -> bool {
-        let in_sight = self.station.now().saturating_sub(self.settled.writing.first_seen());
+        let in_sight = self.station.now().saturating_sub(self.settled.writing.appeared().seen);
         let wall_ns = Timestamp::now().as_nanosecond();
         order_news::age(self.read.state.mtime_ns, wall_ns, in_sight) > self.config.max_age
     }

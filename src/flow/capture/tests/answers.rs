@@ -36,7 +36,7 @@ fn a_scan_that_cannot_be_measured_for_long_is_in_nobodys_way() {
     pressed_for(&mut captures, "1", 1, 0);
     assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
     // Window and late are 360 s.
-    captures.pass(at(371), &[]);
+    captures.pass(at(371), &all_seen(371));
     pressed_for(&mut captures, "2", 2, 372);
     assert_eq!(patient_of(&export(&mut captures, seen(380))), Some("2"));
 }
@@ -99,7 +99,7 @@ fn a_scan_that_was_refused_long_after_it_was_taken_opens_no_capture() {
     pressed_for(&mut captures, "1", 1, 0);
     taken(&mut captures, seen(10));
     // Window and late are 360 s.
-    captures.pass(at(371), &[]);
+    captures.pass(at(371), &all_seen(371));
     assert!(captures.refused(1, at(372)).is_none());
 }
 

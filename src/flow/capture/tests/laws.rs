@@ -26,13 +26,42 @@ fn a_refused_export_leaves_its_capture_to_the_next_one_without_a_press() {
 }
 
 #[test]
+fn an_order_soon_after_a_start_may_be_for_a_press_that_nobody_heard() {
+    let awaited = rules().awaited();
+    for orders in [OrdersWhen::BeforePress, OrdersWhen::AfterPress] {
+        let mut soon = Captures::new(Rules { orders, ..rules() }, Vec::new(), None);
+        soon.hears(at(0));
+        let mut later = soon.clone();
+        soon.named(order("4711"), 1, at(0) + awaited - SECOND, &[]);
+        later.named(order("4711"), 1, at(0) + awaited, &[]);
+        assert!(later.next().is_some_and(Next::is_certain));
+        soon.pressed(1, at(1) + awaited);
+        let export = Appeared { absent: Some(at(2) + awaited), seen: at(3) + awaited };
+        assert_eq!(code(&soon.judge(export)), UNHEARD);
+    }
+}
+
+#[test]
+fn a_press_that_a_doubtful_order_pairs_with_is_still_owed_its_own() {
+    let mut captures =
+        Captures::new(Rules { orders: OrdersWhen::AfterPress, ..rules() }, Vec::new(), None);
+    captures.hears(Duration::ZERO);
+    captures.pressed(1, at(0));
+    captures.doubtful(order("4711"), Doubt::Repeated, 2, at(1), &[]);
+    assert_eq!(code(&export(&mut captures, seen(20))), REPEATED);
+    captures.named(order("0815"), 2, at(30), &[]);
+    captures.pressed(2, at(31));
+    assert_eq!(code(&export(&mut captures, seen(50))), AMBIGUOUS, "0815 may have been the first");
+}
+
+#[test]
 fn a_refused_capture_is_over_after_the_same_time_without_an_alarm() {
     let mut captures = captures();
     pressed_for(&mut captures, "4711", 1, 0);
     let first = taken(&mut captures, seen(20));
     refuse(&mut captures, &first, at(100));
-    assert_eq!(captures.pass(at(161), &[]), Passed::default());
-    assert_eq!(captures.pass(at(461), &[]).over, [1]);
+    assert_eq!(captures.pass(at(161), &all_seen(161)), Passed::default());
+    assert_eq!(captures.pass(at(461), &all_seen(461)).over, [1]);
     pressed_for(&mut captures, "0815", 2, 462);
     assert_eq!(patient_of(&export(&mut captures, seen(480))), Some("0815"));
 }
