@@ -4,8 +4,12 @@
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+#[path = "support/day.rs"]
+mod day;
 #[path = "support/matrix.rs"]
 mod matrix;
+#[path = "support/pty.rs"]
+mod pty;
 
 use std::cell::Cell;
 use std::sync::Mutex;
@@ -14,12 +18,13 @@ use std::time::{Duration, Instant};
 
 use nix::errno::Errno;
 
+use day::Day;
 use matrix::station::Booth;
 use matrix::station::invariants::Moment;
 use matrix::tracer::{Answer, Call, Kind, Run, can_trace};
 use matrix::{
-    Struck, Tally, acknowledged, booth, faults, is_ready, renew, restarted, rests,
-    strike_everywhere, struck_until, what,
+    DAY_HANDS, Struck, Tally, acknowledged, booth, faults, is_ready, renew, restarted, rests,
+    strike_everywhere, struck_at_until, struck_until, what,
 };
 
 /// Runs at a time: most of them wait most of the time.
@@ -27,6 +32,9 @@ const HANDS: usize = 4;
 
 /// Full, failing, over quota, read-only.
 const ERRORS: [Errno; 4] = [Errno::ENOSPC, Errno::EIO, Errno::EDQUOT, Errno::EROFS];
+
+/// A day with names is struck at every so many-th call: it takes seconds.
+const DAY_STEP: usize = 3;
 
 /// Within this the station must have got over an error that came once: its own pauses are shorter.
 const OVER: Duration = Duration::from_secs(25);
@@ -104,6 +112,19 @@ fn for_good(booth: &mut Booth, nth: usize, errno: Errno, most: &AtomicUsize) -> 
     Some((format!("{errno:?} from {at} on"), found))
 }
 
+/// One error on a day with names, after which all goes on as usual.
+fn once_on_a_day(day: &mut Day, nth: usize, errno: Errno) -> Struck {
+    day.renew();
+    let began = Instant::now();
+    let is_over = || began.elapsed() > OVER || day.goes_on();
+    let (at, run) = struck_at_until(&day.booth, is_over, nth, Answer::Fail(errno), |_| Answer::Do);
+    let at = at?;
+    let mut found = ended_by_name(&day.booth, &run);
+    found.extend(day.found_at_once(&run));
+    found.extend(day.goes_on_restarted());
+    Some((format!("{errno:?} {at}"), found))
+}
+
 /// A run ends by an exit code, without a panic, and within its time.
 fn ended_by_name(booth: &Booth, run: &Run) -> Vec<String> {
     let mut found = Vec::new();
@@ -151,6 +172,20 @@ fn an_error_at_any_call_is_got_over() {
         let errno = |nth: usize| errors[nth % errors.len()];
         let strike = |booth: &mut Booth, nth| once(booth, nth, Answer::Fail(errno(nth)), |_| true);
         assert_clean(&strike_everywhere(&format!("{name}, once"), HANDS, 1, booth, strike));
+    }
+}
+
+#[test]
+#[ignore = "needs ptrace and minutes, run by .ci/run"]
+fn an_error_on_a_day_with_names_gives_nobody_the_scan_of_another() {
+    if !can_trace() {
+        return;
+    }
+    for (name, errors) in passes() {
+        let errno = |nth: usize| errors[nth % errors.len()];
+        let strike = |day: &mut Day, nth| once_on_a_day(day, nth, errno(nth));
+        let name = format!("{name}, once on a day with names");
+        assert_clean(&strike_everywhere(&name, DAY_HANDS, DAY_STEP, Day::without_button, strike));
     }
 }
 

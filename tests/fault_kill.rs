@@ -1,20 +1,30 @@
 //! The station killed before every call of a run that changes a file: nothing is lost, nothing is
-//! delivered twice, nothing partial lies under a final name.
+//! delivered twice, nothing partial lies under a final name, and no scan under another's name.
 
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+#[path = "support/day.rs"]
+mod day;
 #[path = "support/matrix.rs"]
 mod matrix;
+#[path = "support/pty.rs"]
+mod pty;
 
+use day::Day;
 use matrix::station::Booth;
-use matrix::tracer::{Answer, can_trace};
+use matrix::tracer::{Answer, Call, can_trace};
 use matrix::{
-    POINTS_MIN, Struck, booth, found_at_once, renew, restarted, strike_everywhere, struck_at,
+    DAY_HANDS, POINTS_MIN, Struck, Tally, booth, found_at_once, renew, restarted,
+    strike_everywhere, struck_at, struck_at_until,
 };
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;
+
+/// With a button only every so many-th call is struck: each run waits until the station is sure that it
+/// hears every press.
+const BUTTON_STEP: usize = 5;
 
 fn killed(booth: &mut Booth, nth: usize) -> Struck {
     renew(booth);
@@ -32,9 +42,48 @@ fn a_station_killed_before_any_call_loses_nothing_and_delivers_nothing_twice() {
         return;
     }
     let tally = strike_everywhere("kill -9", HANDS, 1, booth, killed);
+    assert_clean(&tally);
+    assert!(tally.points >= POINTS_MIN, "{} points", tally.points);
+}
+
+fn assert_clean(tally: &Tally) {
     for (kind, times) in &tally.kinds {
         println!("  {times:4} {kind}");
     }
     assert!(tally.violations.is_empty(), "{:#?}", tally.violations);
-    assert!(tally.points >= POINTS_MIN, "{} points", tally.points);
+}
+
+/// A day with names that is cut off once, and goes on.
+fn killed_on_a_day(day: &mut Day, nth: usize) -> Struck {
+    day.renew();
+    let usual = |_: &Call| Answer::Do;
+    let (at, run) = struck_at_until(&day.booth, || day.goes_on(), nth, Answer::Kill, usual);
+    let Some(at) = at else {
+        assert!(day.is_all_delivered(), "without a fault; log:\n{}", day.booth.log());
+        return None;
+    };
+    let mut found = day.found_at_once(&run);
+    found.extend(day.goes_on_restarted());
+    Some((at, found))
+}
+
+#[test]
+#[ignore = "needs ptrace and minutes, run by .ci/run"]
+fn a_station_killed_on_a_day_with_names_gives_nobody_the_scan_of_another() {
+    if !can_trace() {
+        return;
+    }
+    let name = "kill -9 on a day with names";
+    assert_clean(&strike_everywhere(name, DAY_HANDS, 1, Day::without_button, killed_on_a_day));
+}
+
+#[test]
+#[ignore = "needs ptrace and minutes, run by .ci/run"]
+fn a_station_with_a_button_killed_on_a_day_with_names_gives_nobody_the_scan_of_another() {
+    if !can_trace() {
+        return;
+    }
+    let name = "kill -9 on a day with names and a button";
+    let step = BUTTON_STEP;
+    assert_clean(&strike_everywhere(name, DAY_HANDS, step, Day::with_button, killed_on_a_day));
 }

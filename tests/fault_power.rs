@@ -5,21 +5,29 @@
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+#[path = "support/day.rs"]
+mod day;
 #[path = "support/disk.rs"]
 mod disk;
 #[path = "support/matrix.rs"]
 mod matrix;
+#[path = "support/pty.rs"]
+mod pty;
 
+use day::Day;
 use disk::{Disk, can_be_cut, power_cut};
 use matrix::station::Booth;
 use matrix::tracer::{Answer, Call, Kind, can_trace};
 use matrix::{
-    FOLDERS, POINTS_MIN, Struck, booth, found_at_once, renew, restarted, strike_everywhere,
-    struck_at,
+    DAY_HANDS, FOLDERS, POINTS_MIN, Struck, booth, found_at_once, renew, restarted,
+    strike_everywhere, struck_at, struck_at_until,
 };
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;
+
+/// A day with names is cut at every so many-th call: it takes seconds.
+const DAY_STEP: usize = 3;
 
 /// The controls cut at every so many-th call only.
 const CONTROL_STEP: usize = 4;
@@ -34,11 +42,7 @@ struct Place {
 impl Place {
     fn new() -> Place {
         let booth = booth();
-        let disk = |name| {
-            std::fs::create_dir_all(booth.path(name)).unwrap();
-            Disk::new(booth.path(name))
-        };
-        Place { disks: FOLDERS.map(disk).into(), booth }
+        Place { disks: disks(&booth), booth }
     }
 
     /// Cuts the power before the nth call, where `pretended` calls are not made at all.
@@ -55,6 +59,56 @@ impl Place {
         }
         Some((at?, found))
     }
+}
+
+fn disks(booth: &Booth) -> Vec<Disk> {
+    let disk = |name| {
+        std::fs::create_dir_all(booth.path(name)).unwrap();
+        Disk::new(booth.path(name))
+    };
+    FOLDERS.map(disk).into()
+}
+
+/// A day with names on such disks.
+struct DayPlace {
+    disks: Vec<Disk>,
+    day: Day,
+}
+
+impl DayPlace {
+    fn new() -> DayPlace {
+        let day = Day::without_button();
+        DayPlace { disks: disks(&day.booth), day }
+    }
+
+    fn cut(&mut self, nth: usize) -> Struck {
+        let DayPlace { disks, day } = self;
+        day.renew();
+        disks.iter().for_each(Disk::sync);
+        let usual = |_: &Call| Answer::Do;
+        let (at, run) = struck_at_until(&day.booth, || day.goes_on(), nth, Answer::KillAll, usual);
+        if at.is_none() {
+            assert!(day.is_all_delivered(), "without a fault; log:\n{}", day.booth.log());
+        }
+        power_cut(disks);
+        let mut found = day.found_at_once(&run);
+        if found.is_empty() {
+            found = day.goes_on_restarted();
+        }
+        Some((at?, found))
+    }
+}
+
+#[test]
+#[ignore = "needs root, loop devices, ext4 and minutes, run by .ci/run"]
+fn a_power_cut_on_a_day_with_names_gives_nobody_the_scan_of_another() {
+    if !can_trace() || !can_be_cut() {
+        return;
+    }
+    let (name, step) = ("power cut on a day with names", DAY_STEP);
+    let tally = strike_everywhere(name, DAY_HANDS, step, DayPlace::new, DayPlace::cut);
+    assert!(tally.violations.is_empty(), "{:#?}", tally.violations);
+    assert!(tally.points > 0, "nothing was struck");
 }
 
 #[test]

@@ -1,10 +1,12 @@
-//! Years in seconds: the station's decisions, `gaiter::flow`, over a simulated scanner, disk, stores
-//! and person, with faults drawn from a seed. After each of a million events the invariants hold,
+//! Years in seconds: the station's decisions, `gaiter::flow`, over a simulated booth, scanner, disk,
+//! stores and person, with faults drawn from a seed. After each of a million events the invariants hold,
 //! and once the faults end everything comes to rest. A seed that fails prints itself; set
 //! `GAITER_SEED` to run it again and `GAITER_EVENTS` for longer runs.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
+#[path = "flow_simulation/booth.rs"]
+mod booth;
 #[path = "support/chance.rs"]
 mod chance;
 #[path = "flow_simulation/disk.rs"]

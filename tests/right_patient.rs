@@ -328,3 +328,19 @@ fn a_file_that_came_while_the_station_was_away_answers_no_press_since_its_last_l
     assert_eq!(room.booth.records(), []);
     assert!(station.stop().success());
 }
+
+#[test]
+fn an_export_awaited_when_the_machine_starts_anew_is_not_the_next_patients() {
+    let mut room = Room::without_button(&At::orders("before-press"));
+    let station = room.start();
+    room.order("1002");
+    assert!(station.stop().success());
+    room.begin_another_start_of_the_machine();
+    let station = room.start();
+    room.order("1003");
+    room.wait_for_look();
+    room.write("a.obj", &coarse_body(1));
+    room.wait_for_taken(&coarse_body(1));
+    assert_eq!(room.held(), ["capture-ambiguous"]);
+    assert!(station.stop().success());
+}

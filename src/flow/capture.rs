@@ -34,7 +34,7 @@
 //! | an export that may have been written before the press | held: `capture-unclear` |
 //! | the port was away at or shortly before the press, or since | held: `press-unheard`, where the capture has a patient |
 //! | the station restarts in between | likewise, for it heard nothing meanwhile |
-//! | the machine restarts in between | the capture expires |
+//! | the machine restarts in between | the capture expires; an export that may still be its own is held |
 //! | the clock on the wall jumps | nothing: times are since the machine's start |
 
 mod answers;
@@ -173,10 +173,10 @@ impl Captures {
         self.waiting.iter().any(is_open)
     }
 
-    /// Whether a press without a name awaits its export.
-    pub fn has_unnamed_press(&self) -> bool {
-        let is_unnamed = |capture: &Capture| capture.by == Opener::Press && capture.is_unnamed();
-        self.waiting.iter().any(is_unnamed)
+    /// Whether a press without a name awaits its export, and an order may be for it.
+    pub fn has_unnamed_press(&self, now: Duration) -> bool {
+        let mut ordered = self.waiting.iter().filter(|capture| self.may_be_ordered(capture, now));
+        ordered.any(Capture::is_unnamed)
     }
 
     /// When orders come, by the configuration.
@@ -338,10 +338,16 @@ impl Captures {
             let end = capture.until + late;
             let has_looked_since = sights.looked.is_some_and(|looked| looked > end);
             let is_over = capture.state != CaptureState::Open && now > end && has_looked_since;
-            is_over && !sights.coming.iter().any(|file| capture.may_have(*file, late))
+            let mut files = sights.coming.iter().chain(&sights.beside);
+            is_over && !files.any(|file| capture.may_have(*file, late))
         };
         passed.over = self.waiting.extract_if(.., over).map(|capture| capture.number).collect();
         passed
+    }
+
+    /// Whether an order may still be for a press that waits, rather than for a later one.
+    fn may_be_ordered(&self, capture: &Capture, now: Duration) -> bool {
+        capture.by == Opener::Press && now <= capture.until + self.rules.late
     }
 }
 

@@ -339,11 +339,12 @@ impl Settling {
         untaken.map(move |(path, file)| (path.as_path(), self.wait(file, now)))
     }
 
-    /// When the last look began, and when the files appeared that are not taken yet.
+    /// When the last look began, and when the files appeared that may become scans.
     pub fn sights(&self) -> Sights {
         let untaken = self.files.values().filter(|file| file.next != Next::Taken);
         let coming = untaken.map(|file| file.writing.appeared()).collect();
-        Sights { looked: self.last_look, coming }
+        let beside = self.passers.values().map(|file| file.writing.appeared()).collect();
+        Sights { looked: self.last_look, coming, beside }
     }
 
     /// How many files have become overdue since this was asked last.

@@ -9,6 +9,7 @@ use std::fs;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use jiff::Timestamp;
 use tokio::sync::{Notify, watch};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
@@ -136,18 +137,25 @@ impl Booth {
         let is_ours = |row: &CaptureRow| row.boot == boot && !boot.is_empty();
         let (ours, others): (Vec<CaptureRow>, Vec<CaptureRow>) =
             journal.captures_waiting()?.into_iter().partition(is_ours);
-        // The machine was off: whatever a press had begun is over.
+        // The machine was off: whatever a press had begun expires.
+        let age =
+            |row: &CaptureRow| Duration::try_from(Timestamp::now().duration_since(row.at)).ok();
+        let carried_over: Vec<Capture> = others
+            .iter()
+            .filter_map(|row| row.capture.clone().carried_over(age(row), rules.late, now))
+            .collect();
         let others: Vec<i64> = others.iter().map(|row| row.capture.number).collect();
         let names = journal.names()?;
         let is_name_over = names.as_ref().is_some_and(|names| names.boot != boot);
         if !others.is_empty() || is_name_over {
-            journal.captures_of_before(&others, is_name_over)?;
+            journal.captures_of_before(&others, &carried_over, &boot, is_name_over)?;
         }
         let names = names.filter(|_| !is_name_over);
         let (next, unsure, unread) = names.map_or((None, Vec::new(), Vec::new()), |names| {
             (names.next, names.unsure, names.unread)
         });
-        let waiting = ours.into_iter().map(|row| row.capture).collect();
+        let ours = ours.into_iter().map(|row| row.capture);
+        let waiting = carried_over.into_iter().chain(ours).collect();
         let mut captures = Captures::new(rules, waiting, next).with_doubts(unsure, unread);
         captures = captures.with_measuring(journal.measuring(&boot)?, now);
         if buttons.is_empty() {

@@ -189,9 +189,9 @@ impl Booth {
     /// The machine starts anew: its clock begins again.
     pub fn reboot(&mut self) {
         self.run = None;
+        self.disk.machine_was_off(self.boot_ms, self.now_ms, self.setup.rules.late);
         self.boot_ms = self.now_ms - 20_000;
         self.start_ms = Some(self.now_ms + 1000);
-        self.disk.machine_was_off();
         self.tell(|| "the machine starts anew".to_owned());
     }
 

@@ -19,6 +19,13 @@ pub struct Order {
     pub is_late: bool,
 }
 
+impl Order {
+    fn state(&self) -> OrderState {
+        let mtime_ns = i128::from(self.mtime_ms) * 1_000_000;
+        OrderState { size: 100, mtime_ns, digest: id(self.patient) }
+    }
+}
+
 impl People {
     /// An order of the practice software is written. The desk does not order for somebody else while
     /// somebody stands in the booth unnamed who has not been scanned.
@@ -62,10 +69,15 @@ impl People {
         }
     }
 
+    /// The orders that lie there are noted, and name nobody.
+    pub fn pass_over_orders(&mut self) {
+        for order in std::mem::take(&mut self.letters) {
+            self.booth.disk.orders.insert(order.file.clone(), order.state());
+        }
+    }
+
     fn read_order(&mut self, order: &Order) {
-        let words = id(order.patient);
-        let mtime_ns = i128::from(order.mtime_ms) * 1_000_000;
-        let found = OrderState { size: 100, mtime_ns, digest: words.clone() };
+        let (words, found) = (id(order.patient), order.state());
         let known = self.booth.disk.orders.insert(order.file.clone(), found.clone());
         let news = match self.booth.setup.off {
             Off::OrdersNameOnce => News::New,

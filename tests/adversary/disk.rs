@@ -42,6 +42,8 @@ struct CaptureRow {
     capture: Capture,
     end: Option<End>,
     scan: Option<Scan>,
+    /// When it was opened, where the machine has started anew since.
+    at_ms: Option<u64>,
 }
 
 /// What is known of a scan.
@@ -122,7 +124,8 @@ impl Disk {
 
     fn save(&mut self, capture: Capture) {
         self.last_capture = self.last_capture.max(capture.number);
-        self.captures.insert(capture.number, CaptureRow { capture, end: None, scan: None });
+        let at_ms = self.captures.get(&capture.number).and_then(|row| row.at_ms);
+        self.captures.insert(capture.number, CaptureRow { capture, end: None, scan: None, at_ms });
     }
 
     /// What a start finds: the captures whose exports have not come, and the names.
@@ -132,11 +135,18 @@ impl Disk {
         (waiting, self.next.clone())
     }
 
-    /// The machine was off: whatever a press had begun is over.
-    pub fn machine_was_off(&mut self) {
-        self.captures.values_mut().for_each(|row| {
-            row.end.get_or_insert(End::Over);
-        });
+    /// The machine was off: whatever a press had begun expires. Its clock had begun at `boot_ms`, and
+    /// begins anew now.
+    pub fn machine_was_off(&mut self, boot_ms: u64, now_ms: u64, late: Duration) {
+        for row in self.captures.values_mut().filter(|row| row.end.is_none()) {
+            let opened_ms = boot_ms + row.capture.opened.as_millis() as u64;
+            let at_ms = *row.at_ms.get_or_insert(opened_ms);
+            let age = Duration::from_millis(now_ms.saturating_sub(at_ms));
+            match row.capture.clone().carried_over(Some(age), late, Duration::from_secs(20)) {
+                Some(capture) => row.capture = capture,
+                None => row.end = Some(End::Over),
+            }
+        }
         (self.next, self.looks) = (None, None);
         self.unsure.clear();
         self.unread.clear();
@@ -177,7 +187,8 @@ impl Disk {
     pub fn enter(&mut self, scan: Scan, intake: &Intake) -> Result<(), Fault> {
         self.change()?;
         let state = if intake.held.is_some() { ScanState::Delivered } else { ScanState::Spooled };
-        if self.scan(scan).is_none() {
+        let is_new = self.scan(scan).is_none();
+        if is_new {
             let Intake { content, geometry, held, judged, .. } = intake.clone();
             let deliveries = BTreeMap::new();
             let row = ScanRow { content, state, deliveries, geometry, held, judged };
@@ -189,7 +200,11 @@ impl Disk {
             row.deliver_to(intake.patient.clone(), delivery);
         }
         self.answer(scan, &intake.judged);
-        Ok(())
+        // What was decided while an earlier journal knew the scan is carried out.
+        match self.decisions.get(&scan).cloned().filter(|_| is_new) {
+            Some(who) => self.decide(scan, &who),
+            None => Ok(()),
+        }
     }
 
     fn answer(&mut self, scan: Scan, judged: &Judged) {

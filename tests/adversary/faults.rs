@@ -50,8 +50,7 @@ impl People {
                 self.booth.disk.is_locked = false;
                 self.booth.disk.rebuild(self.booth.setup.off);
                 self.booth.pass_over_companions();
-                // The orders that lie there are passed over.
-                self.letters.clear();
+                self.pass_over_orders();
                 self.booth.start();
                 self.all_is_over();
                 self.geometries_are_lost();

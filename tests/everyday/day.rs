@@ -93,7 +93,8 @@ impl Day<'_> {
             let never_comes = self.habits.no_shows && self.one_in(50);
             match self.habits.naming {
                 Naming::Order => {
-                    let early = self.habits.early && self.booth.chance.below(10) < 3;
+                    // Before the first patient nobody is in the booth.
+                    let early = patient > 0 && self.habits.early && self.booth.chance.below(10) < 3;
                     let order = match early {
                         true => press_before + self.some_s(5, 120),
                         false => press - self.some_s(15, 120),

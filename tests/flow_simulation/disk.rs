@@ -1,9 +1,12 @@
 //! The simulated state folder and stores: what a crash leaves.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::time::Duration;
 
+use gaiter::flow::capture::{Capture, Captures, Judged};
 use gaiter::flow::{DeliveryState, DeliveryStep, ScanState, ScanStep};
 
+use super::booth::{self, Kept};
 use super::scanner::Bytes;
 
 /// A patient as the journal's column holds it; 0 while nobody named the patient.
@@ -15,11 +18,28 @@ pub type Name = (Bytes, Patient, usize);
 /// How many stores there are.
 pub const STORES: usize = 2;
 
+/// What becomes of a scan that comes in, as the spool keeps it beside the bytes.
+#[derive(Debug, Clone)]
+pub struct Intake {
+    /// For whom it is.
+    pub patient: Patient,
+    /// Whether it is held.
+    pub delivery: DeliveryState,
+    /// Which capture it answers.
+    pub judged: Judged,
+}
+
 /// The journal and the spool, whose changes are whole or not at all.
 #[derive(Debug, Default)]
 pub struct Disk {
     /// The bytes in the spool and for whom they first came.
     pub spool: BTreeMap<Bytes, Patient>,
+    /// What the journal does not know yet of bytes in the spool.
+    pub unentered: BTreeMap<Bytes, Intake>,
+    /// The booth, as the journal has it.
+    pub booth: Kept,
+    /// The captures whose exports came in and are not measured.
+    pub measuring: BTreeMap<Bytes, Capture>,
     /// The bytes in quarantine.
     pub quarantine: BTreeSet<Bytes>,
     /// The state of each scan.
@@ -101,16 +121,50 @@ impl Disk {
         self.quarantine.insert(bytes);
     }
 
-    /// What every start does: spooled bytes that the journal does not know are entered.
-    pub fn recover(&mut self) {
-        let unknown: Vec<(Bytes, Patient)> = self
-            .spool
-            .iter()
-            .filter(|(bytes, _)| !self.scans.contains_key(bytes))
-            .map(|(bytes, patient)| (*bytes, *patient))
-            .collect();
-        for (bytes, patient) in unknown {
-            self.enter(bytes, patient, DeliveryState::Pending);
+    /// What every start does, and every scan that comes in: spooled bytes that the journal does not know
+    /// are entered, and answer what they would have answered.
+    pub fn recover(&mut self, captures: &mut Captures, now: Duration) {
+        for (bytes, intake) in std::mem::take(&mut self.unentered) {
+            self.take_in(bytes, &intake, captures, now);
         }
+    }
+
+    /// A scan comes in: it and the capture that it answers are entered in one step.
+    pub fn take_in(
+        &mut self,
+        bytes: Bytes,
+        intake: &Intake,
+        captures: &mut Captures,
+        now: Duration,
+    ) {
+        let Intake { patient, delivery, judged } = intake;
+        self.enter(bytes, *patient, *delivery);
+        let number = booth::answered(judged);
+        let capture = captures.waiting().iter().find(|capture| Some(capture.number) == number);
+        let capture = capture.cloned();
+        captures.answer(judged, now);
+        self.booth.keep(captures);
+        self.measuring.extend(capture.map(|capture| (bytes, capture)));
+        if *delivery == DeliveryState::Held {
+            self.was_measured(bytes, captures, now);
+        }
+    }
+
+    /// A scan was measured, for its patient or for a preview, or it was refused.
+    pub fn was_measured(&mut self, bytes: Bytes, captures: &mut Captures, now: Duration) {
+        let Some(capture) = self.measuring.remove(&bytes) else { return };
+        match bytes.is_measurable() {
+            true => captures.measured(capture.number),
+            false => drop(captures.refused(capture.number, now)),
+        }
+        self.booth.keep(captures);
+    }
+
+    /// For whom the beginnings of a content came in that could not be measured; none where none did.
+    pub fn completes(&self, bytes: Bytes) -> Option<Vec<Patient>> {
+        let is_part = |part: &&Bytes| part.scan == bytes.scan && part.length < bytes.length;
+        let mut parts = self.scans.keys().filter(is_part).peekable();
+        parts.peek()?;
+        Some(parts.flat_map(|part| self.patients(*part)).collect())
     }
 }

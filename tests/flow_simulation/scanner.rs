@@ -7,18 +7,25 @@ use gaiter::flow::companions::Group;
 use gaiter::flow::{Look, Stamp};
 
 use super::chance::Chance;
+use super::disk::Patient;
 
 /// Bytes, by number. Bytes that are not whole are another number's beginning.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Bytes {
     /// Which scan.
-    pub scan: u8,
+    pub scan: u32,
     /// How much of it; whole at [`WHOLE`].
     pub length: u8,
 }
 
 /// The length of every whole scan.
 pub const WHOLE: u8 = 4;
+
+/// The scans of the patients in the booth have numbers from here on; no other scan comes without a press.
+const OF_PATIENTS: u32 = 1000;
+
+/// How many bytes one of its lengths stands for: enough for a mark.
+const PART: usize = 5000;
 
 /// A file in the export folder.
 #[derive(Debug, Clone, Copy)]
@@ -30,6 +37,7 @@ pub struct File {
     /// Whether anybody still writes it.
     pub growing: bool,
     stamp: u64,
+    inode: u64,
 }
 
 /// The export folder.
@@ -41,18 +49,42 @@ pub struct Scanner {
     pub in_reach: bool,
     stamps: u64,
     names: u32,
+    /// Whose body a scan from the booth is.
+    truth: BTreeMap<u32, Patient>,
+}
+
+impl Bytes {
+    /// Whether a measurement takes it: no half, and no whole one that is no body.
+    pub fn is_measurable(self) -> bool {
+        self.length == WHOLE && self.scan % 10 != 9
+    }
+
+    /// What stands in a file.
+    pub fn content(self) -> Vec<u8> {
+        let part = |part: u8| {
+            let first = self.scan.wrapping_mul(4) + u32::from(part);
+            first.to_le_bytes().repeat(PART / 4)
+        };
+        (0..self.length).flat_map(part).collect()
+    }
 }
 
 impl Scanner {
     /// An empty folder in reach.
     pub fn new() -> Scanner {
-        Scanner { files: BTreeMap::new(), in_reach: true, stamps: 0, names: 0 }
+        Scanner {
+            files: BTreeMap::new(),
+            in_reach: true,
+            stamps: 0,
+            names: 0,
+            truth: BTreeMap::new(),
+        }
     }
 
     /// Begins an export, mostly of a new scan, now and then of one that was exported before, under
     /// the same name or another's.
     pub fn begin(&mut self, chance: &mut Chance) {
-        let scan = chance.below(40) as u8;
+        let scan = chance.below(40) as u32;
         let patient = Some(chance.below(6) as u8).filter(|patient| *patient > 0);
         let reused = chance.below(10) == 0;
         if !reused {
@@ -62,6 +94,31 @@ impl Scanner {
         let path = PathBuf::from(format!("{who}_{}.obj", self.names));
         let bytes = Bytes { scan, length: 0 };
         self.write(path, bytes, patient, true);
+        self.keep_few();
+    }
+
+    /// Begins the export of a patient in the booth, under a name that says nothing: a new one, or the
+    /// one of the export before.
+    pub fn export(&mut self, patient: Patient, chance: &mut Chance) {
+        let scan = OF_PATIENTS + self.truth.len() as u32;
+        self.truth.insert(scan, patient);
+        let number = scan / (1 + chance.below(2) as u32);
+        let path = PathBuf::from(format!("booth_{number}.obj"));
+        self.write(path, Bytes { scan, length: 0 }, None, true);
+        self.keep_few();
+    }
+
+    /// Whose body a scan is, where it came from the booth.
+    pub fn truth(&self, bytes: Bytes) -> Option<Patient> {
+        self.truth.get(&bytes.scan).copied()
+    }
+
+    /// Whether an export is not finished.
+    pub fn is_writing(&self) -> bool {
+        self.growing().next().is_some()
+    }
+
+    fn keep_few(&mut self) {
         if self.files.len() > 30 {
             // The scanner's own housekeeping.
             self.files.pop_first();
@@ -94,7 +151,8 @@ impl Scanner {
 
     fn write(&mut self, path: PathBuf, bytes: Bytes, patient: Option<u8>, growing: bool) {
         self.stamps += 1;
-        self.files.insert(path, File { bytes, patient, growing, stamp: self.stamps });
+        let inode = self.files.get(&path).map_or(self.stamps, |file| file.inode);
+        self.files.insert(path, File { bytes, patient, growing, stamp: self.stamps, inode });
     }
 
     /// What a look finds.
@@ -113,7 +171,7 @@ impl Scanner {
 }
 
 fn stamp(file: &File) -> Stamp {
-    let size = u64::from(file.bytes.length);
+    let size = u64::from(file.bytes.length) * PART as u64;
     let time = i128::from(file.stamp);
-    Stamp { dev: 1, ino: 1, size, mtime_ns: time, ctime_ns: time }
+    Stamp { dev: 1, ino: file.inode, size, mtime_ns: time, ctime_ns: time }
 }

@@ -3,12 +3,17 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
+use gaiter::flow::capture::Captures;
 use gaiter::flow::outbox::{Ended, Key};
-use gaiter::flow::{DeliveryState, LookTime, Outbox, ScanId, Settled, Settling, Verdict, identity};
+use gaiter::flow::{
+    DeliveryState, LookTime, Mark, NameSays, Outbox, ScanId, Settled, Settling, Verdict, identity,
+};
+use gaiter::record::{self, Source, SourceKind};
 
+use super::booth;
 use super::chance::Chance;
-use super::disk::{Disk, Name, Patient, STORES, Store};
-use super::scanner::{Bytes, Scanner, WHOLE};
+use super::disk::{Disk, Intake, Name, STORES, Store};
+use super::scanner::{Bytes, File, Scanner, WHOLE};
 
 /// The quiet time, the wait for a rest, the time after which a file is overdue.
 const TIMES: [Duration; 3] =
@@ -16,6 +21,7 @@ const TIMES: [Duration; 3] =
 
 /// What a crash takes away.
 pub struct Station {
+    pub captures: Captures,
     settling: Settling,
     outbox: Outbox,
     settled: Vec<Settled>,
@@ -52,10 +58,16 @@ pub enum Fault {
 }
 
 impl Station {
-    pub fn new() -> Station {
+    /// As a start finds the journal.
+    pub fn start(disk: &mut Disk, now: Duration) -> Station {
         let [quiet, short_wait, overdue] = TIMES;
+        let taken = disk.measuring.values().cloned().collect();
+        let mut captures = disk.booth.captures(now).with_measuring(taken, now);
+        disk.recover(&mut captures, now);
+        let settling = Settling::new(quiet, short_wait, overdue);
         Station {
-            settling: Settling::new(quiet, short_wait, overdue),
+            captures,
+            settling: settling.remembering(disk.booth.memory.clone()),
             outbox: Outbox::default(),
             settled: Vec::new(),
             in_hand: Vec::new(),
@@ -64,9 +76,19 @@ impl Station {
         }
     }
 
-    pub fn look(&mut self, scanner: &Scanner, now: Duration) {
+    pub fn look(&mut self, scanner: &Scanner, disk: &mut Disk, now: Duration) {
         let when = LookTime { began: now, ended: now };
         self.settled = self.settling.observe(scanner.look(), when);
+        if scanner.in_reach {
+            for (path, stamp) in self.settling.unmarked() {
+                let file = scanner.read(&path, stamp);
+                let mark = file.map(|file| Mark::of(now, now, &file.bytes.content()));
+                self.settling.marked(&path, stamp, mark);
+            }
+        }
+        disk.booth.memory = self.settling.memory();
+        self.captures.pass(now, &self.settling.sights());
+        disk.booth.keep(&self.captures);
     }
 
     /// Takes one settled file; says what came of it and whether the process ended.
@@ -94,8 +116,9 @@ impl Station {
             self.settling.failed(&settled, now, chance.unit());
             return (Came::Nothing, false);
         }
-        let patient = file.patient.unwrap_or(0);
-        let verdict = admit(disk, file.bytes, patient, fault == Fault::Between);
+        let mark = Mark::of(now, now, &file.bytes.content());
+        self.settling.read(&settled, &mark);
+        let verdict = self.admit(disk, &settled, file, fault == Fault::Between, now);
         if fault == Fault::Between {
             return (Came::Nothing, true);
         }
@@ -106,6 +129,50 @@ impl Station {
             Verdict::Held(_) => Came::Held,
         };
         (came, false)
+    }
+
+    /// As custody: bytes first, then the journal; `dies` between the two.
+    fn admit(
+        &mut self,
+        disk: &mut Disk,
+        settled: &Settled,
+        file: File,
+        dies: bool,
+        now: Duration,
+    ) -> Verdict {
+        let bytes = file.bytes;
+        disk.recover(&mut self.captures, now);
+        let known = disk.patients(bytes);
+        let began = self.settling.began(settled, &bytes.content());
+        let completes = if known.is_empty() { disk.completes(bytes) } else { None };
+        let is_cut_short = bytes.length < WHOLE;
+        let content = booth::content(began, !known.is_empty(), is_cut_short, completes);
+        let judged = self.captures.judge_content(&content);
+        let says = [name_says(file.patient), NameSays::Nothing];
+        let whose = identity::of_judged(&judged, !known.is_empty(), false, says);
+        let sighted = whose.patient.map(|patient| patient.id);
+        let names: Vec<Option<String>> =
+            known.iter().map(|p| (*p > 0).then(|| p.to_string())).collect();
+        let verdict = identity::judge(names.iter().map(Option::as_deref), sighted.as_deref());
+        let verdict = match verdict {
+            Verdict::New => whose.held.map_or(Verdict::New, Verdict::Held),
+            other => other,
+        };
+        let delivery = match verdict {
+            Verdict::Already => return verdict,
+            Verdict::New => DeliveryState::Pending,
+            Verdict::Held(_) => DeliveryState::Held,
+        };
+        let patient = sighted.map_or(0, |id| id.parse().unwrap());
+        if !disk.quarantine.contains(&bytes) || verdict == Verdict::New {
+            disk.spool.entry(bytes).or_insert(patient);
+        }
+        let intake = Intake { patient, delivery, judged };
+        match dies {
+            true => drop(disk.unentered.insert(bytes, intake)),
+            false => disk.take_in(bytes, &intake, &mut self.captures, now),
+        }
+        verdict
     }
 
     /// Begins what the outbox says, and ends one attempt that is in hand.
@@ -140,6 +207,9 @@ impl Station {
         }
         let name = self.in_hand.remove(chance.below(self.in_hand.len()));
         let (came, ended, dies) = attempt(disk, stores, name, fault);
+        if matches!(came, Came::Delivered | Came::LostReply | Came::Refused) {
+            disk.was_measured(name.0, &mut self.captures, now);
+        }
         let key = self.key(name);
         self.outbox.ended(&key, ended, now, chance.unit());
         (came, dies)
@@ -163,34 +233,12 @@ impl Station {
     }
 
     fn scan_id(&mut self, bytes: Bytes) -> ScanId {
-        let mut digest = [bytes.scan; 32];
-        digest[0] = bytes.length;
+        let mut digest = [bytes.length; 32];
+        digest[..4].copy_from_slice(&bytes.scan.to_le_bytes());
         let scan = ScanId::of_digest(digest);
         self.names.insert(scan.clone(), bytes);
         scan
     }
-}
-
-/// As custody: bytes first, then the journal; `dies` between the two.
-fn admit(disk: &mut Disk, bytes: Bytes, patient: Patient, dies: bool) -> Verdict {
-    disk.recover();
-    let known = disk.patients(bytes);
-    let names: Vec<Option<String>> =
-        known.iter().map(|p| (*p > 0).then(|| p.to_string())).collect();
-    let sighted = (patient > 0).then(|| patient.to_string());
-    let verdict = identity::judge(names.iter().map(Option::as_deref), sighted.as_deref());
-    let delivery = match verdict {
-        Verdict::Already => return verdict,
-        Verdict::New => DeliveryState::Pending,
-        Verdict::Held(_) => DeliveryState::Held,
-    };
-    if !disk.quarantine.contains(&bytes) || verdict == Verdict::New {
-        disk.spool.entry(bytes).or_insert(patient);
-    }
-    if !dies {
-        disk.enter(bytes, patient, delivery);
-    }
-    verdict
 }
 
 /// One attempt at a delivery: what came of it, how it ended, and whether the process ended.
@@ -217,8 +265,7 @@ fn attempt(
     if fault == Fault::Before {
         return (Came::Nothing, Ended::PutOff, false);
     }
-    // What no measurement takes: halves, and some whole ones that are no body.
-    if bytes.length < WHOLE || bytes.scan % 10 == 9 {
+    if !bytes.is_measurable() {
         disk.refused(bytes);
         return (Came::Refused, Ended::ForGood, false);
     }
@@ -235,4 +282,10 @@ fn attempt(
             (Came::Delivered, Ended::ForGood, false)
         }
     }
+}
+
+fn name_says(patient: Option<u8>) -> NameSays {
+    let sources = vec![Source::of(SourceKind::FileName)];
+    let named = |id: u8| record::Patient { id: id.to_string(), sources };
+    patient.map_or(NameSays::Nothing, |id| NameSays::Patient(named(id)))
 }

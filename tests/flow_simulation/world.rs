@@ -1,10 +1,11 @@
 //! The simulated world: scanner, station, disk, stores, person and clock, and what must hold of it.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use gaiter::flow::{DeliveryState, DeliveryStep, ScanState, ScanStep};
 
+use super::booth::{Booth, Did};
 use super::chance::Chance;
 use super::disk::{Disk, Patient, STORES, Store};
 use super::scanner::{Bytes, Scanner, WHOLE};
@@ -44,6 +45,11 @@ impl Tally {
             "retry",
             "release",
             "assign",
+            "Named",
+            "Pressed",
+            "GivenUp",
+            "Scanned",
+            "right patient",
         ];
         came.into_iter().map(|what| (what, self.0.get(what).copied().unwrap_or(0)))
     }
@@ -53,41 +59,58 @@ pub struct World {
     chance: Chance,
     now: Duration,
     scanner: Scanner,
+    /// Every other life has a booth with a button, where nothing but a press makes exports, and their
+    /// names say nothing. In the others the exports' names say whose they are, or nothing does.
+    has_booth: bool,
+    booth: Booth,
     station: Station,
     disk: Disk,
     stores: [Store; STORES],
     /// For whom a person has said that bytes are.
     said: Vec<(Bytes, Patient)>,
     /// Whose names bytes have carried, and whether the station may have seen them whole.
-    carried: Vec<(Bytes, Patient)>,
+    carried: BTreeSet<(Bytes, Patient)>,
     tally: Tally,
 }
 
 impl World {
     pub fn new(seed: u64) -> World {
+        let (now, mut disk) = (Duration::from_secs(3600), Disk::default());
         World {
             chance: Chance(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)),
-            now: Duration::ZERO,
+            now,
             scanner: Scanner::new(),
-            station: Station::new(),
-            disk: Disk::default(),
+            has_booth: seed.is_multiple_of(2),
+            booth: Booth::default(),
+            station: Station::start(&mut disk, now),
+            disk,
             stores: Default::default(),
             said: Vec::new(),
-            carried: Vec::new(),
+            carried: BTreeSet::new(),
             tally: Tally::default(),
         }
     }
 
     pub fn tally(&self) -> Tally {
-        self.tally.clone()
+        let mut tally = self.tally.clone();
+        for (bytes, patient) in self.stores[0].records.keys() {
+            let by_name = *patient > 0 && !self.said.contains(&(*bytes, *patient));
+            if by_name && self.scanner.truth(*bytes).is_some() {
+                tally.note("right patient");
+            }
+        }
+        tally
     }
 
     /// One thing happens.
     pub fn event(&mut self) {
+        // No two things happen at the same time.
+        self.now += Duration::from_millis(1);
         match self.chance.below(100) {
+            0..=9 if self.has_booth => self.visit(),
             0..=9 => self.scanner.begin(&mut self.chance),
             10..=34 => self.scanner.go_on(&mut self.chance),
-            35..=49 => self.station.look(&self.scanner, self.now),
+            35..=49 => self.station.look(&self.scanner, &mut self.disk, self.now),
             50..=64 => self.take(),
             65..=84 => self.work(),
             85..=91 => self.now += Duration::from_millis(self.chance.below(5_000) as u64),
@@ -97,21 +120,39 @@ impl World {
                 let store = self.chance.below(STORES);
                 self.stores[store].in_reach = self.chance.below(3) > 0;
             }
-            96 => self.crash(),
+            96 if self.chance.below(10) == 0 => self.crash(),
             _ => self.person(),
         }
         for file in self.scanner.files.values() {
             let carried = (file.bytes, file.patient.unwrap_or(0));
-            if file.bytes.length > 0 && !self.carried.contains(&carried) {
-                self.carried.push(carried);
+            if file.bytes.length > 0 {
+                self.carried.insert(carried);
             }
         }
     }
 
+    /// The people at the booth do the next thing.
+    fn visit(&mut self) {
+        let fails = self.fault() != Fault::None;
+        // Mostly a patient comes when the scan before has come in.
+        let is_busy = self.scanner.is_writing() || !self.station.captures.waiting().is_empty();
+        if !self.booth.is_visited() && is_busy && self.chance.below(20) > 0 {
+            return;
+        }
+        let World { booth, station, disk, chance, now, .. } = self;
+        let did = booth.go_on(&mut station.captures, &mut disk.booth, fails, *now, chance);
+        if let Did::Scanned(patient) = did {
+            self.scanner.export(patient, &mut self.chance);
+            self.tally.note("Scanned");
+        } else {
+            self.tally.note(&format!("{did:?}"));
+        }
+    }
+
     fn fault(&mut self) -> Fault {
-        match self.chance.below(40) {
-            0 => Fault::Before,
-            1 => Fault::Between,
+        match self.chance.below(400) {
+            0..=9 => Fault::Before,
+            10 => Fault::Between,
             _ => Fault::None,
         }
     }
@@ -140,8 +181,7 @@ impl World {
     /// Memory is gone, the disk stays, the next start takes it up.
     fn crash(&mut self) {
         self.tally.note("crash");
-        self.station = Station::new();
-        self.disk.recover();
+        self.station = Station::start(&mut self.disk, self.now);
     }
 
     /// A person retries, releases or assigns some scan for which there is occasion.
@@ -158,7 +198,10 @@ impl World {
     fn reopen(&mut self, bytes: Bytes, state: DeliveryState, step: DeliveryStep, what: &str) {
         let deliveries = self.disk.open(bytes, state);
         let kept = self.disk.spool.contains_key(&bytes) || self.disk.quarantine.contains(&bytes);
-        if deliveries.is_empty() || !kept {
+        // Who releases a scan from the booth has looked whose it is.
+        let truth = self.scanner.truth(bytes);
+        let is_anothers = deliveries.iter().any(|(_, to, _)| *to > 0 && Some(*to) != truth);
+        if deliveries.is_empty() || !kept || (truth.is_some() && is_anothers) {
             return;
         }
         self.tally.note(what);
@@ -183,7 +226,8 @@ impl World {
             return;
         }
         self.tally.note("assign");
-        let patient = 1 + self.chance.below(5) as u8;
+        let anybody = 1 + self.chance.below(5) as u8;
+        let patient = self.scanner.truth(bytes).unwrap_or(anybody);
         self.said.push((bytes, patient));
         self.disk.spool.entry(bytes).or_insert(patient);
         self.disk.deliveries.retain(|(of, to, _), state| {
@@ -203,8 +247,14 @@ impl World {
                 let what = format!("record of {bytes:?} for {patient} in store {at}");
                 assert_eq!(*count, 1, "{what} is there twice");
                 assert_eq!(bytes.length, WHOLE, "{what} is half a scan");
-                let theirs = self.carried.contains(&(*bytes, *patient))
-                    || self.said.contains(&(*bytes, *patient));
+                let theirs = match self.scanner.truth(*bytes) {
+                    // However it came to be: nobody, or the one who was scanned.
+                    Some(truth) => *patient == 0 || *patient == truth,
+                    None => {
+                        self.carried.contains(&(*bytes, *patient))
+                            || self.said.contains(&(*bytes, *patient))
+                    }
+                };
                 assert!(theirs, "{what} is somebody else's");
                 let name = (*bytes, *patient, at);
                 assert!(self.disk.deliveries.contains_key(&name), "{what} is in no journal");
@@ -223,9 +273,12 @@ impl World {
                 DeliveryState::Refused | DeliveryState::Withdrawing => {}
             }
         }
+        let pending = self.disk.deliveries.iter();
+        let pending = pending.filter(|(_, state)| **state == DeliveryState::Pending);
+        let pending: BTreeSet<Bytes> = pending.map(|((bytes, _, _), _)| *bytes).collect();
         for (bytes, state) in &self.disk.scans {
-            let pending = !self.disk.open(*bytes, DeliveryState::Pending).is_empty();
-            assert_eq!(pending, *state == ScanState::Spooled, "{bytes:?}: {state:?}");
+            let is_pending = pending.contains(bytes);
+            assert_eq!(is_pending, *state == ScanState::Spooled, "{bytes:?}: {state:?}");
         }
     }
 
@@ -235,7 +288,7 @@ impl World {
         self.scanner.in_reach = true;
         self.stores.iter_mut().for_each(|store| store.in_reach = true);
         for _ in 0..ROUNDS {
-            self.station.look(&self.scanner, self.now);
+            self.station.look(&self.scanner, &mut self.disk, self.now);
             for _ in 0..40 {
                 let World { station, scanner, disk, stores, chance, now, .. } = self;
                 station.take(scanner, disk, Fault::None, *now, chance);

@@ -219,6 +219,16 @@ impl Room {
         fs::rename(new, name).unwrap();
     }
 
+    /// What the journal of a stopped station holds is of an earlier start of the machine.
+    pub fn begin_another_start_of_the_machine(&self) {
+        let flags = OpenFlags::SQLITE_OPEN_READ_WRITE;
+        let journal =
+            Connection::open_with_flags(self.booth.path("state/journal.db"), flags).unwrap();
+        let changed = journal.execute("UPDATE captures SET boot = 'another'", []).unwrap();
+        assert!(changed > 0);
+        journal.execute("UPDATE looks SET boot = 'another'", []).unwrap();
+    }
+
     /// Locks the journal for writing until the connection is dropped, as another program may.
     pub fn lock_journal(&self) -> Connection {
         let flags = OpenFlags::SQLITE_OPEN_READ_WRITE;

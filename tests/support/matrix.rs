@@ -22,7 +22,7 @@ use station::{Booth, Setting, coarse_body, names};
 use tracer::{Answer, BEHIND_A_GATE, Call, Kind, Run};
 
 /// How long a station without faults may take to put everything in order.
-const PATIENCE: Duration = Duration::from_secs(40);
+pub const PATIENCE: Duration = Duration::from_secs(40);
 
 /// How often it is looked whether a station rests whose log says nothing new. A look reads every
 /// file, and many stations share the machine.
@@ -31,8 +31,15 @@ const LOOK_AGAIN: Duration = Duration::from_millis(200);
 /// Fewer points than this and a matrix has not seen the run. The issue asks for so many.
 pub const POINTS_MIN: usize = 150;
 
-/// The folders whose calls count.
+/// Runs of a day at a time: each waits most of the time, for looks and, with a button, until the station
+/// is sure that it hears every press.
+pub const DAY_HANDS: usize = 8;
+
+/// The folders whose calls count; that of orders, too, where there is one.
 pub const FOLDERS: [&str; 3] = ["export", "state", "records"];
+
+/// The folder of orders.
+pub const ORDERS: &str = "orders";
 
 /// A scan to be delivered and, for another patient, held; one to be delivered and given up by the
 /// spool; one to be refused; one to be awaited.
@@ -71,18 +78,14 @@ pub fn put_scans(booth: &Booth) {
     }
 }
 
-/// Runs the station under the tracer until its log says that all is done.
-pub fn struck(booth: &Booth, answer: impl FnMut(&Call) -> Answer) -> Run {
-    struck_until(booth, || all_done(booth), answer)
-}
-
 /// Runs the station under the tracer.
 pub fn struck_until(
     booth: &Booth,
     finished: impl Fn() -> bool + Sync,
     answer: impl FnMut(&Call) -> Answer,
 ) -> Run {
-    let folders: Vec<PathBuf> = FOLDERS.map(|name| booth.path(name)).to_vec();
+    let folders: Vec<PathBuf> =
+        FOLDERS.iter().chain(&[ORDERS]).map(|name| booth.path(name)).collect();
     tracer::run(booth.command_behind(&BEHIND_A_GATE), &folders, finished, answer)
 }
 
@@ -94,8 +97,19 @@ pub fn struck_at(
     stroke: Answer,
     usual: impl Fn(&Call) -> Answer,
 ) -> (Option<String>, Run) {
+    struck_at_until(booth, || all_done(booth), nth, stroke, usual)
+}
+
+/// As [`struck_at`], where the run comes to its end otherwise.
+pub fn struck_at_until(
+    booth: &Booth,
+    finished: impl Fn() -> bool + Sync,
+    nth: usize,
+    stroke: Answer,
+    usual: impl Fn(&Call) -> Answer,
+) -> (Option<String>, Run) {
     let (mut at, mut count) = (None, 0);
-    let run = struck(booth, |call| {
+    let run = struck_until(booth, finished, |call| {
         // A changed mode is nothing that a crash could leave half done.
         if call.kind == Kind::Mode {
             return Answer::Do;
@@ -282,12 +296,17 @@ pub fn strike_everywhere<Place>(
 
 /// Empties the folders of a booth for the next strike and puts the scans there anew.
 pub fn renew(booth: &Booth) {
-    for folder in FOLDERS {
+    empty_folders(booth);
+    put_scans(booth);
+}
+
+/// Empties the folders of a booth, and forgets what was put there.
+pub fn empty_folders(booth: &Booth) {
+    for folder in FOLDERS.iter().chain(&[ORDERS]) {
         empty(&booth.path(folder));
     }
     let _ = fs::remove_file(booth.path("log"));
     booth.forget();
-    put_scans(booth);
 }
 
 fn empty(folder: &Path) {

@@ -264,7 +264,9 @@ impl Captures {
             capture.named().next().is_none_or(|named| named.by == SourceKind::Order)
         };
         let open: Vec<usize> = (0..self.waiting.len())
-            .filter(|at| self.waiting[*at].by == Opener::Press && by_order(&self.waiting[*at]))
+            .filter(|at| {
+                self.may_be_ordered(&self.waiting[*at], now) && by_order(&self.waiting[*at])
+            })
             .collect();
         let is_unnamed = |at: &usize| self.waiting[*at].is_unnamed();
         match open.as_slice() {

@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::record::SourceKind;
-use laws::pressed_for;
 
 const SECOND: Duration = Duration::from_secs(1);
 
@@ -38,7 +37,7 @@ fn seen(second: u64) -> Appeared {
 
 /// Every folder was looked at a moment ago, and no file is coming in.
 fn all_seen(second: u64) -> Sights {
-    Sights { looked: Some(at(second)), coming: Vec::new() }
+    Sights { looked: Some(at(second)), ..Sights::default() }
 }
 
 /// Judges and takes.
@@ -201,20 +200,6 @@ fn an_export_first_seen_before_the_second_press_is_the_first_ones() {
 }
 
 #[test]
-fn a_capture_without_an_export_expires_once_and_its_late_export_is_held() {
-    let mut captures = captures();
-    captures.named(named("4711"), 1, at(0), &[]);
-    captures.pressed(1, at(0));
-    assert_eq!(captures.pass(at(60), &all_seen(60)), Passed::default());
-    assert_eq!(captures.pass(at(61), &all_seen(61)).expired, [1]);
-    assert_eq!(captures.pass(at(62), &all_seen(62)), Passed::default());
-    let judged = export(&mut captures, seen(90));
-    assert_eq!(code(&judged), LATE);
-    assert!(matches!(judged, Judged::Held { answered: Some(1), .. }));
-    assert!(captures.waiting().is_empty());
-}
-
-#[test]
 fn a_late_export_does_not_pass_for_the_next_patients() {
     let mut captures = captures();
     captures.named(named("4711"), 1, at(0), &[]);
@@ -227,37 +212,6 @@ fn a_late_export_does_not_pass_for_the_next_patients() {
     let mut captures = Captures::new(rules(), captures.waiting, None);
     captures.pass(at(1000), &all_seen(1000));
     assert!(captures.waiting().is_empty());
-}
-
-#[test]
-fn a_file_that_is_coming_in_keeps_its_capture_from_expiring() {
-    let mut captures = captures();
-    captures.pressed(1, at(0));
-    let coming = |files: &[u64]| Sights {
-        looked: Some(at(300)),
-        coming: files.iter().map(|file| seen(*file)).collect(),
-    };
-    assert_eq!(captures.pass(at(100), &coming(&[50])), Passed::default());
-    assert_eq!(patient_of(&export(&mut captures, seen(50))), None);
-    captures.pressed(2, at(200));
-    assert_eq!(captures.pass(at(300), &coming(&[150, 290])).expired, [2], "those are not its own");
-}
-
-#[test]
-fn a_capture_is_over_only_when_every_folder_was_looked_at_after_its_end() {
-    let mut captures = captures();
-    pressed_for(&mut captures, "4711", 1, 0);
-    let end = 60 + 300;
-    let before = Sights::of_all([all_seen(end), all_seen(end + 40)]);
-    assert_eq!(captures.pass(at(end + 50), &before).expired, [1], "the alarm does not wait");
-    let unseen = Sights::of_all([Sights::default(), all_seen(end + 40)]);
-    assert_eq!(captures.pass(at(end + 50), &unseen), Passed::default());
-    // The look that comes then finds a file that was not there at the look before the end.
-    let mut found = captures.clone();
-    pressed_for(&mut found, "0815", 2, end - 10);
-    let away = Appeared { absent: Some(at(end - 5)), seen: at(end + 51) };
-    assert_eq!(code(&export(&mut found, away)), AMBIGUOUS);
-    assert_eq!(captures.pass(at(end + 50), &all_seen(end + 1)).over, [1]);
 }
 
 #[test]
@@ -407,3 +361,4 @@ fn an_order_for_another_patient_before_the_press_holds_the_scan_unless_the_booth
 
 mod answers;
 mod laws;
+mod time;

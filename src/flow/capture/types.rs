@@ -93,6 +93,26 @@ impl Capture {
         self.doubt.get_or_insert(Doubt::Shared);
     }
 
+    /// The same after the machine has started anew, where its export may still come: it was opened before
+    /// that, and whose an export is now is for a person to say. `age` is what the clock on the wall says
+    /// has passed since it was opened; none where that clock has gone back.
+    pub fn carried_over(
+        self,
+        age: Option<Duration>,
+        late: Duration,
+        now: Duration,
+    ) -> Option<Capture> {
+        let lasts = self.until.saturating_sub(self.opened);
+        let may_come = age.is_none_or(|age| age <= lasts + late);
+        may_come.then(|| Capture {
+            opened: Duration::ZERO,
+            until: now + lasts,
+            state: CaptureState::Expired,
+            doubt: self.doubt.or(Some(Doubt::Unheard)),
+            ..self
+        })
+    }
+
     /// Whether an export that appeared then may be its own.
     pub(super) fn may_have(&self, export: Appeared, late: Duration) -> bool {
         let began = export.absent.unwrap_or(Duration::ZERO);
@@ -107,6 +127,8 @@ pub struct Sights {
     pub looked: Option<Duration>,
     /// When the files appeared that are not taken yet.
     pub coming: Vec<Appeared>,
+    /// When the files appeared that have no scan's name: an export may be written under another one.
+    pub beside: Vec<Appeared>,
 }
 
 impl Sights {
@@ -114,8 +136,12 @@ impl Sights {
     pub fn of_all(folders: impl IntoIterator<Item = Sights>) -> Sights {
         let folders: Vec<Sights> = folders.into_iter().collect();
         let looked = folders.iter().map(|folder| folder.looked).min().flatten();
-        let coming = folders.into_iter().flat_map(|folder| folder.coming).collect();
-        Sights { looked, coming }
+        let mut all = Sights { looked, ..Sights::default() };
+        for mut folder in folders {
+            all.coming.append(&mut folder.coming);
+            all.beside.append(&mut folder.beside);
+        }
+        all
     }
 }
 

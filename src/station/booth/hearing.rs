@@ -151,7 +151,7 @@ impl Station {
         let (now, by) = (self.now(), named.by);
         let (number, Sights { coming, .. }) = (inner.next_number, inner.sights());
         let mut after = inner.captures.clone();
-        let came = match after.has_unnamed_press() {
+        let came = match after.has_unnamed_press(now) {
             true => OrderCame::AfterPress,
             false => OrderCame::BeforePress,
         };

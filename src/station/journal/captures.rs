@@ -1,7 +1,6 @@
 //! Presses, the patients who were named for them, and what became of them, in the journal.
 //!
-//! Times are on the machine's clock since its start, and only as good as that start: a capture of an
-//! earlier one is over, whatever the clock on the wall says.
+//! Times are on the machine's clock since its start, and only as good as that start.
 
 mod cells;
 mod next;
@@ -39,6 +38,8 @@ pub struct CaptureRow {
     pub capture: Capture,
     /// The start of the machine on whose clock its times are.
     pub boot: String,
+    /// When it was opened by the clock on the wall.
+    pub at: Timestamp,
 }
 
 /// What happens at the booth, as the journal is told before anything is done by it.
@@ -197,13 +198,23 @@ impl Journal {
         self.change(|transaction| end(transaction, captures, "over"))
     }
 
-    /// Captures of an earlier start of the machine end, and their names with them.
+    /// Captures of an earlier start of the machine expire, and their names with them. Those that are
+    /// carried over stay, with times of this start.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn captures_of_before(&self, captures: &[i64], name: bool) -> Result<(), JournalError> {
+    pub fn captures_of_before(
+        &self,
+        captures: &[i64],
+        carried_over: &[Capture],
+        boot: &str,
+        name: bool,
+    ) -> Result<(), JournalError> {
         self.change(|transaction| {
             end(transaction, captures, "over")?;
+            for capture in carried_over {
+                save(transaction, capture, boot)?;
+            }
             if name {
                 next::clear(transaction)?;
             }
@@ -251,14 +262,14 @@ fn doubt(
         let mut rows = query.query([number])?;
         rows.next()?.map(read).transpose()?
     };
-    let Some(CaptureRow { mut capture, boot }) = row else { return Ok(()) };
+    let Some(CaptureRow { mut capture, boot, .. }) = row else { return Ok(()) };
     candidates.iter().for_each(|named| capture.may_also_be(named));
     save(transaction, &capture, &boot)
 }
 
 /// The columns of a capture, as [`read`] takes them.
 const CELLS: &str = "number, boot, opened_ms, until_ms, opener, patient, source, state, candidates,
-                     refused, doubt, seal";
+                     refused, doubt, seal, at";
 
 fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
     let text = |at| row.get::<_, String>(at);
@@ -290,7 +301,8 @@ fn read(row: &Row<'_>) -> Result<CaptureRow, JournalError> {
         is_refused: row.get(9)?,
         doubt,
     };
-    Ok(CaptureRow { capture, boot: text(1)? })
+    let at = cell("at", text(12)?, |at| at.parse().ok())?;
+    Ok(CaptureRow { capture, boot: text(1)?, at })
 }
 
 fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<(), JournalError> {
@@ -305,7 +317,7 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
                                candidates, refused, doubt, seal)
          VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)
          ON CONFLICT (number) DO UPDATE
-         SET until_ms = ?5, patient = ?7, source = ?8, state = ?9, candidates = ?10, refused = ?11,
+         SET boot = ?3, opened_ms = ?4, until_ms = ?5, patient = ?7, source = ?8, state = ?9, candidates = ?10, refused = ?11,
              doubt = ?12, seal = ?13, scan = ''",
         params![
             capture.number,

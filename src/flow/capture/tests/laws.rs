@@ -269,7 +269,7 @@ fn an_order_after_the_press_for_a_patient_with_a_press_by_name_is_for_no_other_p
     pressed_for(&mut captures, "1", 1, 0);
     captures.pressed(2, at(10));
     assert!(matches!(captures.named(order("1"), 3, at(11), &[]), NamedNext::Paired(_)));
-    assert!(captures.has_unnamed_press(), "the second press is still nobody's");
+    assert!(captures.has_unnamed_press(at(11)), "the second press is still nobody's");
 }
 
 #[test]
