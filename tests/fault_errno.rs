@@ -23,8 +23,8 @@ use matrix::station::Booth;
 use matrix::station::invariants::Moment;
 use matrix::tracer::{Answer, Call, Kind, Run, can_trace};
 use matrix::{
-    DAY_HANDS, Struck, Tally, acknowledged, booth, faults, is_ready, renew, restarted, rests,
-    strike_everywhere, struck_at_until, struck_until, what,
+    DAY_HANDS, Struck, Tally, acknowledged, booth, day_step, faults, is_ready, renew, restarted,
+    rests, strike_everywhere, strikes_all, struck_at_until, struck_until, what,
 };
 
 /// Runs at a time: most of them wait most of the time.
@@ -32,9 +32,6 @@ const HANDS: usize = 4;
 
 /// Full, failing, over quota, read-only.
 const ERRORS: [Errno; 4] = [Errno::ENOSPC, Errno::EIO, Errno::EDQUOT, Errno::EROFS];
-
-/// A day with names is struck at every so many-th call: it takes seconds.
-const DAY_STEP: usize = 3;
 
 /// Within this the station must have got over an error that came once: its own pauses are shorter.
 const OVER: Duration = Duration::from_secs(25);
@@ -155,7 +152,7 @@ fn assert_clean(tally: &Tally) {
 /// The errors of a matrix, as functions of the place of the call: one pass in which the four take
 /// turns, or, where GAITER_FAULTS is "all", each of them at every call.
 fn passes() -> Vec<(String, Vec<Errno>)> {
-    if std::env::var_os("GAITER_FAULTS").is_some_and(|faults| faults == "all") {
+    if strikes_all() {
         return ERRORS.map(|errno| (format!("{errno:?}"), vec![errno])).into();
     }
     println!("each call with one of {ERRORS:?} in turn; GAITER_FAULTS=all for each with each");
@@ -185,7 +182,7 @@ fn an_error_on_a_day_with_names_gives_nobody_the_scan_of_another() {
         let errno = |nth: usize| errors[nth % errors.len()];
         let strike = |day: &mut Day, nth| once_on_a_day(day, nth, errno(nth));
         let name = format!("{name}, once on a day with names");
-        assert_clean(&strike_everywhere(&name, DAY_HANDS, DAY_STEP, Day::without_button, strike));
+        assert_clean(&strike_everywhere(&name, DAY_HANDS, day_step(), Day::without_button, strike));
     }
 }
 

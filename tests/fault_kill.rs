@@ -15,16 +15,16 @@ use day::Day;
 use matrix::station::Booth;
 use matrix::tracer::{Answer, Call, can_trace};
 use matrix::{
-    DAY_HANDS, POINTS_MIN, Struck, Tally, booth, found_at_once, renew, restarted,
+    DAY_HANDS, POINTS_MIN, Struck, Tally, booth, day_step, found_at_once, renew, restarted,
     strike_everywhere, struck_at, struck_at_until,
 };
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;
 
-/// With a button only every so many-th call is struck: each run waits until the station is sure that it
+/// With a button so many times fewer calls are struck: each run waits until the station is sure that it
 /// hears every press.
-const BUTTON_STEP: usize = 5;
+const FEWER_WITH_BUTTON: usize = 2;
 
 fn killed(booth: &mut Booth, nth: usize) -> Struck {
     renew(booth);
@@ -74,7 +74,13 @@ fn a_station_killed_on_a_day_with_names_gives_nobody_the_scan_of_another() {
         return;
     }
     let name = "kill -9 on a day with names";
-    assert_clean(&strike_everywhere(name, DAY_HANDS, 1, Day::without_button, killed_on_a_day));
+    assert_clean(&strike_everywhere(
+        name,
+        DAY_HANDS,
+        day_step(),
+        Day::without_button,
+        killed_on_a_day,
+    ));
 }
 
 #[test]
@@ -84,6 +90,6 @@ fn a_station_with_a_button_killed_on_a_day_with_names_gives_nobody_the_scan_of_a
         return;
     }
     let name = "kill -9 on a day with names and a button";
-    let step = BUTTON_STEP;
+    let step = day_step() * FEWER_WITH_BUTTON;
     assert_clean(&strike_everywhere(name, DAY_HANDS, step, Day::with_button, killed_on_a_day));
 }

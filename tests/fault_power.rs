@@ -19,15 +19,12 @@ use disk::{Disk, can_be_cut, power_cut};
 use matrix::station::Booth;
 use matrix::tracer::{Answer, Call, Kind, can_trace};
 use matrix::{
-    DAY_HANDS, FOLDERS, POINTS_MIN, Struck, booth, found_at_once, renew, restarted,
+    DAY_HANDS, FOLDERS, POINTS_MIN, Struck, booth, day_step, found_at_once, renew, restarted,
     strike_everywhere, struck_at, struck_at_until,
 };
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;
-
-/// A day with names is cut at every so many-th call: it takes seconds.
-const DAY_STEP: usize = 3;
 
 /// The controls cut at every so many-th call only.
 const CONTROL_STEP: usize = 4;
@@ -105,7 +102,7 @@ fn a_power_cut_on_a_day_with_names_gives_nobody_the_scan_of_another() {
     if !can_trace() || !can_be_cut() {
         return;
     }
-    let (name, step) = ("power cut on a day with names", DAY_STEP);
+    let (name, step) = ("power cut on a day with names", day_step());
     let tally = strike_everywhere(name, DAY_HANDS, step, DayPlace::new, DayPlace::cut);
     assert!(tally.violations.is_empty(), "{:#?}", tally.violations);
     assert!(tally.points > 0, "nothing was struck");

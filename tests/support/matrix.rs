@@ -5,6 +5,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 use std::collections::BTreeMap;
+use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -34,6 +35,17 @@ pub const POINTS_MIN: usize = 150;
 /// Runs of a day at a time: each waits most of the time, for looks and, with a button, until the station
 /// is sure that it hears every press.
 pub const DAY_HANDS: usize = 8;
+
+/// A day takes seconds, so only every so many-th of its calls is struck, or each where `GAITER_FAULTS` is
+/// "all".
+pub fn day_step() -> usize {
+    if strikes_all() { 1 } else { 3 }
+}
+
+/// Whether `GAITER_FAULTS` asks for every strike that there is.
+pub fn strikes_all() -> bool {
+    env::var_os("GAITER_FAULTS").is_some_and(|faults| faults == "all")
+}
 
 /// The folders whose calls count; that of orders, too, where there is one.
 pub const FOLDERS: [&str; 3] = ["export", "state", "records"];
