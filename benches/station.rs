@@ -1,7 +1,8 @@
 //! What the station costs and how fast it is: `cargo bench --bench station`.
 //!
 //! Idle: share of a core and memory over a minute. The way of a scan from its last byte to its
-//! record, against quiet time and extraction, alone and among 20 000 files that are known. A backlog
+//! record, against quiet time and extraction, alone and among 20 000 files that are known, and what it
+//! costs in CPU. A backlog
 //! of 500 scans. All on the real program with folders below `TMPDIR`. What a port of the booth costs
 //! and how soon a press is seen. With a word behind `--` (idle, way, crowd, backlog, trigger) only
 //! that part.
@@ -160,6 +161,7 @@ fn way(name: &str, bodies: Bodies, known: usize) {
     booth.wait_long_for_journal("SELECT count(*) FROM sightings", sighted);
     booth.wait_for("the start", || booth.log().contains("station-ready"));
     let (mut ways, mut extractions) = (Vec::new(), Vec::new());
+    let before = cpu_ticks(daemon.id());
     for n in 0..WAYS {
         let bytes = bodies(n);
         extractions.push(extraction(&booth, n, &bytes));
@@ -168,13 +170,16 @@ fn way(name: &str, bodies: Bodies, known: usize) {
         wait_for_records(&booth, n + 1, LOOK_UP);
         ways.push(last_byte.elapsed());
     }
+    let ticks = u32::try_from(cpu_ticks(daemon.id()) - before).unwrap();
+    let cpu_s = f64::from(ticks) / TICKS_PER_S / WAYS as f64;
     daemon.stop();
     let (way, extraction) = (median(ways).as_secs_f64(), median(extractions).as_secs_f64());
     let quiet = QUIET.as_secs_f64();
     println!(
         "way, {name} body among {known} known files, median of {WAYS}: {way:.3} s = quiet \
-         {quiet:.1} s + extract {extraction:.3} s + {:.0} ms",
-        1000.0 * (way - quiet - extraction)
+         {quiet:.1} s + extract {extraction:.3} s + {:.0} ms; {:.0} ms CPU a scan",
+        1000.0 * (way - quiet - extraction),
+        1000.0 * cpu_s
     );
 }
 
