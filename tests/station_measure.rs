@@ -1,6 +1,6 @@
 //! The measuring process of the real station: whatever a scan does to it, it costs that one scan.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 #[path = "support/station.rs"]
 mod support;
@@ -14,7 +14,7 @@ use std::time::Duration;
 use gaiter::record::Provenance;
 use gaiter::station::measure::{Answer, Job, Limits};
 use rustix::process::{Pid, Signal, kill_process};
-use support::{Booth, body, sha256};
+use support::{Booth, Daemon, body, sha256};
 
 /// A configuration with these lines more.
 fn booth(more: &str) -> Booth {
@@ -164,32 +164,80 @@ fn a_process_that_wants_too_much_memory_costs_that_scan_only() {
 }
 
 #[test]
-fn a_process_that_hangs_is_ended_in_time_and_costs_that_scan_only() {
+fn a_process_that_stands_still_is_ended_in_time_and_begun_again() {
     let booth = booth("[measure]\nwall = \"2s\"\n");
     let daemon = booth.start();
     let scan = body(51);
     booth.export("4711_hangs.obj", &scan);
     signal(&booth, &sha256(&scan), Signal::STOP);
     booth.export("4711_good.obj", &body(52));
-    booth.wait_for_records(1);
-    booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
+    booth.wait_for_records(2);
     assert_eq!(daemon.stop().code(), Some(0));
-    assert_eq!(booth.reason(&scan)["code"], "measuring-too-long");
+    // It computed nothing meanwhile, so it was not the scan that took so long.
+    assert!(booth.log().contains("measuring-too-long"), "{}", booth.log());
     assert_eq!(measuring(&sha256(&scan)), []);
-    booth.assert_settled(&[("4711", &body(52))]);
+    booth.assert_settled(&[("4711", &scan), ("4711", &body(52))]);
 }
 
 #[test]
-fn a_process_that_somebody_killed_is_begun_again() {
+fn a_process_that_somebody_kills_is_begun_again_however_often() {
     let booth = Booth::new();
     let daemon = booth.start();
     let scan = body(61);
     booth.export("4711_a.obj", &scan);
-    signal(&booth, &sha256(&scan), Signal::KILL);
+    for times in 1..=4 {
+        signal(&booth, &sha256(&scan), Signal::KILL);
+        let put_off = || booth.log().matches("measuring-killed").count();
+        booth.wait_for("the end of it", || put_off() >= times || !booth.records().is_empty());
+    }
+    booth.wait_for_records(1);
+    booth.wait_for("the all-clear", || status(&booth)["alarms"]["measuring-impaired"].is_null());
+    assert_eq!(daemon.stop().code(), Some(0));
+    booth.assert_settled(&[("4711", &scan)]);
+}
+
+fn status(booth: &Booth) -> serde_json::Value {
+    serde_json::from_slice(&booth.gaiter(&["status", "--json"]).stdout).unwrap_or_default()
+}
+
+/// A station in surroundings in which nothing can be measured keeps its scan, says so, and measures it once
+/// they are as usual.
+fn waits_behind(front: &[&str], more: &str) {
+    let booth = booth(more);
+    let scan = body(65);
+    booth.export("4711_a.obj", &scan);
+    let daemon = Daemon::of(booth.command_behind(front));
+    // The scan has failed more often than any scan may by its own fault.
+    let put_off = || booth.log().matches("delivery-put-off").count();
+    booth.wait_for("its failures", || put_off() > 4);
+    let told = status(&booth);
+    assert!(told["alarms"]["measuring-impaired"].is_object(), "{told}");
+    assert_eq!(told["scans"]["refused"], 0, "{}", booth.log());
+    assert_eq!(daemon.stop().code(), Some(0));
+    let daemon = booth.start();
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
-    assert_eq!(booth.journal("SELECT crashes FROM scans"), Some(1));
     booth.assert_settled(&[("4711", &scan)]);
+}
+
+#[test]
+fn where_measuring_may_not_have_the_memory_it_is_configured_for_scans_wait() {
+    let shell = ["sh", "-c", r#"ulimit -v 3000000; exec "$0" "$@""#];
+    // Root may raise its limits again, unless it has given that up.
+    let front = ["setpriv", "--bounding-set", "-sys_resource"];
+    let front = if rustix::process::getuid().is_root() { &front[..] } else { &[] };
+    waits_behind(&[front, &shell[..]].concat(), "[measure]\nmemory = \"4GB\"\n");
+}
+
+#[test]
+fn without_proc_scans_wait() {
+    let front = ["unshare", "-m", "sh", "-c", r#"umount -l /proc && exec "$0" "$@""#];
+    let can_be_gone = ["-m", "sh", "-c", "umount -l /proc"];
+    if !Command::new("unshare").args(can_be_gone).status().is_ok_and(|status| status.success()) {
+        println!("SKIPPED: /proc cannot be taken away here (unshare, root)");
+        return;
+    }
+    waits_behind(&front, "");
 }
 
 #[test]

@@ -26,6 +26,7 @@ pub mod event;
 pub mod file_system;
 pub mod journal;
 pub mod measure;
+mod measuring;
 pub mod overview;
 pub mod preview;
 pub mod quarantine;

@@ -20,9 +20,8 @@ use super::beat::Beat;
 use super::error::chain;
 use super::event::short;
 use super::journal::{JournalError, ScanRow};
-use super::measure::{Answer, Measured};
+use super::measuring::{self, Outcome};
 use super::stop::Stop;
-use super::work::{CRASHES_MAX, from_spool};
 use crate::flow::ScanId;
 use crate::flow::facts::IntakeState;
 pub use shelf::{Preview, Previews};
@@ -148,12 +147,18 @@ impl Round {
     /// Measures a held scan for nobody and keeps what it shows, or why it cannot be measured.
     fn make(&mut self, station: &Station, row: &ScanRow) {
         let scan = short(&row.scan);
-        let measured = match from_spool(station, row, None, THREADS) {
-            Ok(measured) => measured,
-            Err(error) => return self.put_off(station, row, &error.to_string()),
+        let trials = &mut self.trials;
+        let count_try = || {
+            let trial = trials.entry(row.scan.clone()).or_default();
+            trial.crashes += 1;
+            Ok(trial.crashes)
         };
-        let code = match measured {
-            Measured::Answered(Answer::Files(files)) => {
+        let outcome = match measuring::measured(station, row, None, THREADS, count_try) {
+            Ok(outcome) => outcome,
+            Err(error) => return self.put_off(station, row, &chain(&error)),
+        };
+        let code = match outcome {
+            Outcome::Files(files) => {
                 return match station.previews.keep(&row.scan, &files) {
                     Ok(()) => {
                         info!(event = "preview-made", scan);
@@ -163,15 +168,9 @@ impl Round {
                     Err(error) => self.put_off(station, row, &error.to_string()),
                 };
             }
-            Measured::Answered(Answer::Refused { code, .. }) => code,
-            Measured::Trouble(trouble) => {
-                let trial = self.trials.entry(row.scan.clone()).or_default();
-                trial.crashes += 1;
-                if trouble.may_pass() && trial.crashes < CRASHES_MAX {
-                    return self.put_off(station, row, &trouble.to_string());
-                }
-                trouble.code().to_owned()
-            }
+            Outcome::Refused { code, .. } => code,
+            Outcome::Lost => return self.put_off(station, row, "its bytes are not in the spool"),
+            Outcome::Waits { error, .. } => return self.put_off(station, row, &error),
         };
         info!(event = "preview-impossible", scan, code);
         station.previews.cannot_be(&row.scan, code);

@@ -92,6 +92,11 @@ impl Spool {
         Ok(Spool { folder: durable::open_folder(state_dir, "spool")? })
     }
 
+    /// Whether its folder stands: somebody may have removed it.
+    pub fn is_there(&self) -> bool {
+        self.folder.is_dir()
+    }
+
     /// The scans in the spool.
     ///
     /// # Errors

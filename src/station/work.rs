@@ -1,8 +1,6 @@
 //! The work on one scan: measured in a process of its own, its record put into a store or taken
 //! back from it, the journal told. All of it blocks.
 
-use std::io;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 use jiff::Timestamp;
@@ -13,20 +11,15 @@ use super::custody::CustodyFault;
 use super::error::chain;
 use super::event::{StationEvent, short};
 use super::journal::{Due, JournalError, KEPT, ScanRow};
-use super::measure::{self, Answer, Job, Limits, Measured};
+use super::measuring::{self, Outcome};
 use super::quarantine::{Reason, Stage};
-use crate::flow::acquired::acquired;
 use crate::flow::facts::Alarm;
 use crate::flow::lifecycle::HANDED_OVER;
-use crate::flow::light::Outcome;
+use crate::flow::light;
 use crate::flow::outbox::Ended;
 use crate::flow::{Facts, ScanState};
-use crate::record::{FIRST_REVISION, Patient, Provenance, RecordFile};
+use crate::record::RecordFile;
 use crate::store::{Delivery, Misfit, StoreFault};
-
-/// A measurement that ends without an answer is tried so often before the scan is refused: its
-/// process may have been killed by somebody else, but a file that kills it will do so again.
-pub const CRASHES_MAX: u32 = 3;
 
 /// A scan that has been measured for a patient.
 #[derive(Debug)]
@@ -60,85 +53,32 @@ pub fn prepare(station: &Station, due: &Due, threads: usize) -> Result<Ready, En
 fn measured(station: &Station, due: &Due, threads: usize) -> Result<Ready, Setback> {
     let row = row(station, due)?;
     let began = Instant::now();
-    let measured = from_spool(station, &row, due.patient.clone(), threads);
-    let measured = measured.map_err(|error| spool_fault(error, &row))?;
-    note_measured(station, began.elapsed());
-    let refused = |code: &str, message: String| {
-        Err(Setback::Refused(Reason::new(code, message, Stage::Measure, row.first_seen)))
+    let count_try = || station.custody.journal().crashed(&row.scan);
+    let outcome = measuring::measured(station, &row, due.patient.clone(), threads, count_try)?;
+    let refused = |code: &str, message: String, stage| {
+        Err(Setback::Refused(Reason::new(code, message, stage, row.first_seen)))
     };
-    match measured {
-        Measured::Answered(Answer::Files(files)) => {
+    match outcome {
+        Outcome::Files(files) => {
+            note_measured(station, began.elapsed());
             station.scan_measured(&row.scan)?;
             Ok(Ready { row, files })
         }
-        Measured::Answered(Answer::Refused { code, message }) => refused(&code, message),
-        Measured::Trouble(trouble) if !trouble.may_pass() => {
-            refused(trouble.code(), trouble.to_string())
+        Outcome::Refused { code, message } => {
+            note_measured(station, began.elapsed());
+            refused(&code, message, Stage::Measure)
         }
-        Measured::Trouble(trouble) => {
-            if station.custody.journal().crashed(&row.scan)? >= CRASHES_MAX {
-                return refused(trouble.code(), trouble.to_string());
-            }
-            Err(Setback::PutOff { code: trouble.code(), error: trouble.to_string() })
+        Outcome::Lost => {
+            let message = "its bytes were removed from the spool from outside".to_owned();
+            refused("spool-lost", message, Stage::Intake)
         }
+        Outcome::Waits { code, error } => Err(Setback::PutOff { code, error }),
     }
-}
-
-/// Measures a spooled scan for this patient on so many threads.
-///
-/// # Errors
-/// Where its bytes cannot be read, or the measuring process does not start.
-pub fn from_spool(
-    station: &Station,
-    row: &ScanRow,
-    patient: Option<Patient>,
-    threads: usize,
-) -> io::Result<Measured> {
-    let spool = station.custody.spool();
-    let scan_file = spool.scan_file(&row.scan, &row.format);
-    let length = |path: &Path| std::fs::metadata(path).map(|metadata| metadata.len());
-    let ord_files = spool.companions(&row.scan, "ord")?;
-    let ord_file = match ord_files.as_slice() {
-        [file] => Some(file.as_path()),
-        _ => None,
-    };
-    let config = &station.config;
-    let job = Job {
-        config: config.text.clone(),
-        provenance: Provenance {
-            station: Some(config.station.id.clone()),
-            patient,
-            acquired: Some(acquired(row.pressed_at, row.file_time, row.first_seen)),
-            sha256: row.scan.to_string(),
-            revision: FIRST_REVISION,
-        },
-        ending: row.format.clone(),
-        scan_bytes: length(&scan_file)?,
-        ord_files: ord_files.len(),
-        ord_bytes: ord_file.map(length).transpose()?.unwrap_or(0),
-        threads,
-        limits: Limits {
-            memory_bytes: config.measure.memory_bytes,
-            cpu: config.measure.cpu,
-            wall: config.measure.wall,
-        },
-    };
-    measure::measure(&row.scan, &job, &scan_file, ord_file)
 }
 
 fn row(station: &Station, due: &Due) -> Result<ScanRow, Setback> {
     let row = station.custody.journal().scan(&due.scan)?;
     Ok(row.ok_or(JournalError::Unknown { what: "scan" })?)
-}
-
-/// Bytes that are not in the spool any more were removed from outside.
-fn spool_fault(error: io::Error, row: &ScanRow) -> Setback {
-    if error.kind() == io::ErrorKind::NotFound {
-        let message = "its bytes were removed from the spool from outside".to_owned();
-        let reason = Reason::new("spool-lost", message, Stage::Intake, row.first_seen);
-        return Setback::Refused(reason);
-    }
-    Setback::PutOff { code: "measuring-not-started", error: error.to_string() }
 }
 
 fn note_measured(station: &Station, took: Duration) {
@@ -171,7 +111,7 @@ pub fn put(station: &Station, due: &Due, ready: &Ready) -> Ended {
         station.custody.delivered(due, &receipt.folder)?;
         let state = station.custody.journal().scan(&due.scan)?.map(|row| row.state);
         if state == Some(ScanState::Delivered) {
-            station.booth.ended(&due.scan, Outcome::Delivered, station.now());
+            station.booth.ended(&due.scan, light::Outcome::Delivered, station.now());
         }
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
@@ -243,7 +183,7 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
                 }
                 warn!(event = "scan-refused", scan, code);
                 let scan = Some(scan);
-                station.booth.ended(&due.scan, Outcome::NeedsPerson, station.now());
+                station.booth.ended(&due.scan, light::Outcome::NeedsPerson, station.now());
                 station.observer.tell(StationEvent::Refused { scan, code, message });
                 return Ended::ForGood;
             }

@@ -271,6 +271,13 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
             ),
             TECHNICIAN,
         ),
+        "measuring-impaired" => (
+            (
+                "Scans cannot be measured on this machine at the moment. None is lost.",
+                "Auf diesem Rechner lässt sich zurzeit nichts vermessen. Kein Scan geht verloren.",
+            ),
+            TECHNICIAN,
+        ),
         "no-export" => (
             ("No export came after a press.", "Nach einem Knopfdruck kam kein Export."),
             ("Press the button and scan again.", "Knopf drücken und noch einmal scannen."),

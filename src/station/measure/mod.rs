@@ -10,9 +10,11 @@ pub mod child;
 mod confine;
 mod job;
 mod parent;
+mod trouble;
 
 pub use job::{Answer, Job, Limits};
-pub use parent::{Measured, Trouble, measure};
+pub use parent::{MeasureFault, Measured, answers, measure};
+pub use trouble::{Blame, Trouble};
 
 /// The hidden verb under which the binary is run again.
 pub const VERB: &str = "measure";

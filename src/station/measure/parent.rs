@@ -1,19 +1,20 @@
 //! The station's side of a measurement: starting the process, feeding it, ending it in time, and
 //! telling how it ended.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Write};
-use std::os::unix::process::ExitStatusExt;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
+use super::VERB;
 use super::job::{Answer, Job};
-use super::{Limits, VERB};
+use super::trouble::Trouble;
 use crate::flow::ScanId;
+use crate::store::sums;
 
 /// This very program, whatever has become of the file it was started from.
 const SELF: &str = "/proc/self/exe";
@@ -44,56 +45,97 @@ pub enum Measured {
     Trouble(Trouble),
 }
 
-/// Why there is no answer.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum Trouble {
-    /// It took too long.
-    #[error("measuring it took more than {} s", .0.as_secs())]
-    Wall(Duration),
-    /// It took too much of the processors.
-    #[error("measuring it took more than {} s of processor time", .0.as_secs())]
-    Cpu(Duration),
-    /// It wanted too much memory.
-    #[error("measuring it needs more than {} MB of memory", .0 / 1_000_000)]
-    Memory(u64),
-    /// Its process ended without an answer.
-    #[error("measuring it ended with {how}{complaint}")]
-    Crashed {
-        /// The signal or exit code.
-        how: String,
-        /// What it said.
-        complaint: String,
-    },
-}
-
-impl Trouble {
-    /// The stable code.
-    pub fn code(&self) -> &'static str {
-        match self {
-            Trouble::Wall(_) | Trouble::Cpu(_) => "measuring-too-long",
-            Trouble::Memory(_) => "measuring-too-large",
-            Trouble::Crashed { .. } => "measuring-crashed",
-        }
-    }
-
-    /// Whether it might not happen again: a process may be killed by somebody else.
-    pub fn may_pass(&self) -> bool {
-        matches!(self, Trouble::Crashed { .. })
-    }
+/// Why a measurement did not come to an end of any kind; it may later.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureFault {
+    /// The spooled files could not be read.
+    #[error("the spool could not be read")]
+    Spool(#[source] io::Error),
+    /// The process could not be started, or not be fed.
+    #[error("the measuring process could not be started")]
+    NotStarted(#[source] io::Error),
 }
 
 /// Measures a spooled scan in a process of its own. Blocks.
 ///
 /// # Errors
-/// Where the process could not be started or the spooled files not be read; it may be later.
+/// See [`MeasureFault`].
 pub fn measure(
     scan: &ScanId,
     job: &Job,
     scan_file: &Path,
     ord_file: Option<&Path>,
-) -> io::Result<Measured> {
+) -> Result<Measured, MeasureFault> {
     let files = [Some(scan_file), ord_file].into_iter().flatten();
-    let files: Vec<File> = files.map(File::open).collect::<io::Result<_>>()?;
+    let files: Vec<File> =
+        files.map(File::open).collect::<io::Result<_>>().map_err(MeasureFault::Spool)?;
+    run(scan, job, files)
+}
+
+/// Whether a measuring process gives any answer here and now: it gets bytes that are no scan. Blocks.
+///
+/// # Errors
+/// See [`MeasureFault`].
+pub fn answers(job: &Job) -> Result<bool, MeasureFault> {
+    let bytes: &[u8] = b"no scan\n";
+    let job = Job { scan_bytes: bytes.len() as u64, ord_files: 0, ord_bytes: 0, ..job.clone() };
+    let answered = run(&sums::scan_id(bytes), &job, vec![bytes])?;
+    Ok(matches!(answered, Measured::Answered(_)))
+}
+
+fn run(scan: &ScanId, job: &Job, files: Vec<impl Read>) -> Result<Measured, MeasureFault> {
+    let (child, pipes) = start(scan).map_err(MeasureFault::NotStarted)?;
+    let child = Mutex::new(child);
+    let shared = &child;
+    let (done, ended) = mpsc::channel::<()>();
+    let (fed, answer, too_late) = thread::scope(|scope| {
+        let killer = scope.spawn(move || {
+            if ended.recv_timeout(job.limits.wall) != Err(RecvTimeoutError::Timeout) {
+                return None;
+            }
+            let mut child = shared.lock().unwrap_or_else(PoisonError::into_inner);
+            let cpu = cpu_of(child.id());
+            // That it has just ended by itself is fine.
+            let _ = child.kill();
+            Some(cpu)
+        });
+        let fed = feed(pipes.input, job, files);
+        let answer = Answer::read(&mut BufReader::new(pipes.output), ANSWER_MAX_BYTES);
+        drop(done);
+        (fed, answer, killer.join().unwrap_or(None))
+    });
+    let mut child = child.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let unanswered = match answer {
+        Ok(answer) => {
+            // It has nothing more to say, and need not tidy up.
+            end(&mut child).map_err(MeasureFault::NotStarted)?;
+            return Ok(Measured::Answered(answer));
+        }
+        Err(error) => error,
+    };
+    if let Err(error) = fed
+        && too_late.is_none()
+        && !is_closed(&error)
+    {
+        // The spool could not be read; the process still waits for the rest.
+        end(&mut child).map_err(MeasureFault::NotStarted)?;
+        return Err(MeasureFault::Spool(error));
+    }
+    if unanswered.kind() == io::ErrorKind::InvalidData {
+        end(&mut child).map_err(MeasureFault::NotStarted)?;
+    }
+    let status = child.wait().map_err(MeasureFault::NotStarted)?;
+    let complaint = complaint(pipes.complaints);
+    Ok(Measured::Trouble(Trouble::of(status, too_late, &job.limits, &complaint)))
+}
+
+struct Pipes {
+    input: ChildStdin,
+    output: ChildStdout,
+    complaints: ChildStderr,
+}
+
+fn start(scan: &ScanId) -> io::Result<(Child, Pipes)> {
     let mut child = Command::new(SELF)
         .args([VERB, scan.as_str()])
         .env_clear()
@@ -102,51 +144,26 @@ pub fn measure(
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()?;
-    let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
-    let (Some(input), Some(output), Some(complaints)) = pipes else {
-        end(&mut child)?;
-        return Err(io::Error::other("a pipe to the measuring process is missing"));
-    };
-    let child = Mutex::new(child);
-    let shared = &child;
-    let (done, ended) = mpsc::channel::<()>();
-    let (fed, answer, in_time) = thread::scope(|scope| {
-        let killer = scope.spawn(move || {
-            let in_time = ended.recv_timeout(job.limits.wall) != Err(RecvTimeoutError::Timeout);
-            if !in_time {
-                let mut child = shared.lock().unwrap_or_else(PoisonError::into_inner);
-                // That it has just ended by itself is fine.
-                let _ = child.kill();
-            }
-            in_time
-        });
-        let fed = feed(input, job, files);
-        let answer = Answer::read(&mut BufReader::new(output), ANSWER_MAX_BYTES);
-        drop(done);
-        (fed, answer, killer.join().unwrap_or(true))
-    });
-    let mut child = child.into_inner().unwrap_or_else(PoisonError::into_inner);
-    let unanswered = match answer {
-        Ok(answer) => {
-            // It has nothing more to say, and need not tidy up.
-            end(&mut child)?;
-            return Ok(Measured::Answered(answer));
+    match (child.stdin.take(), child.stdout.take(), child.stderr.take()) {
+        (Some(input), Some(output), Some(complaints)) => {
+            Ok((child, Pipes { input, output, complaints }))
         }
-        Err(error) => error,
-    };
-    if let Err(error) = fed
-        && in_time
-        && !is_closed(&error)
-    {
-        // The spool could not be read; the process still waits for the rest.
-        end(&mut child)?;
-        return Err(error);
+        _ => {
+            end(&mut child)?;
+            Err(io::Error::other("a pipe to the measuring process is missing"))
+        }
     }
-    if unanswered.kind() == io::ErrorKind::InvalidData {
-        end(&mut child)?;
-    }
-    let status = child.wait()?;
-    Ok(Measured::Trouble(trouble(status, in_time, &job.limits, complaint(complaints))))
+}
+
+/// The processor time of a running process, all its threads together; none where it cannot be known.
+fn cpu_of(pid: u32) -> Option<Duration> {
+    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    // Behind the name, which may hold anything: utime and stime are fields 14 and 15 of the line.
+    let (_, fields) = stat.rsplit_once(')')?;
+    let mut fields = fields.split_whitespace().skip(11);
+    let mut ticks = || fields.next()?.parse::<u64>().ok();
+    let ticks = ticks()? + ticks()?;
+    Some(Duration::from_millis(ticks * 1000 / rustix::param::clock_ticks_per_second()))
 }
 
 fn end(child: &mut Child) -> io::Result<ExitStatus> {
@@ -154,7 +171,7 @@ fn end(child: &mut Child) -> io::Result<ExitStatus> {
     child.wait()
 }
 
-fn feed(mut input: impl Write, job: &Job, files: Vec<File>) -> io::Result<()> {
+fn feed(mut input: impl Write, job: &Job, files: Vec<impl Read>) -> io::Result<()> {
     job.write(&mut input)?;
     for mut file in files {
         io::copy(&mut file, &mut input)?;
@@ -172,51 +189,4 @@ fn complaint(from: impl Read) -> String {
     // What cannot be read was not said.
     let _ = from.take(COMPLAINT_MAX_BYTES).read_to_end(&mut text);
     String::from_utf8_lossy(&text).trim().to_owned()
-}
-
-fn trouble(status: ExitStatus, in_time: bool, limits: &Limits, complaint: String) -> Trouble {
-    if !in_time {
-        return Trouble::Wall(limits.wall);
-    }
-    match (status.signal(), status.code()) {
-        (Some(libc::SIGXCPU), _) => Trouble::Cpu(limits.cpu),
-        _ if complaint.contains("memory allocation of") => Trouble::Memory(limits.memory_bytes),
-        (Some(signal), _) => {
-            Trouble::Crashed { how: format!("signal {signal}"), complaint: said(&complaint) }
-        }
-        (None, code) => Trouble::Crashed {
-            how: format!("exit code {}", code.unwrap_or(-1)),
-            complaint: said(&complaint),
-        },
-    }
-}
-
-fn said(complaint: &str) -> String {
-    if complaint.is_empty() { String::new() } else { format!(": {complaint}") }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_end_without_an_answer_has_its_name() {
-        let limits = Limits {
-            memory_bytes: 256_000_000,
-            cpu: Duration::from_secs(5),
-            wall: Duration::from_secs(9),
-        };
-        let end = |status: i32, in_time, complaint: &str| {
-            trouble(ExitStatus::from_raw(status), in_time, &limits, complaint.to_owned())
-        };
-        assert_eq!(end(libc::SIGKILL, false, ""), Trouble::Wall(limits.wall));
-        assert_eq!(end(libc::SIGXCPU, true, ""), Trouble::Cpu(limits.cpu));
-        let oom = "memory allocation of 4096 bytes failed";
-        assert_eq!(end(libc::SIGABRT, true, oom), Trouble::Memory(256_000_000));
-        let crashed = [(libc::SIGSEGV, "signal 11"), (70 << 8, "exit code 70")];
-        for (status, how) in crashed {
-            let trouble = end(status, true, "x");
-            assert!(trouble.may_pass() && trouble.to_string().contains(how), "{trouble}");
-        }
-    }
 }
