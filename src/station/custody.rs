@@ -25,6 +25,7 @@ use crate::flow::capture::Judged;
 use crate::flow::{ScanId, ScanState, Verdict, Whose, identity};
 use crate::record::Patient;
 use crate::scan::Format;
+use crate::store::durable;
 
 /// Spool, quarantine and journal of one state folder.
 #[derive(Debug)]
@@ -122,6 +123,27 @@ impl Custody {
     fn stores_for(&self, patient: Option<&Patient>) -> Vec<&'static str> {
         let takes = |store: &&&'static str| patient.is_some() || !self.named_only.contains(store);
         self.stores.iter().filter(takes).copied().collect()
+    }
+
+    /// The names of its folders that somebody has removed.
+    pub fn missing_folders(&self) -> Vec<&'static str> {
+        self.folders().into_iter().filter(|(_, at)| !at.is_dir()).map(|(name, _)| name).collect()
+    }
+
+    /// Makes folders again that somebody has removed; what lay in them is gone.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn make_folders_anew(&self) -> io::Result<()> {
+        self.folders().into_iter().try_for_each(|(_, at)| durable::make_folder_once(at))
+    }
+
+    fn folders(&self) -> [(&'static str, &Path); 3] {
+        [
+            ("spool", self.spool.folder()),
+            ("quarantine", self.quarantine.folder()),
+            ("decisions", self.decisions.folder()),
+        ]
     }
 
     /// The journal, to be asked.

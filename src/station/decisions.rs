@@ -63,6 +63,11 @@ impl Decisions {
         Ok(Decisions { folder })
     }
 
+    /// Their folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// What was decided about a scan, in order; nothing for most.
     ///
     /// # Errors

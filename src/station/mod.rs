@@ -24,6 +24,7 @@ pub mod decisions;
 pub mod error;
 pub mod event;
 pub mod file_system;
+mod folders;
 pub mod journal;
 pub mod measure;
 mod measuring;

@@ -3,6 +3,7 @@
 use jiff::Timestamp;
 
 use super::assembly::Station;
+use super::folders;
 use super::journal::Tally;
 use crate::flow::Facts;
 use crate::flow::health::{Backlog, Complaint, complaints};
@@ -34,6 +35,7 @@ pub struct Disk {
 impl Overview {
     /// Looks now. Blocks, on the local disk only.
     pub fn take(station: &Station) -> Overview {
+        folders::look_after(station);
         let (facts, now) = (station.board.facts(), Timestamp::now());
         let tally = station.custody.journal().tally();
         let tally = tally.inspect_err(|error| station.mind(error)).ok();

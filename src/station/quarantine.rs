@@ -77,6 +77,11 @@ impl Quarantine {
         Ok(Quarantine { folder: durable::open_folder(state_dir, "quarantine")? })
     }
 
+    /// Its folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// Whether a scan lies here.
     pub fn holds(&self, scan: &ScanId) -> bool {
         self.folder.join(scan.as_str()).is_dir()

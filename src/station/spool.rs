@@ -97,6 +97,11 @@ impl Spool {
         self.folder.is_dir()
     }
 
+    /// Its folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
     /// The scans in the spool.
     ///
     /// # Errors

@@ -271,6 +271,13 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
             ),
             TECHNICIAN,
         ),
+        "custody-made-anew" | "custody-missing" => (
+            (
+                "Somebody removed a folder in which the station keeps scans.",
+                "Ein Ordner, in dem die Station Scans aufbewahrt, wurde gelöscht.",
+            ),
+            TECHNICIAN,
+        ),
         "measuring-impaired" => (
             (
                 "Scans cannot be measured on this machine at the moment. None is lost.",
