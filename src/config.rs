@@ -29,6 +29,7 @@ use std::time::Duration;
 use regex::Regex;
 
 use crate::cad::Output;
+use crate::flow::confinement::Confine;
 use crate::flow::retention::Retention;
 use crate::leg::Method;
 use crate::record::Language;
@@ -95,6 +96,8 @@ pub struct MeasureConfig {
     pub cpu: Duration,
     /// Time in all.
     pub wall: Duration,
+    /// What holds where the kernel cannot confine it.
+    pub confine: Confine,
 }
 
 /// `[station]`: who this station is and where it keeps its state.

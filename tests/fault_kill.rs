@@ -11,6 +11,8 @@ mod matrix;
 #[path = "support/pty.rs"]
 mod pty;
 
+use std::fs;
+
 use day::Day;
 use matrix::station::Booth;
 use matrix::tracer::{Answer, Call, can_trace};
@@ -92,4 +94,14 @@ fn a_station_with_a_button_killed_on_a_day_with_names_gives_nobody_the_scan_of_a
     let name = "kill -9 on a day with names and a button";
     let step = day_step() * FEWER_WITH_BUTTON;
     assert_clean(&strike_everywhere(name, DAY_HANDS, step, Day::with_button, killed_on_a_day));
+}
+
+#[test]
+fn a_day_without_a_fault_is_in_order_and_a_record_under_another_name_is_found() {
+    let day = Day::without_button();
+    assert_eq!(day.goes_on_restarted(), Vec::<String>::new());
+    assert!(day.is_all_delivered());
+    let records = day.booth.path("records");
+    fs::rename(records.join("1002"), records.join("1001")).unwrap();
+    assert_eq!(day.wrong_names(), ["second.obj of 1002 lies under 1001"]);
 }

@@ -9,8 +9,12 @@ use std::fs::{self, File};
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::path::Path;
-use std::time::Duration;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
 
+use rustix::process::{Pid, Signal, kill_process};
 use support::Booth;
 
 /// A small scan that can be measured.
@@ -93,32 +97,99 @@ fn metrics_and_health_follow_the_station_and_name_nobody() {
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
+/// Connections that say nothing, half a head, or a head byte by byte.
+fn idle(port: u16, count: usize) -> Vec<TcpStream> {
+    let begun = |n: usize| {
+        let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+        let said: &[u8] = match n % 3 {
+            0 => b"",
+            1 => b"GET / HTTP/1.1\r\nHost: local",
+            _ => b"G",
+        };
+        // It may have been sent away already.
+        let _ = stream.write_all(said);
+        stream
+    };
+    (0..count).map(begun).collect()
+}
+
 #[test]
-fn whoever_hangs_on_the_port_holds_up_nothing() {
+fn however_many_hang_on_the_port_others_are_answered_at_once() {
     let booth = booth("[status]\nlisten = \"127.0.0.1:0\"\n");
     let daemon = booth.start();
     let port = port(&booth);
-    let silent: Vec<TcpStream> =
-        (0..40).map(|_| TcpStream::connect(("127.0.0.1", port)).unwrap()).collect();
+    let mut silent = idle(port, 700);
+    for path in ["/healthz", "/", "/state", "/metrics"] {
+        silent.extend(idle(port, 20));
+        let began = Instant::now();
+        assert_eq!(page(port, path).0, 200, "{path}");
+        // A connection that says nothing is ended after 5 s: nobody waits for that.
+        assert!(began.elapsed() < Duration::from_secs(4), "{path}: {:?}", began.elapsed());
+    }
     booth.export("4711_a.obj", &coarse());
     booth.wait_for_records(1);
-    assert_eq!(page(port, "/healthz").0, 200);
     drop(silent);
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
 #[test]
-fn a_port_that_is_taken_does_not_keep_scans_waiting() {
+fn those_who_ask_all_at_once_are_all_answered() {
+    let booth = booth("[status]\nlisten = \"127.0.0.1:0\"\n");
+    let daemon = booth.start();
+    let port = port(&booth);
+    let ask = |path: &'static str| thread::spawn(move || page(port, path).0);
+    let asked: Vec<_> = (0..60).map(|n| ask(["/healthz", "/state", "/"][n % 3])).collect();
+    for asked in asked {
+        assert_eq!(asked.join().unwrap(), 200);
+    }
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn nobody_else_gets_the_port_while_the_station_reloads() {
+    let booth = booth("[status]\nlisten = \"127.0.0.1:0\"\n");
+    let daemon = booth.start();
+    let port = port(&booth);
+    let is_over = Arc::new(AtomicBool::new(false));
+    let watched = Arc::clone(&is_over);
+    let thief = thread::spawn(move || {
+        let mut got = 0;
+        while !watched.load(Ordering::Relaxed) {
+            got += usize::from(TcpListener::bind(("127.0.0.1", port)).is_ok());
+        }
+        got
+    });
+    let pid = Pid::from_raw(daemon.id().cast_signed()).unwrap();
+    for reloads in 1..=5 {
+        kill_process(pid, Signal::HUP).unwrap();
+        let heard = || booth.log().matches("http-listening").count();
+        booth.wait_for("a reload", || heard() > reloads);
+        assert_eq!(page(port, "/nowhere").0, 404);
+    }
+    is_over.store(true, Ordering::Relaxed);
+    assert_eq!(thief.join().unwrap(), 0);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn a_port_that_is_taken_is_a_fault_and_keeps_no_scan_waiting_and_its_link_is_new_afterwards() {
     let taken = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port();
     let booth = booth(&format!("[status]\nlisten = \"127.0.0.1:{port}\"\n"));
+    let old = "a".repeat(64);
+    fs::create_dir_all(booth.path("state")).unwrap();
+    fs::write(booth.path("state/page-token"), format!("{old}\n")).unwrap();
     let daemon = booth.start();
     booth.export("4711_a.obj", &coarse());
     booth.wait_for_records(1);
     assert_eq!(booth.log().matches("http-unavailable").count(), 1);
+    let told = String::from_utf8(booth.gaiter(&["status"]).stdout).unwrap();
+    assert!(told.contains("[page-unavailable]"), "{told}");
     drop(taken);
     booth.wait_for("the port", || booth.log().contains("http-listening"));
-    assert_eq!(page(port, "/healthz").0, 200);
+    assert_eq!(page(port, "/healthz"), (200, "ready\n".to_owned()));
+    let link = booth.gaiter(&["page"]);
+    assert!(!String::from_utf8(link.stdout).unwrap().contains(&old));
     assert_eq!(daemon.stop().code(), Some(0));
 }
 

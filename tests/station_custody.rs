@@ -7,8 +7,10 @@ mod support;
 
 use std::fs;
 
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
-use support::{Booth, Daemon, coarse_body};
+use support::verb::{code, stderr, stdout};
+use support::{Booth, Daemon, coarse_body, names};
 
 fn status(booth: &Booth) -> Value {
     serde_json::from_slice(&booth.gaiter(&["status", "--json"]).stdout).unwrap_or_default()
@@ -51,4 +53,45 @@ fn a_scan_that_was_lost_with_the_spool_is_taken_in_again_when_it_is_exported_aga
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
     assert_eq!(booth.records()[0].0, "4711");
+}
+
+#[test]
+fn a_second_station_on_an_export_folder_says_so_and_ends() {
+    let (booth, other) = (Booth::new(), Booth::new());
+    let daemon = booth.start();
+    booth.wait_for("the station", || booth.log().contains("station-ready"));
+    let own = other.path("export").display().to_string();
+    let shared = booth.path("export").display().to_string();
+    other.reconfigure(|config| config.replace(&own, &shared));
+    let ended = other.gaiter(&["run"]);
+    assert_eq!(code(&ended), Some(74));
+    assert!(stderr(&ended).contains("another station on this machine works"), "{}", stderr(&ended));
+    booth.export("4711_a.obj", &coarse_body(1));
+    booth.wait_for_records(1);
+    assert_eq!(daemon.stop().code(), Some(0));
+    assert_eq!(names(&other.path("records")), Vec::<String>::new());
+    // Then the other may have it.
+    let daemon = other.start();
+    other.wait_for_records(1);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn an_export_folder_that_another_station_has_is_left_alone_after_a_reload() {
+    let (booth, other) = (Booth::new(), Booth::new());
+    let daemon = start(&booth);
+    let second = start(&other);
+    let (own, shared) = (other.path("export"), booth.path("export"));
+    let both = format!("[\"{}\", \"{}\"]", own.display(), shared.display());
+    other.reconfigure(|config| config.replace(&format!("[\"{}\"]", own.display()), &both));
+    kill_process(Pid::from_raw(second.id().cast_signed()).unwrap(), Signal::HUP).unwrap();
+    let told = || stdout(&other.gaiter(&["status"]));
+    other.wait_for("the word", || told().contains("[source-taken]"));
+    other.export("4712_b.obj", &coarse_body(2));
+    other.wait_for_records(1);
+    booth.export("4711_a.obj", &coarse_body(1));
+    booth.wait_for_records(1);
+    assert_eq!(daemon.stop().code(), Some(0));
+    other.wait_for("the folder", || !told().contains("[source-taken]"));
+    assert_eq!(second.stop().code(), Some(0));
 }

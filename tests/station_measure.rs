@@ -11,6 +11,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
+use gaiter::flow::confinement::Confine;
 use gaiter::record::Provenance;
 use gaiter::station::measure::{Answer, Job, Limits};
 use rustix::process::{Pid, Signal, kill_process};
@@ -71,6 +72,7 @@ fn begun(limits: Limits, scan: &[u8]) -> Child {
         ord_bytes: 0,
         threads: 2,
         limits,
+        confine: Confine::Required,
     };
     job.write(child.stdin.as_mut().unwrap()).unwrap();
     child

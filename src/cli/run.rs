@@ -113,9 +113,13 @@ fn log_to_stderr(format: LogFormat) {
 fn explain(error: &StationError) -> Exit {
     complain(format_args!("gaiter: {}", chain(error)));
     match error {
-        StationError::State { .. } | StationError::Lock(_) | StationError::Journal { .. } => {
-            Exit::Io
-        }
+        StationError::State { .. }
+        | StationError::Lock(_)
+        | StationError::Journal { .. }
+        | StationError::ExportTaken { .. }
+        | StationError::Stuck => Exit::Io,
+        // Not to be tried again and again: it asks of the machine what that does not have.
+        StationError::Unconfined(_) => Exit::Config,
         _ => Exit::Internal,
     }
 }

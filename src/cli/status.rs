@@ -13,7 +13,7 @@ use super::paint::{self, painted};
 use super::screen::{self, wrapped};
 use super::{Exit, ask, complain, scans, shown};
 use crate::flow::account::{Filter, Listed};
-use crate::flow::health::{age, bytes, utc, words};
+use crate::flow::health::{ago, bytes, utc, words};
 use crate::station::control::protocol::{Answer, Request, SourceStatus, Status};
 
 /// So many of the last scans are shown: a screen of 24 lines has room for them.
@@ -143,19 +143,22 @@ fn rows(status: &Status) -> Vec<(String, String)> {
     let counts = if status.scans.is_empty() { "unknown".to_owned() } else { counts.join(", ") };
     row("scans", counts);
     let last = status.last.as_ref().map(|last| {
-        let (seen, ago) = (last.first_seen, words(age(last.first_seen, now)));
+        let (seen, ago) = (last.first_seen, ago(last.first_seen, now));
         format!("{} seen {}, {ago} ago: {}", last.scan, utc(seen), last.state)
     });
     row("last scan", last.unwrap_or_else(|| "none yet".to_owned()));
     let last =
         status.last_measurement_s.map_or(String::new(), |s| format!(", the last in {s:.1} s"));
     row("measured", format!("{} in this run{last}", status.measured));
+    if let Some(missing) = status.confinement.and_then(|found| found.missing()) {
+        row("guards", format!("measuring processes lack {missing} on this machine"));
+    }
     let disk = match (status.disk_free_bytes, status.disk_bytes) {
         (Some(free), Some(size)) => format!("{} free of {}", bytes(free), bytes(size)),
         _ => "unknown".to_owned(),
     };
     row("disk", disk);
-    let ago = words(age(status.started, now));
+    let ago = words(Duration::from_secs(status.running_s));
     let process = format!("gaiter {}, process {}, running for {ago}", status.gaiter, status.pid);
     row("station", format!("{}, {process}", status.station));
     rows
@@ -176,7 +179,7 @@ fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
             .map(|source| (format!("export {}", source.export_dir), said_of(source, now))),
     );
     rows.extend(status.triggers.iter().map(|(port, trigger)| {
-        let since = words(age(trigger.since, now));
+        let since = ago(trigger.since, now);
         let state = trigger.state.replace('_', " ");
         let why = trigger.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
         let heard = match (trigger.presses, trigger.ids) {
@@ -192,7 +195,7 @@ fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
         rows.push(("store".to_owned(), "nothing delivered yet in this run".to_owned()));
     }
     rows.extend(status.stores.iter().map(|(name, store)| {
-        let since = words(age(store.since, now));
+        let since = ago(store.since, now);
         let state = match &store.fault {
             None => format!("takes records since {since}"),
             Some(fault) => format!("takes nothing since {since}: {fault}"),
@@ -228,7 +231,7 @@ fn at_booth(status: &Status) -> String {
 
 /// One export folder in words.
 fn said_of(source: &SourceStatus, now: Timestamp) -> String {
-    let since = words(age(source.since, now));
+    let since = ago(source.since, now);
     let why = source.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
     let mut text = match source.state.as_str() {
         "watched" => "looked through".to_owned(),
@@ -236,7 +239,7 @@ fn said_of(source: &SourceStatus, now: Timestamp) -> String {
         state => format!("{} since {since}{why}", state.replace('_', " ")),
     };
     if let Some(last) = source.last_look {
-        let _ = write!(text, ", last {} ago", words(age(last, now)));
+        let _ = write!(text, ", last {} ago", ago(last, now));
     }
     if let Some(kind) = &source.file_system {
         let _ = write!(text, ", {kind}{}", if source.polled { " (polled)" } else { "" });

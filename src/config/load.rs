@@ -11,8 +11,8 @@ use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::seeing;
 use super::words::{
-    AXES, B1S, B1Word, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES, SURFACES, UNITS, UPS, Words,
-    faces_up_or_down,
+    AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES, SURFACES, UNITS,
+    UPS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -212,7 +212,13 @@ fn measure(reader: &mut Reader) -> Option<MeasureConfig> {
     let bounds = Bounds { least: "1s", most: "1h" };
     let cpu = reader.text("measure.cpu", Default("60s"), parse::duration_in(bounds));
     let wall = reader.text("measure.wall", Default("120s"), parse::duration_in(bounds));
-    Some(MeasureConfig { memory_bytes: memory?.value, cpu: cpu?.value, wall: wall?.value })
+    let confine = reader.text("measure.confine", Default("where-possible"), parse::word(CONFINES));
+    Some(MeasureConfig {
+        memory_bytes: memory?.value,
+        cpu: cpu?.value,
+        wall: wall?.value,
+        confine: confine?.value,
+    })
 }
 
 /// The keys of `[retention]`.

@@ -6,6 +6,7 @@ use super::LogFormat;
 use super::capture::WithoutTrigger;
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
 use crate::flow::check_digit::CheckDigit;
+use crate::flow::confinement::Confine;
 use crate::flow::page::IdsShown;
 use crate::leg::Side;
 use crate::leg::method::{
@@ -31,6 +32,10 @@ pub const LOG_FORMATS: Words<LogFormat> = &[("text", LogFormat::Text), ("json", 
 /// `capture.without_trigger`
 pub const WITHOUT_TRIGGER: Words<WithoutTrigger> =
     &[("process", WithoutTrigger::Process), ("hold", WithoutTrigger::Hold)];
+
+/// `measure.confine`
+pub const CONFINES: Words<Confine> =
+    &[("where-possible", Confine::WherePossible), ("required", Confine::Required)];
 
 /// `report.language`, `--language`
 pub const LANGUAGES: Words<Language> = &[("en", Language::En), ("de", Language::De)];

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::capture;
 use super::facts::StoreFacts;
-use super::health::{age, words};
+use super::health::{ago, words};
 use super::identity::{NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use super::{DeliveryState, ScanState};
@@ -209,7 +209,7 @@ pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestam
         return format!("Scan {scan} lies in quarantine [{code}]: {why}{closed}.");
     }
     if let Some(pending) = in_state(DeliveryState::Pending) {
-        let waited = words(age(summary.first_seen, now));
+        let waited = ago(summary.first_seen, now);
         let store = stores.get(pending.store.as_str());
         if let Some(fault) = store.and_then(|store| store.fault.as_ref()) {
             let store = &pending.store;

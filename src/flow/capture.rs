@@ -40,6 +40,7 @@
 mod answers;
 mod names;
 mod outcome;
+mod time;
 mod types;
 
 use std::collections::BTreeSet;
@@ -50,7 +51,7 @@ use super::writing::Appeared;
 use answers::Measuring;
 pub use names::{Next, Said};
 pub use outcome::{CalledOff, Judged, NamedNext, Passed, Why};
-pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Sights};
+pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules};
 
 /// Finding: the export could belong to captures of different patients.
 pub const AMBIGUOUS: &str = Why::Ambiguous.code();
@@ -85,6 +86,10 @@ pub struct Captures {
     /// Captures whose exports were taken and are not measured yet.
     measuring: Vec<Measuring>,
 }
+
+/// So many patients may wait, named or pressed for: more than any waiting room holds, and a program that
+/// orders thousands at once is in error.
+const NAMES_MOST: usize = 100;
 
 /// So many of the last unsure presses, and of the last namings that failed, are remembered.
 const DOUBTS_MOST: usize = 64;
@@ -317,32 +322,6 @@ impl Captures {
             (Some(whose), judged) => judged.completing(whose),
             (None, judged) => judged,
         }
-    }
-
-    /// Time has passed. A capture whose export may be among the files that have not settled does not
-    /// expire; one whose export may lie where nobody has looked since expires, and is not over.
-    pub fn pass(&mut self, now: Duration, sights: &Sights) -> Passed {
-        let mut passed = Passed { name_expired: self.drop_old_names(now), ..Passed::default() };
-        for capture in self.waiting.iter_mut().filter(|c| c.state == CaptureState::Open) {
-            let is_in_time =
-                |file: &Appeared| capture.opened < file.seen && file.seen <= capture.until;
-            if now > capture.until && !sights.coming.iter().any(is_in_time) {
-                capture.state = CaptureState::Expired;
-                // Of one that was refused somebody knows already.
-                passed.expired.extend((!capture.is_refused).then_some(capture.number));
-            }
-        }
-        self.measuring.retain(|measuring| now <= measuring.until);
-        let late = self.rules.late;
-        let over = |capture: &mut Capture| {
-            let end = capture.until + late;
-            let has_looked_since = sights.looked.is_some_and(|looked| looked > end);
-            let is_over = capture.state != CaptureState::Open && now > end && has_looked_since;
-            let mut files = sights.coming.iter().chain(&sights.beside);
-            is_over && !files.any(|file| capture.may_have(*file, late))
-        };
-        passed.over = self.waiting.extract_if(.., over).map(|capture| capture.number).collect();
-        passed
     }
 
     /// Whether an order may still be for a press that waits, rather than for a later one.

@@ -85,6 +85,7 @@ fn not_seen(source: &SourceFacts, path: &Path) -> String {
         SourceState::NotMounted(why) => {
             format!("Its folder does not count since {since}: the export folder {why}.")
         }
+        SourceState::Taken => "Another station on this machine works its folder.".to_owned(),
         SourceState::Stalled => format!("Its folder has not answered since {since}."),
         SourceState::Watched => unseen(source, path),
     }

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use jiff::Timestamp;
 use serde::Serialize;
 
+use super::confinement::Confinement;
 use super::trigger::PortState;
 
 /// Everything that is known of a running station besides its journal.
@@ -20,12 +21,16 @@ pub struct Facts {
     pub stores: BTreeMap<&'static str, StoreFacts>,
     /// The ports of the booth by their names: serial, usb, keys, reader.
     pub triggers: BTreeMap<&'static str, TriggerFacts>,
+    /// The doors of the page whose address cannot be had, and why: local, network.
+    pub doors: BTreeMap<&'static str, String>,
     /// Whether scans are taken in.
     pub intake: IntakeState,
     /// What a person must know and nothing else shows, by code; kept until the station restarts.
     pub alarms: BTreeMap<&'static str, Alarm>,
     /// What was wrong with the configuration at the last reload; none when it was taken up.
     pub refused_reload: Option<String>,
+    /// The guards around measuring processes; none where they could not be tried.
+    pub confinement: Option<Confinement>,
     /// Scans measured in this run, refused ones included.
     pub measured: u64,
     /// How long the last measurement took, seconds.
@@ -68,6 +73,8 @@ pub enum SourceState {
     OutOfReach(String),
     /// It is there, but what should be mounted is not.
     NotMounted(String),
+    /// Another station on this machine works it.
+    Taken,
     /// A look has not come back for longer than its deadline.
     Stalled,
 }
@@ -170,9 +177,11 @@ impl Facts {
             sources: vec![source; sources],
             stores: BTreeMap::new(),
             triggers: BTreeMap::new(),
+            doors: BTreeMap::new(),
             intake: IntakeState::Open,
             alarms: BTreeMap::new(),
             refused_reload: None,
+            confinement: None,
             measured: 0,
             last_measurement_s: None,
         }

@@ -67,6 +67,11 @@ pub fn complaints(
     );
     complaints
         .extend(facts.triggers.iter().filter_map(|(port, facts)| of_trigger(port, facts, now)));
+    complaints.extend(facts.doors.iter().map(|(way, why)| {
+        let message = format!("the {way} address of the page and of monitors cannot be had: {why}");
+        let remedy = "see who listens there (ss -ltnp), and end it; the page has a new link then";
+        Complaint::new("page-unavailable", message, remedy)
+    }));
     complaints.extend(late(backlog, overdue, now));
     complaints.extend(facts.alarms.iter().map(|(code, alarm)| {
         Complaint::new(code, alarm.message.clone(), "see the README at this code, then restart")
@@ -99,7 +104,7 @@ fn intake(facts: &Facts) -> Option<Complaint> {
 
 fn stores(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
     facts.stores.iter().filter_map(move |(store, facts)| {
-        let fault = facts.fault.as_ref().filter(|_| age(facts.since, now) >= BLIP)?;
+        let fault = facts.fault.as_ref().filter(|_| has_lasted(facts.since, now, BLIP))?;
         let message = format!("the record store \"{store}\" takes nothing: {fault}");
         let remedy = "see that it is mounted, writable and has room; nothing is lost meanwhile";
         Some(Complaint::new("store-fault", message, remedy))
@@ -107,7 +112,7 @@ fn stores(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
 }
 
 fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complaint> {
-    let since = age(source.since, now);
+    let since = ago(source.since, now);
     let state = match &source.state {
         SourceState::NotLooked | SourceState::Watched => None,
         SourceState::OutOfReach(why) => Some((
@@ -120,13 +125,18 @@ fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complain
             format!("export folder {place} is there, but not what should be mounted on it: {why}"),
             "mount it; what lies in the bare folder is not taken",
         )),
+        SourceState::Taken => Some((
+            "source-taken",
+            format!("another station on this machine works export folder {place}"),
+            "end one of the two, or give each its own folder; nothing is taken from it here",
+        )),
         SourceState::Stalled => Some((
             "source-stalled",
-            format!("export folder {place} has not answered for {}", words(since)),
+            format!("export folder {place} has not answered for {since}"),
             "see that the scanner's computer is on and the network works",
         )),
     };
-    let state = state.filter(|_| since >= BLIP);
+    let state = state.filter(|_| has_lasted(source.since, now, BLIP));
     let state = state.map(|(code, message, remedy)| Complaint::new(code, message, remedy));
     let overdue = source.waiting.values().filter(|file| file.overdue).count();
     let files = (overdue > 0).then(|| {
@@ -138,7 +148,8 @@ fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complain
 }
 
 fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Complaint> {
-    let since = trigger.unsound_since.map(|since| age(since, now)).filter(|age| *age >= REPLUG)?;
+    let since = trigger.unsound_since.filter(|since| has_lasted(*since, now, REPLUG))?;
+    let since = ago(since, now);
     let (code, what, remedy) = match trigger.state {
         PortState::Absent => {
             ("trigger-absent", "is not there", "plug it in; see the README for its port")
@@ -163,28 +174,33 @@ fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Comp
         }
     };
     let why = trigger.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
-    let message = format!("the {port} port of the booth {what}, for {}{why}", words(since));
+    let message = format!("the {port} port of the booth {what}, for {since}{why}");
     Some(Complaint::new(code, message, remedy))
 }
 
 fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complaint> {
-    let waiting = age(backlog.oldest?, now);
-    if waiting <= overdue {
-        return None;
-    }
-    let message = match waiting {
-        Duration::MAX => {
-            "a scan has no record and came in before the clock was set back".to_owned()
-        }
-        waiting => format!("a scan has waited {} for its record", words(waiting)),
+    let message = match age(backlog.oldest?, now) {
+        None => "a scan has no record and came in before the clock was set back".to_owned(),
+        Some(waiting) if waiting <= overdue => return None,
+        Some(waiting) => format!("a scan has waited {} for its record", words(waiting)),
     };
     let remedy = "gaiter scans --state spooled lists what waits, gaiter explain ID says for what";
     Some(Complaint::new("delivery-overdue", message, remedy))
 }
 
-/// How long ago a time was; without end where it lies in the future.
-pub fn age(since: Timestamp, now: Timestamp) -> Duration {
-    Duration::try_from(now.duration_since(since)).unwrap_or(Duration::MAX)
+/// How long ago a time was; none where it lies in the future, for the clock was set back.
+pub fn age(since: Timestamp, now: Timestamp) -> Option<Duration> {
+    Duration::try_from(now.duration_since(since)).ok()
+}
+
+/// Whether something has lasted so long; one whose beginning lies in the future is taken to be old.
+pub fn has_lasted(since: Timestamp, now: Timestamp, least: Duration) -> bool {
+    age(since, now).is_none_or(|age| age >= least)
+}
+
+/// How long ago a time was, in words.
+pub fn ago(since: Timestamp, now: Timestamp) -> String {
+    age(since, now).map_or_else(|| "an unknown time".to_owned(), words)
 }
 
 /// A time as people read it, without its fraction.

@@ -12,6 +12,7 @@ pub mod booth;
 pub mod capture;
 pub mod check_digit;
 pub mod companions;
+pub mod confinement;
 pub mod decision;
 pub mod explain;
 pub mod facts;
@@ -35,6 +36,7 @@ pub mod settle;
 pub mod space;
 pub mod stamp;
 pub mod trigger;
+pub mod trusted_time;
 pub mod writing;
 
 pub use companions::{Companion, DoneFile, Group};

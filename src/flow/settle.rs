@@ -9,6 +9,7 @@
 
 mod lineage;
 mod memory;
+mod sights;
 mod turns;
 mod wait;
 
@@ -17,13 +18,13 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::backoff;
-use super::capture::Sights;
 use super::companions::{Companion, Done, Group};
 use super::stamp::Stamp;
 use super::writing::{Appeared, Mark, Writing};
-use lineage::Lineages;
+use lineage::Departed;
 pub use lineage::Passer;
 pub use memory::{Memory, Remembered};
+pub use sights::Sights;
 pub use wait::{Wait, Waiting};
 
 /// What one look at a folder found.
@@ -87,6 +88,8 @@ pub struct Settling {
     /// What the run before knew of files that were not taken, and what is known of those that have just
     /// left a name that is no scan's.
     remembered: Vec<Remembered>,
+    /// Files that were not taken and have gone; see [`lineage`].
+    departed: Vec<Departed>,
     /// When the last look at the folder began that could be believed.
     last_look: Option<Duration>,
     /// How many files have had their turn; see [`turns`].
@@ -174,7 +177,7 @@ impl Settling {
     pub fn new(quiet: Duration, short_wait: Duration, overdue: Duration) -> Settling {
         let short_wait = short_wait.max(quiet);
         let files = BTreeMap::new();
-        let (passers, remembered) = (BTreeMap::new(), Vec::new());
+        let (passers, remembered, departed) = (BTreeMap::new(), Vec::new(), Vec::new());
         let (companion_wait, last_look, turns) = (None, None, 0);
         Settling {
             quiet,
@@ -184,6 +187,7 @@ impl Settling {
             files,
             passers,
             remembered,
+            departed,
             last_look,
             turns,
         }
@@ -198,10 +202,7 @@ impl Settling {
     /// Takes in a look; returns the files to be taken now, each in its turn: fresh files first, and of every few one that waits long.
     pub fn observe(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
         let Look::Seen(seen) = look else {
-            // Time out of reach is not quiet time: the writer was cut off too.
-            for file in self.files.values_mut() {
-                file.is_lost = file.next != Next::Taken;
-            }
+            self.slept();
             return Vec::new();
         };
         let mut news = self.news(&seen, when);
@@ -218,9 +219,17 @@ impl Settling {
             };
             self.files.insert(path, file);
         }
-        self.remembered.clear();
+        self.depart(before, when.ended);
         self.last_look = Some(when.began);
         self.due(when.began)
+    }
+
+    /// Time has passed that is not quiet time: the folder was out of reach, or the machine slept, and the
+    /// writer may have been cut off, too.
+    pub fn slept(&mut self) {
+        for file in self.files.values_mut() {
+            file.is_lost = file.next != Next::Taken;
+        }
     }
 
     /// What is known of the contents of files that are new or have changed since the last look.
@@ -232,7 +241,7 @@ impl Settling {
         if news.peek().is_none() {
             return BTreeMap::new();
         }
-        let lineages = Lineages::of(&self.files, &self.passers, &self.remembered);
+        let lineages = self.lineages();
         let appeared = Appeared { absent: self.last_look, seen: when.ended };
         let news =
             news.map(|(path, group)| (path.clone(), lineages.writing(path, group.stamp, appeared)));
@@ -267,7 +276,7 @@ impl Settling {
         if file.group.done == Done::Missing || file.is_lost {
             return None;
         }
-        let quiet = file.quiet_since + self.quiet;
+        let quiet = file.quiet_since + self.quiet.max(file.group.stamp.grain());
         let is_alone = file.group.companions.is_empty() && !file.group.is_shared;
         let quiet = match self.companion_wait.filter(|_| is_alone) {
             Some(wait) => quiet.max(file.since + wait),
@@ -337,14 +346,6 @@ impl Settling {
     pub fn waiting(&self, now: Duration) -> impl Iterator<Item = (&Path, Waiting)> {
         let untaken = self.files.iter().filter(|(_, file)| file.next != Next::Taken);
         untaken.map(move |(path, file)| (path.as_path(), self.wait(file, now)))
-    }
-
-    /// When the last look began, and when the files appeared that may become scans.
-    pub fn sights(&self) -> Sights {
-        let untaken = self.files.values().filter(|file| file.next != Next::Taken);
-        let coming = untaken.map(|file| file.writing.appeared()).collect();
-        let beside = self.passers.values().map(|file| file.writing.appeared()).collect();
-        Sights { looked: self.last_look, coming, beside }
     }
 
     /// How many files have become overdue since this was asked last.

@@ -1,5 +1,7 @@
 //! The state of a file, as far as a look tells it.
 
+use std::time::Duration;
+
 use serde::{Deserialize, Serialize};
 
 /// What tells one state of a file from the next.
@@ -17,7 +19,18 @@ pub struct Stamp {
     pub ctime_ns: i128,
 }
 
+/// Whole seconds in both times are no chance: the file system keeps no finer ones, and FAT even ones only.
+const COARSE: Duration = Duration::from_secs(2);
+
 impl Stamp {
+    /// Two changes within this time may leave the same stamp; none where the file system keeps fine times.
+    pub fn grain(&self) -> Duration {
+        const SECOND_NS: i128 = 1_000_000_000;
+        let is_whole = |ns: i128| ns % SECOND_NS == 0;
+        let is_coarse = is_whole(self.mtime_ns) && is_whole(self.ctime_ns);
+        if is_coarse { COARSE } else { Duration::ZERO }
+    }
+
     /// Whether a file in this state has the content that it had in an earlier one, as far as its size
     /// and time tell. A change of its name, mode or links changes neither.
     pub fn has_content_of(&self, earlier: &Stamp) -> bool {

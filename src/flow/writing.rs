@@ -125,6 +125,11 @@ impl Writing {
         self.first
     }
 
+    /// Whether part of it was read.
+    pub fn is_marked(&self) -> bool {
+        !self.marks.is_empty()
+    }
+
     /// Its content was seen to have changed.
     pub fn change(&mut self, seen: Duration) {
         self.changed = Some(seen);

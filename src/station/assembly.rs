@@ -1,12 +1,10 @@
 //! What the workers of one station share, put together at the start.
 
 use std::collections::BTreeSet;
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
 
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
@@ -21,18 +19,21 @@ use super::decisions::Decisions;
 use super::error::{StationError, chain};
 use super::event::Observer;
 use super::gate::Gate;
-use super::journal::{JournalError, StateLock};
+use super::journal::JournalError;
+use super::lasting::Lasting;
+use super::measuring::{self, IMPAIRED};
 use super::page::Desk;
 use super::preview::Previews;
 use super::quarantine::Quarantine;
 use super::rebuild;
 use super::spool::Spool;
+use super::suspicion::Suspicion;
 use crate::config::{Config, GdtStoreConfig};
 use crate::flow::facts::{Alarm, IntakeState, StoreFacts};
 use crate::flow::health::counted;
 use crate::flow::{Facts, Identity, OrdersWhen, ScanId};
 use crate::store::gdt::Attach;
-use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault, durable};
+use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
 
 /// The parts of a station that its workers share.
 #[derive(Debug)]
@@ -49,6 +50,8 @@ pub struct Station {
     pub board: Board,
     /// The button, the readers of ids and the light.
     pub booth: Booth,
+    /// What outlives this generation.
+    pub lasting: Arc<Lasting>,
     /// The operator's page.
     pub page: Desk,
     /// What held scans show of their legs.
@@ -60,12 +63,12 @@ pub struct Station {
     pub work: Notify,
     /// Tells the run that the journal is to be rebuilt.
     pub ruin: Notify,
+    /// Errors that leave open whether the journal is damaged.
+    pub suspicion: Suspicion,
     paused: AtomicBool,
     hurried: Mutex<Vec<ScanId>>,
     ready_stores: Mutex<BTreeSet<String>>,
-    started: Instant,
-    /// The machine's clock when the station's began.
-    offset: Duration,
+    began: Duration,
 }
 
 impl Station {
@@ -76,9 +79,11 @@ impl Station {
     /// See [`StationError`].
     pub fn open(
         config: Config,
-        observer: Observer,
+        (observer, lasting): (Observer, Arc<Lasting>),
         first_start: bool,
     ) -> Result<Station, StationError> {
+        let confined =
+            measuring::confined(config.measure.confine).map_err(StationError::Unconfined)?;
         let (scanner, patient) = (&config.scanner, &config.patient);
         let identity = Identity::new(
             scanner.file_name.clone(),
@@ -116,6 +121,10 @@ impl Station {
         };
         let adopted = custody.recover().map_err(failed)?;
         let mut facts = Facts::new(Timestamp::now(), config.scanner.export_dirs.len());
+        match confined {
+            Ok(found) => facts.confinement = Some(found),
+            Err(why) => _ = facts.alarms.insert(IMPAIRED, why),
+        }
         if let Some(why) = opened.rebuilt {
             let quarantined = custody.adopt_quarantined().map_err(StationError::Recovery)?;
             // They were begun by the station that lost its journal, and must be found marked.
@@ -152,24 +161,31 @@ impl Station {
             stores,
             board: Board::new(facts),
             booth,
+            lasting,
             page: Desk::default(),
             previews,
             gate,
             observer,
             work: Notify::new(),
             ruin: Notify::new(),
+            suspicion: Suspicion::default(),
             paused: AtomicBool::new(paused),
             hurried: Mutex::new(Vec::new()),
             ready_stores: Mutex::new(BTreeSet::new()),
-            started: Instant::now(),
-            offset: since_boot(),
+            began: since_boot(),
         })
     }
 
     /// The daemon's own monotonic clock: the machine's since its start, so that a time that stands in
-    /// the journal means the same to the next run. It stands still while the machine sleeps.
+    /// the journal means the same to the next run. It goes on while the machine sleeps: a name that was
+    /// said in the evening is not the next morning's.
     pub fn now(&self) -> Duration {
-        self.offset + self.started.elapsed()
+        since_boot()
+    }
+
+    /// How long the station has been running.
+    pub fn running(&self) -> Duration {
+        self.now().saturating_sub(self.began)
     }
 
     /// The store of this name in the journal, if the configuration has it.
@@ -202,10 +218,13 @@ impl Station {
         std::mem::take(&mut *self.hurried.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Looks whether an error shows that the journal is ruined; if so the run begins anew.
+    /// Looks what an error says of the journal: where it is ruined the run begins anew, and where it
+    /// may be it is checked.
     pub fn mind(&self, error: &(dyn std::error::Error + 'static)) {
         if rebuild::is_ruin(error) {
             self.ruin.notify_one();
+        } else if rebuild::is_suspicious(error) {
+            self.suspicion.tell(chain(error));
         }
     }
 
@@ -360,30 +379,4 @@ fn of_store(fault: &StoreFault) -> String {
         StoreFault::NotFetched => fault.to_string(),
         StoreFault::Permanent(misfit) => misfit.to_string(),
     }
-}
-
-/// A state folder that belongs to this process.
-#[derive(Debug)]
-pub struct OwnStateDir {
-    /// No station ever ran on it.
-    pub first_start: bool,
-    _lock: StateLock,
-}
-
-/// Takes a state folder for this process, made if there is none.
-///
-/// # Errors
-/// Where it cannot be made, or where another process has it.
-pub fn take_state_dir(path: &Path) -> Result<OwnStateDir, StationError> {
-    let state = |source| StationError::State { path: path.to_owned(), source };
-    let make = || -> io::Result<()> {
-        path.parent().map_or(Ok(()), fs::create_dir_all)?;
-        durable::make_folder_once(path)
-    };
-    make().map_err(state)?;
-    let lock = StateLock::take(path)?;
-    // The spool is made after the first journal is whole: a first start that was cut off before, and
-    // what it left of a journal, is no station that lost its own.
-    let first_start = !fs::exists(path.join("spool")).map_err(state)?;
-    Ok(OwnStateDir { first_start, _lock: lock })
 }

@@ -1,22 +1,27 @@
 //! The workers' beats, by which the watchdog knows that they still turn.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
-/// The last sign of life of one worker.
-#[derive(Debug, Clone, Default)]
-pub struct Beat(Arc<AtomicU64>);
+/// The last sign of life of one worker, on a clock that stands still while the machine sleeps: nobody
+/// turns then, and nobody hangs.
+#[derive(Debug, Clone)]
+pub struct Beat(Arc<Mutex<Instant>>);
+
+impl Default for Beat {
+    fn default() -> Beat {
+        Beat(Arc::new(Mutex::new(Instant::now())))
+    }
+}
 
 impl Beat {
-    /// The worker turns at this time of the station's clock.
-    pub fn beat(&self, now: Duration) {
-        let ms = u64::try_from(now.as_millis()).unwrap_or(u64::MAX);
-        self.0.store(ms, Ordering::Relaxed);
+    /// The worker turns.
+    pub fn beat(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
     }
 
     /// How long ago that was.
-    pub fn age(&self, now: Duration) -> Duration {
-        now.saturating_sub(Duration::from_millis(self.0.load(Ordering::Relaxed)))
+    pub fn age(&self) -> Duration {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).elapsed()
     }
 }

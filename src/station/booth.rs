@@ -6,6 +6,7 @@ mod hearing;
 
 use std::collections::BTreeSet;
 use std::fs;
+use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
@@ -22,10 +23,11 @@ use super::journal::{CaptureRow, Journal, JournalError};
 use super::overview::Overview;
 use super::stop::Stop;
 use crate::flow::booth::Signal;
-use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules, Sights};
+use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
 use crate::flow::light::{Light, Outcome, Scene};
 use crate::flow::order_habit::{OrderCame, OrdersComeLate, orders_come_late};
 use crate::flow::page::Situation;
+use crate::flow::settle::Sights;
 use crate::flow::{OrdersWhen, ScanId};
 pub use hearing::NameFault;
 
@@ -41,7 +43,10 @@ const NO_EXPORT: &str = "no-export";
 /// The booth of a station.
 #[derive(Debug)]
 pub struct Booth {
+    /// Locked over writes to the journal, so by threads that may block and by no others.
     inner: Mutex<Inner>,
+    /// Locked for moments.
+    glance: Mutex<Glance>,
     signal: watch::Sender<Signal>,
     /// Told at each press: what lies in the export folders now was there before it.
     looks: Vec<Arc<Notify>>,
@@ -55,8 +60,6 @@ struct Inner {
     next_number: i64,
     /// The ports that are not open.
     away: BTreeSet<&'static str>,
-    /// What the looks have found, by export folder.
-    sights: Vec<Sights>,
     /// Scans that came in and whose records are not all delivered.
     in_work: BTreeSet<ScanId>,
     /// When the last orders came.
@@ -65,10 +68,48 @@ struct Inner {
     last: Option<(Outcome, Duration)>,
 }
 
+/// What is told and noted without waiting for the journal.
+#[derive(Debug)]
+struct Glance {
+    /// What the looks have found, by export folder.
+    sights: Vec<Sights>,
+    /// When the last capture was opened that waits; none while none does.
+    last_opened: Option<Duration>,
+}
+
+/// The booth's captures, locked.
+#[derive(Debug)]
+struct Locked<'a> {
+    booth: &'a Booth,
+    inner: MutexGuard<'a, Inner>,
+}
+
+impl Deref for Locked<'_> {
+    type Target = Inner;
+
+    fn deref(&self) -> &Inner {
+        &self.inner
+    }
+}
+
+impl DerefMut for Locked<'_> {
+    fn deref_mut(&mut self) -> &mut Inner {
+        &mut self.inner
+    }
+}
+
+impl Drop for Locked<'_> {
+    /// Tells what has changed to those who do not wait.
+    fn drop(&mut self) {
+        let opened = self.inner.captures.waiting().iter().map(|capture| capture.opened).max();
+        self.booth.glance().last_opened = opened;
+    }
+}
+
 /// The captures, held while an export is taken: no press or other export comes in between.
 #[derive(Debug)]
 pub struct Held<'a> {
-    inner: MutexGuard<'a, Inner>,
+    inner: Locked<'a>,
 }
 
 /// How the booth is at one moment.
@@ -135,29 +176,34 @@ impl Booth {
     ) -> Result<Booth, JournalError> {
         let boot = boot_id();
         let is_ours = |row: &CaptureRow| row.boot == boot && !boot.is_empty();
+        // The machine was off: whatever a press had begun expires.
+        let carried_over = |row: &CaptureRow| {
+            let age = Duration::try_from(Timestamp::now().duration_since(row.at)).ok();
+            row.capture.clone().carried_over(age, rules.late, now)
+        };
         let (ours, others): (Vec<CaptureRow>, Vec<CaptureRow>) =
             journal.captures_waiting()?.into_iter().partition(is_ours);
-        // The machine was off: whatever a press had begun expires.
-        let age =
-            |row: &CaptureRow| Duration::try_from(Timestamp::now().duration_since(row.at)).ok();
-        let carried_over: Vec<Capture> = others
-            .iter()
-            .filter_map(|row| row.capture.clone().carried_over(age(row), rules.late, now))
-            .collect();
+        let kept: Vec<Capture> = others.iter().filter_map(carried_over).collect();
         let others: Vec<i64> = others.iter().map(|row| row.capture.number).collect();
         let names = journal.names()?;
         let is_name_over = names.as_ref().is_some_and(|names| names.boot != boot);
         if !others.is_empty() || is_name_over {
-            journal.captures_of_before(&others, &carried_over, &boot, is_name_over)?;
+            journal.captures_of_before(&others, &kept, &boot, is_name_over)?;
         }
         let names = names.filter(|_| !is_name_over);
         let (next, unsure, unread) = names.map_or((None, Vec::new(), Vec::new()), |names| {
             (names.next, names.unsure, names.unread)
         });
         let ours = ours.into_iter().map(|row| row.capture);
-        let waiting = carried_over.into_iter().chain(ours).collect();
-        let mut captures = Captures::new(rules, waiting, next).with_doubts(unsure, unread);
-        captures = captures.with_measuring(journal.measuring(&boot)?, now);
+        let waiting = kept.into_iter().chain(ours).collect();
+        let taken = journal.captures_taken()?.into_iter();
+        let taken = taken.filter_map(|row| match is_ours(&row) {
+            true => Some(row.capture),
+            false => carried_over(&row),
+        });
+        let mut captures = Captures::new(rules, waiting, next)
+            .with_doubts(unsure, unread)
+            .with_measuring(taken.collect(), now);
         if buttons.is_empty() {
             captures.hears(Duration::ZERO);
         }
@@ -165,19 +211,27 @@ impl Booth {
             captures,
             next_number: journal.next_capture()?,
             away: buttons,
-            sights: vec![Sights::default(); folders],
             in_work: BTreeSet::new(),
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
             last: None,
         };
+        let last_opened = inner.captures.waiting().iter().map(|capture| capture.opened).max();
+        let glance = Glance { sights: vec![Sights::default(); folders], last_opened };
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
-        Ok(Booth { inner: Mutex::new(inner), signal, looks, boot })
+        let (inner, glance) = (Mutex::new(inner), Mutex::new(glance));
+        Ok(Booth { inner, glance, signal, looks, boot })
     }
 
-    fn inner(&self) -> MutexGuard<'_, Inner> {
-        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    /// Blocks while somebody writes to the journal.
+    fn inner(&self) -> Locked<'_> {
+        let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
+        Locked { booth: self, inner }
+    }
+
+    fn glance(&self) -> MutexGuard<'_, Glance> {
+        self.glance.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// What the light shows, now and whenever it changes.
@@ -190,19 +244,19 @@ impl Booth {
         self.looks.get(place).cloned().unwrap_or_default()
     }
 
-    /// Holds the captures while an export is taken.
+    /// Holds the captures while an export is taken. Blocks.
     pub fn hold(&self) -> Held<'_> {
         Held { inner: self.inner() }
     }
 
     /// Notes what the looks at an export folder have found.
     pub fn looked(&self, place: usize, sights: Sights) {
-        if let Some(known) = self.inner().sights.get_mut(place) {
+        if let Some(known) = self.glance().sights.get_mut(place) {
             *known = sights;
         }
     }
 
-    /// A scan ended, or needs a person; `now` is of the station's clock.
+    /// A scan ended, or needs a person; `now` is of the station's clock. Blocks.
     pub fn ended(&self, scan: &ScanId, outcome: Outcome, now: Duration) {
         let mut inner = self.inner();
         if inner.in_work.remove(scan) || outcome == Outcome::NeedsPerson {
@@ -210,7 +264,7 @@ impl Booth {
         }
     }
 
-    /// How the booth is; `now` is of the station's clock.
+    /// How the booth is; `now` is of the station's clock. Blocks.
     pub fn state(&self, now: Duration) -> BoothState {
         let inner = self.inner();
         let is_open = |capture: &&Capture| capture.state == CaptureState::Open;
@@ -228,7 +282,7 @@ impl Booth {
 
     /// When the last capture was opened that waits; none while none does.
     pub fn last_opened(&self) -> Option<Duration> {
-        self.inner().captures.waiting().iter().map(|capture| capture.opened).max()
+        self.glance().last_opened
     }
 
     /// What tells this start of the machine from another.
@@ -238,7 +292,7 @@ impl Booth {
 
     fn scene(&self, not_ready: bool) -> Scene {
         let inner = self.inner();
-        let coming = inner.sights.iter().any(|folder| !folder.coming.is_empty());
+        let coming = self.glance().sights.iter().any(|folder| !folder.coming.is_empty());
         Scene {
             not_ready,
             missed: inner.missed,
@@ -275,14 +329,15 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
     let mut light = Light::new(station.now());
     let (mut not_ready, mut next_ready) = (false, station.now());
     while !stop.is_requested() {
-        beat.beat(station.now());
+        beat.beat();
         let (looked, asks) = (Arc::clone(&station), station.now() >= next_ready);
         let step = spawn_blocking(move || {
             let passed = looked.pass();
-            let not_ready = asks.then(|| !Overview::take(&looked).complaints.is_empty());
-            (passed, not_ready)
+            let asked = asks.then(|| !Overview::take(&looked).complaints.is_empty());
+            let scene = looked.booth.scene(asked.unwrap_or(not_ready));
+            (passed, asked, scene)
         });
-        let (passed, asked) = step.await?;
+        let (passed, asked, scene) = step.await?;
         if let Err(error) = passed {
             station.mind(&error);
             warn!(event = "journal-failed", error = chain(&error));
@@ -290,7 +345,7 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
         if let Some(asked) = asked {
             (not_ready, next_ready) = (asked, station.now() + READY);
         }
-        let shown = light.show(&station.booth.scene(not_ready), station.now());
+        let shown = light.show(&scene, station.now());
         station.booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);
         tokio::select! {
             () = stop.requested() => break,
@@ -301,8 +356,11 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
 }
 
 /// What tells one start of the machine from another; empty where the system does not say, and then
-/// no capture outlives the station's process.
+/// every start of the station counts as one of the machine.
 fn boot_id() -> String {
     let id = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
     id.trim().to_owned()
 }
+
+#[cfg(test)]
+mod tests;

@@ -130,12 +130,15 @@ impl Custody {
         self.folders().into_iter().filter(|(_, at)| !at.is_dir()).map(|(name, _)| name).collect()
     }
 
-    /// Makes folders again that somebody has removed; what lay in them is gone.
+    /// Makes folders again that somebody has removed, durably; what lay in them is gone.
     ///
     /// # Errors
     /// Any I/O error.
     pub fn make_folders_anew(&self) -> io::Result<()> {
-        self.folders().into_iter().try_for_each(|(_, at)| durable::make_folder_once(at))
+        self.folders().into_iter().try_for_each(|(_, at)| {
+            durable::make_folder_once(at)?;
+            at.parent().map_or(Ok(()), durable::sync_folder)
+        })
     }
 
     fn folders(&self) -> [(&'static str, &Path); 3] {

@@ -64,7 +64,7 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
         bench.ask(&station, store.name().to_owned());
     }
     while !stop.is_requested() {
-        beat.beat(station.now());
+        beat.beat();
         if !station.is_paused() {
             bench.take_up(&station, hands, cores).await?;
         }
@@ -78,7 +78,7 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
         }
     }
     while let Some(done) = bench.jobs.join_next().await {
-        beat.beat(station.now());
+        beat.beat();
         bench.put_down(&station, done?).await?;
     }
     Ok(())

@@ -8,6 +8,7 @@ use tokio::task::JoinError;
 
 use super::custody::CustodyFault;
 use super::journal::{JournalError, LockError};
+use super::measure::ConfineFault;
 
 /// Why the station could not start or had to end. The journal makes a restart harmless.
 #[derive(Debug, thiserror::Error)]
@@ -24,6 +25,15 @@ pub enum StationError {
     /// The state folder is not ours.
     #[error(transparent)]
     Lock(#[from] LockError),
+    /// An export folder is another station's.
+    #[error(
+        "another station on this machine works the export folder {path}: every scan would get two \
+         records"
+    )]
+    ExportTaken {
+        /// The folder.
+        path: PathBuf,
+    },
     /// The journal could not be opened.
     #[error("opening the journal {path} failed")]
     Journal {
@@ -46,6 +56,14 @@ pub enum StationError {
     /// The pattern of patient ids cannot be applied to a whole id.
     #[error("the pattern of patient ids cannot be used")]
     Pattern(#[from] regex::Error),
+    /// Measuring processes cannot be confined as the configuration requires.
+    #[error("measuring processes cannot be confined")]
+    Unconfined(#[source] ConfineFault),
+    /// Work of before does not end, and the station must not go on beside it.
+    #[error(
+        "work in hand did not end in time for a new beginning; the process is to be started again"
+    )]
+    Stuck,
     /// The start was cut off by a panic.
     #[error("the start panicked")]
     Start(#[source] JoinError),

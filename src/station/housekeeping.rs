@@ -1,5 +1,6 @@
 //! Letting go what the configuration lets go, once an hour: nothing that is still to be delivered;
-//! and soon, what was to go and could not. It tells the service manager how the station is as well.
+//! and soon, what was to go and could not. It tells the service manager how the station is as well, and
+//! looks into errors of the journal.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -16,6 +17,8 @@ use super::error::chain;
 use super::overview::Overview;
 use super::service::{status_line, tell_status};
 use super::stop::Stop;
+use super::suspicion;
+use super::timekeeper::Timekeeper;
 use crate::flow::retention::before;
 
 /// How often it is looked what may go.
@@ -24,8 +27,8 @@ const ROUND: Duration = Duration::from_secs(3600);
 /// How often the service manager is told how the station is, where that has changed.
 const STATUS: Duration = Duration::from_secs(30);
 
-/// How often the worker shows that it turns.
-const BREATH: Duration = Duration::from_secs(5);
+/// How often the worker shows that it turns, and looks at the clock on the wall.
+const BREATH: Duration = Duration::from_secs(1);
 
 /// Lets go what may go until it is asked to stop.
 ///
@@ -34,18 +37,21 @@ const BREATH: Duration = Duration::from_secs(5);
 pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
     let mut next = station.now();
     let (mut next_status, mut said) = (station.now(), String::new());
+    let (mut next_check, mut timekeeper) = (Duration::ZERO, Timekeeper::default());
     while !stop.is_requested() {
-        beat.beat(station.now());
+        beat.beat();
         let round_is_due = station.now() >= next;
         if round_is_due {
             next = station.now() + ROUND;
         }
         let round = Arc::clone(&station);
         let kept = spawn_blocking(move || {
-            round.custody.tidy()?;
-            if round_is_due { let_go(&round) } else { Ok(()) }
+            let kept = keep(&round, &mut timekeeper, round_is_due);
+            (kept, timekeeper)
         });
-        if let Err(fault) = kept.await? {
+        let (kept, told) = kept.await?;
+        timekeeper = told;
+        if let Err(fault) = kept {
             station.mind(&fault);
             warn!(event = "housekeeping-failed", error = chain(&fault));
         }
@@ -61,16 +67,33 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
         tokio::select! {
             () = stop.requested() => break,
             () = sleep(BREATH) => {}
+            () = station.suspicion.told(), if station.now() >= next_check => {
+                next_check = station.now() + suspicion::PAUSE;
+                let station = Arc::clone(&station);
+                spawn_blocking(move || suspicion::look_into(&station)).await?;
+            }
         }
     }
     Ok(())
 }
 
-fn let_go(station: &Station) -> Result<(), CustodyFault> {
+fn keep(
+    station: &Station,
+    timekeeper: &mut Timekeeper,
+    round_is_due: bool,
+) -> Result<(), CustodyFault> {
+    let now = timekeeper.look(station, round_is_due)?;
+    station.custody.tidy()?;
+    if round_is_due { let_go(station, now) } else { Ok(()) }
+}
+
+/// Lets go what may go by this time.
+fn let_go(station: &Station, now: Timestamp) -> Result<(), CustodyFault> {
     let (custody, kept) = (&station.custody, station.config.retention);
-    let now = Timestamp::now();
     let mut gone = [0; 3];
-    if let Some(before) = before(Some(kept.spool), now) {
+    // What is not kept at all does not grow old.
+    let spool_now = if kept.spool.is_zero() { Timestamp::now() } else { now };
+    if let Some(before) = before(Some(kept.spool), spool_now) {
         gone[0] = custody.let_go_spooled(before)?;
     }
     if let Some(before) = before(kept.quarantine, now) {

@@ -1,37 +1,45 @@
 //! Metrics, health and the operator's page over HTTP, on an address of this machine or a socket that
-//! the service manager has opened for us, and the page for reading on another. As with the control
-//! socket, whoever hangs on it holds up only his like.
+//! the service manager has opened for us, and the page for reading on another. Whoever hangs on it
+//! holds up nobody: a connection that waits for its own client makes room, monitors have places of
+//! their own, and whoever asks while a disk stands still is told so.
 
-use std::io;
-use std::net::SocketAddr;
-use std::sync::{Arc, OnceLock};
+mod guests;
+mod listeners;
+mod shared_look;
+
+use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::State;
+use axum::extract::{Request, State};
 use axum::http::{StatusCode, header};
+use axum::middleware::{Next, from_fn_with_state};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
-use listenfd::ListenFd;
-use rustix::io::{FdFlags, fcntl_setfd};
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::{OwnedSemaphorePermit, Semaphore};
+use tokio::sync::Semaphore;
 use tokio::task::{JoinError, spawn_blocking};
-use tokio::time::sleep;
+use tokio::time::{sleep, timeout};
 use tracing::{info, warn};
 
+use self::guests::Guests;
+pub use self::guests::Visit;
+pub use self::listeners::Listeners;
+pub use self::shared_look::SharedLook;
 use super::assembly::Station;
 use super::metrics;
 use super::overview::Overview;
-use super::page::{self, Connection, Door, Way};
+use super::page::{self, Door, Way};
 use super::stop::Stop;
-use crate::config::Config;
 
-/// So many connections are served at a time; further ones wait in the kernel.
-const MOST_CLIENTS: usize = 16;
+/// So many requests are answered at a time; further ones wait.
+const MOST_SERVED: usize = 16;
+
+/// So many of those that monitors make, beside the others.
+const MOST_MONITORS: usize = 4;
 
 /// A request's head has come by then, or never will.
 const HEAD_TIME: Duration = Duration::from_secs(5);
@@ -39,8 +47,21 @@ const HEAD_TIME: Duration = Duration::from_secs(5);
 /// A connection carries one request, and is over by then.
 const CONNECTION_TIME: Duration = Duration::from_secs(30);
 
+/// The longest head of a request, bytes: hyper would keep 400 kB for each connection.
+const HEAD_MOST: usize = 64 * 1024;
+
 /// The pause before the address is tried again where it cannot be had.
 const RETRY: Duration = Duration::from_secs(10);
+
+/// The pause where no connection can be taken in, for want of file descriptors say.
+const SHORT_OF_FILES: Duration = Duration::from_millis(200);
+
+/// How long those are waited for who have connected when the door closes.
+const SAY_IT: Duration = Duration::from_millis(200);
+
+/// What monitors ask for.
+const METRICS: &str = "/metrics";
+const HEALTH: &str = "/healthz";
 
 /// Serves the doors where the service manager or else the configuration says, until it is asked to
 /// stop.
@@ -56,22 +77,29 @@ pub async fn worker(station: Arc<Station>, stop: Stop) -> Result<(), JoinError> 
 
 /// Keeps one door open.
 async fn keep(station: &Arc<Station>, way: Way, mut stop: Stop) {
-    let mut said = false;
+    let mut was_unavailable = false;
     while !stop.is_requested() {
-        match listen(&station.config, way).await {
+        match station.lasting.listeners.take(&station.config, way) {
             Ok(Some((listener, address))) => {
                 info!(event = "http-listening", way = way.word(), port = address.port());
+                station.board.note(|facts| drop(facts.doors.remove(way.word())));
                 let (station, asked) = (Arc::clone(station), stop.clone());
-                let door = spawn_blocking(move || Door::open(&station, way, address, asked)).await;
+                let door = spawn_blocking(move || {
+                    Door::open(&station, way, address, was_unavailable, asked)
+                });
                 // It does not panic.
-                let Ok(door) = door else { return };
+                let Ok(door) = door.await else { return };
                 serve(&door, &listener, &mut stop).await;
             }
-            Ok(None) => stop.requested().await,
+            Ok(None) => {
+                station.board.note(|facts| drop(facts.doors.remove(way.word())));
+                stop.requested().await;
+            }
             Err(error) => {
-                if !std::mem::replace(&mut said, true) {
+                if !std::mem::replace(&mut was_unavailable, true) {
                     warn!(event = "http-unavailable", way = way.word(), %error);
                 }
+                station.board.note(|facts| drop(facts.doors.insert(way.word(), error.to_string())));
                 tokio::select! {
                     () = stop.requested() => {}
                     () = sleep(RETRY) => {}
@@ -81,128 +109,125 @@ async fn keep(station: &Arc<Station>, way: Way, mut stop: Stop) {
     }
 }
 
-/// A door's listener and its address; none where nobody wants it.
-async fn listen(config: &Config, way: Way) -> io::Result<Option<(TcpListener, SocketAddr)>> {
-    let wanted = match way {
-        Way::Local => config.status.listen,
-        Way::Network => config.page.network,
-    };
-    let listener = match (given(config, way)?, wanted) {
-        (Some(given), _) => given,
-        (None, Some(address)) => TcpListener::bind(address).await?,
-        (None, None) => return Ok(None),
-    };
-    let address = listener.local_addr()?;
-    Ok(Some((listener, address)))
-}
-
-/// The sockets that the service manager has passed to this process. They are kept: a reload begins
-/// anew with workers, not with the process.
-static PASSED: OnceLock<Vec<std::net::TcpListener>> = OnceLock::new();
-
-/// The one of these sockets that is this door's, if there is one. An address that other machines can
-/// reach must be that of the configuration, where somebody has thought about it.
-fn given(config: &Config, way: Way) -> io::Result<Option<TcpListener>> {
-    let passed = PASSED.get_or_init(|| {
-        let mut passed = ListenFd::from_env();
-        (0..passed.len()).filter_map(|at| passed.take_tcp_listener(at).ok().flatten()).collect()
-    });
-    for listener in passed {
-        // Children that measure have no business with it.
-        fcntl_setfd(listener, FdFlags::CLOEXEC)?;
-        let address = listener.local_addr()?;
-        let its_way = match address.ip().is_loopback() {
-            true => Way::Local,
-            false if config.page.network == Some(address) => Way::Network,
-            false => {
-                let message = "the socket unit listens on an address that other machines can reach, \
-                               and page.network is another";
-                return Err(io::Error::new(io::ErrorKind::AddrNotAvailable, message));
-            }
-        };
-        if its_way == way {
-            listener.set_nonblocking(true)?;
-            return TcpListener::from_std(listener.try_clone()?).map(Some);
-        }
-    }
-    Ok(None)
-}
-
+/// Serves until a stop is asked for. Answers in hand are given after it.
 async fn serve(door: &Arc<Door>, listener: &TcpListener, stop: &mut Stop) {
-    let clients = Arc::new(Semaphore::new(MOST_CLIENTS));
-    let monitors = Router::new()
-        .route("/metrics", get(metrics))
-        .route("/healthz", get(healthz))
-        .with_state(Arc::clone(door.station()));
-    let pages = page::routes(door, monitors);
+    let station = Arc::clone(door.station());
+    let monitors = Monitors { station, overview: Arc::default() };
+    let monitors =
+        Router::new().route(METRICS, get(metrics)).route(HEALTH, get(healthz)).with_state(monitors);
+    let places = Places {
+        others: Arc::new(Semaphore::new(MOST_SERVED)),
+        monitors: Arc::new(Semaphore::new(MOST_MONITORS)),
+    };
+    let pages = page::routes(door, monitors).layer(from_fn_with_state(places, attended));
+    let guests = Arc::new(Guests::default());
     loop {
         let accepted = tokio::select! {
-            () = stop.requested() => return,
-            accepted = next(&clients, listener) => accepted,
+            () = stop.requested() => break,
+            accepted = listener.accept() => accepted,
         };
-        let Ok((stream, permit)) = accepted else {
-            // No file descriptors are left; a hot loop would not free any.
-            sleep(HEAD_TIME).await;
+        let Ok((stream, peer)) = accepted else {
+            // A hot loop would free none.
+            guests.dismiss_idle();
+            sleep(SHORT_OF_FILES).await;
             continue;
         };
-        let connection = Connection::new(permit);
-        let pages = pages.clone().layer(Extension(connection.clone()));
-        let pages = TowerToHyperService::new(pages);
-        let stop = stop.clone();
-        tokio::spawn(async move {
-            let mut http = http1::Builder::new();
-            http.keep_alive(false).timer(TokioTimer::new()).header_read_timeout(HEAD_TIME);
-            tokio::select! {
-                // A client that goes away or says nothing has its answer already.
-                _ = http.serve_connection(TokioIo::new(stream), pages) => {}
-                () = over(connection, stop) => {}
-            }
-        });
+        if let Some(visit) = guests.admit(peer.ip()) {
+            tokio::spawn(attend(stream, pages.clone(), visit, stop.clone()));
+        }
+    }
+    // Who came last says what he wants at once.
+    sleep(SAY_IT).await;
+    guests.dismiss_idle();
+    // What is decided must be decided before another generation begins.
+    let _ = timeout(HEAD_TIME, guests.all_are_served()).await;
+}
+
+/// Carries one connection to its end.
+async fn attend(stream: TcpStream, pages: Router, visit: Arc<Visit>, stop: Stop) {
+    let pages = TowerToHyperService::new(pages.layer(Extension(Arc::clone(&visit))));
+    let mut http = http1::Builder::new();
+    http.keep_alive(false).timer(TokioTimer::new()).header_read_timeout(HEAD_TIME);
+    http.max_buf_size(HEAD_MOST);
+    tokio::select! {
+        // A client that goes away or says nothing has its answer already.
+        _ = http.serve_connection(TokioIo::new(stream), pages) => {}
+        () = visit.is_sent_away() => {}
+        () = over(&visit, stop) => {}
     }
 }
 
 /// Ends when a connection has lasted long enough: a stream lasts as long as the station.
-async fn over(connection: Connection, mut stop: Stop) {
+async fn over(visit: &Visit, mut stop: Stop) {
     sleep(CONNECTION_TIME).await;
-    if connection.is_stream() {
+    if visit.is_stream() {
         stop.requested().await;
         // It ends by itself, unless its reader takes nothing.
         sleep(HEAD_TIME).await;
     }
 }
 
-async fn next(
-    clients: &Arc<Semaphore>,
-    listener: &TcpListener,
-) -> io::Result<(TcpStream, OwnedSemaphorePermit)> {
-    let permit = Arc::clone(clients).acquire_owned().await.map_err(io::Error::other)?;
-    Ok((listener.accept().await?.0, permit))
+/// How many requests are answered at a time. Those of monitors wait for no others.
+#[derive(Debug, Clone)]
+struct Places {
+    others: Arc<Semaphore>,
+    monitors: Arc<Semaphore>,
 }
 
-/// An overview taken on a thread that may block.
-async fn overview(station: Arc<Station>) -> Result<Overview, StatusCode> {
-    let taken = spawn_blocking(move || Overview::take(&station)).await;
-    taken.map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)
+/// Answers a request that has come whole, when there is a place.
+async fn attended(
+    State(places): State<Places>,
+    Extension(visit): Extension<Arc<Visit>>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let of_monitor = [METRICS, HEALTH].contains(&request.uri().path());
+    visit.is_served();
+    let place = if of_monitor { places.monitors } else { places.others }.acquire_owned().await;
+    let response = next.run(request).await;
+    drop(place);
+    visit.is_answered();
+    response
 }
 
-async fn metrics(State(station): State<Arc<Station>>) -> Response {
-    let text = overview(station).await.and_then(|overview| {
-        metrics::text(&overview).map_err(|_| StatusCode::INTERNAL_SERVER_ERROR)
-    });
-    match text {
+/// What monitors ask.
+#[derive(Debug, Clone)]
+struct Monitors {
+    station: Arc<Station>,
+    overview: Arc<SharedLook<Arc<Overview>>>,
+}
+
+impl Monitors {
+    /// An overview; none where the disk of the state folder does not answer.
+    async fn overview(&self) -> Option<Arc<Overview>> {
+        let station = Arc::clone(&self.station);
+        self.overview.of(move || Arc::new(Overview::take(&station))).await
+    }
+}
+
+/// The code of a station that does not come to tell how it is.
+const NO_ANSWER: &str = "state-disk-stalled";
+
+async fn metrics(State(monitors): State<Monitors>) -> Response {
+    let Some(overview) = monitors.overview().await else { return no_answer() };
+    match metrics::text(&overview) {
         Ok(text) => ([(header::CONTENT_TYPE, metrics::CONTENT_TYPE)], text).into_response(),
-        Err(status) => status.into_response(),
+        Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
     }
 }
 
 /// 200 and "ready", or 503 and the codes of what is wrong, one a line.
-async fn healthz(State(station): State<Arc<Station>>) -> Response {
-    match overview(station).await {
-        Ok(overview) if overview.complaints.is_empty() => "ready\n".into_response(),
-        Ok(overview) => {
+async fn healthz(State(monitors): State<Monitors>) -> Response {
+    match monitors.overview().await {
+        Some(overview) if overview.complaints.is_empty() => "ready\n".into_response(),
+        Some(overview) => {
             let codes = overview.complaints.iter().map(|complaint| format!("{}\n", complaint.code));
             (StatusCode::SERVICE_UNAVAILABLE, codes.collect::<String>()).into_response()
         }
-        Err(status) => status.into_response(),
+        None => no_answer(),
     }
+}
+
+fn no_answer() -> Response {
+    (StatusCode::SERVICE_UNAVAILABLE, format!("{NO_ANSWER}\n")).into_response()
 }

@@ -45,6 +45,10 @@ const TAKING: Duration = Duration::from_secs(1);
 /// How often it is looked whether the journal may forget files that are gone.
 const FORGETTING: Duration = Duration::from_secs(3600);
 
+/// A wait that lasts this much longer than it was to last was no wait of ours alone: the machine slept, or
+/// its virtual machine was stopped.
+const ASLEEP: Duration = Duration::from_secs(2);
+
 /// How soon a gate that is shut is tried again.
 const SHUT: Duration = Duration::from_secs(2);
 
@@ -109,6 +113,7 @@ pub async fn worker(
             // Nobody listens any more where readiness did not wait for a folder out of reach.
             let _ = looked.send(()).await;
         }
+        let (rested, planned) = (intake.station.now(), round.rest + round.pause);
         let rest = intake.beating(sleep(round.rest));
         tokio::select! {
             () = stop.requested() => break,
@@ -121,13 +126,17 @@ pub async fn worker(
             () = pressed.notified() => {}
             () = pause => {}
         }
+        if intake.station.now().saturating_sub(rested) > planned + ASLEEP {
+            // The machine stood still, and whoever writes may have, too.
+            intake.settling.slept();
+        }
     }
     Ok(())
 }
 
 impl Intake {
     fn beat(&self) {
-        self.beat.beat(self.station.now());
+        self.beat.beat();
     }
 
     /// Waits, and beats meanwhile.
@@ -175,7 +184,12 @@ impl Intake {
         let look = move |pulse: &Pulse| {
             let armed = watch.keep_armed();
             let began = station.now();
-            let found = look::look(&folder, &station.config.scanner.watch, pulse);
+            let is_ours = station.lasting.export_locks.hold(&folder);
+            let found = is_ours.and_then(|is_ours| {
+                let found =
+                    is_ours.then(|| look::look(&folder, &station.config.scanner.watch, pulse));
+                found.transpose()
+            });
             (watch, armed, found, LookTime { began, ended: station.now() })
         };
         let looked =

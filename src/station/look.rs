@@ -25,16 +25,17 @@ const DEPTH_MAX: usize = 4;
 /// folder may hold years of other files.
 const IGNORED_MAX: usize = 1000;
 
-/// How many files that are no scans as they are called now are followed: one of them may be the
-/// temporary name of a scan to come.
-const PASSERS_MAX: usize = 1000;
+/// How many files that are no scans as they are called now are followed, those that changed last: one of
+/// them may be the temporary name of a scan to come, and that is being written.
+const PASSERS_MAX: usize = 500;
 
 /// What a look found.
 #[derive(Debug)]
 pub struct Found {
     /// Regular files whose ending says that they are scans, with what belongs to them.
     pub scans: BTreeMap<PathBuf, Group>,
-    /// Regular files that are no scans as they are called now, hidden ones too; not all of many.
+    /// Regular files that are no scans as they are called now, hidden ones too; of many those that changed
+    /// last.
     pub passers: BTreeMap<PathBuf, Stamp>,
     /// Others, hidden and unfinished ones aside, and why they are passed over; not all of many.
     pub ignored: BTreeMap<PathBuf, &'static str>,
@@ -67,7 +68,8 @@ struct Walk<'a> {
     pulse: &'a Pulse,
     scans: BTreeMap<PathBuf, Stamp>,
     companions: BTreeMap<PathBuf, Stamp>,
-    passers: BTreeMap<PathBuf, Stamp>,
+    /// By the time of their last change, and by name.
+    passers: BTreeMap<(i128, PathBuf), Stamp>,
     done: BTreeMap<PathBuf, Stamp>,
     ignored: BTreeMap<PathBuf, &'static str>,
     ignored_count: usize,
@@ -136,12 +138,12 @@ impl<'a> Walk<'a> {
 
     /// Follows a file that is no scan as it is called now.
     fn passer(&mut self, path: PathBuf) {
-        if self.passers.len() == PASSERS_MAX {
-            return;
-        }
         let metadata = path.symlink_metadata().ok().filter(Metadata::is_file);
-        if let Some(metadata) = metadata {
-            self.passers.insert(path, stamp(&metadata));
+        let Some(stamp) = metadata.map(|metadata| stamp(&metadata)) else { return };
+        let changed_ns = stamp.ctime_ns.max(stamp.mtime_ns);
+        self.passers.insert((changed_ns, path), stamp);
+        if self.passers.len() > PASSERS_MAX {
+            self.passers.pop_first();
         }
     }
 
@@ -191,6 +193,7 @@ impl<'a> Walk<'a> {
             Some(rule) => done.get(&rule.of(scan)).copied().map_or(Done::Missing, Done::There),
         };
         let scans = companions::groups(scans, companions, done);
+        let passers = passers.into_iter().map(|((_, path), stamp)| (path, stamp)).collect();
         Found { scans, passers, ignored, ignored_count, mount }
     }
 }

@@ -1,16 +1,21 @@
 //! Measures spooled scans, for deliveries and previews, and tells what is to blame where one gives no
 //! answer: only a scan's own bytes refuse it, and for everything else it waits.
 
+use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use jiff::Timestamp;
+use tracing::{info, warn};
 
 use super::assembly::Station;
 use super::error::chain;
 use super::journal::{JournalError, ScanRow};
-use super::measure::{self, Answer, Blame, Job, Limits, MeasureFault, Measured, Trouble};
+use super::measure::{
+    self, Answer, Blame, ConfineFault, Job, Limits, MeasureFault, Measured, Trouble,
+};
 use crate::flow::acquired::acquired;
+use crate::flow::confinement::{Confine, Confinement};
 use crate::flow::facts::Alarm;
 use crate::record::{FIRST_REVISION, Patient, Provenance, RecordFile};
 
@@ -112,11 +117,38 @@ fn unread(station: &Station, error: &io::Error) -> Outcome {
 /// The scan waits, and people are told why.
 fn waits(station: &Station, code: &'static str, error: String) -> Outcome {
     station.board.note(|facts| {
-        let message = format!("scans wait, for they cannot be measured on this machine: {error}");
-        let alarm = Alarm { message, since: Timestamp::now() };
-        facts.alarms.entry(IMPAIRED).or_insert(alarm);
+        facts.alarms.entry(IMPAIRED).or_insert(impaired(&error));
     });
     Outcome::Waits { code, error }
+}
+
+/// The guards around measuring processes on this machine, or the alarm where none can be set: then no
+/// process can be made ready.
+///
+/// # Errors
+/// Where they are fewer than the configuration requires.
+pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineFault> {
+    match measure::tried() {
+        Ok(found) => {
+            measure::enough(found, confine)?;
+            match found.missing() {
+                None => info!(event = "confined", by = found.words()),
+                Some(missing) => warn!(event = "confinement-missing", missing, by = found.words()),
+            }
+            Ok(Ok(found))
+        }
+        Err(fault) if confine == Confine::Required => Err(fault),
+        Err(fault) => {
+            warn!(event = "confinement-failed", error = chain(&fault));
+            Ok(Err(impaired(chain(&fault))))
+        }
+    }
+}
+
+/// Scans cannot be measured on this machine, for this reason.
+fn impaired(error: impl Display) -> Alarm {
+    let message = format!("scans wait, for they cannot be measured on this machine: {error}");
+    Alarm { message, since: Timestamp::now() }
 }
 
 /// What the measuring process is told, and where the scanner's own measures lie.
@@ -153,6 +185,7 @@ fn job(
             cpu: config.measure.cpu,
             wall: config.measure.wall,
         },
+        confine: config.measure.confine,
     };
     Ok((job, ord_file))
 }

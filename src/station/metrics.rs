@@ -37,11 +37,11 @@ pub fn text(overview: &Overview) -> Result<String, fmt::Error> {
 }
 
 fn of_station(registry: &mut Registry, overview: &Overview) {
-    let Overview { facts, complaints, disk, now, .. } = overview;
+    let Overview { facts, complaints, disk, running, .. } = overview;
     gauge(registry, "up", "1 while the station runs", 1.0);
     let ready = if complaints.is_empty() { 1.0 } else { 0.0 };
     gauge(registry, "ready", "1 while scans become records", ready);
-    let running = age(facts.started, *now).as_secs_f64();
+    let running = running.as_secs_f64();
     gauge(registry, "running_seconds", "Time since the station began", running);
     let codes = complaints.iter().map(|complaint| ([("code", complaint.code.clone())], 1.0));
     family(registry, "complaint", "What keeps the station from being ready", codes);
@@ -82,7 +82,9 @@ fn of_scans(registry: &mut Registry, overview: &Overview) {
     });
     family(registry, "deliveries", "Deliveries in the journal by store and state", deliveries);
     let oldest = tally.oldest.as_ref();
-    let oldest = oldest.map_or(0.0, |seen| age(seen.first_seen, overview.now).as_secs_f64());
+    // Without end where the clock was set back: an alert fires rather than not.
+    let waited = |since| age(since, overview.now).map_or(f64::INFINITY, |age| age.as_secs_f64());
+    let oldest = oldest.map_or(0.0, |seen| waited(seen.first_seen));
     let help = "How long the oldest scan without a record has waited, 0 if none waits";
     gauge(registry, "oldest_undelivered_seconds", help, oldest);
 }
@@ -94,6 +96,7 @@ fn of_sources(registry: &mut Registry, overview: &Overview) {
         SourceState::Watched,
         SourceState::OutOfReach(none()),
         SourceState::NotMounted(none()),
+        SourceState::Taken,
         SourceState::Stalled,
     ];
     let sources = || overview.facts.sources.iter().enumerate();
@@ -158,6 +161,7 @@ fn family<const N: usize>(
 #[cfg(test)]
 mod tests {
     use std::path::PathBuf;
+    use std::time::Duration;
 
     use jiff::Timestamp;
 
@@ -175,7 +179,9 @@ mod tests {
         facts.measured = 7;
         let port = TriggerFacts { presses: 3, garbage: 12, ..TriggerFacts::new(now) };
         facts.triggers.insert("serial", port);
-        let overview = Overview { facts, tally: None, disk: None, complaints: Vec::new(), now };
+        let running = Duration::from_secs(60);
+        let (tally, disk, complaints) = (None, None, Vec::new());
+        let overview = Overview { facts, tally, disk, complaints, running, now };
         let text = text(&overview).unwrap();
         for line in [
             "gaiter_up 1.0",

@@ -94,7 +94,7 @@ pub async fn worker(
     let mut in_reach = true;
     let mut forgotten = station.board.facts().alarms.contains_key(JOURNAL_REBUILT);
     while !stop.is_requested() {
-        let alive = || beat.beat(station.now());
+        let alive = || beat.beat();
         let stalled = || out_of_reach(&station, "it does not answer");
         let (theirs, of) = (Arc::clone(&config), Arc::clone(&station));
         let look = move |pulse: &Pulse| {
@@ -107,6 +107,7 @@ pub async fn worker(
         forgotten &= found.is_err();
         let look = told(&station, found, &mut in_reach);
         for settled in orders.due(look, when) {
+            alive();
             let (theirs, of, order) = (Arc::clone(&config), Arc::clone(&station), settled.clone());
             let before = orders.unheard.get(&settled.path).cloned();
             let taking = move |pulse: &Pulse| take(&of, &theirs, &order, before, pulse);
@@ -189,7 +190,7 @@ impl Orders {
 async fn rest(config: &OrdersConfig, station: &Station, beat: &Beat, stop: &mut Stop) {
     let until = station.now() + config.rescan;
     loop {
-        beat.beat(station.now());
+        beat.beat();
         let left = until.saturating_sub(station.now()).min(LOOK_UP);
         if left == Duration::ZERO {
             return;

@@ -1,5 +1,7 @@
 //! The station at one moment, put together from board, journal and disk for whoever asks.
 
+use std::time::Duration;
+
 use jiff::Timestamp;
 
 use super::assembly::Station;
@@ -19,6 +21,8 @@ pub struct Overview {
     pub disk: Option<Disk>,
     /// What keeps the station from being ready.
     pub complaints: Vec<Complaint>,
+    /// How long the station has been running.
+    pub running: Duration,
     /// The moment.
     pub now: Timestamp,
 }
@@ -33,7 +37,8 @@ pub struct Disk {
 }
 
 impl Overview {
-    /// Looks now. Blocks, on the local disk only.
+    /// Looks now. Folders of the state that somebody removed are made anew first, for what is told counts
+    /// from then on. Blocks, on the local disk only.
     pub fn take(station: &Station) -> Overview {
         folders::look_after(station);
         let (facts, now) = (station.board.facts(), Timestamp::now());
@@ -51,7 +56,8 @@ impl Overview {
             free: found.f_bavail.saturating_mul(found.f_frsize),
             size: found.f_blocks.saturating_mul(found.f_frsize),
         });
-        Overview { facts, tally, disk, complaints: found, now }
+        let running = station.running();
+        Overview { facts, tally, disk, complaints: found, running, now }
     }
 
     /// How many records are to be delivered; zero where the journal cannot say.

@@ -76,7 +76,7 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
             let has_made = round.step(&looked);
             (round, has_made)
         });
-        let (back, has_made) = with_beats(step, &station, &beat).await?;
+        let (back, has_made) = with_beats(step, &beat).await?;
         round = back;
         if has_made {
             continue;
@@ -90,13 +90,9 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
 }
 
 /// Awaits a step; the worker beats meanwhile, for a measurement may take its time.
-async fn with_beats<T>(
-    mut step: JoinHandle<T>,
-    station: &Station,
-    beat: &Beat,
-) -> Result<T, JoinError> {
+async fn with_beats<T>(mut step: JoinHandle<T>, beat: &Beat) -> Result<T, JoinError> {
     loop {
-        beat.beat(station.now());
+        beat.beat();
         tokio::select! {
             done = &mut step => return done,
             () = sleep(BREATH) => {}

@@ -66,14 +66,24 @@ pub fn open(path: &Path, stores: &[&str], first_start: bool) -> Result<Opened, S
 
 /// Whether an error shows that the journal is ruined.
 pub fn is_ruin(error: &(dyn std::error::Error + 'static)) -> bool {
+    of_journal(error).is_some_and(JournalError::is_ruin)
+}
+
+/// Whether an error leaves open whether the journal is damaged.
+pub fn is_suspicious(error: &(dyn std::error::Error + 'static)) -> bool {
+    of_journal(error).is_some_and(JournalError::is_suspicious)
+}
+
+/// The journal's own error among the causes of an error.
+fn of_journal<'a>(error: &'a (dyn std::error::Error + 'static)) -> Option<&'a JournalError> {
     let mut cause = Some(error);
     while let Some(error) = cause {
-        if error.downcast_ref::<JournalError>().is_some_and(JournalError::is_ruin) {
-            return true;
+        if let Some(found) = error.downcast_ref::<JournalError>() {
+            return Some(found);
         }
         cause = error.source();
     }
-    false
+    None
 }
 
 /// Sets an open journal aside whose ruin shows only in its use: whoever opens it next finds it

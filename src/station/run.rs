@@ -10,15 +10,17 @@ use tokio::task::spawn_blocking;
 use tokio::time::{interval, sleep, timeout};
 use tracing::{error, info, warn};
 
-use super::assembly::{Station, take_state_dir};
+use super::assembly::Station;
 use super::chance;
 use super::error::{StationError, chain};
 use super::event::{Observer, StationEvent};
+use super::lasting::{Lasting, take_state_dir};
 use super::service;
 use super::stop::Stopper;
 use super::workers::Workers;
 use crate::config::Config;
 use crate::flow::backoff;
+use crate::flow::confinement::Confine;
 
 /// How long the first looks are waited for before the station calls itself ready: a share that
 /// does not answer must not keep the other folders' station from starting.
@@ -27,6 +29,9 @@ const FIRST_LOOKS: Duration = Duration::from_secs(10);
 /// How long work in hand may take after a stop was asked for. What it cuts off is taken up at the
 /// next start. `TimeoutStopSec` of the unit is longer.
 const GRACE: Duration = Duration::from_secs(20);
+
+/// How long answers that are being given may take then.
+const DOORS_CLOSE: Duration = Duration::from_secs(10);
 
 /// How often the workers' beats are looked at where no watchdog asks for more.
 const PULSE: Duration = Duration::from_secs(5);
@@ -86,12 +91,15 @@ pub async fn run(
     let lock = lock.map_err(StationError::Start)??;
     let mut config = config;
     let mut first_start = lock.first_start;
-    let mut ruins = 0;
+    let (mut ruins, mut first_generation) = (0, true);
+    let lasting = Arc::new(Lasting::default());
     let stop = orders.stop;
     tokio::pin!(stop);
     let ended = loop {
-        let (next, told) = (config.clone(), observer.clone());
-        let open = spawn_blocking(move || Station::open(next, told, first_start));
+        take_exports(&lasting, &config, first_generation).await?;
+        first_generation = false;
+        let (next, shared) = (config.clone(), (observer.clone(), Arc::clone(&lasting)));
+        let open = spawn_blocking(move || Station::open(next, shared, first_start));
         let station = Arc::new(open.await.map_err(StationError::Start)??);
         first_start = false;
         let began = station.now();
@@ -114,6 +122,27 @@ pub async fn run(
     };
     info!(event = "station-ended", failed = ended.is_err());
     ended
+}
+
+/// Takes the export folders for this process. At its start another station that keeps one ends it;
+/// later that is told, and the other folders are worked.
+async fn take_exports(
+    lasting: &Arc<Lasting>,
+    config: &Config,
+    is_start: bool,
+) -> Result<(), StationError> {
+    let folders = config.scanner.export_dirs.clone();
+    lasting.export_locks.keep_only(&folders);
+    if !is_start {
+        return Ok(());
+    }
+    let lasting = Arc::clone(lasting);
+    let asked = spawn_blocking(move || lasting.export_locks.kept_by_another(&folders));
+    // A share that does not answer keeps the station from nothing.
+    match timeout(FIRST_LOOKS, asked).await {
+        Ok(Ok(Some(path))) => Err(StationError::ExportTaken { path }),
+        _ => Ok(()),
+    }
 }
 
 /// Waits until the journal is to be rebuilt; says whether the station is to stop instead.
@@ -162,7 +191,7 @@ async fn generation(
                     break Ok(Turn::Ruin);
                 }
                 ended = workers.one_ended() => break Err(ended),
-                _ = pulse.tick() => feel_pulse(station, &workers),
+                _ = pulse.tick() => feel_pulse(&workers),
             }
         }
     };
@@ -175,8 +204,13 @@ async fn generation(
     if rest.is_err() {
         warn!(event = "stop-grace-over");
     }
+    // Until here people and monitors are answered.
+    let doors = timeout(DOORS_CLOSE, workers.close_doors()).await;
+    let rest = if matches!(rest, Ok(Ok(()))) { doors } else { rest };
     match (turn, rest) {
         (Ok(_), Ok(Err(error))) => Err(error),
+        // What still works could meet the next generation over the same scan.
+        (Ok(Turn::Reload(_) | Turn::Ruin), Err(_)) => Err(StationError::Stuck),
         (turn, _) => turn,
     }
 }
@@ -192,11 +226,24 @@ fn reloaded(station: &Station, reload: Reload) -> Option<Box<Config>> {
     let refused = match reload {
         Ok(next) => {
             let (now, then) = (&station.config.station, &next.station);
-            if now.state_dir == then.state_dir && now.id == then.id {
-                info!(event = "configuration-reloaded");
-                return Some(next);
+            let is_same_station = now.state_dir == then.state_dir && now.id == then.id;
+            let confinement = station.board.facts().confinement;
+            let is_confined = match confinement {
+                Some(found) => found.suffices(next.measure.confine),
+                None => next.measure.confine == Confine::WherePossible,
+            };
+            match (is_same_station, is_confined) {
+                (true, true) => {
+                    info!(event = "configuration-reloaded");
+                    return Some(next);
+                }
+                (false, _) => "station.id and station.state_dir change only by a restart",
+                (true, false) => {
+                    "measure.confine is \"required\", and this machine cannot confine: gaiter check \
+                     says what it lacks"
+                }
             }
-            "station.id and station.state_dir change only by a restart".to_owned()
+            .to_owned()
         }
         Err(faults) => faults,
     };
@@ -213,8 +260,8 @@ fn pulse() -> Duration {
 }
 
 /// The watchdog is fed while every worker turns, and by nothing else.
-fn feel_pulse(station: &Station, workers: &Workers) {
-    match workers.hung(station.now(), HUNG) {
+fn feel_pulse(workers: &Workers) {
+    match workers.hung(HUNG) {
         Some(worker) => error!(event = "worker-hangs", %worker),
         None => service::tell_alive(),
     }

@@ -11,12 +11,15 @@ use tokio::task::{Id, JoinError, JoinSet};
 use super::assembly::Station;
 use super::beat::Beat;
 use super::error::{StationError, Worker};
-use super::stop::Stop;
+use super::stop::{Stop, Stopper};
 use super::{booth, control, delivery, housekeeping, http, intake, orders, preview, trigger};
 
 /// The workers, their names and their beats.
 pub struct Workers {
     tasks: JoinSet<Result<(), JoinError>>,
+    /// Those who answer people and monitors: they go on until the others have ended.
+    doors: JoinSet<Result<(), JoinError>>,
+    doors_stopper: Stopper,
     names: BTreeMap<Id, Worker>,
     beats: Vec<(Worker, Beat)>,
 }
@@ -24,43 +27,52 @@ pub struct Workers {
 impl Workers {
     /// Starts the workers of a station. The receiver ends when every intake has looked once.
     pub fn start(station: &Arc<Station>, stop: &Stop) -> (Workers, mpsc::Receiver<()>) {
-        let tasks = JoinSet::new();
-        let mut workers = Workers { tasks, names: BTreeMap::new(), beats: Vec::new() };
+        let (doors_stopper, doors_stop) = Stopper::new();
+        let mut workers = Workers {
+            tasks: JoinSet::new(),
+            doors: JoinSet::new(),
+            doors_stopper,
+            names: BTreeMap::new(),
+            beats: Vec::new(),
+        };
         let (looked, first_looks) = mpsc::channel(1);
         for (folder, path) in station.config.scanner.export_dirs.iter().enumerate() {
             let (worker, stop) = (Worker::Intake { folder }, stop.clone());
-            let (beat, station) = (workers.beat(worker, station), Arc::clone(station));
+            let (beat, station) = (workers.beat(worker), Arc::clone(station));
             let task = intake::worker(station, folder, path.clone(), beat, stop, looked.clone());
             workers.spawn(worker, task);
         }
         if let Some(config) = station.config.patient.orders.clone() {
-            let beat = workers.beat(Worker::Orders, station);
+            let beat = workers.beat(Worker::Orders);
             let task = orders::worker(Arc::clone(station), config, beat, stop.clone());
             workers.spawn(Worker::Orders, task);
         }
-        let beat = workers.beat(Worker::Delivery, station);
+        let beat = workers.beat(Worker::Delivery);
         workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), beat, stop.clone()));
-        let beat = workers.beat(Worker::Preview, station);
+        let beat = workers.beat(Worker::Preview);
         workers.spawn(Worker::Preview, preview::worker(Arc::clone(station), beat, stop.clone()));
-        let beat = workers.beat(Worker::Housekeeping, station);
+        let beat = workers.beat(Worker::Housekeeping);
         let task = housekeeping::worker(Arc::clone(station), beat, stop.clone());
         workers.spawn(Worker::Housekeeping, task);
-        let beat = workers.beat(Worker::Booth, station);
+        let beat = workers.beat(Worker::Booth);
         workers.spawn(Worker::Booth, booth::worker(Arc::clone(station), beat, stop.clone()));
         for port in trigger::of_config(&station.config.trigger) {
             let worker = Worker::Trigger { port: port.name };
-            let beat = workers.beat(worker, station);
+            let beat = workers.beat(worker);
             workers.spawn(worker, trigger::worker(Arc::clone(station), port, beat, stop.clone()));
         }
         // These wait for people and monitors, and have no beat: nothing hangs on them.
-        workers.spawn(Worker::Http, http::worker(Arc::clone(station), stop.clone()));
-        workers.spawn(Worker::Control, control::worker(Arc::clone(station), stop.clone()));
+        let http = http::worker(Arc::clone(station), doors_stop.clone());
+        let id = workers.doors.spawn(http).id();
+        workers.names.insert(id, Worker::Http);
+        let control = control::worker(Arc::clone(station), doors_stop);
+        let id = workers.doors.spawn(control).id();
+        workers.names.insert(id, Worker::Control);
         (workers, first_looks)
     }
 
-    fn beat(&mut self, worker: Worker, station: &Station) -> Beat {
+    fn beat(&mut self, worker: Worker) -> Beat {
         let beat = Beat::default();
-        beat.beat(station.now());
         self.beats.push((worker, beat.clone()));
         beat
     }
@@ -75,14 +87,19 @@ impl Workers {
     }
 
     /// The worker whose last beat is older than it may be, if any.
-    pub fn hung(&self, now: Duration, most: Duration) -> Option<Worker> {
-        let hung = self.beats.iter().find(|(_, beat)| beat.age(now) > most);
+    pub fn hung(&self, most: Duration) -> Option<Worker> {
+        let hung = self.beats.iter().find(|(_, beat)| beat.age() > most);
         hung.map(|(worker, _)| *worker)
     }
 
     /// Ends when a worker does, although nobody asked it to.
     pub async fn one_ended(&mut self) -> StationError {
-        match self.tasks.join_next_with_id().await {
+        let ended = tokio::select! {
+            Some(ended) = self.tasks.join_next_with_id() => Some(ended),
+            Some(ended) = self.doors.join_next_with_id() => Some(ended),
+            else => None,
+        };
+        match ended {
             Some(ended) => {
                 let worker = self.who(&ended);
                 judge(worker, ended).err().unwrap_or(StationError::WorkerStopped { worker })
@@ -91,18 +108,29 @@ impl Workers {
         }
     }
 
-    /// Ends when all workers have ended, as they were asked to.
+    /// Ends when all workers have ended, as they were asked to, but for the doors.
     ///
     /// # Errors
     /// The first failure among them.
     pub async fn rest(&mut self) -> Result<(), StationError> {
         let mut rest = Ok(());
         while let Some(ended) = self.tasks.join_next_with_id().await {
-            let worker = self.who(&ended);
-            let ended = judge(worker, ended);
-            if rest.is_ok() {
-                rest = ended;
-            }
+            let ended = judge(self.who(&ended), ended);
+            rest = rest.and(ended);
+        }
+        rest
+    }
+
+    /// Closes the doors; ends when they are closed.
+    ///
+    /// # Errors
+    /// The first failure among them.
+    pub async fn close_doors(&mut self) -> Result<(), StationError> {
+        self.doors_stopper.request();
+        let mut rest = Ok(());
+        while let Some(ended) = self.doors.join_next_with_id().await {
+            let ended = judge(self.who(&ended), ended);
+            rest = rest.and(ended);
         }
         rest
     }

@@ -3,11 +3,12 @@
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::slice;
 use std::time::Duration;
 
-use gaiter::flow::capture::{Captures, Doubt, Named, NamedNext, Rules, Sights};
+use gaiter::flow::capture::{Captures, Doubt, Named, NamedNext, Rules};
 use gaiter::flow::identity::Identity;
-use gaiter::flow::settle::Memory;
+use gaiter::flow::settle::{Memory, Sights};
 use gaiter::flow::{Appeared, Settling};
 use gaiter::record::SourceKind;
 
@@ -270,7 +271,7 @@ impl Booth {
         let Some(run) = &mut self.run else { return };
         run.pass_at_ms = self.now_ms + PASS_MS;
         let mut after = run.captures.clone();
-        after.pass(now, &run.sights);
+        after.pass(now, slice::from_ref(&run.sights));
         if after != run.captures {
             let _ = change(self.setup.off, &mut self.disk, run, after);
         }

@@ -138,7 +138,7 @@ impl Disk {
     /// The machine was off: whatever a press had begun expires. Its clock had begun at `boot_ms`, and
     /// begins anew now.
     pub fn machine_was_off(&mut self, boot_ms: u64, now_ms: u64, late: Duration) {
-        for row in self.captures.values_mut().filter(|row| row.end.is_none()) {
+        for row in self.captures.values_mut().filter(|row| row.end != Some(End::Over)) {
             let opened_ms = boot_ms + row.capture.opened.as_millis() as u64;
             let at_ms = *row.at_ms.get_or_insert(opened_ms);
             let age = Duration::from_millis(now_ms.saturating_sub(at_ms));

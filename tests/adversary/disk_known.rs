@@ -44,7 +44,7 @@ impl Disk {
         whose
     }
 
-    /// As `Journal::measuring`.
+    /// As `Journal::captures_taken`.
     pub fn measuring(&self) -> Vec<Capture> {
         let is_open =
             |scan: Scan| self.scan(scan).is_some_and(|row| row.state != ScanState::Delivered);

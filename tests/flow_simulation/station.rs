@@ -87,7 +87,7 @@ impl Station {
             }
         }
         disk.booth.memory = self.settling.memory();
-        self.captures.pass(now, &self.settling.sights());
+        self.captures.pass(now, &[self.settling.sights()]);
         disk.booth.keep(&self.captures);
     }
 

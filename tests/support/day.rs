@@ -155,7 +155,8 @@ impl Day {
             Step::Press(_) => {
                 progress.presses = self.count("\"pressed\"");
                 let button = self.button.as_ref().expect("a button");
-                button.lock().unwrap_or_else(PoisonError::into_inner).sends(b"PRESS\r\n");
+                // On a dead line nobody hears it.
+                button.lock().unwrap_or_else(PoisonError::into_inner).pours(b"PRESS\r\n");
                 true
             }
             // The light shows that nobody has heard it: the scan was made all the same.

@@ -31,6 +31,11 @@ pub struct Disk {
 impl Disk {
     /// A new disk, mounted on a folder.
     pub fn new(at: PathBuf) -> Disk {
+        Disk::sized(at, BYTES)
+    }
+
+    /// A new disk of so many bytes, mounted on a folder.
+    pub fn sized(at: PathBuf, bytes: u64) -> Disk {
         // In memory where there is such a place: the host's disk has no part in what is tested.
         let memory = Path::new("/dev/shm");
         let images = match memory.is_dir() {
@@ -38,7 +43,7 @@ impl Disk {
             false => TempDir::new().unwrap(),
         };
         let image = images.path().join("disk");
-        File::create(&image).unwrap().set_len(BYTES).unwrap();
+        File::create(&image).unwrap().set_len(bytes).unwrap();
         must("mkfs.ext4", &["-q".as_ref(), "-F".as_ref(), image.as_path()]);
         let disk = Disk { _images: images, image, at };
         disk.mount();
@@ -68,6 +73,12 @@ impl Disk {
         Frozen(self.at.clone())
     }
 
+    /// Lets every call to it fail with EIO from now on, until it is unmounted; what was not synced is
+    /// gone.
+    pub fn fail(&self) {
+        fail(std::slice::from_ref(self));
+    }
+
     /// Makes all that is on it durable.
     pub fn sync(&self) {
         must("sync", &["-f".as_ref(), self.at.as_path()]);
@@ -90,12 +101,16 @@ impl Drop for Disk {
     }
 }
 
-/// Cuts the power of all disks, and gives it back.
-pub fn power_cut(disks: &[Disk]) {
+fn fail(disks: &[Disk]) {
     // Without its site modules Python starts in half the time.
     let cut = ["-I", "-S", "-c", CUT].map(Path::new);
     let folders = disks.iter().map(|disk| disk.at.as_path());
     must("python3", &cut.into_iter().chain(folders).collect::<Vec<_>>());
+}
+
+/// Cuts the power of all disks, and gives it back.
+pub fn power_cut(disks: &[Disk]) {
+    fail(disks);
     for disk in disks {
         disk.unmount();
         disk.mount();

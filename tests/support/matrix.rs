@@ -39,7 +39,7 @@ pub const DAY_HANDS: usize = 8;
 /// A day takes seconds, so only every so many-th of its calls is struck, or each where `GAITER_FAULTS` is
 /// "all".
 pub fn day_step() -> usize {
-    if strikes_all() { 1 } else { 3 }
+    if strikes_all() { 1 } else { 9 }
 }
 
 /// Whether `GAITER_FAULTS` asks for every strike that there is.

@@ -1,14 +1,20 @@
-"""A folder passed through FUSE as a network share: mock_share.py BACK MOUNT
+"""A folder passed through FUSE as a network share: mock_share.py BACK MOUNT FAULT
 
 A write into BACK is another machine's write: MOUNT gets no event of it. Stopped by SIGSTOP the
-share stalls, killed it is dead (ENOTCONN). Needs the Python package fusepy and libfuse 2.
+share stalls, killed it is dead (ENOTCONN). While there is a file FAULT, calls fail with the error
+that it names: EIO all of them, any other those that write. Needs the Python package fusepy and
+libfuse 2.
 """
 
 import errno
 import os
 import sys
 
-from fuse import FUSE, FuseOSError, Operations
+try:
+    # As Debian and Ubuntu call it.
+    from fusepy import FUSE, FuseOSError, Operations
+except ImportError:
+    from fuse import FUSE, FuseOSError, Operations
 
 ATTRIBUTES = (
     "st_atime", "st_blocks", "st_ctime", "st_gid", "st_ino", "st_mode", "st_mtime", "st_nlink",
@@ -16,15 +22,30 @@ ATTRIBUTES = (
 )
 SPACE = ("f_bavail", "f_bfree", "f_blocks", "f_bsize", "f_favail", "f_ffree", "f_files", "f_frsize",
          "f_namemax")
+WRITING = ("create", "write", "fsync", "fsyncdir", "truncate", "mkdir", "rmdir", "unlink", "rename",
+           "chmod", "chown", "utimens")
 
 
 class Share(Operations):
     """Every call goes to the same name in BACK; its errors come back as they are."""
 
-    def __init__(self, back):
+    def __init__(self, back, fault):
         self.back = back
+        self.fault = fault
+
+    def fail(self, operation):
+        """Raises the error that FAULT names for this operation, if it does."""
+        try:
+            with open(self.fault, encoding="ascii") as file:
+                error = file.read().strip()
+        except FileNotFoundError:
+            return
+        if error == "EIO" or operation in WRITING:
+            raise FuseOSError(getattr(errno, error))
 
     def __call__(self, operation, path, *arguments):
+        if operation not in ("init", "destroy", "release"):
+            self.fail(operation)
         path = None if path is None else self.back + path
         try:
             return getattr(self, operation)(path, *arguments)
@@ -109,5 +130,6 @@ class Share(Operations):
 
 
 if __name__ == "__main__":
-    FUSE(Share(os.path.abspath(sys.argv[1])), sys.argv[2], foreground=True, allow_other=True,
-         nothreads=True, use_ino=True, raw_fi=False)
+    BACK, MOUNT, FAULT = map(os.path.abspath, sys.argv[1:])
+    FUSE(Share(BACK, FAULT), MOUNT, foreground=True, allow_other=True, nothreads=True, use_ino=True,
+         raw_fi=False)

@@ -1,5 +1,6 @@
 //! A mock network share: a folder passed through FUSE, which can stall, die and be unmounted.
 
+#![allow(dead_code)] // Each test uses some of it.
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
 use std::fs;
@@ -17,6 +18,11 @@ const SERVER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/support/mock_sh
 
 /// Interpreters that may have fusepy: that of the path, and that of the distribution's package.
 const PYTHONS: [&str; 2] = ["python3", "/usr/bin/python3"];
+
+/// Whether there is fusepy, under either of its names.
+const IMPORT: &str = "try: import fusepy as fuse
+except ImportError: import fuse
+fuse.FUSE";
 
 /// A mounted mock share.
 pub struct Share {
@@ -38,6 +44,17 @@ impl Drop for Stall {
     }
 }
 
+/// A share whose calls fail; they work again when this ends.
+pub struct Failure {
+    fault: PathBuf,
+}
+
+impl Drop for Failure {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.fault);
+    }
+}
+
 impl Share {
     /// Mounts `back` on `mount`; both are made. None, with the reason on standard output, where
     /// this machine cannot.
@@ -55,7 +72,8 @@ impl Share {
     pub fn serve(&mut self) {
         assert!(self.server.is_none(), "the share is served already");
         let mut command = Command::new(self.python);
-        command.arg(SERVER).arg(&self.back).arg(&self.mount).stdin(Stdio::null());
+        command.arg(SERVER).arg(&self.back).arg(&self.mount).arg(self.fault());
+        command.stdin(Stdio::null());
         self.server = Some(command.spawn().unwrap());
         wait("the share", || is_mounted(&self.mount));
     }
@@ -76,6 +94,20 @@ impl Share {
         let server = Pid::from_child(self.server.as_ref().expect("a server"));
         kill_process(server, Signal::STOP).unwrap();
         Stall { server }
+    }
+
+    /// Where it stands with which error calls fail.
+    fn fault(&self) -> PathBuf {
+        self.back.with_extension("fault")
+    }
+
+    /// Calls fail with this error: `EIO` all of them, any other those that write.
+    pub fn fail(&self, error: &str) -> Failure {
+        let fault = self.fault();
+        let spare = fault.with_extension("spare");
+        fs::write(&spare, error).unwrap();
+        fs::rename(spare, &fault).unwrap();
+        Failure { fault }
     }
 
     /// The server dies: every call fails with ENOTCONN.
@@ -128,7 +160,7 @@ fn python() -> Option<&'static str> {
     }
     let can_serve = |python: &&str| {
         let mut command = Command::new(python);
-        command.args(["-c", "import fuse; fuse.FUSE"]).stderr(Stdio::null());
+        command.args(["-c", IMPORT]).stderr(Stdio::null());
         command.status().is_ok_and(|status| status.success())
     };
     let found = PYTHONS.into_iter().find(can_serve);

@@ -189,11 +189,17 @@ files = {files}
         self.note_put(name, bytes, PutKind::Whole, None);
     }
 
-    fn note_put(&self, name: &str, bytes: &[u8], kind: PutKind, left: Option<Left>) {
+    /// Notes that the scanner has removed or renamed a file of this name.
+    pub fn has_gone(&self, name: &str) {
         let mut puts = self.puts.lock().unwrap_or_else(PoisonError::into_inner);
-        for earlier in puts.iter_mut().filter(|earlier| earlier.name == name) {
-            earlier.left = None;
+        for put in puts.iter_mut().filter(|put| put.name == name) {
+            put.left = None;
         }
+    }
+
+    fn note_put(&self, name: &str, bytes: &[u8], kind: PutKind, left: Option<Left>) {
+        self.has_gone(name);
+        let mut puts = self.puts.lock().unwrap_or_else(PoisonError::into_inner);
         let (patient, sha256) = (invariants::patient_of(name), sha256(bytes));
         puts.push(Put { name: name.to_owned(), patient, sha256, kind, left });
     }

@@ -10,8 +10,10 @@ use serde::Serialize;
 use super::names;
 use crate::config::{Config, WatchConfig, nested};
 use crate::flow::FileSystem;
+use crate::flow::confinement::Confine;
 use crate::flow::mount::{Expected, MountGuard};
-use crate::station::file_system;
+use crate::station::error::chain;
+use crate::station::{file_system, measure};
 
 /// How a check went.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -115,6 +117,7 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     rows.push(local(state));
     rows.extend(linked_into_one_another(exports, state, store));
     rows.extend(slow_rescan(config));
+    rows.push(guards(config));
     if rustix::process::geteuid().is_root() {
         let detail = "checked as root, who may do more; check again as the station's own user";
         rows.push(Row::at("user", "root", Verdict::Warn, detail));
@@ -265,6 +268,22 @@ fn real(folder: &Path) -> Option<PathBuf> {
     let place = footing(folder).ok()?;
     let rest = folder.strip_prefix(place).ok()?;
     Some(fs::canonicalize(place).ok()?.join(rest))
+}
+
+/// What closes files, network and system calls to the processes that read what the scanner wrote.
+fn guards(config: &Config) -> Row {
+    let row = |verdict, detail| Row::at("confinement", "measure.confine", verdict, detail);
+    let lacking = match config.measure.confine {
+        Confine::WherePossible => Verdict::Warn,
+        Confine::Required => Verdict::Fail,
+    };
+    match measure::tried() {
+        Ok(found) => match found.missing() {
+            None => row(Verdict::Ok, format!("by {}", found.words())),
+            Some(missing) => row(lacking, format!("this machine's kernel has no {missing}")),
+        },
+        Err(fault) => row(Verdict::Fail, chain(&fault)),
+    }
 }
 
 /// Not wrong, but mostly the two values changed places.

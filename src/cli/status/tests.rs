@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::*;
 use crate::flow::account::Seen;
+use crate::flow::confinement::{Confinement, Enforced};
 use crate::flow::health::Complaint;
 use crate::station::control::protocol::{BoothStatus, StoreStatus, TriggerStatus};
 
@@ -30,6 +31,7 @@ fn status() -> Status {
         gaiter: "0.1.0".into(),
         pid: 77,
         started: at(-7200),
+        running_s: 7380,
         now: at(180),
         intake: "open".into(),
         oldest: Some(seen.clone()),
@@ -59,6 +61,7 @@ fn status() -> Status {
         },
         disk_free_bytes: Some(12_000_000_000),
         disk_bytes: Some(100_000_000_000),
+        confinement: Some(Confinement { landlock: Enforced::Fully, seccomp: true }),
         measured: 22,
         last_measurement_s: Some(2.13),
         alarms: BTreeMap::new(),

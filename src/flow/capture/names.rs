@@ -5,7 +5,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Capture, CaptureState, Captures, DOUBTS_MOST, Doubt, Named, NamedNext, Opener};
+use super::{
+    Capture, CaptureState, Captures, DOUBTS_MOST, Doubt, NAMES_MOST, Named, NamedNext, Opener,
+};
 use crate::flow::orders_when::OrdersWhen;
 use crate::flow::writing::Appeared;
 use crate::record::SourceKind;
@@ -294,6 +296,15 @@ impl Captures {
             }
         }
         Paired::Crossed
+    }
+
+    /// Whether so many patients wait that one more, of this id, tells nothing: an export could be anybody's.
+    pub fn is_crowded(&self, id: &str) -> bool {
+        let next = self.next.iter().flat_map(|next| &next.names).map(|said| said.named.id.as_str());
+        let awaited = self.waiting.iter().flat_map(Capture::named).map(|named| named.id.as_str());
+        let mut known = next.chain(awaited);
+        let count = self.waiting.len() + self.next.as_ref().map_or(0, |next| next.names.len());
+        count >= NAMES_MOST && !known.any(|known| known == id)
     }
 
     /// Takes the waiting names for a press.

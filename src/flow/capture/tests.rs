@@ -1,6 +1,7 @@
 //! Each line of the table above, and the ways time and people can cross them.
 
 use super::*;
+use crate::flow::settle::Sights;
 use crate::record::SourceKind;
 
 const SECOND: Duration = Duration::from_secs(1);
@@ -108,7 +109,7 @@ fn the_export_of_a_press_is_the_patients_who_was_named_before() {
     assert_eq!(captures.next(), None, "a name is used once");
     assert_eq!(patient_of(&export(&mut captures, seen(20))), Some("4711"));
     assert!(!captures.is_armed());
-    assert_eq!(captures.pass(at(10_000), &all_seen(10_000)), Passed::default());
+    assert_eq!(captures.pass(at(10_000), &[all_seen(10_000)]), Passed::default());
 }
 
 #[test]
@@ -204,13 +205,13 @@ fn a_late_export_does_not_pass_for_the_next_patients() {
     let mut captures = captures();
     captures.named(named("4711"), 1, at(0), &[]);
     captures.pressed(1, at(0));
-    captures.pass(at(61), &all_seen(61));
+    captures.pass(at(61), &[all_seen(61)]);
     captures.named(named("0815"), 2, at(70), &[]);
     captures.pressed(2, at(71));
     assert_eq!(code(&export(&mut captures, seen(75))), AMBIGUOUS);
     // Long after the first window nobody awaits that export any more.
     let mut captures = Captures::new(rules(), captures.waiting, None);
-    captures.pass(at(1000), &all_seen(1000));
+    captures.pass(at(1000), &[all_seen(1000)]);
     assert!(captures.waiting().is_empty());
 }
 
@@ -221,8 +222,8 @@ fn a_name_that_is_not_used_in_time_is_dropped_by_time_and_by_a_press() {
     captures.pressed(1, at(601));
     assert_eq!(captures.waiting()[0].patient, None);
     captures.named(named("4711"), 2, at(700), &[]);
-    assert!(!captures.pass(at(1300), &all_seen(1300)).name_expired);
-    assert!(captures.pass(at(1301), &all_seen(1301)).name_expired);
+    assert!(!captures.pass(at(1300), &[all_seen(1300)]).name_expired);
+    assert!(captures.pass(at(1301), &[all_seen(1301)]).name_expired);
 }
 
 #[test]
@@ -250,7 +251,7 @@ fn what_a_person_gave_up_is_awaited_no_more_and_the_next_capture_is_not_in_doubt
     assert_eq!(captures.call_off(), CalledOff { captures: vec![1], name: true });
     assert!(!captures.is_armed());
     assert_eq!(
-        captures.pass(at(61), &all_seen(61)),
+        captures.pass(at(61), &[all_seen(61)]),
         Passed::default(),
         "no alarm for what was given up"
     );
@@ -332,7 +333,7 @@ fn where_no_capture_names_a_patient_nothing_can_be_mistaken() {
     captures.pressed(2, at(10));
     let unclear = Appeared { absent: None, seen: at(11) };
     assert_eq!(export(&mut captures, unclear), Judged::Unpressed);
-    assert_eq!(captures.pass(at(71), &all_seen(71)).expired, [2]);
+    assert_eq!(captures.pass(at(71), &[all_seen(71)]).expired, [2]);
     assert_eq!(export(&mut captures, seen(80)), Judged::Unpressed);
 }
 

@@ -120,31 +120,6 @@ impl Capture {
     }
 }
 
-/// What the looks at an export folder, or at all of them, have found.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Sights {
-    /// What was there at this time is known; none before the first look.
-    pub looked: Option<Duration>,
-    /// When the files appeared that are not taken yet.
-    pub coming: Vec<Appeared>,
-    /// When the files appeared that have no scan's name: an export may be written under another one.
-    pub beside: Vec<Appeared>,
-}
-
-impl Sights {
-    /// Of all the folders together: what one has not shown is not known.
-    pub fn of_all(folders: impl IntoIterator<Item = Sights>) -> Sights {
-        let folders: Vec<Sights> = folders.into_iter().collect();
-        let looked = folders.iter().map(|folder| folder.looked).min().flatten();
-        let mut all = Sights { looked, ..Sights::default() };
-        for mut folder in folders {
-            all.coming.append(&mut folder.coming);
-            all.beside.append(&mut folder.beside);
-        }
-        all
-    }
-}
-
 /// What is known of the content of an export before it is judged.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Content {

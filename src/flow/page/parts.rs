@@ -6,7 +6,7 @@ use serde::Serialize;
 use super::words::{Both, say};
 use crate::flow::Facts;
 use crate::flow::facts::{SourceState, TriggerFacts};
-use crate::flow::health::{BLIP, age};
+use crate::flow::health::{BLIP, has_lasted};
 use crate::flow::trigger::PortState;
 use crate::record::Language;
 
@@ -38,7 +38,7 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
         let fault = facts.fault.as_ref();
         let (word, health) = match fault {
             None => (("takes records", "nimmt an"), "good"),
-            Some(_) if age(facts.since, now) < BLIP => {
+            Some(_) if !has_lasted(facts.since, now, BLIP) => {
                 (("is tried again", "neuer Versuch"), "wait")
             }
             Some(_) => (("takes nothing", "nimmt nichts an"), "bad"),
@@ -57,6 +57,9 @@ fn source_state(state: &SourceState) -> (Both, &'static str, Option<&String>) {
         SourceState::OutOfReach(why) => (("out of reach", "nicht erreichbar"), "bad", Some(why)),
         SourceState::NotMounted(why) => {
             (("not mounted", "Freigabe nicht eingehängt"), "bad", Some(why))
+        }
+        SourceState::Taken => {
+            (("another station has it", "wird von einer anderen Station bearbeitet"), "bad", None)
         }
         SourceState::Stalled => (("does not answer", "antwortet nicht"), "bad", None),
     }

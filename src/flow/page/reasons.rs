@@ -232,6 +232,13 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
                 "Prüfen, ob er verbunden ist und Platz hat. Es geht nichts verloren.",
             ),
         ),
+        "source-taken" => (
+            (
+                "Another station on this machine works the export folder.",
+                "Eine andere Station auf diesem Rechner bearbeitet den Exportordner.",
+            ),
+            TECHNICIAN,
+        ),
         "source-out-of-reach" | "source-not-mounted" | "source-stalled" => (
             (
                 "The scanner's export folder is out of reach.",
@@ -282,6 +289,20 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
             (
                 "Scans cannot be measured on this machine at the moment. None is lost.",
                 "Auf diesem Rechner lässt sich zurzeit nichts vermessen. Kein Scan geht verloren.",
+            ),
+            TECHNICIAN,
+        ),
+        "journal-refuses" => (
+            (
+                "The station's journal refuses what it should keep.",
+                "Das Journal der Station nimmt nichts an.",
+            ),
+            TECHNICIAN,
+        ),
+        "page-unavailable" => (
+            (
+                "Another program has the address of this page.",
+                "Ein anderes Programm belegt die Adresse dieser Seite.",
             ),
             TECHNICIAN,
         ),

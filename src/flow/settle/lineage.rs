@@ -4,7 +4,7 @@
 //! tells nothing of when its content was written, so what is known of it goes with the inode, also
 //! through names that are no scans.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -25,6 +25,18 @@ pub struct Passer {
     pub(super) is_unmarked: bool,
 }
 
+/// So long, and so many of those that went last, are known: a rename that falls into a look hides a file
+/// from it, a stale list of a share for longer.
+const DEPARTED_KEPT: Duration = Duration::from_secs(600);
+const DEPARTED_MOST: usize = 1000;
+
+/// A file that was not taken and is not to be seen under any name any more.
+#[derive(Debug)]
+pub(super) struct Departed {
+    file: Remembered,
+    since: Duration,
+}
+
 /// What was known of inodes before a look.
 pub(super) struct Lineages<'a> {
     known: BTreeMap<(u64, u64), (Stamp, &'a Writing)>,
@@ -35,10 +47,10 @@ impl<'a> Lineages<'a> {
     pub(super) fn of(
         files: &'a BTreeMap<PathBuf, Watched>,
         passers: &'a BTreeMap<PathBuf, Passer>,
-        remembered: &'a [Remembered],
+        remembered: impl Iterator<Item = &'a Remembered>,
     ) -> Lineages<'a> {
         let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
-        let remembered = remembered.iter().map(|file| (&file.stamp, &file.writing));
+        let remembered = remembered.map(|file| (&file.stamp, &file.writing));
         let passers = passers.values().map(|file| (&file.stamp, &file.writing));
         let watched = files.values().map(|file| (&file.group.stamp, &file.writing));
         let all = remembered.chain(passers).chain(watched);
@@ -82,7 +94,7 @@ impl Settling {
     /// Takes in the files of a look that are no scans, before [`Settling::observe`] takes in the
     /// scans.
     pub fn pass_over(&mut self, others: BTreeMap<PathBuf, Stamp>, when: LookTime) {
-        let lineages = Lineages::of(&self.files, &self.passers, &self.remembered);
+        let lineages = self.lineages();
         let appeared = Appeared { absent: self.last_look, seen: when.ended };
         let passers = others.into_iter().map(|(path, stamp)| {
             let before = self.passers.get(&path);
@@ -104,6 +116,33 @@ impl Settling {
             .extend(left.map(|(_, Passer { stamp, writing, .. })| Remembered { stamp, writing }));
     }
 
+    /// What is known of inodes. One that has departed may be another file's by now: where part of its
+    /// content was read, [`Settling::began`] compares that.
+    pub(super) fn lineages(&self) -> Lineages<'_> {
+        let departed = self.departed.iter().map(|departed| &departed.file);
+        let unread = departed.filter(|file| !file.writing.is_marked());
+        Lineages::of(&self.files, &self.passers, unread.chain(&self.remembered))
+    }
+
+    /// These files were not found by a look that ended now, nor were those that are still remembered.
+    pub(super) fn depart(&mut self, gone: BTreeMap<PathBuf, Watched>, now: Duration) {
+        let gone = gone.into_values().filter(|file| file.next != super::Next::Taken);
+        let gone = gone.map(|Watched { group, writing, .. }| {
+            let stamp = group.stamp;
+            Remembered { stamp, writing }
+        });
+        let inode = |stamp: &Stamp| (stamp.dev, stamp.ino);
+        let watched = self.files.values().map(|file| inode(&file.group.stamp));
+        let present: BTreeSet<(u64, u64)> =
+            watched.chain(self.passers.values().map(|file| inode(&file.stamp))).collect();
+        let gone = self.remembered.drain(..).chain(gone);
+        let gone = gone.filter(|file| !present.contains(&inode(&file.stamp)));
+        self.departed.extend(gone.map(|file| Departed { file, since: now }));
+        self.departed.retain(|departed| now <= departed.since + DEPARTED_KEPT);
+        let spare = self.departed.len().saturating_sub(DEPARTED_MOST);
+        self.departed.drain(..spare);
+    }
+
     /// When the content of a settled file began. Part of it may have been seen before in another file
     /// that is not taken: a copy, or an export that was begun anew, is no younger than that.
     pub fn began(&self, settled: &Settled, bytes: &[u8]) -> Appeared {
@@ -114,6 +153,7 @@ impl Settling {
             .filter(|(path, file)| **path != settled.path && file.next != super::Next::Taken);
         let others = files.map(|(_, file)| &file.writing);
         let others = others.chain(self.passers.values().map(|file| &file.writing));
+        let others = others.chain(self.departed.iter().map(|departed| &departed.file.writing));
         let seen = others.filter_map(|writing| writing.seen_in(bytes));
         seen.fold(own, |first, seen| if seen.seen < first.seen { seen } else { first })
     }

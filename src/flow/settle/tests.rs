@@ -4,6 +4,8 @@ use proptest::prelude::*;
 
 use super::*;
 
+mod departed;
+
 const QUIET: Duration = Duration::from_secs(2);
 const SHORT_WAIT: Duration = Duration::from_secs(30);
 const OVERDUE: Duration = Duration::from_secs(600);

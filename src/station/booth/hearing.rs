@@ -6,13 +6,13 @@ use serde_json::{Value, json};
 use tracing::{info, warn};
 
 use super::{Inner, NO_EXPORT};
-use crate::flow::ScanId;
 use crate::flow::booth::{Heard, Press};
-use crate::flow::capture::{Capture, Captures, Doubt, Named, NamedNext, Sights};
+use crate::flow::capture::{Capture, Captures, Doubt, Named, NamedNext};
 use crate::flow::facts::Alarm;
 use crate::flow::identity::ID_NOT_ALLOWED;
 use crate::flow::light::Outcome;
 use crate::flow::order_habit::{ORDERS_MOST, OrderCame};
+use crate::flow::{Appeared, ScanId};
 use crate::record::{Patient, SourceKind};
 use crate::station::assembly::Station;
 use crate::station::error::chain;
@@ -31,12 +31,6 @@ pub enum NameFault {
     /// The journal failed.
     #[error("the journal could not be written")]
     Journal(#[from] JournalError),
-}
-
-impl Inner {
-    fn sights(&self) -> Sights {
-        Sights::of_all(self.sights.iter().cloned())
-    }
 }
 
 impl Station {
@@ -70,6 +64,11 @@ impl Station {
             return self.unread(by);
         };
         let (mut inner, now) = (self.booth.inner(), self.now());
+        if inner.captures.is_crowded(&id) {
+            drop(inner);
+            warn!(event = "names-too-many");
+            return self.unread(by);
+        }
         let named = self.name(&mut inner, Named { id, by }, doubt);
         // A name that could not be kept was said all the same: the patient named before may have left.
         named.map(drop).inspect_err(|_| inner.captures.unread(now))
@@ -149,7 +148,9 @@ impl Station {
         doubt: Option<Doubt>,
     ) -> Result<NamedNext, JournalError> {
         let (now, by) = (self.now(), named.by);
-        let (number, Sights { coming, .. }) = (inner.next_number, inner.sights());
+        let number = inner.next_number;
+        let sights = self.booth.glance().sights.clone();
+        let coming: Vec<Appeared> = sights.into_iter().flat_map(|at| at.coming).collect();
         let mut after = inner.captures.clone();
         let came = match after.has_unnamed_press(now) {
             true => OrderCame::AfterPress,
@@ -198,7 +199,7 @@ impl Station {
     /// # Errors
     /// See [`JournalError`]; then it counts as being measured for a while longer.
     pub fn scan_measured(&self, scan: &ScanId) -> Result<(), JournalError> {
-        let answered = self.custody.journal().capture_answered_by(scan, self.booth.boot())?;
+        let answered = self.custody.journal().capture_answered_by(scan)?;
         let Some(Capture { number, .. }) = answered else { return Ok(()) };
         let mut inner = self.booth.inner();
         let closed = inner.captures.closed_by(number);
@@ -215,7 +216,7 @@ impl Station {
     /// See [`JournalError`]; then the capture stays answered.
     pub fn reopen_capture(&self, scan: &ScanId) -> Result<(), JournalError> {
         let mut inner = self.booth.inner();
-        let answered = self.custody.journal().capture_answered_by(scan, self.booth.boot())?;
+        let answered = self.custody.journal().capture_answered_by(scan)?;
         let Some(Capture { number, .. }) = answered else { return Ok(()) };
         let mut after = inner.captures.clone();
         if after.refused(number, self.now()).is_some() {
@@ -245,7 +246,7 @@ impl Station {
         Ok(any)
     }
 
-    /// The port of a button is open, or is not any more: presses may go unheard.
+    /// The port of a button is open, or is not any more: presses may go unheard. Blocks.
     pub fn port(&self, name: &'static str, is_open: bool) {
         let now = self.now();
         let mut inner = self.booth.inner();
@@ -264,7 +265,7 @@ impl Station {
         let now = self.now();
         let mut inner = self.booth.inner();
         let mut after = inner.captures.clone();
-        let passed = after.pass(now, &inner.sights());
+        let passed = after.pass(now, &self.booth.glance().sights);
         if !inner.missed && after.is_armed() {
             self.clear_missed();
         }

@@ -153,7 +153,7 @@ fn ordered(station: &Station, bytes: &[u8]) -> Result<Answer, Fault> {
 }
 
 fn status(station: &Station) -> Status {
-    let Overview { facts, tally, disk, complaints, now } = Overview::take(station);
+    let Overview { facts, tally, disk, complaints, running, now } = Overview::take(station);
     let intake = match facts.intake {
         IntakeState::Open => "open",
         IntakeState::Paused => "paused",
@@ -179,9 +179,10 @@ fn status(station: &Station) -> Status {
         gaiter: env!("CARGO_PKG_VERSION").to_owned(),
         pid: std::process::id(),
         started: facts.started,
+        running_s: running.as_secs(),
         now,
         intake: intake.to_owned(),
-        oldest_age_s: oldest.as_ref().map(|seen| age(seen.first_seen, now).as_secs()),
+        oldest_age_s: oldest.as_ref().and_then(|seen| Some(age(seen.first_seen, now)?.as_secs())),
         oldest,
         last,
         scans,
@@ -191,6 +192,7 @@ fn status(station: &Station) -> Status {
         booth: station.booth.state(station.now()).into(),
         disk_free_bytes: disk.map(|disk| disk.free),
         disk_bytes: disk.map(|disk| disk.size),
+        confinement: facts.confinement,
         measured: facts.measured,
         last_measurement_s: facts.last_measurement_s,
         alarms: alarms.map(|(code, alarm)| ((*code).to_owned(), alarm.into())).collect(),

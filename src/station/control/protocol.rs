@@ -7,6 +7,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::flow::account::{Filter, Listed, Seen, Whole};
+use crate::flow::confinement::Confinement;
 use crate::flow::facts::{Alarm, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use crate::flow::health::Complaint;
 use crate::station::booth::BoothState;
@@ -161,13 +162,15 @@ pub struct Status {
     pub pid: u32,
     /// When it began.
     pub started: Timestamp,
+    /// For how long it has been running, s.
+    pub running_s: u64,
     /// The moment of this answer.
     pub now: Timestamp,
     /// Whether scans are taken in: `open`, `paused` or `disk_low`.
     pub intake: String,
     /// The scan that has waited longest for its record.
     pub oldest: Option<Seen>,
-    /// How long, s.
+    /// How long, s; none where that is not known, for the clock was set back.
     pub oldest_age_s: Option<u64>,
     /// The scan seen last.
     pub last: Option<Seen>,
@@ -186,6 +189,8 @@ pub struct Status {
     pub disk_free_bytes: Option<u64>,
     /// Size of that disk, bytes.
     pub disk_bytes: Option<u64>,
+    /// The guards around measuring processes; none where they could not be tried.
+    pub confinement: Option<Confinement>,
     /// Scans measured in this run.
     pub measured: u64,
     /// How long the last measurement took, s.
@@ -314,6 +319,7 @@ pub fn state_words(state: &SourceState) -> (&'static str, Option<&String>) {
         SourceState::Watched => ("watched", None),
         SourceState::OutOfReach(why) => ("out_of_reach", Some(why)),
         SourceState::NotMounted(why) => ("not_mounted", Some(why)),
+        SourceState::Taken => ("taken", None),
         SourceState::Stalled => ("stalled", None),
     }
 }

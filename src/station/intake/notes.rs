@@ -56,14 +56,19 @@ impl Notes {
         warn!(event = "intake-failed", export_dir = self.place, error = chain(fault));
     }
 
-    /// Takes in what a look found, and judges whether to believe it.
+    /// Takes in what a look found, and judges whether to believe it; none where the folder is another
+    /// station's.
     pub(super) fn found(
         &mut self,
-        found: io::Result<Found>,
+        found: io::Result<Option<Found>>,
         guard: &mut MountGuard,
     ) -> (Look, BTreeMap<PathBuf, Stamp>) {
         let found = match found {
-            Ok(found) => found,
+            Ok(Some(found)) => found,
+            Ok(None) => {
+                self.state(SourceState::Taken);
+                return (Look::OutOfReach, BTreeMap::new());
+            }
             Err(error) => {
                 self.state(SourceState::OutOfReach(error.to_string()));
                 return (Look::OutOfReach, BTreeMap::new());
@@ -107,6 +112,7 @@ impl Notes {
                 warn!(event = "export-dir-not-mounted", export_dir, why);
             }
             SourceState::Stalled => warn!(event = "export-dir-stalled", export_dir),
+            SourceState::Taken => warn!(event = "export-dir-taken", export_dir),
             SourceState::Watched if before != SourceState::NotLooked => {
                 info!(event = "export-dir-in-reach", export_dir);
             }

@@ -118,40 +118,36 @@ impl Journal {
         Ok(found)
     }
 
-    /// The capture that a scan answered, if the machine has not been started since.
+    /// The capture that a scan answered.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn capture_answered_by(
-        &self,
-        scan: &ScanId,
-        boot: &str,
-    ) -> Result<Option<Capture>, JournalError> {
+    pub fn capture_answered_by(&self, scan: &ScanId) -> Result<Option<Capture>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(&format!(
-            "SELECT {CELLS} FROM captures WHERE scan = ?1 AND state IN {TAKEN} AND boot = ?2"
+            "SELECT {CELLS} FROM captures WHERE scan = ?1 AND state IN {TAKEN}"
         ))?;
-        let mut rows = query.query([scan.as_str(), boot])?;
+        let mut rows = query.query([scan.as_str()])?;
         rows.next()?.map(|row| Ok(read(row)?.capture)).transpose()
     }
 
     /// The captures whose scans are to be measured, are held, or were refused without their being opened
-    /// again, if the machine has not been started since.
+    /// again.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn measuring(&self, boot: &str) -> Result<Vec<Capture>, JournalError> {
+    pub fn captures_taken(&self) -> Result<Vec<CaptureRow>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(&format!(
-            "SELECT {CELLS} FROM captures WHERE state IN {TAKEN} AND boot = ?1
-             AND (state = '{HELD}' OR scan IN (SELECT sha256 FROM scans WHERE state IN (?2, ?3)))
+            "SELECT {CELLS} FROM captures WHERE state IN {TAKEN}
+             AND (state = '{HELD}' OR scan IN (SELECT sha256 FROM scans WHERE state IN (?1, ?2)))
              ORDER BY number"
         ))?;
         let (spooled, refused) = (ScanState::Spooled.word(), ScanState::Refused.word());
-        let mut rows = query.query([boot, spooled, refused])?;
+        let mut rows = query.query([spooled, refused])?;
         let mut found = Vec::new();
         while let Some(row) = rows.next()? {
-            found.push(read(row)?.capture);
+            found.push(read(row)?);
         }
         Ok(found)
     }
@@ -317,8 +313,8 @@ fn save(transaction: &Transaction<'_>, capture: &Capture, boot: &str) -> Result<
                                candidates, refused, doubt, seal)
          VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13)
          ON CONFLICT (number) DO UPDATE
-         SET boot = ?3, opened_ms = ?4, until_ms = ?5, patient = ?7, source = ?8, state = ?9, candidates = ?10, refused = ?11,
-             doubt = ?12, seal = ?13, scan = ''",
+         SET boot = ?3, opened_ms = ?4, until_ms = ?5, patient = ?7, source = ?8, state = ?9,
+             candidates = ?10, refused = ?11, doubt = ?12, seal = ?13, scan = ''",
         params![
             capture.number,
             Timestamp::now().to_string(),

@@ -3,7 +3,8 @@
 use rusqlite::OptionalExtension;
 use serde_json::json;
 
-use super::{Event, Journal, JournalError, history};
+use super::{Event, Journal, JournalError, cell, history};
+use crate::flow::trusted_time::TrustedTime;
 
 /// Whether a person has paused the station; its value is the time.
 const PAUSED: &str = "paused";
@@ -14,7 +15,29 @@ const TO_SEARCH: &str = "to-search:";
 /// Where each store was begun: there it must be found marked from then on.
 const BEGUN: &str = "begun:";
 
+/// What the clocks were last, and how far the one on the wall is believed.
+const TIME: &str = "time";
+
 impl Journal {
+    /// How far the clock on the wall was believed last.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn trusted_time(&self) -> Result<TrustedTime, JournalError> {
+        match self.fact(TIME)? {
+            Some(text) => cell("value", text, |text| serde_json::from_str(text).ok()),
+            None => Ok(TrustedTime::default()),
+        }
+    }
+
+    /// Keeps how far the clock on the wall is believed.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    pub fn keep_time(&self, time: &TrustedTime) -> Result<(), JournalError> {
+        self.set_fact(TIME, &json!(time).to_string())
+    }
+
     /// Whether a person has paused the station.
     ///
     /// # Errors
@@ -91,10 +114,14 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`].
     pub fn begun(&self, store: &str, place: &str) -> Result<(), JournalError> {
+        self.set_fact(&format!("{BEGUN}{store}"), place)
+    }
+
+    fn set_fact(&self, name: &str, value: &str) -> Result<(), JournalError> {
         self.connection().execute(
             "INSERT INTO meta (name, value) VALUES (?1, ?2)
              ON CONFLICT (name) DO UPDATE SET value = excluded.value",
-            [&format!("{BEGUN}{store}"), place],
+            [name, value],
         )?;
         Ok(())
     }

@@ -7,8 +7,10 @@
 
 mod acts;
 mod captures;
+mod check;
 mod decided;
 mod deliveries;
+mod error;
 mod found;
 mod history;
 mod listing;
@@ -34,10 +36,10 @@ use std::time::Duration;
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 use tracing::warn;
 
-use crate::flow::IllegalStep;
 use crate::store::durable;
 pub use captures::{BoothChange, CaptureRow};
 pub use deliveries::{Due, Task};
+pub use error::JournalError;
 pub use found::FoundThere;
 use history::HeadFile;
 pub use history::{Event, HistoryRow};
@@ -60,126 +62,6 @@ pub struct Journal {
     path: PathBuf,
     /// The file that was opened: a journal that is removed lives on unseen while it is open.
     file: durable::FileId,
-}
-
-/// Why the journal cannot be used.
-#[derive(Debug, thiserror::Error)]
-pub enum JournalError {
-    /// SQLite failed.
-    #[error("the journal failed")]
-    Sqlite(#[from] rusqlite::Error),
-    /// The journal's folder could not be synced.
-    #[error("syncing the folder of the journal {path} failed")]
-    Folder {
-        /// The journal.
-        path: PathBuf,
-        /// How it failed.
-        #[source]
-        source: std::io::Error,
-    },
-    /// A setting that durability needs was not taken.
-    #[error("the journal keeps {setting} = {found}, it must be {wanted}")]
-    Setting {
-        /// The pragma.
-        setting: &'static str,
-        /// What was read back.
-        found: String,
-        /// What was set.
-        wanted: &'static str,
-    },
-    /// The journal was written by another version of gaiter.
-    #[error("the journal has schema {found}, this gaiter knows {known}")]
-    Schema {
-        /// Schema of the file.
-        found: i64,
-        /// Ours.
-        known: i64,
-    },
-    /// A cell holds what we never write.
-    #[error("the journal's column {column} holds {found:?}")]
-    Cell {
-        /// Column.
-        column: &'static str,
-        /// Its content.
-        found: String,
-    },
-    /// Pages of the file contradict each other.
-    #[error("the journal is damaged: {found}")]
-    Damaged {
-        /// What SQLite found.
-        found: String,
-    },
-    /// A row is not the one that was written.
-    #[error("a row of the journal's table {table} does not match its seal")]
-    Seal {
-        /// The table.
-        table: &'static str,
-    },
-    /// The history has been changed or damaged.
-    #[error("the journal's history is broken at its row {seq}")]
-    Chain {
-        /// The row.
-        seq: i64,
-    },
-    /// The journal lacks what was committed to it.
-    #[error("the journal is an older copy: its history ends before row {head}")]
-    Behind {
-        /// The newest row that was committed.
-        head: i64,
-    },
-    /// The file is not under its name any more.
-    #[error("the journal was removed or replaced while it was in use")]
-    Gone,
-    /// The head of the history could not be read or written.
-    #[error("the file beside the journal that repeats the head of its history failed")]
-    Head(#[source] io::Error),
-    /// A step that a state does not allow.
-    #[error(transparent)]
-    Step(#[from] IllegalStep),
-    /// A row that must be there is not.
-    #[error("the journal does not know this {what}")]
-    Unknown {
-        /// What kind of row.
-        what: &'static str,
-    },
-}
-
-impl JournalError {
-    /// Whether the journal is not to be relied upon any more and must be rebuilt. What may pass, a
-    /// full disk or another version of gaiter, is no ruin.
-    pub fn is_ruin(&self) -> bool {
-        use rusqlite::ErrorCode::{ConstraintViolation, DatabaseCorrupt, NotADatabase};
-        match self {
-            JournalError::Sqlite(error) => {
-                let typed = matches!(
-                    error,
-                    rusqlite::Error::InvalidColumnType(..)
-                        | rusqlite::Error::FromSqlConversionFailure(..)
-                        | rusqlite::Error::IntegralValueOutOfRange(..)
-                        | rusqlite::Error::Utf8Error(..)
-                        | rusqlite::Error::SqlInputError { .. }
-                );
-                let code = error.sqlite_error_code();
-                typed
-                    // We write nothing that contradicts what we have read: an index hid a row.
-                    || matches!(code, Some(DatabaseCorrupt | NotADatabase | ConstraintViolation))
-                    // A table or column that is not there: the schema's own page is damaged.
-                    || code == Some(rusqlite::ErrorCode::Unknown)
-            }
-            JournalError::Cell { .. }
-            | JournalError::Damaged { .. }
-            | JournalError::Seal { .. }
-            | JournalError::Chain { .. }
-            | JournalError::Behind { .. }
-            | JournalError::Gone => true,
-            JournalError::Folder { .. }
-            | JournalError::Setting { .. }
-            | JournalError::Schema { .. }
-            | JournalError::Head(_)
-            | JournalError::Step(_)
-            | JournalError::Unknown { .. } => false,
-        }
-    }
 }
 
 /// The mode of a file that is this user's alone.
@@ -213,22 +95,29 @@ impl Journal {
         connection.busy_timeout(BUSY)?;
         set_durable(&connection)?;
         connection.pragma_update(None, "foreign_keys", true)?;
-        whole(&connection)?;
+        check::pages(&connection)?;
         let head = HeadFile::open(path).map_err(JournalError::Head)?;
         schema::establish(&mut connection)?;
-        seal::check_all(&connection)?;
-        history::check(&connection)?;
-        if let Some(head) = head.read().map_err(JournalError::Head)?
-            && history::is_behind(&connection, &head)?
-        {
-            return Err(JournalError::Behind { head: head.seq });
-        }
+        check::rows(&connection)?;
+        check::head(&connection, &head)?;
         // The names of the journal and of its write-ahead log, which exists since the first read.
         let folder = |source| JournalError::Folder { path: path.to_owned(), source };
         durable::sync_folder(path.parent().unwrap_or(Path::new("."))).map_err(folder)?;
         let file = durable::FileId::of(path).map_err(folder)?;
         let path = path.to_owned();
         Ok(Journal { connection: Mutex::new(connection), head, path, file })
+    }
+
+    /// Checks all of the open journal, as [`Journal::open`] does.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn check(&self) -> Result<(), JournalError> {
+        let connection = self.connection();
+        check::pages(&connection)?;
+        schema::check(&connection, schema::KNOWN)?;
+        check::rows(&connection)?;
+        check::head(&connection, &self.head)
     }
 
     /// Whether the open journal is still the file of its name.
@@ -276,13 +165,6 @@ impl Journal {
         }
         Ok(done)
     }
-}
-
-/// SQLite's own look at every page, and whether each index says what its table says: a row that an
-/// index hides is neither found nor delivered, which the quick check does not see.
-fn whole(connection: &Connection) -> Result<(), JournalError> {
-    let found: String = connection.query_row("PRAGMA integrity_check(1)", [], |row| row.get(0))?;
-    if found == "ok" { Ok(()) } else { Err(JournalError::Damaged { found }) }
 }
 
 fn set_durable(connection: &Connection) -> Result<(), JournalError> {

@@ -1,5 +1,7 @@
 //! The journal's tables, and the way from older ones to them.
 
+use std::collections::BTreeMap;
+
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
 use super::{JournalError, captures, history, seal};
@@ -139,12 +141,16 @@ CREATE TABLE orders (
 ) STRICT;
 ";
 
+/// The tables of the present schema.
+pub(super) const TABLES: [&str; 8] =
+    ["scans", "deliveries", "sightings", "meta", "history", "captures", "looks", "orders"];
+
 /// Makes the tables in a new journal, and brings an older one to our schema.
 pub fn establish(connection: &mut Connection) -> Result<(), JournalError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     let found: i64 = transaction.pragma_query_value(None, "user_version", |row| row.get(0))?;
-    let done = usize::try_from(found).ok().filter(|done| *done <= STEPS.len());
-    let Some(done) = done else { return Err(JournalError::Schema { found, known: KNOWN }) };
+    let done = steps_of(found)?;
+    check(&transaction, found)?;
     for step in &STEPS[done..] {
         step(&transaction)?;
     }
@@ -154,4 +160,44 @@ pub fn establish(connection: &mut Connection) -> Result<(), JournalError> {
         history::append(&transaction, None, history::Event::Schema, &detail)?;
     }
     Ok(transaction.commit()?)
+}
+
+/// How many steps have led to a schema.
+fn steps_of(found: i64) -> Result<usize, JournalError> {
+    let done = usize::try_from(found).ok().filter(|done| *done <= STEPS.len());
+    done.ok_or(JournalError::Schema { found, known: KNOWN })
+}
+
+/// Checks that a journal has the tables, indexes and triggers of this schema, as its steps make them.
+/// What somebody has added is no damage, unless a later schema would make it.
+pub(super) fn check(connection: &Connection, schema: i64) -> Result<(), JournalError> {
+    let (found, wanted, known) = (objects(connection)?, pattern(schema)?, pattern(KNOWN)?);
+    for name in known.keys().chain(wanted.keys()) {
+        if found.get(name) != wanted.get(name) {
+            let found = format!("{name} is not as schema {schema} has it");
+            return Err(JournalError::Damaged { found });
+        }
+    }
+    Ok(())
+}
+
+/// The objects of a schema.
+fn pattern(schema: i64) -> Result<BTreeMap<String, String>, JournalError> {
+    let mut connection = Connection::open_in_memory()?;
+    let transaction = connection.transaction()?;
+    for step in &STEPS[..steps_of(schema)?] {
+        step(&transaction)?;
+    }
+    objects(&transaction)
+}
+
+/// What a schema consists of: how each object is made, by its name. Blanks do not count.
+fn objects(connection: &Connection) -> Result<BTreeMap<String, String>, JournalError> {
+    let mut query =
+        connection.prepare("SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL")?;
+    let rows = query.query_map([], |row| {
+        let sql: String = row.get(1)?;
+        Ok((row.get(0)?, sql.split_whitespace().collect()))
+    })?;
+    Ok(rows.collect::<rusqlite::Result<_>>()?)
 }

@@ -7,6 +7,10 @@ use crate::flow::capture::Judged;
 use crate::flow::{DeliveryState, ScanId, ScanState, Stamp};
 use crate::record::{Patient, Source, SourceKind};
 
+mod ruin;
+
+use ruin::edit;
+
 fn journal() -> (tempfile::TempDir, Journal) {
     let dir = tempfile::tempdir().unwrap();
     let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
@@ -174,62 +178,6 @@ fn used() -> (tempfile::TempDir, std::path::PathBuf) {
     (dir, path)
 }
 
-/// What changes the file behind the station's back.
-fn edit(path: &Path, sql: &str) {
-    Connection::open(path).unwrap().execute_batch(sql).unwrap();
-}
-
-#[test]
-fn a_digit_of_a_patient_s_id_that_has_become_another_is_noticed() {
-    let (_dir, path) = used();
-    edit(&path, "UPDATE deliveries SET patient = '4712' WHERE rowid = 3");
-    let error = Journal::open(&path).unwrap_err();
-    assert!(matches!(error, JournalError::Seal { table: "deliveries" }) && error.is_ruin());
-}
-
-#[test]
-fn a_time_of_first_sight_that_has_changed_is_noticed() {
-    let (_dir, path) = used();
-    edit(&path, "UPDATE scans SET first_seen = '2026-11-21T09:15:01Z' WHERE rowid = 2");
-    assert!(Journal::open(&path).unwrap_err().is_ruin());
-}
-
-#[test]
-fn a_history_that_was_changed_is_noticed() {
-    for sql in [
-        "DROP TRIGGER history_is_not_changed; UPDATE history SET event = 'refused' WHERE seq = 3",
-        "DROP TRIGGER history_is_not_cut; DELETE FROM history WHERE seq = 4",
-        "DROP TRIGGER history_is_not_changed; UPDATE history SET detail = '{}' WHERE seq = 1",
-    ] {
-        let (_dir, path) = used();
-        edit(&path, sql);
-        let error = Journal::open(&path).unwrap_err();
-        assert!(matches!(error, JournalError::Chain { .. }) && error.is_ruin(), "{sql}");
-    }
-}
-
-#[test]
-fn nobody_changes_the_history_by_mistake() {
-    let (_dir, path) = used();
-    let connection = Connection::open(&path).unwrap();
-    for sql in ["UPDATE history SET event = 'x'", "DELETE FROM history"] {
-        assert!(connection.execute(sql, []).is_err(), "{sql}");
-    }
-}
-
-#[test]
-fn an_older_copy_of_the_journal_is_told_from_the_present_one() {
-    let (dir, path) = used();
-    let copy = dir.path().join("copy");
-    std::fs::copy(&path, &copy).unwrap();
-    let journal = Journal::open(&path).unwrap();
-    enter(&journal, &row('7'), None, DeliveryState::Pending);
-    drop(journal);
-    std::fs::copy(&copy, &path).unwrap();
-    let error = Journal::open(&path).unwrap_err();
-    assert!(matches!(error, JournalError::Behind { .. }) && error.is_ruin(), "{error}");
-}
-
 #[test]
 fn an_older_journal_is_brought_to_this_schema_with_what_it_knows() {
     let dir = tempfile::tempdir().unwrap();
@@ -291,31 +239,6 @@ fn a_file_is_forgotten_when_it_is_gone_and_its_scan_is_forgotten_and_not_before(
     let known: Vec<&str> = paths.iter().map(String::as_str).filter(is_known).collect();
     assert_eq!(known, ["/export/known.obj", "/export/there.obj", "/export/inner/forgotten.obj"]);
     assert!(is_known(&"/exports/forgotten.obj"));
-}
-
-#[test]
-fn a_flipped_bit_in_any_row_or_index_that_names_a_scan_is_ruin() {
-    let (dir, journal) = journal();
-    for digit in ['a', 'b', 'c'] {
-        enter(&journal, &row(digit), Some("4711"), DeliveryState::Pending);
-    }
-    drop(journal);
-    let path = dir.path().join("journal.db");
-    let sound = std::fs::read(&path).unwrap();
-    let name = row('b').scan.to_string().into_bytes();
-    let names = sound.windows(name.len()).enumerate().filter(|(_, found)| *found == name);
-    let places: Vec<usize> = names.map(|(at, _)| at).collect();
-    // Two tables, the index of each key, and the history.
-    assert!(places.len() >= 5, "{places:?}");
-    for at in places {
-        let mut flipped = sound.clone();
-        flipped[at + 7] ^= 1;
-        std::fs::write(&path, flipped).unwrap();
-        let opened = Journal::open(&path);
-        assert!(opened.as_ref().is_err_and(JournalError::is_ruin), "at {at}: {opened:?}");
-    }
-    std::fs::write(&path, sound).unwrap();
-    Journal::open(&path).unwrap();
 }
 
 #[test]

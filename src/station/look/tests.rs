@@ -118,3 +118,23 @@ fn a_look_tells_what_the_folder_lies_on() {
     assert!(!mounted_at(dir.path()));
     assert!(!mounted_at(&dir.path().join("nowhere")));
 }
+
+#[test]
+fn of_many_files_that_are_no_scans_those_that_changed_last_are_followed() {
+    let dir = tempfile::tempdir().unwrap();
+    let old = fs::FileTimes::new().set_modified(std::time::UNIX_EPOCH);
+    for n in 0..2 * PASSERS_MAX {
+        let file = fs::File::create(dir.path().join(format!("{n}.jpg"))).unwrap();
+        file.set_times(old).unwrap();
+    }
+    fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
+    // Until the clock of stamps has gone on, nothing can tell which is the newest.
+    let stamp_of = |name: &str| stamp(&fs::metadata(dir.path().join(name)).unwrap());
+    let last = (0..2 * PASSERS_MAX).map(|n| stamp_of(&format!("{n}.jpg")).ctime_ns).max();
+    while Some(stamp_of("now.tmp").ctime_ns) <= last {
+        fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
+    }
+    let found = looked(dir.path(), &config());
+    assert_eq!(found.passers.len(), PASSERS_MAX);
+    assert!(found.passers.contains_key(&dir.path().join("now.tmp")));
+}

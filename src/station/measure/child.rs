@@ -23,7 +23,7 @@ use crate::store::sums;
 pub fn serve(hash: &str, input: impl Read, output: impl Write) -> io::Result<()> {
     let mut input = BufReader::new(input);
     let job = Job::read(&mut input)?;
-    confine(&job.limits).map_err(|fault| io::Error::other(chain(&fault)))?;
+    confine(&job.limits, job.confine).map_err(|fault| io::Error::other(chain(&fault)))?;
     // After it was confined, so that its threads are too.
     let pool = rayon::ThreadPoolBuilder::new().num_threads(job.threads.max(1));
     let pool = pool.build().map_err(io::Error::other)?;

@@ -1,14 +1,19 @@
 //! What a measuring process gives up before it reads what the scanner wrote.
 
 use std::collections::BTreeMap;
+use std::thread;
 
 use landlock::{
-    ABI, Access, AccessFs, AccessNet, CompatLevel, Compatible, Ruleset, RulesetAttr, Scope,
+    ABI, Access, AccessFs, AccessNet, CompatLevel, Compatible, Ruleset, RulesetAttr, RulesetStatus,
+    Scope,
 };
-use rustix::process::{Resource, Rlimit, Signal, set_parent_process_death_signal, setrlimit};
+use rustix::process::{
+    Resource, Rlimit, Signal, getrlimit, set_parent_process_death_signal, setrlimit,
+};
 use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch};
 
 use super::Limits;
+use crate::flow::confinement::{Confine, Confinement, Enforced};
 
 /// The newest landlock interface whose rights are given up; older kernels give up what they know.
 const NEWEST: ABI = ABI::V6;
@@ -28,6 +33,18 @@ pub enum ConfineFault {
     /// The filter of system calls could not be made or set.
     #[error("seccomp could not be set")]
     Seccomp(#[from] seccompiler::Error),
+    /// The kernel lacks a guard that the configuration requires.
+    #[error("the kernel has no {missing}, and measure.confine requires it")]
+    Lacking {
+        /// What it lacks.
+        missing: &'static str,
+    },
+    /// It could not be tried.
+    #[error("the guards of this machine could not be tried")]
+    NotTried(#[from] std::io::Error),
+    /// Trying them panicked.
+    #[error("trying the guards of this machine panicked")]
+    Panicked,
 }
 
 /// The system calls of a process that computes: memory, threads, time, and what is open already.
@@ -87,17 +104,46 @@ const ALLOWED: [i64; 49] = [
 /// Confines the process; to be called while it has one thread, for threads begun later inherit it.
 ///
 /// # Errors
-/// See [`ConfineFault`]. A kernel that knows no landlock or no seccomp is none.
-pub fn confine(limits: &Limits) -> Result<(), ConfineFault> {
+/// See [`ConfineFault`]. A kernel that knows no landlock or no seccomp is one only where confinement is
+/// required.
+pub fn confine(limits: &Limits, confine: Confine) -> Result<(), ConfineFault> {
     // The station waits for this process and nobody else does.
     set_parent_process_death_signal(Some(Signal::KILL))?;
+    // The unit's limit on the station is not this process's.
+    let data = getrlimit(Resource::Data).maximum;
+    setrlimit(Resource::Data, Rlimit { current: data, maximum: data })?;
     limit(Resource::As, limits.memory_bytes, 0)?;
     limit(Resource::Cpu, limits.cpu.as_secs().max(1), CPU_LEEWAY_S)?;
     // A core holds a patient's body.
     limit(Resource::Core, 0, 0)?;
     limit(Resource::Fsize, 0, 0)?;
-    no_files_no_network()?;
-    no_other_calls()
+    guarded().and_then(|found| enough(found, confine))
+}
+
+/// What a measuring process on this machine is confined by, tried on a thread that ends with it.
+///
+/// # Errors
+/// See [`ConfineFault`]: a measuring process could not be confined either.
+pub fn tried() -> Result<Confinement, ConfineFault> {
+    let thread = thread::Builder::new().name("guards".to_owned()).spawn(guarded)?;
+    thread.join().map_err(|_| ConfineFault::Panicked)?
+}
+
+/// Whether these guards are enough.
+///
+/// # Errors
+/// [`ConfineFault::Lacking`] where they are not.
+pub fn enough(found: Confinement, confine: Confine) -> Result<(), ConfineFault> {
+    match found.missing() {
+        Some(missing) if !found.suffices(confine) => Err(ConfineFault::Lacking { missing }),
+        _ => Ok(()),
+    }
+}
+
+/// Gives up what the guards of this machine govern, for this thread and those it begins.
+fn guarded() -> Result<Confinement, ConfineFault> {
+    let landlock = no_files_no_network()?;
+    Ok(Confinement { landlock, seccomp: no_other_calls()? })
 }
 
 fn limit(resource: Resource, most: u64, leeway: u64) -> Result<(), ConfineFault> {
@@ -106,31 +152,39 @@ fn limit(resource: Resource, most: u64, leeway: u64) -> Result<(), ConfineFault>
 }
 
 /// Every right that landlock governs is given up, and none given back.
-fn no_files_no_network() -> Result<(), ConfineFault> {
-    Ruleset::default()
+fn no_files_no_network() -> Result<Enforced, ConfineFault> {
+    let status = Ruleset::default()
         .set_compatibility(CompatLevel::BestEffort)
         .handle_access(AccessFs::from_all(NEWEST))?
         .handle_access(AccessNet::from_all(NEWEST))?
         .scope(Scope::from_all(NEWEST))?
         .create()?
         .restrict_self()?;
-    Ok(())
+    Ok(match status.ruleset {
+        RulesetStatus::FullyEnforced => Enforced::Fully,
+        RulesetStatus::PartiallyEnforced => Enforced::Partly,
+        RulesetStatus::NotEnforced => Enforced::Not,
+    })
 }
 
-fn no_other_calls() -> Result<(), ConfineFault> {
+/// Gives up all other system calls; says whether the kernel took that.
+fn no_other_calls() -> Result<bool, ConfineFault> {
     // seccompiler knows the machines gaiter is built for; on another the other guards must do.
-    let Ok(machine) = TargetArch::try_from(std::env::consts::ARCH) else { return Ok(()) };
+    let Ok(machine) = TargetArch::try_from(std::env::consts::ARCH) else { return Ok(false) };
     let rules: BTreeMap<i64, _> = ALLOWED.iter().map(|call| (*call, Vec::new())).collect();
     let refused = SeccompAction::Errno(libc::EPERM.cast_unsigned());
     let filter = SeccompFilter::new(rules, refused, SeccompAction::Allow, machine)
         .map_err(seccompiler::Error::from)?;
     let program: BpfProgram = filter.try_into().map_err(seccompiler::Error::from)?;
     match seccompiler::apply_filter(&program) {
-        // A kernel without seccomp.
-        Err(seccompiler::Error::Seccomp(error)) if error.raw_os_error() == Some(libc::EINVAL) => {
-            Ok(())
+        Ok(()) => Ok(true),
+        // A kernel without filters, or without seccomp.
+        Err(seccompiler::Error::Seccomp(error))
+            if [Some(libc::EINVAL), Some(libc::ENOSYS)].contains(&error.raw_os_error()) =>
+        {
+            Ok(false)
         }
-        other => Ok(other?),
+        Err(error) => Err(error.into()),
     }
 }
 

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use crate::flow::confinement::Confine;
 use crate::record::{Provenance, RecordFile};
 
 /// The longest line before the bytes; a configuration has some kilobytes.
@@ -40,6 +41,8 @@ pub struct Job {
     pub threads: usize,
     /// What the process may take.
     pub limits: Limits,
+    /// Whether it measures where it cannot be confined.
+    pub confine: Confine,
 }
 
 /// The answer of a measuring process that came to its end.

@@ -12,6 +12,7 @@ mod job;
 mod parent;
 mod trouble;
 
+pub use confine::{ConfineFault, enough, tried};
 pub use job::{Answer, Job, Limits};
 pub use parent::{MeasureFault, Measured, answers, measure};
 pub use trouble::{Blame, Trouble};

@@ -1,9 +1,8 @@
 //! Why a measurement ends without an answer, and what may be to blame for it.
 
+use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
 use std::time::Duration;
-
-use std::os::unix::process::ExitStatusExt;
 
 use super::Limits;
 
@@ -53,7 +52,7 @@ pub enum Trouble {
 pub enum Blame {
     /// The scan: it would come to the same again.
     Scan,
-    /// The machine, or whoever is on it: the scan waits.
+    /// The machine, or somebody who works on it: the scan waits.
     Machine,
     /// Either: what happens again and again, and to no other scan, is the scan's.
     Either,

@@ -85,19 +85,18 @@ impl Ground {
     }
 }
 
-/// The snapshot of this moment; none where it could not be taken.
-pub async fn now(station: &Arc<Station>) -> Option<Texts> {
-    let looked = Arc::clone(station);
-    let (texts, records) = spawn_blocking(move || {
-        let (shown, records) = snapshot::take(&looked);
-        let with_ids = serde_json::to_string(&shown).ok()?;
-        let without_ids = serde_json::to_string(&shown.without_ids()).ok()?;
-        Some((Texts { with_ids: with_ids.into(), without_ids: without_ids.into() }, records))
-    })
-    .await
-    .ok()??;
+/// The snapshot of this moment; none where it could not be taken. Blocks, on the local disk only.
+pub fn texts(station: &Arc<Station>) -> Option<Texts> {
+    let (shown, records) = snapshot::take(station);
     briefs::read(station, records);
-    Some(texts)
+    let with_ids = serde_json::to_string(&shown).ok()?;
+    let without_ids = serde_json::to_string(&shown.without_ids()).ok()?;
+    Some(Texts { with_ids: with_ids.into(), without_ids: without_ids.into() })
+}
+
+async fn now(station: &Arc<Station>) -> Option<Texts> {
+    let looked = Arc::clone(station);
+    spawn_blocking(move || texts(&looked)).await.ok()?
 }
 
 /// Takes snapshots while somebody looks, until it is asked to stop.

@@ -32,15 +32,15 @@ use tokio::sync::Semaphore;
 use tracing::warn;
 
 use self::briefs::Briefs;
-use self::feed::Feed;
+use self::feed::{Feed, Texts};
 use self::token::Token;
 use super::assembly::Station;
 use super::error::chain;
+use super::http::SharedLook;
 use super::stop::Stop;
 use crate::config::Config;
 pub use feed::worker;
 pub use files::FILES;
-pub use stream::Connection;
 
 /// So many streams are served at a time at each door; whoever comes later asks again and again.
 const MOST_STREAMS: usize = 8;
@@ -85,10 +85,11 @@ impl Desk {
         self.feed.hurry();
     }
 
-    /// Takes the token from the state folder, made where there is none. Blocks, on the local disk.
-    /// Without one the page is for reading only.
-    fn take_token(&self, config: &Config) {
-        match Token::take(&config.station.state_dir) {
+    /// Takes the token from the state folder, made where there is none, or made anew. Blocks, on the
+    /// local disk. Without one the page is for reading only.
+    fn take_token(&self, config: &Config, is_new: bool) {
+        let state_dir = &config.station.state_dir;
+        match if is_new { Token::renew(state_dir) } else { Token::take(state_dir) } {
             Ok(token) => _ = self.token.set(token),
             Err(error) => warn!(event = "page-token-failed", error = chain(&error)),
         }
@@ -96,7 +97,7 @@ impl Desk {
 }
 
 /// Through which door somebody comes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Way {
     /// From this machine: reads, and decides with the token.
     Local,
@@ -121,18 +122,27 @@ pub struct Door {
     way: Way,
     address: SocketAddr,
     streams: Arc<Semaphore>,
+    state: Arc<SharedLook<Option<Texts>>>,
     stop: Stop,
 }
 
 impl Door {
-    /// A door at this address. Blocks, on the local disk.
-    pub fn open(station: &Arc<Station>, way: Way, address: SocketAddr, stop: Stop) -> Arc<Door> {
+    /// A door at this address. Where somebody else had the address, whoever asked there may have shown
+    /// the token, so another holds from now on. Blocks, on the local disk.
+    pub fn open(
+        station: &Arc<Station>,
+        way: Way,
+        address: SocketAddr,
+        was_lost: bool,
+        stop: Stop,
+    ) -> Arc<Door> {
         if way == Way::Local {
-            station.page.take_token(&station.config);
+            station.page.take_token(&station.config, was_lost);
             _ = station.page.local.set(address);
         }
         let streams = Arc::new(Semaphore::new(MOST_STREAMS));
-        Arc::new(Door { station: Arc::clone(station), way, address, streams, stop })
+        let state = Arc::default();
+        Arc::new(Door { station: Arc::clone(station), way, address, streams, state, stop })
     }
 
     /// Whose door it is.
@@ -178,8 +188,9 @@ async fn state(
     headers: HeaderMap,
 ) -> Response {
     let shows_ids = door.shows_ids(&headers, query.as_deref());
-    match feed::now(&door.station).await {
+    let station = Arc::clone(&door.station);
+    match door.state.of(move || feed::texts(&station)).await.flatten() {
         Some(texts) => ([assets::JSON], texts.of(shows_ids)).into_response(),
-        None => axum::http::StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+        None => axum::http::StatusCode::SERVICE_UNAVAILABLE.into_response(),
     }
 }

@@ -3,8 +3,7 @@
 
 use std::convert::Infallible;
 use std::pin::Pin;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::task::{Context, Poll};
 use std::time::Duration;
 
@@ -14,10 +13,11 @@ use axum::extract::{RawQuery, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use hyper::body::{Bytes, Frame};
-use tokio::sync::{OwnedSemaphorePermit, mpsc};
+use tokio::sync::mpsc;
 use tokio::time::sleep;
 
 use super::Door;
+use crate::station::http::Visit;
 
 /// How often a beat goes out: a browser that has heard nothing for three beats looks for another way.
 const BEAT: Duration = Duration::from_secs(10);
@@ -25,43 +25,17 @@ const BEAT: Duration = Duration::from_secs(10);
 /// How soon a browser whose stream has ended comes again, ms.
 const RETRY_MS: u32 = 1000;
 
-/// A connection, as the page knows it: one that becomes a stream does not end by time, and gives its
-/// place among the short ones to others.
-#[derive(Debug, Clone)]
-pub struct Connection {
-    is_stream: Arc<AtomicBool>,
-    permit: Arc<Mutex<Option<OwnedSemaphorePermit>>>,
-}
-
-impl Connection {
-    /// A short one, with its place.
-    pub fn new(permit: OwnedSemaphorePermit) -> Connection {
-        let permit = Arc::new(Mutex::new(Some(permit)));
-        Connection { is_stream: Arc::default(), permit }
-    }
-
-    /// Whether it has become a stream.
-    pub fn is_stream(&self) -> bool {
-        self.is_stream.load(Ordering::Relaxed)
-    }
-
-    fn becomes_stream(&self) {
-        self.is_stream.store(true, Ordering::Relaxed);
-        drop(self.permit.lock().unwrap_or_else(PoisonError::into_inner).take());
-    }
-}
-
 /// A stream, or 503 where there are too many: the page asks for `/state` again and again then.
 pub async fn stream(
     State(door): State<Arc<Door>>,
-    Extension(connection): Extension<Connection>,
+    Extension(visit): Extension<Arc<Visit>>,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
 ) -> Response {
     let Ok(place) = Arc::clone(&door.streams).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "too many look already\n").into_response();
     };
-    connection.becomes_stream();
+    visit.becomes_stream();
     let shows_ids = door.shows_ids(&headers, query.as_deref());
     let (sender, events) = mpsc::channel(1);
     tokio::spawn(async move {

@@ -8,6 +8,7 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::Path;
 
 use axum::http::{HeaderMap, header};
+use tracing::info;
 
 use crate::record::sha256;
 use crate::store::durable;
@@ -66,6 +67,19 @@ impl Token {
         fs::rename(&beside, &path)?;
         durable::sync_folder(state_dir)?;
         Ok(Token::of(&word))
+    }
+
+    /// A new token of this state folder, in place of the one there is.
+    ///
+    /// # Errors
+    /// As of [`Token::take`].
+    pub fn renew(state_dir: &Path) -> io::Result<Token> {
+        match fs::remove_file(state_dir.join(FILE)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
+            _ => {}
+        }
+        info!(event = "page-token-renewed");
+        Token::take(state_dir)
     }
 
     fn of(word: &str) -> Token {

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use jiff::{SignedDuration, Timestamp};
 use tokio::sync::oneshot;
-use tokio::task::JoinError;
+use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::timeout;
 use tracing::{info, warn};
 
@@ -45,7 +45,8 @@ pub async fn worker(
     let hangs = || {
         warn!(event = "trigger-hung", port = name);
         if station.config.buttons().contains(name) {
-            station.port(name, false);
+            let station = Arc::clone(&station);
+            drop(spawn_blocking(move || station.port(name, false)));
         }
         station.board.note(|facts| {
             if let Some(known) = facts.triggers.get_mut(name) {
@@ -55,7 +56,7 @@ pub async fn worker(
             }
         });
     };
-    let beats = || beat.beat(station.now());
+    let beats = || beat.beat();
     if patiently(DEADLINE, &mut stop, work, beats, hangs).await?.is_none() {
         // Either end of the wait is well: the other end is dropped when the port is closed.
         let _ = timeout(CLOSING, closed).await;

@@ -23,7 +23,7 @@ fn once_a_scan_is_measured_the_next_export_is_the_next_patients() {
     let mut captures = captures();
     pressed_for(&mut captures, "1", 1, 0);
     assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
-    // A second export of the same press is nobody's in any case.
+    // A second export of the same press belongs to no patient in any case.
     assert_eq!(captures.judge(seen(12)), Judged::Unpressed);
     captures.measured(1);
     pressed_for(&mut captures, "2", 2, 11);
@@ -36,7 +36,7 @@ fn a_scan_that_cannot_be_measured_for_long_is_in_nobodys_way() {
     pressed_for(&mut captures, "1", 1, 0);
     assert_eq!(patient_of(&taken(&mut captures, seen(10))), Some("1"));
     // Window and late are 360 s.
-    captures.pass(at(371), &all_seen(371));
+    captures.pass(at(371), &[all_seen(371)]);
     pressed_for(&mut captures, "2", 2, 372);
     assert_eq!(patient_of(&export(&mut captures, seen(380))), Some("2"));
 }
@@ -99,7 +99,7 @@ fn a_scan_that_was_refused_long_after_it_was_taken_opens_no_capture() {
     pressed_for(&mut captures, "1", 1, 0);
     taken(&mut captures, seen(10));
     // Window and late are 360 s.
-    captures.pass(at(371), &all_seen(371));
+    captures.pass(at(371), &[all_seen(371)]);
     assert!(captures.refused(1, at(372)).is_none());
 }
 

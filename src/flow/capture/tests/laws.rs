@@ -2,6 +2,21 @@
 
 use super::*;
 
+#[test]
+fn where_a_hundred_wait_one_more_is_a_crowd_and_one_of_them_again_is_not() {
+    for by_press in [true, false] {
+        let mut captures = Captures::new(Rules { by_press, ..rules() }, Vec::new(), None);
+        for n in 0..100 {
+            let id = n.to_string();
+            assert!(!captures.is_crowded(&id));
+            captures.named(order(&id), n, at(10), &[]);
+        }
+        assert!(captures.is_crowded("100") && !captures.is_crowded("7"), "{by_press}");
+        captures.call_off();
+        assert!(!captures.is_crowded("100"));
+    }
+}
+
 fn after_press() -> Captures {
     let rules = Rules { orders: OrdersWhen::AfterPress, ..rules() };
     let mut captures = Captures::new(rules, Vec::new(), None);
@@ -60,8 +75,8 @@ fn a_refused_capture_is_over_after_the_same_time_without_an_alarm() {
     pressed_for(&mut captures, "4711", 1, 0);
     let first = taken(&mut captures, seen(20));
     refuse(&mut captures, &first, at(100));
-    assert_eq!(captures.pass(at(161), &all_seen(161)), Passed::default());
-    assert_eq!(captures.pass(at(461), &all_seen(461)).over, [1]);
+    assert_eq!(captures.pass(at(161), &[all_seen(161)]), Passed::default());
+    assert_eq!(captures.pass(at(461), &[all_seen(461)]).over, [1]);
     pressed_for(&mut captures, "0815", 2, 462);
     assert_eq!(patient_of(&export(&mut captures, seen(480))), Some("0815"));
 }
@@ -269,7 +284,7 @@ fn an_order_after_the_press_for_a_patient_with_a_press_by_name_is_for_no_other_p
     pressed_for(&mut captures, "1", 1, 0);
     captures.pressed(2, at(10));
     assert!(matches!(captures.named(order("1"), 3, at(11), &[]), NamedNext::Paired(_)));
-    assert!(captures.has_unnamed_press(at(11)), "the second press is still nobody's");
+    assert!(captures.has_unnamed_press(at(11)), "the second press has no patient yet");
 }
 
 #[test]

@@ -8,9 +8,9 @@ fn a_capture_without_an_export_expires_once_and_its_late_export_is_held() {
     let mut captures = captures();
     captures.named(named("4711"), 1, at(0), &[]);
     captures.pressed(1, at(0));
-    assert_eq!(captures.pass(at(60), &all_seen(60)), Passed::default());
-    assert_eq!(captures.pass(at(61), &all_seen(61)).expired, [1]);
-    assert_eq!(captures.pass(at(62), &all_seen(62)), Passed::default());
+    assert_eq!(captures.pass(at(60), &[all_seen(60)]), Passed::default());
+    assert_eq!(captures.pass(at(61), &[all_seen(61)]).expired, [1]);
+    assert_eq!(captures.pass(at(62), &[all_seen(62)]), Passed::default());
     let judged = export(&mut captures, seen(90));
     assert_eq!(code(&judged), LATE);
     assert!(matches!(judged, Judged::Held { answered: Some(1), .. }));
@@ -26,10 +26,14 @@ fn a_file_that_is_coming_in_keeps_its_capture_from_expiring() {
         coming: files.iter().map(|file| seen(*file)).collect(),
         ..Sights::default()
     };
-    assert_eq!(captures.pass(at(100), &coming(&[50])), Passed::default());
+    assert_eq!(captures.pass(at(100), &[coming(&[50])]), Passed::default());
     assert_eq!(patient_of(&export(&mut captures, seen(50))), None);
     captures.pressed(2, at(200));
-    assert_eq!(captures.pass(at(300), &coming(&[150, 290])).expired, [2], "those are not its own");
+    assert_eq!(
+        captures.pass(at(300), &[coming(&[150, 290])]).expired,
+        [2],
+        "those are not its own"
+    );
 }
 
 #[test]
@@ -37,9 +41,9 @@ fn a_capture_is_over_only_when_every_folder_was_looked_at_after_its_end() {
     let mut captures = captures();
     pressed_for(&mut captures, "4711", 1, 0);
     let end = 60 + 300;
-    let before = Sights::of_all([all_seen(end), all_seen(end + 40)]);
+    let before = [all_seen(end), all_seen(end + 40)];
     assert_eq!(captures.pass(at(end + 50), &before).expired, [1], "the alarm does not wait");
-    let unseen = Sights::of_all([Sights::default(), all_seen(end + 40)]);
+    let unseen = [Sights::default(), all_seen(end + 40)];
     assert_eq!(captures.pass(at(end + 50), &unseen), Passed::default());
     // The look that comes then finds a file that was not there at the look before the end.
     let mut found = captures.clone();
@@ -48,8 +52,8 @@ fn a_capture_is_over_only_when_every_folder_was_looked_at_after_its_end() {
     assert_eq!(code(&export(&mut found, away)), AMBIGUOUS);
     // Nor is it over while a file lies there that may be renamed to its export.
     let part = Sights { beside: vec![seen(end)], ..all_seen(end + 1) };
-    assert_eq!(captures.pass(at(end + 50), &part), Passed::default());
-    assert_eq!(captures.pass(at(end + 50), &all_seen(end + 1)).over, [1]);
+    assert_eq!(captures.pass(at(end + 50), &[part]), Passed::default());
+    assert_eq!(captures.pass(at(end + 50), &[all_seen(end + 1)]).over, [1]);
 }
 
 #[test]
@@ -75,5 +79,5 @@ fn an_export_awaited_when_the_machine_starts_anew_is_held_beside_the_next_patien
     assert_eq!((code(&judged), candidates(&judged)), (AMBIGUOUS, vec!["4711", "0815"]));
     let over = SECOND * 21 + longest;
     let sights = Sights { looked: Some(over), ..Sights::default() };
-    assert_eq!(captures.pass(over, &sights).over, [1]);
+    assert_eq!(captures.pass(over, &[sights]).over, [1]);
 }

@@ -1,0 +1,70 @@
+//! What a start finds of captures in the journal.
+
+use super::super::journal::{BoothChange, Entry, ScanRow};
+use super::*;
+use crate::flow::ScanState;
+use crate::flow::capture::{Doubt, Named};
+use crate::record::SourceKind;
+
+const SECOND: Duration = Duration::from_secs(1);
+
+fn rules() -> Rules {
+    Rules {
+        window: SECOND * 90,
+        late: SECOND * 90,
+        name_lasts: SECOND * 900,
+        orders: OrdersWhen::BeforePress,
+        by_press: true,
+    }
+}
+
+/// A patient was named, the button pressed, the export taken, and then the machine started anew.
+fn taken_before(journal: &Journal, boot: &str) -> ScanId {
+    let before = Captures::new(rules(), Vec::new(), None);
+    let mut after = before.clone();
+    after.hears(Duration::ZERO);
+    let named = Named { id: "4711".to_owned(), by: SourceKind::Operator };
+    after.named(named, 1, SECOND * 1000, &[]);
+    let capture = after.pressed(1, SECOND * 1001);
+    let change = |before, after| BoothChange { before, after, boot, ended_as: "over", event: None };
+    journal.booth_changed(&change(&before, &after)).unwrap();
+    let scan = ScanId::parse(&"a".repeat(64)).unwrap();
+    let row = ScanRow {
+        scan: scan.clone(),
+        format: "obj".to_owned(),
+        size: 12,
+        first_seen: Timestamp::now(),
+        file_time: None,
+        pressed_at: None,
+        state: ScanState::Spooled,
+    };
+    let judged = Judged::Of(capture);
+    let (patient, held, candidates) = (None, None, &[][..]);
+    let entry =
+        Entry { row: &row, patient, held, claims: &[], judged: &judged, geometry: "", candidates };
+    journal.enter(&entry, &["folder"]).unwrap();
+    scan
+}
+
+/// How many captures a start of the station has in mind whose exports were taken, and the doubt of the
+/// one whose scan is then refused.
+fn after_start(journal: &Journal, scan: &ScanId) -> (usize, Option<Doubt>) {
+    let booth = Booth::open(journal, rules(), 1, BTreeSet::new(), SECOND * 20).unwrap();
+    let mut inner = booth.inner();
+    let taken = inner.captures.measuring().count();
+    let answered = journal.capture_answered_by(scan).unwrap().unwrap();
+    let reopened = inner.captures.refused(answered.number, SECOND * 21);
+    (taken, reopened.and_then(|capture| capture.doubt))
+}
+
+#[test]
+fn a_scan_that_is_refused_after_the_machine_has_started_anew_opens_its_capture_in_doubt() {
+    for boot in [boot_id(), "another start".to_owned()] {
+        let dir = tempfile::tempdir().unwrap();
+        let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
+        let scan = taken_before(&journal, &boot);
+        assert_eq!(after_start(&journal, &scan), (1, Some(Doubt::Unheard)), "{boot}");
+        // A second start finds the same.
+        assert_eq!(after_start(&journal, &scan), (1, Some(Doubt::Unheard)), "{boot}");
+    }
+}
