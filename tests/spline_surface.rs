@@ -241,6 +241,16 @@ fn least_distance(points: &[Point3<f64>], point: &Point3<f64>) -> f64 {
 }
 
 #[test]
+fn in_a_valley_askew_to_the_samples_the_nearest_is_found() {
+    // Of points in steps of half a span none beside this foot is nearer than its neighbours.
+    let (surface, point) =
+        (tube(), Point3::new(1.5308237440731531, 12.385492971306054, 264.3548255196029));
+    let foot = surface.closest_from_anywhere(&point);
+    let least = least_distance(&densely(&surface), &point);
+    assert!(foot.distance_mm <= least + 1e-9, "{foot:?} {least}");
+}
+
+#[test]
 fn of_sides_almost_as_near_the_nearest_is_found() {
     let surface = tube();
     let points = densely(&surface);

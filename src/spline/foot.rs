@@ -83,33 +83,6 @@ impl Surface {
         (here, None)
     }
 
-    /// The point of the surface nearest to `point`, mm, wherever that lies: [`Surface::closest`]
-    /// from each sample of a grid, two to a span each way, that is nearer than its neighbours. A
-    /// dent or bump narrower than half a span could hide; a spline has none.
-    pub fn closest_from_anywhere(&self, point: &Point3<f64>) -> Foot {
-        let samples = Samples::of(self);
-        let distance = |k: usize| (samples.points[k] - point).norm();
-        let distances: Vec<f64> = (0..samples.points.len()).map(distance).collect();
-        let mut starts: Vec<usize> =
-            (0..distances.len()).filter(|k| samples.is_lowest(&distances, *k)).collect();
-        starts.sort_by(|a, b| distances[*a].total_cmp(&distances[*b]));
-        let (columns, edge) = (samples.around.len(), samples.longest_edge());
-        let mut best: Option<Foot> = None;
-        for start in starts {
-            // From here not even the nearest place of the sample's own cells could be nearer.
-            if best.is_some_and(|best| distances[start] - edge > best.distance_mm) {
-                break;
-            }
-            let (u, v) = (samples.along[start / columns], samples.around[start % columns]);
-            let foot = self.closest(point, u, v);
-            if best.is_none_or(|best| foot.distance_mm < best.distance_mm) {
-                best = Some(foot);
-            }
-        }
-        // Of finitely many samples one is the lowest, so there is a best.
-        best.unwrap_or_else(|| self.closest(point, samples.along[0], samples.around[0]))
-    }
-
     /// The first of ever shorter steps that does not lead away from the point.
     fn improved(&self, point: &Point3<f64>, here: &Place, step: Vector2<f64>) -> Option<Place> {
         let (first, last) = self.along().domain();
@@ -118,51 +91,6 @@ impl Surface {
             let place = Place::at(self, point, u, here.v + share * step.y);
             (place.distance_mm <= here.distance_mm + ROUNDING_MM).then_some(place)
         })
-    }
-}
-
-/// Points of a surface at the breakpoints and half way between them.
-struct Samples {
-    along: Vec<f64>,
-    around: Vec<f64>,
-    /// Row-major, `along.len()` rows of `around.len()`.
-    points: Vec<Point3<f64>>,
-}
-
-impl Samples {
-    fn of(surface: &Surface) -> Samples {
-        let halved = |breakpoints: &[f64]| -> Vec<f64> {
-            breakpoints.windows(2).flat_map(|pair| [pair[0], 0.5 * (pair[0] + pair[1])]).collect()
-        };
-        let mut along = halved(surface.along().breakpoints());
-        along.push(surface.along().domain().1);
-        let around = halved(surface.around().breakpoints());
-        let points = surface.grid(&along, &around);
-        Samples { along, around, points }
-    }
-
-    /// The samples beside sample `k`, at most eight.
-    fn neighbours(&self, k: usize) -> impl Iterator<Item = usize> {
-        let (rows, columns) = (self.along.len(), self.around.len());
-        let (row, column) = (k / columns, k % columns);
-        let near = row.saturating_sub(1)..=(row + 1).min(rows - 1);
-        let places = near.flat_map(move |i| {
-            [columns - 1, 0, 1].map(|step| i * columns + (column + step) % columns)
-        });
-        places.filter(move |place| *place != k)
-    }
-
-    fn is_lowest(&self, distances: &[f64], k: usize) -> bool {
-        self.neighbours(k).all(|neighbour| distances[k] <= distances[neighbour])
-    }
-
-    /// The longest distance of two neighbours, mm: no place of the surface is farther from the
-    /// nearest sample.
-    fn longest_edge(&self) -> f64 {
-        let edge = |k: usize, neighbour: usize| (self.points[k] - self.points[neighbour]).norm();
-        let edges = (0..self.points.len())
-            .flat_map(|k| self.neighbours(k).map(move |neighbour| edge(k, neighbour)));
-        edges.fold(0.0, f64::max)
     }
 }
 

@@ -11,7 +11,8 @@
 //! | `robust` | [`robust_fit`]: the same with outliers weighed down |
 //! | [`tensor`] | [`Tensor`]: a function of two variables, fitted to scattered data |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
-//! | [`foot`] | the nearest point of a surface |
+//! | [`foot`] | the nearest point of a surface, downhill from a first guess |
+//! | `nearest` | the nearest point of all |
 //! | [`curvature`], [`measure`] | Gauss and mean curvature; area, volume, girths |
 //! | [`tessellate`] | [`Facets`]: triangles that keep to a surface within a tolerance |
 //! | [`grid`] | the surface through a grid of points |
@@ -33,6 +34,7 @@ pub mod grid;
 pub mod knots;
 mod least_squares;
 pub mod measure;
+mod nearest;
 mod normal;
 mod penalty;
 mod robust;
