@@ -68,6 +68,13 @@ struct Inner {
     last: Option<(Outcome, Duration)>,
 }
 
+impl Inner {
+    /// When the last capture was opened that waits; none while none does.
+    fn last_opened(&self) -> Option<Duration> {
+        self.captures.waiting().iter().map(|capture| capture.opened).max()
+    }
+}
+
 /// What is told and noted without waiting for the journal.
 #[derive(Debug)]
 struct Glance {
@@ -101,8 +108,7 @@ impl DerefMut for Locked<'_> {
 impl Drop for Locked<'_> {
     /// Tells what has changed to those who do not wait.
     fn drop(&mut self) {
-        let opened = self.inner.captures.waiting().iter().map(|capture| capture.opened).max();
-        self.booth.glance().last_opened = opened;
+        self.booth.glance().last_opened = self.inner.last_opened();
     }
 }
 
@@ -216,8 +222,8 @@ impl Booth {
             missed: !others.is_empty(),
             last: None,
         };
-        let last_opened = inner.captures.waiting().iter().map(|capture| capture.opened).max();
-        let glance = Glance { sights: vec![Sights::default(); folders], last_opened };
+        let sights = vec![Sights::default(); folders];
+        let glance = Glance { sights, last_opened: inner.last_opened() };
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
         let (inner, glance) = (Mutex::new(inner), Mutex::new(glance));

@@ -1,9 +1,9 @@
 //! Metrics, health and the operator's page over HTTP, on an address of this machine or a socket that
-//! the service manager has opened for us, and the page for reading on another. Whoever hangs on it
-//! holds up nobody: a connection that waits for its own client makes room, monitors have places of
-//! their own, and whoever asks while a disk stands still is told so.
+//! the service manager has opened for us, and the page for reading on another. No client
+//! holds up the others: a connection that waits for its own client makes room, monitors have places of
+//! their own, and a request that comes while a disk stands still is told so.
 
-mod guests;
+mod connections;
 mod listeners;
 mod shared_look;
 
@@ -25,8 +25,8 @@ use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::{sleep, timeout};
 use tracing::{info, warn};
 
-use self::guests::Guests;
-pub use self::guests::Visit;
+pub use self::connections::Connection;
+use self::connections::Connections;
 pub use self::listeners::Listeners;
 pub use self::shared_look::SharedLook;
 use super::assembly::Station;
@@ -120,7 +120,7 @@ async fn serve(door: &Arc<Door>, listener: &TcpListener, stop: &mut Stop) {
         monitors: Arc::new(Semaphore::new(MOST_MONITORS)),
     };
     let pages = page::routes(door, monitors).layer(from_fn_with_state(places, attended));
-    let guests = Arc::new(Guests::default());
+    let connections = Arc::new(Connections::default());
     loop {
         let accepted = tokio::select! {
             () = stop.requested() => break,
@@ -128,39 +128,39 @@ async fn serve(door: &Arc<Door>, listener: &TcpListener, stop: &mut Stop) {
         };
         let Ok((stream, peer)) = accepted else {
             // A hot loop would free none.
-            guests.dismiss_idle();
+            connections.close_idle();
             sleep(SHORT_OF_FILES).await;
             continue;
         };
-        if let Some(visit) = guests.admit(peer.ip()) {
-            tokio::spawn(attend(stream, pages.clone(), visit, stop.clone()));
+        if let Some(connection) = connections.admit(peer.ip()) {
+            tokio::spawn(attend(stream, pages.clone(), connection, stop.clone()));
         }
     }
     // Who came last says what he wants at once.
     sleep(SAY_IT).await;
-    guests.dismiss_idle();
+    connections.close_idle();
     // What is decided must be decided before another generation begins.
-    let _ = timeout(HEAD_TIME, guests.all_are_served()).await;
+    let _ = timeout(HEAD_TIME, connections.all_are_served()).await;
 }
 
 /// Carries one connection to its end.
-async fn attend(stream: TcpStream, pages: Router, visit: Arc<Visit>, stop: Stop) {
-    let pages = TowerToHyperService::new(pages.layer(Extension(Arc::clone(&visit))));
+async fn attend(stream: TcpStream, pages: Router, connection: Arc<Connection>, stop: Stop) {
+    let pages = TowerToHyperService::new(pages.layer(Extension(Arc::clone(&connection))));
     let mut http = http1::Builder::new();
     http.keep_alive(false).timer(TokioTimer::new()).header_read_timeout(HEAD_TIME);
     http.max_buf_size(HEAD_MOST);
     tokio::select! {
         // A client that goes away or says nothing has its answer already.
         _ = http.serve_connection(TokioIo::new(stream), pages) => {}
-        () = visit.is_sent_away() => {}
-        () = over(&visit, stop) => {}
+        () = connection.must_close() => {}
+        () = over(&connection, stop) => {}
     }
 }
 
 /// Ends when a connection has lasted long enough: a stream lasts as long as the station.
-async fn over(visit: &Visit, mut stop: Stop) {
+async fn over(connection: &Connection, mut stop: Stop) {
     sleep(CONNECTION_TIME).await;
-    if visit.is_stream() {
+    if connection.is_stream() {
         stop.requested().await;
         // It ends by itself, unless its reader takes nothing.
         sleep(HEAD_TIME).await;
@@ -177,16 +177,16 @@ struct Places {
 /// Answers a request that has come whole, when there is a place.
 async fn attended(
     State(places): State<Places>,
-    Extension(visit): Extension<Arc<Visit>>,
+    Extension(connection): Extension<Arc<Connection>>,
     request: Request,
     next: Next,
 ) -> Response {
     let of_monitor = [METRICS, HEALTH].contains(&request.uri().path());
-    visit.is_served();
+    connection.is_served();
     let place = if of_monitor { places.monitors } else { places.others }.acquire_owned().await;
     let response = next.run(request).await;
     drop(place);
-    visit.is_answered();
+    connection.is_answered();
     response
 }
 

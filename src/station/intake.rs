@@ -127,7 +127,7 @@ pub async fn worker(
             () = pause => {}
         }
         if intake.station.now().saturating_sub(rested) > planned + ASLEEP {
-            // The machine stood still, and whoever writes may have, too.
+            // The machine stood still, and so may the program that writes the export.
             intake.settling.slept();
         }
     }

@@ -18,7 +18,7 @@ pub const PAUSE: Duration = Duration::from_secs(60);
 /// The alarm of a sound journal that refuses what the station asks of it.
 const REFUSES: &str = "journal-refuses";
 
-/// The last of these errors, for whoever checks.
+/// The last of these errors, until the journal is checked.
 #[derive(Debug, Default)]
 pub struct Suspicion {
     last: Mutex<Option<String>>,

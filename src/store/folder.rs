@@ -2,10 +2,12 @@
 //!
 //! A record is staged beside its place under a dot name, every file synced, `SHA256SUMS` last,
 //! then the staged folder; then it is renamed, never over another, and the patient's folder is
-//! synced. So a folder under its final name is whole, and a receipt survives a power cut.
+//! synced. So a folder under its final name is whole, and a receipt survives a power cut. Stations
+//! that share the store take turns in this last step, so a scan that two of them saw has one record.
 
 mod owner;
 mod search;
+mod turn;
 
 use std::fs;
 use std::io;
@@ -13,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 use self::search::find;
 pub(super) use self::search::records_in;
+use self::turn::Turn;
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
 use crate::flow::{ScanId, naming};
@@ -21,9 +24,12 @@ use crate::record::RecordFile;
 /// The file that marks a store's folder.
 const MARK: &str = ".gaiter-store";
 
-/// What stands in it, for whoever finds it.
+/// What stands in it, for people who find it.
 const MARK_TEXT: &str = "This folder holds the records of gaiter stations. A station that does not \
 find this file takes the folder for the empty place of a share that is not mounted.\n";
+
+/// How the name of a staged folder ends that waits for its place.
+const WHOLE: &str = ".whole";
 
 /// Records as folders on a disk or share.
 #[derive(Debug, Clone)]
@@ -114,15 +120,19 @@ impl FolderStore {
         self.reach()?;
         let patient = self.patient_folder(delivery.patient)?;
         let name = naming::record_folder(delivery.first_seen, delivery.scan);
-        let mut place = patient.join(&name);
-        let mut already_there = place.symlink_metadata().is_ok();
-        if !already_there && let Some(found) = find(&patient, delivery.scan)? {
-            (place, already_there) = (found, true);
-        } else if !already_there {
-            let staged = patient.join(format!("{}{name}", self.staging));
-            stage(&staged, delivery)?;
-            already_there = !publish(&staged, &place)?;
-        }
+        let place = patient.join(&name);
+        let found = match place.symlink_metadata() {
+            Ok(_) => Some(place.clone()),
+            Err(_) => find(&patient, delivery.scan)?,
+        };
+        let (place, already_there) = match found {
+            Some(found) => (found, true),
+            None => {
+                let staged = patient.join(format!("{}{name}", self.staging));
+                stage(&staged, delivery)?;
+                self.publish(&staged, &patient, place, delivery.scan)?
+            }
+        };
         if already_there {
             let checked = sums::check(&place, delivery.scan);
             tried("checking", &place, checked)?
@@ -132,6 +142,41 @@ impl FolderStore {
         tried("syncing", &patient, durable::sync_folder(&patient))?;
         Ok(Receipt { folder: place, already_there })
     }
+
+    /// Gives the staged record its place, unless another station has stored the scan meanwhile; where
+    /// the record is, and whether it was there already.
+    fn publish(
+        &self,
+        staged: &Path,
+        patient: &Path,
+        place: PathBuf,
+        scan: &ScanId,
+    ) -> Result<(PathBuf, bool), StoreFault> {
+        let whole = whole(staged);
+        let _turn = Turn::take(&self.root.join(MARK))?;
+        // A change of its own lets a machine forget what it knows of a share's folder, which may be
+        // half a minute old: the search sees what others have done before this turn.
+        tried("renaming", &whole, durable::rename_new(staged, &whole))?;
+        if let Some(found) = find(patient, scan)? {
+            tried("clearing", &whole, durable::remove_folder(&whole))?;
+            return Ok((found, true));
+        }
+        match durable::rename_new(&whole, &place) {
+            Ok(()) => Ok((place, false)),
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
+                tried("clearing", &whole, durable::remove_folder(&whole))?;
+                Ok((place, true))
+            }
+            Err(source) => Err(StoreFault::Transient { what: "renaming", path: place, source }),
+        }
+    }
+}
+
+/// The name of a staged folder that waits for its place.
+fn whole(staged: &Path) -> PathBuf {
+    let mut name = staged.as_os_str().to_owned();
+    name.push(WHOLE);
+    PathBuf::from(name)
 }
 
 /// Whether the record can be stored at all.
@@ -147,8 +192,10 @@ fn fit(delivery: &Delivery<'_>) -> Result<(), StoreFault> {
 
 /// Writes the whole record under its staging name, synced.
 fn stage(staged: &Path, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
-    // An attempt that failed half way left its beginning.
-    tried("clearing", staged, durable::remove_folder(staged))?;
+    // An attempt that failed half way left its beginning, or all of it.
+    for left in [staged, &whole(staged)] {
+        tried("clearing", left, durable::remove_folder(left))?;
+    }
     tried("making", staged, durable::make_folder(staged))?;
     let (sums, files) = delivery.files.split_last().unzip();
     for file in files.into_iter().flatten() {
@@ -167,20 +214,6 @@ fn stage(staged: &Path, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
 fn write(staged: &Path, file: &RecordFile) -> Result<(), StoreFault> {
     let path = staged.join(&file.name);
     tried("writing", &path, durable::write_new(&path, &file.bytes))
-}
-
-/// Gives the staged record its place; says whether the place was free.
-fn publish(staged: &Path, place: &Path) -> Result<bool, StoreFault> {
-    match durable::rename_new(staged, place) {
-        Ok(()) => Ok(true),
-        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            tried("clearing", staged, durable::remove_folder(staged))?;
-            Ok(false)
-        }
-        Err(source) => {
-            Err(StoreFault::Transient { what: "renaming", path: place.to_owned(), source })
-        }
-    }
 }
 
 /// The folders within a folder, links not followed.

@@ -33,9 +33,9 @@ pub const SCHEMA: &str = "gaiter.page/1";
 pub enum IdsShown {
     /// To nobody.
     Nobody,
-    /// To whoever has the station's token.
+    /// To people with the station's token.
     Operator,
-    /// To whoever can read the page.
+    /// To all who can read the page.
     Everyone,
 }
 

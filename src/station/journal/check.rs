@@ -41,7 +41,7 @@ fn texts(connection: &Connection, table: &'static str) -> Result<(), JournalErro
     Ok(())
 }
 
-/// That it holds what was committed last.
+/// Checks that the journal holds the last entry that its head file names.
 pub(super) fn head(connection: &Connection, head: &HeadFile) -> Result<(), JournalError> {
     match head.read().map_err(JournalError::Head)? {
         Some(head) if history::is_behind(connection, &head)? => {

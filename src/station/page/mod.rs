@@ -127,8 +127,8 @@ pub struct Door {
 }
 
 impl Door {
-    /// A door at this address. Where somebody else had the address, whoever asked there may have shown
-    /// the token, so another holds from now on. Blocks, on the local disk.
+    /// A door at this address. Where another program had the address, browsers may have sent it
+    /// the token, so a new one holds from now on. Blocks, on the local disk.
     pub fn open(
         station: &Arc<Station>,
         way: Way,
@@ -157,7 +157,7 @@ impl Door {
     }
 
     /// Whether a reader may know whose scans these are. The kiosk hangs where everybody sees it,
-    /// whoever opened it.
+    /// also where an operator opened it.
     fn shows_ids(&self, headers: &HeaderMap, query: Option<&str>) -> bool {
         let is_kiosk = query == Some(KIOSK);
         self.station.config.page.ids.to(!is_kiosk && self.is_operator(headers))

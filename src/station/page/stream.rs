@@ -17,7 +17,7 @@ use tokio::sync::mpsc;
 use tokio::time::sleep;
 
 use super::Door;
-use crate::station::http::Visit;
+use crate::station::http::Connection;
 
 /// How often a beat goes out: a browser that has heard nothing for three beats looks for another way.
 const BEAT: Duration = Duration::from_secs(10);
@@ -28,14 +28,14 @@ const RETRY_MS: u32 = 1000;
 /// A stream, or 503 where there are too many: the page asks for `/state` again and again then.
 pub async fn stream(
     State(door): State<Arc<Door>>,
-    Extension(visit): Extension<Arc<Visit>>,
+    Extension(connection): Extension<Arc<Connection>>,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
 ) -> Response {
     let Ok(place) = Arc::clone(&door.streams).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "too many look already\n").into_response();
     };
-    visit.becomes_stream();
+    connection.becomes_stream();
     let shows_ids = door.shows_ids(&headers, query.as_deref());
     let (sender, events) = mpsc::channel(1);
     tokio::spawn(async move {

@@ -184,6 +184,51 @@ fn a_scan_that_is_seen_again_for_the_first_time_is_not_stored_twice() {
 }
 
 #[test]
+fn a_record_that_another_station_stores_meanwhile_is_found_and_not_stored_twice() {
+    let case = Case::new();
+    let root = case.dir.path().join("records");
+    let elsewhere = root.join("4711").join(format!("20261121T091459Z_{}", case.scan.short()));
+    let mark = fs::OpenOptions::new().write(true).open(root.join(MARK)).unwrap();
+    mark.lock().unwrap();
+    let receipt = std::thread::scope(|threads| {
+        let put = threads.spawn(|| case.store().put(&case.delivery()));
+        let staged = root
+            .join("4711")
+            .join(format!(".staging.booth-1.20261121T091500Z_{}", case.scan.short()));
+        while !staged.join(SUMS).exists() && !put.is_finished() {
+            std::thread::yield_now();
+        }
+        // The other station's turn: its record comes under the time at which it saw the scan.
+        fs::create_dir(&elsewhere).unwrap();
+        fs::copy(&case.scan_file, elsewhere.join("scan.obj")).unwrap();
+        for file in &case.files {
+            fs::write(elsewhere.join(&file.name), &file.bytes).unwrap();
+        }
+        mark.unlock().unwrap();
+        put.join().unwrap().unwrap()
+    });
+    assert_eq!(receipt, Receipt { folder: elsewhere, already_there: true });
+    assert_eq!(names(&root.join("4711")).len(), 1, "nothing is left staged");
+}
+
+#[test]
+fn two_stations_that_store_a_scan_at_once_make_one_record() {
+    for _ in 0..50 {
+        let case = Case::new();
+        let root = case.dir.path().join("records");
+        std::thread::scope(|threads| {
+            for (station, first_seen) in [("booth-1", 0), ("booth-2", 1), ("booth-3", 1)] {
+                let store = FolderStore::new("folder", root.clone(), station);
+                let mut delivery = case.delivery();
+                delivery.first_seen += jiff::SignedDuration::from_secs(first_seen);
+                threads.spawn(move || store.put(&delivery).unwrap());
+            }
+        });
+        assert_eq!(names(&root.join("4711")).len(), 1);
+    }
+}
+
+#[test]
 fn every_record_in_the_store_is_found_and_nothing_else() {
     let case = Case::new();
     case.store().put(&case.delivery()).unwrap();
