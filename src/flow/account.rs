@@ -44,7 +44,8 @@ pub struct Listed {
     pub attempts: u64,
     /// When the next attempt is due.
     pub next_at: Option<Timestamp>,
-    /// Why it needs no decision any more, though it was refused or held: `given-up` or `superseded`.
+    /// Why it needs no decision any more, though it was refused or held: `given-up`,
+    /// `superseded` or `let-go`.
     pub closed: Option<String>,
     /// A record of it lies, or may lie, where it is to be taken back.
     pub withdrawing: bool,
@@ -118,7 +119,8 @@ pub struct Summary {
     pub code: Option<String>,
     /// Likewise, for people.
     pub message: Option<String>,
-    /// Why it needs no decision any more, though it was refused or held: `given-up` or `superseded`.
+    /// Why it needs no decision any more, though it was refused or held: `given-up`,
+    /// `superseded` or `let-go`.
     pub closed: Option<String>,
 }
 
@@ -175,6 +177,7 @@ pub fn why_held(code: &str) -> &'static str {
 fn why_closed(closed: &str) -> &'static str {
     match closed {
         "superseded" => "the same patient's next scan was delivered",
+        "let-go" => "nobody decided, and its time in quarantine is over",
         _ => "a person gave it up",
     }
 }

@@ -73,14 +73,28 @@ pub fn complaints(
         Complaint::new("page-unavailable", message, remedy)
     }));
     complaints.extend(late(backlog, overdue, now));
-    complaints.extend(facts.alarms.iter().map(|(code, alarm)| {
-        Complaint::new(code, alarm.message.clone(), "see the README at this code, then restart")
-    }));
+    complaints.extend(
+        facts
+            .alarms
+            .iter()
+            .map(|(code, alarm)| Complaint::new(code, alarm.message.clone(), remedy(code))),
+    );
     complaints.extend(facts.refused_reload.iter().map(|fault| {
         let message = format!("a changed configuration was refused, the old one holds: {fault}");
         Complaint::new("reload-refused", message, "run gaiter check, mend the file, reload again")
     }));
     complaints
+}
+
+/// What helps against the cause of an alarm. Most stay until the station is restarted.
+fn remedy(code: &str) -> &'static str {
+    match code {
+        "measuring-impaired" => {
+            "see the log for what ends or keeps off measuring processes; scans wait, and it goes by itself"
+        }
+        "journal-refuses" => "undo what was changed in journal.db, then restart",
+        _ => "see the README at this code, then restart",
+    }
 }
 
 fn intake(facts: &Facts) -> Option<Complaint> {

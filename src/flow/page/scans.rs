@@ -90,10 +90,11 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     let word = match place {
         Place::Refused => ("Refused", "Abgelehnt"),
         Place::Held => ("Held", "Angehalten"),
-        Place::Closed if whole.summary.closed.as_deref() == Some("superseded") => {
-            ("Scanned again", "Neu gescannt")
-        }
-        Place::Closed => ("Given up", "Aufgegeben"),
+        Place::Closed => match whole.summary.closed.as_deref() {
+            Some("superseded") => ("Scanned again", "Neu gescannt"),
+            Some("let-go") => ("Refused, and its bytes removed", "Abgelehnt, Daten gelöscht"),
+            _ => ("Given up", "Aufgegeben"),
+        },
         Place::Withdrawing => ("Being taken back", "Wird zurückgenommen"),
         Place::Waiting => ("On its way", "Unterwegs"),
         Place::Nobodys => ("For nobody", "Ohne Person"),

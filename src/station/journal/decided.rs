@@ -62,12 +62,15 @@ impl Journal {
         })
     }
 
-    /// The bytes of a refused scan are let go, as the configuration says: they are not lost.
+    /// The bytes of a refused scan are let go, as the configuration says: they are not lost, and the
+    /// scan needs no decision any more.
     ///
     /// # Errors
     /// See [`JournalError`].
     pub fn let_go_of(&self, scan: &ScanId) -> Result<(), JournalError> {
         self.change(|transaction| {
+            let closed = "UPDATE scans SET closed = 'let-go' WHERE sha256 = ?1 AND closed IS NULL";
+            transaction.prepare_cached(closed)?.execute([scan.as_str()])?;
             history::append(transaction, Some(scan), Event::LetGo, &json!({}))
         })
     }

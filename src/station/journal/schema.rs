@@ -113,7 +113,7 @@ CREATE INDEX captures_by_state ON captures (state);
 
 /// `geometry` is the hash of a scan's coordinates and faces as written, '' where it is not known.
 /// `candidates` are the ids of whom a held scan, or the export of a capture, may be, as JSON. `closed`
-/// says why a refused scan needs no decision any more: `given-up` or `superseded`. `refused` of a capture:
+/// says why a refused scan needs no decision any more: `given-up`, `superseded` or `let-go`. `refused` of a capture:
 /// the export that answered it was refused, and another is awaited.
 /// `looks` holds what the looks at each folder know of files that are not taken yet, as JSON; `boot` and
 /// `looked_ms` as in `captures`. `orders` are the orders that were heard and still lie there.

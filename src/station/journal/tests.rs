@@ -242,6 +242,18 @@ fn a_file_is_forgotten_when_it_is_gone_and_its_scan_is_forgotten_and_not_before(
 }
 
 #[test]
+fn a_refused_scan_whose_bytes_were_let_go_needs_no_decision_any_more() {
+    let (_dir, journal) = journal();
+    enter(&journal, &row('a'), Some("4711"), DeliveryState::Pending);
+    journal.refused(&row('a').scan, "no-leg", "no leg").unwrap();
+    assert_eq!(journal.undecided(9).unwrap(), [row('a').scan]);
+    journal.let_go_of(&row('a').scan).unwrap();
+    let tally = journal.tally().unwrap();
+    assert_eq!((journal.undecided(9).unwrap(), tally.scans["refused"]), (vec![], 0));
+    assert!(journal.was_let_go(&row('a').scan).unwrap());
+}
+
+#[test]
 fn a_refused_scan_is_closed_by_the_same_patients_next_good_one_and_by_nobody_elses() {
     let (_dir, journal) = journal();
     let at = |digit: char, second: i64| ScanRow {
