@@ -9,11 +9,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 
-#[allow(dead_code, reason = "the bench uses a part")]
-#[path = "../tests/support/process.rs"]
-mod process;
-#[path = "../tests/support/station.rs"]
-mod support;
 #[path = "station/trigger.rs"]
 mod trigger;
 
@@ -23,8 +18,8 @@ use std::process::{Command, Stdio};
 use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
 
-use process::cpu_ticks;
 use support::invariants::Vitals;
+use support::process::cpu_ticks;
 use support::verb::program;
 use support::{Booth, Setting, body, coarse_body, names};
 

@@ -2,15 +2,6 @@
 //! or with 100 000 points anywhere:
 //! `cargo bench --bench surface`.
 
-#[path = "../tests/support/chance.rs"]
-mod chance;
-#[path = "../tests/support/cloud.rs"]
-mod cloud;
-#[path = "../tests/support/test_leg.rs"]
-mod test_leg;
-
-use chance::Chance;
-use cloud::Faults;
 use divan::Bencher;
 use gaiter::spline::{
     Basis, CloudData, CloudFit, CloudKnots, CloudMethod, FitFault, GridData, GridDomain,
@@ -18,6 +9,9 @@ use gaiter::spline::{
     fit_grid_by, mean_chord_parameters,
 };
 use nalgebra::Point3;
+use support::chance::Chance;
+use support::cloud::Faults;
+use support::{cloud, test_leg};
 
 fn main() {
     divan::main();

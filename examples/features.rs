@@ -18,12 +18,7 @@ use gaiter::leg::sections::sections;
 use gaiter::leg::segment::segment;
 use gaiter::leg::{Extraction, LegReport, Level, LevelSection, Method, Side, extract};
 use gaiter::scan::{Format, Scan, read};
-use noise::{Fate, quantile, roughened};
-
-#[path = "../tests/support/noise.rs"]
-mod noise;
-#[path = "../tests/support/solids.rs"]
-mod solids;
+use support::noise::{Fate, quantile, roughened};
 
 /// Standard deviations of the added noise, mm.
 const NOISE_MM: [f64; 3] = [0.3, 0.5, 1.0];

@@ -9,8 +9,6 @@ mod degraded;
 mod tally;
 #[path = "support/truth.rs"]
 mod truth;
-#[path = "../tests/support/wavefront.rs"]
-mod wavefront;
 
 use std::error::Error;
 use std::io::{self, Write};
@@ -21,9 +19,9 @@ use gaiter::leg::Method;
 use gaiter::leg::method::{AxisFit, SectionFit, Unit};
 use gaiter::scan::{Format, Scan, read};
 use rayon::prelude::*;
+use support::wavefront::obj;
 use tally::Tally;
 use truth::{Case, cases};
-use wavefront::obj;
 
 /// The methods that are compared.
 const METHODS: [(&str, SectionFit, AxisFit); 4] = [

@@ -17,7 +17,7 @@
 //! Pure means: no files, clock, environment, threads of its own, async, logging, unseeded
 //! randomness or hash-map order. Bytes, numbers and `now` come in as arguments; findings come out
 //! as data. `rayon` is allowed in `spline` and `leg` where results do not depend on order.
-//! `clippy.toml` and `tests/layering.rs` hold these rules.
+//! `clippy.toml` and `tests/house/layering.rs` hold these rules.
 //!
 //! What each layer may import besides `std` and the layers above it:
 //!

@@ -6,18 +6,14 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-#[path = "support/bodies.rs"]
-mod bodies;
-#[path = "support/writers.rs"]
-mod writers;
-
 use std::fs;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gaiter::scan::{Format, Scan, ScanFault, completeness, read};
 use peak_alloc::PeakAlloc;
-use writers::{MESHES, Writer};
+use support::bodies;
+use support::writers::{MESHES, Writer};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;

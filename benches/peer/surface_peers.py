@@ -3,9 +3,9 @@
     pip install numpy scipy geomdl && python3 benches/peer/surface_peers.py
 
 Prints one line a method: control points along x around, mean relative error in percent and largest
-error in mm by the metric of tests/support/metric.rs, tangent kink across the seam in degrees, best
+error in mm by the metric of tests/support/src/metric.rs, tangent kink across the seam in degrees, best
 time of some runs. The clamped peers are given three columns more around, which is what a periodic
-surface has after export. Same leg as tests/support/test_leg.rs.
+surface has after export. Same leg as tests/support/src/test_leg.rs.
 """
 
 import math

@@ -6,10 +6,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 use gaiter::scan::Scan;
 use nalgebra::Vector3;
 
-#[path = "../../tests/support/chance.rs"]
-mod chance;
-
-use chance::Chance;
+use support::chance::Chance;
 
 /// Halvings of the range in which the least distance of kept points is sought.
 const HALVINGS: usize = 14;

@@ -9,12 +9,13 @@ use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
+use support::invariants::{self, PutKind};
+use support::{Booth, coarse_body, names, rescanned, sha256};
+
 use crate::chance::Chance;
 use crate::exports::{Act, Whom};
 use crate::field::{Field, Tail};
 use crate::plan::{Event, follow, seconds};
-use crate::support::invariants::{self, PutKind};
-use crate::support::{Booth, coarse_body, names, rescanned, sha256};
 
 /// An export that lies there.
 #[derive(Debug, Clone)]

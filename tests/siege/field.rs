@@ -10,10 +10,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use support::{Booth, Setting};
+
 use crate::clock::Clock;
 use crate::keeper::Keeper;
 use crate::plan::Plan;
-use crate::support::{Booth, Setting};
 
 /// How often somebody who waits looks up.
 const LOOK_UP: Duration = Duration::from_millis(20);

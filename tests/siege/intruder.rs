@@ -9,13 +9,13 @@ use std::time::Duration;
 
 use rustix::fs::{CWD, FileType, Mode, makedev, mkfifoat, mknodat};
 use rustix::process::{Pid, Signal, kill_process};
+use support::coarse_body;
+use support::invariants::PutKind;
 
 use crate::chance::Chance;
 use crate::field::Field;
 use crate::plan::{Event, follow, seconds, weighed};
 use crate::process::family;
-use crate::support::coarse_body;
-use crate::support::invariants::PutKind;
 
 /// So many names of one file lie beside a scan.
 const LINKS: usize = 150;

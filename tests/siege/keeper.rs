@@ -5,11 +5,11 @@ use std::sync::{Mutex, RwLock};
 use std::time::{Duration, Instant};
 
 use rustix::process::{Pid, Signal, kill_process};
+use support::Daemon;
 
 use crate::chance::Chance;
 use crate::field::{Field, Tail};
 use crate::plan::{Event, weighed};
-use crate::support::Daemon;
 
 /// The pause before a station that ended by itself is started again.
 const RESTART: Duration = Duration::from_millis(500);

@@ -9,8 +9,9 @@ use std::sync::Mutex;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use support::invariants::Vitals;
+
 use crate::field::Field;
-use crate::support::invariants::Vitals;
 
 /// No answer may take longer.
 const MOST: Duration = Duration::from_secs(2);

@@ -1,0 +1,7 @@
+//! CAD files and meshes, read back.
+
+mod iges;
+mod mesh;
+mod of_records;
+mod second_reader;
+mod step;

@@ -1,0 +1,260 @@
+//! `gaiter` as a program: what the command line and `check` end with, and what they print.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use support::verb::{code, gaiter, stderr, stdout};
+use tempfile::TempDir;
+
+/// A configuration over folders in `root`, of which only the export folder exists.
+fn station(root: &Path, more: &str) -> PathBuf {
+    let at = root.display();
+    fs::create_dir_all(root.join("export")).unwrap();
+    let file = root.join("station.toml");
+    let text = format!(
+        "[station]\nid = \"t\"\nstate_dir = \"{at}/state\"\n[scanner]\nexport_dirs = [\"{at}/export\"]\n\
+         max_scan = \"1MB\"\n{more}[store.folder]\npath = \"{at}/records\"\n"
+    );
+    fs::write(&file, text).unwrap();
+    file
+}
+
+fn check(file: &Path, more: &[&str]) -> Output {
+    gaiter(&[&["check", "--config", file.to_str().unwrap()], more].concat())
+}
+
+fn json(output: &Output) -> serde_json::Value {
+    serde_json::from_slice(&output.stdout).unwrap()
+}
+
+#[test]
+fn help_and_version_are_no_fault_and_go_to_standard_output() {
+    for args in [["--help"].as_slice(), &["--version"], &["help"], &["extract", "--help"]] {
+        let output = gaiter(args);
+        assert_eq!(code(&output), Some(0), "{args:?}");
+        assert!(stdout(&output).contains("gaiter") && output.stderr.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn a_wrong_command_line_ends_with_64() {
+    let wrong: [&[&str]; 6] = [
+        &[],
+        &["measure"],
+        &["extract"],
+        &["extract", "a.obj", "--unit", "ft"],
+        &["extract", "a.obj", "--facing"],
+        &["check", "--patient", "4711"],
+    ];
+    for args in wrong {
+        let output = gaiter(args);
+        assert_eq!(code(&output), Some(64), "{args:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{args:?}");
+    }
+}
+
+#[test]
+fn a_configuration_that_is_not_there_ends_with_66() {
+    let root = TempDir::new().unwrap();
+    let output = check(&root.path().join("none.toml"), &[]);
+    assert_eq!(code(&output), Some(66));
+    assert!(stderr(&output).contains("none.toml"), "{}", stderr(&output));
+    let output = check(&root.path().join("none.toml"), &["--json"]);
+    assert_eq!(code(&output), Some(66));
+    assert_eq!(json(&output)["exit"], 66);
+}
+
+#[test]
+fn a_configuration_that_cannot_be_read_ends_with_74() {
+    let root = TempDir::new().unwrap();
+    assert_eq!(code(&check(root.path(), &[])), Some(74), "a folder is no file");
+}
+
+#[test]
+fn faults_of_the_configuration_end_with_78_and_are_told_with_the_name_of_the_file() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "quiet = \"2 sec\"\ncolour = 1\n");
+    let output = check(&file, &[]);
+    assert_eq!(code(&output), Some(78));
+    assert!(output.stdout.is_empty());
+    let said = stderr(&output);
+    let first = format!("{}:7:9: scanner.quiet: \"2 sec\" is not a duration\n", file.display());
+    assert!(said.starts_with(&first), "{said}");
+    assert!(said.contains("  7 | quiet = \"2 sec\"\n    |         ^^^^^^^\n    hint: "), "{said}");
+    assert!(said.ends_with("has 2 faults\n"), "{said}");
+
+    let output = check(&file, &["--json"]);
+    assert_eq!(code(&output), Some(78));
+    let report = json(&output);
+    assert_eq!(report["faults"].as_array().unwrap().len(), 2);
+    assert_eq!(report["faults"][0]["key"], "scanner.quiet");
+    assert_eq!(
+        (&report["faults"][0]["line"], &report["faults"][0]["column"]),
+        (&7.into(), &9.into())
+    );
+}
+
+#[test]
+fn a_sound_station_ends_with_0_and_the_check_leaves_nothing_behind() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    let output = check(&file, &[]);
+    assert_eq!(code(&output), Some(0), "{}{}", stdout(&output), stderr(&output));
+    assert!(stdout(&output).contains("does not exist yet; can be made in"));
+    let mut left: Vec<_> =
+        fs::read_dir(root.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    left.sort();
+    assert_eq!(left, ["export", "station.toml"]);
+
+    fs::create_dir(root.path().join("state")).unwrap();
+    let output = check(&file, &["--json"]);
+    assert_eq!(code(&output), Some(0));
+    let report = json(&output);
+    let state =
+        report["checks"].as_array().unwrap().iter().find(|row| row["check"] == "state folder");
+    assert_eq!(state.unwrap()["detail"], "can be written, synced and renamed in");
+    assert_eq!(fs::read_dir(root.path().join("state")).unwrap().count(), 0);
+}
+
+#[test]
+fn faults_of_the_environment_end_with_74_and_are_all_told() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    fs::remove_dir(root.path().join("export")).unwrap();
+    fs::write(root.path().join("state"), "a file").unwrap();
+    std::os::unix::fs::symlink("nowhere", root.path().join("records")).unwrap();
+    let output = check(&file, &["--json"]);
+    assert_eq!(code(&output), Some(74));
+    let report = json(&output);
+    for check in ["export folder", "state folder", "record store"] {
+        let rows = report["checks"].as_array().unwrap();
+        let row = rows.iter().find(|row| row["check"] == check).unwrap();
+        assert_eq!(row["verdict"], "fail", "{row}");
+    }
+    let output = check(&file, &[]);
+    assert_eq!(code(&output), Some(74));
+    assert!(stdout(&output).contains("is not a folder"), "{}", stdout(&output));
+}
+
+#[test]
+fn a_link_from_one_folder_into_another_is_found() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    std::os::unix::fs::symlink("export", root.path().join("records")).unwrap();
+    let output = check(&file, &[]);
+    assert_eq!(code(&output), Some(74));
+    assert!(stdout(&output).contains("folders apart"), "{}", stdout(&output));
+}
+
+#[test]
+fn a_quiet_time_above_the_rescan_is_a_warning_and_no_fault() {
+    let root = TempDir::new().unwrap();
+    let output = check(&station(root.path(), "quiet = \"30s\"\n"), &[]);
+    assert_eq!(code(&output), Some(0));
+    assert!(stdout(&output).contains("warn  timing"), "{}", stdout(&output));
+}
+
+/// What `check` says of the file names `names` under the expression of the shipped file's example.
+fn check_names(names: &[&str]) -> Output {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "file_name = '^(?<patient>P?[0-9]+)_'\n");
+    names.iter().for_each(|name| fs::write(root.path().join("export").join(name), "x").unwrap());
+    let output = check(&file, &[]);
+    assert_eq!(code(&output), Some(0), "{}", stdout(&output));
+    assert!(output.stderr.is_empty(), "ids go to standard output only: {}", stderr(&output));
+    output
+}
+
+#[test]
+fn names_that_would_take_a_date_for_a_person_are_a_warning_and_no_fault() {
+    let said = stdout(&check_names(&["20261122_0915.obj", "20261122_0920.obj", "scan.obj"]));
+    assert!(said.contains("3 names: 2 with a patient's id, 1 without, 0 with one that"), "{said}");
+    assert!(said.contains("      20261122_0915.obj → 20261122\n"), "{said}");
+    let warning = "every scan of 22 November 2026 would go to a patient 20261122";
+    let warned = said.lines().find(|line| line.contains(warning)).unwrap();
+    assert!(warned.starts_with("warn  file names") && warned.ends_with("[looks-like-a-date]"));
+}
+
+#[test]
+fn names_that_would_take_a_counter_for_a_person_are_a_warning() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "file_name = '^(?<patient>P?[0-9]+)_'\n");
+    // Their times say their order, whatever they are called.
+    for (age, name) in [(3, "9_z.obj"), (2, "10_a.obj"), (1, "11_b.obj")] {
+        let export = fs::File::create(root.path().join("export").join(name)).unwrap();
+        let written = std::time::SystemTime::now() - std::time::Duration::from_secs(age * 60);
+        export.set_modified(written).unwrap();
+    }
+    let output = check(&file, &["--json"]);
+    assert_eq!(code(&output), Some(0));
+    let report = json(&output);
+    let rows = report["checks"].as_array().unwrap().iter();
+    let rows: Vec<_> = rows.filter(|row| row["check"] == "file names").collect();
+    assert_eq!(rows[0]["examples"][0]["name"], "11_b.obj", "the newest first");
+    assert_eq!(rows[0]["examples"][2]["patient"], "9");
+    assert!(rows[1]["detail"].as_str().unwrap().contains("from 9 to 11"), "{}", rows[1]);
+    assert_eq!(rows[1]["verdict"], "warn");
+}
+
+#[test]
+fn names_that_name_patients_are_shown_without_a_warning() {
+    let names = ["4711_left.obj", "P12_front.obj", "0815_20261122.obj", "1234567890123_a.obj"];
+    let said = stdout(&check_names(&names));
+    assert!(said.contains("4 names: 3 with a patient's id, 0 without, 1 with one that"), "{said}");
+    for example in ["4711_left.obj → 4711", "P12_front.obj → P12", "0815_20261122.obj → 0815"]
+    {
+        assert!(said.contains(example), "{said}");
+    }
+    assert!(!said.contains("warn  file names"), "{said}");
+}
+
+#[test]
+fn a_name_in_the_export_folder_cannot_forge_a_line_of_the_check() {
+    let said = stdout(&check_names(&["4711_\u{1b}[2J\nfail  x.obj"]));
+    assert!(said.contains(r"4711_\u{1b}[2J\nfail  x.obj → 4711"), "{said}");
+}
+
+#[test]
+fn of_many_names_the_newest_are_looked_at() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "file_name = '^(?<patient>P?[0-9]+)_'\n");
+    let old = fs::File::create(root.path().join("export/20261122_a.obj")).unwrap();
+    old.set_modified(std::time::UNIX_EPOCH).unwrap();
+    for n in 0..2000 {
+        fs::write(root.path().join(format!("export/{}_a.obj", 7000 - 3 * n)), "").unwrap();
+    }
+    let said = stdout(&check(&file, &[]));
+    assert!(said.contains("the newest 2000 of 2001 names: 2000 with a patient's id"), "{said}");
+    assert_eq!(said.matches(" → ").count(), 5, "{said}");
+    assert!(!said.contains("20261122"), "{said}");
+}
+
+#[test]
+fn without_an_expression_one_line_says_that_file_names_name_nobody() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    fs::write(root.path().join("export/20261122_a.obj"), "").unwrap();
+    let said = stdout(&check(&file, &[]));
+    let lines: Vec<&str> = said.lines().filter(|line| line.contains("file name")).collect();
+    let [line] = lines[..] else { panic!("{said}") };
+    assert!(line.starts_with("ok    file names") && line.ends_with("file names name nobody"));
+    assert!(!said.contains("20261122"), "{said}");
+}
+
+#[test]
+fn a_reader_that_has_gone_is_no_fault() {
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let status = Command::new(support::verb::program())
+        .args(["check", "--config"])
+        .arg(&file)
+        .stdout(writer)
+        .status()
+        .unwrap();
+    assert_eq!(status.code(), Some(0));
+}

@@ -1,0 +1,7 @@
+//! The command line as the real program: check, manual, reextract, terminal.
+
+mod check;
+mod config_faults;
+mod manual;
+mod reextract;
+mod terminal;

@@ -1,0 +1,5 @@
+//! The rules of the house, the README, and the checker of the invariants itself.
+
+mod invariants;
+mod layering;
+mod readme;

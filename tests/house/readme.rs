@@ -1,0 +1,83 @@
+//! The README tells what every code means that an operator can meet.
+
+#![allow(clippy::unwrap_used)]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+/// Files whose `code` functions give codes to records, `reason.json`, standard error or `check`.
+const SOURCES: [&str; 13] = [
+    "src/scan/fault.rs",
+    "src/leg/mod.rs",
+    "src/leg/body_fault.rs",
+    "src/leg/segment.rs",
+    "src/leg/finding.rs",
+    "src/leg/doubt.rs",
+    "src/leg/opinion.rs",
+    "src/store/mod.rs",
+    "src/cad/kind.rs",
+    "src/record/gdt/order.rs",
+    "src/record/report/pdf/mod.rs",
+    "src/cli/reextract/again.rs",
+    "src/flow/name_check.rs",
+];
+
+/// Codes that a source hands out: what stands in quotes behind an arrow.
+fn codes(source: &str) -> Vec<String> {
+    let text = fs::read_to_string(format!("{}/{source}", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let quoted = text.split("=> \"").skip(1).filter_map(|rest| rest.split('"').next());
+    let is_code = |word: &&str| word.chars().all(|c| c.is_ascii_lowercase() || c == '-');
+    quoted.filter(is_code).map(str::to_owned).collect()
+}
+
+#[test]
+fn every_code_stands_in_the_readme() {
+    let readme = include_str!("../../README.md");
+    let all: Vec<String> = SOURCES.iter().flat_map(|source| codes(source)).collect();
+    assert!(all.len() > 20, "only {} codes were found: {all:?}", all.len());
+    let not_codes = ["info", "warning", "error", "folder"];
+    for code in all.iter().filter(|code| !not_codes.contains(&code.as_str())) {
+        assert!(readme.contains(&format!("`{code}`")), "the README does not explain `{code}`");
+    }
+}
+
+/// The codes of all log events in the source, where they are made.
+fn events(folder: &Path, found: &mut BTreeSet<String>) {
+    for path in fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()) {
+        if path.is_dir() {
+            events(&path, found);
+            continue;
+        }
+        if path.extension().is_none_or(|ending| ending != "rs") {
+            continue;
+        }
+        let text = fs::read_to_string(&path).unwrap();
+        // `info!(event = "code", …)`, and a `let (event, …) = ("code", …)` for a long line,
+        // or a `let event` that chooses between two.
+        let plain = text.split("event = \"").skip(1);
+        let bound = text.split("(event, ").skip(1).filter_map(|rest| rest.split_once(") = (\""));
+        let chosen = text.split("let event = ").skip(1).filter_map(|rest| rest.split(';').next());
+        let chosen = chosen.flat_map(|choice| choice.split('"').skip(1).step_by(2));
+        found.extend(chosen.map(str::to_owned));
+        let codes =
+            plain.chain(bound.map(|(_, rest)| rest)).filter_map(|rest| rest.split('"').next());
+        found.extend(codes.map(str::to_owned));
+    }
+}
+
+#[test]
+fn every_log_event_stands_in_the_readme_and_no_other() {
+    let mut made = BTreeSet::new();
+    events(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut made);
+    assert!(made.len() > 15, "only {} events were found: {made:?}", made.len());
+    let readme = include_str!("../../README.md");
+    let section = readme.split("\n## Log events\n").nth(1).unwrap().split("\n## ").next().unwrap();
+    let rows = section.lines().filter(|line| line.starts_with("| `"));
+    let named = rows.flat_map(|row| row.split('|').nth(1).unwrap().split('`').skip(1).step_by(2));
+    let told: BTreeSet<String> = named.map(str::to_owned).collect();
+    let missing: Vec<_> = made.difference(&told).collect();
+    assert!(missing.is_empty(), "the README does not explain {missing:?}");
+    let gone: Vec<_> = told.difference(&made).collect();
+    assert!(gone.is_empty(), "the README explains {gone:?}, which nothing logs");
+}

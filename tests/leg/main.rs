@@ -1,0 +1,19 @@
+//! The measurement: truth, closed forms, laws, findings.
+
+mod at_heights;
+mod closed_forms;
+mod cloud;
+mod curvature;
+mod features;
+mod findings;
+mod laws;
+mod levels;
+mod order;
+mod paper;
+mod parting;
+mod second_opinion;
+mod skin;
+mod surface;
+mod test_leg_itself;
+mod truth;
+mod volume;

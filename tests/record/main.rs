@@ -1,0 +1,12 @@
+//! What a record, its report, its figures and its messages say.
+
+mod figure_sides;
+mod figures;
+mod gdt_message;
+mod gdt_orders;
+mod levels;
+mod report_content;
+mod report_page;
+mod report_paper;
+mod report_refused;
+mod report_words;

@@ -1,0 +1,84 @@
+//! Of what is no record, of a record that was changed and of one that no leg can have, no report is
+//! made: the refusal names what is wrong.
+
+#![allow(clippy::unwrap_used)]
+
+use std::fs;
+use std::sync::LazyLock;
+
+use gaiter::leg::Method;
+use gaiter::record::{Record, sha256};
+use serde_json::Value;
+use support::bodies::{export, record_of};
+use support::verb::{code, gaiter, stderr};
+
+static RECORD: LazyLock<Record> =
+    LazyLock::new(|| record_of(&export("f_average_tc2"), &Method::default()).1);
+
+/// A change of a record by hand, and what the refusal names.
+type Change = (fn(&mut Value), &'static str);
+
+/// What no leg can have, each where a report would draw or tell it.
+const IMPOSSIBLE: [Change; 12] = [
+    (|r| r["legs"][0]["landmarks"]["C"]["girth_tape_mm"] = (-337.0).into(), "girth of C"),
+    (|r| r["legs"][0]["landmarks"]["C"]["girth_tape_mm"] = 1e300.into(), "girth of C"),
+    (|r| r["legs"][0]["landmarks"]["C"]["girth_sd_mm"] = (-3.0).into(), "standard errors of C"),
+    (|r| r["legs"][0]["landmarks"]["B"]["height_mm"] = 1e5.into(), "height of B"),
+    (|r| r["legs"][0]["side"] = "right".into(), "legs[1]"),
+    (|r| r["legs"][1]["side"] = "middle".into(), "legs[1]"),
+    (|r| r["legs"][0]["girth_curve"]["tape_mm"][5] = 1e9.into(), "girth_curve.tape_mm"),
+    (|r| r["legs"][0]["girth_curve"]["tape_mm"] = [1.0].as_slice().into(), "girth_curve.tape_mm"),
+    (|r| r["legs"][1]["sections"][2]["outline"]["radius_mm"][7] = 1e12.into(), "outline of"),
+    (|r| r["legs"][1]["sections"][2]["outline"]["curvature_per_mm"][7] = 1e5.into(), "outline of"),
+    (emptied, "radius_mm: 0 figures"),
+    (|r| r["legs"][0]["shape"]["skin"]["rows"] = 1_000_000_000.into(), "skin of its shape"),
+];
+
+fn emptied(record: &mut Value) {
+    let outline = record["legs"][1]["sections"][2]["outline"].as_object_mut().unwrap();
+    let rows = outline.iter_mut().filter(|(name, _)| *name != "centre_mm");
+    rows.for_each(|(_, row)| *row = Value::Array(Vec::new()));
+}
+
+#[test]
+fn a_record_that_was_changed_or_that_no_leg_can_have_gives_no_report() {
+    let place = tempfile::tempdir().unwrap();
+    let path = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+    let whole = serde_json::to_value(&*RECORD).unwrap();
+    let refused = |what: &str, changed: &Value, names: &str| {
+        fs::write(path("record.json"), serde_json::to_vec(changed).unwrap()).unwrap();
+        let said = gaiter(&["report", &path("record.json"), "--out", &path("out")]);
+        assert_eq!(code(&said), Some(65), "{what}: {}", stderr(&said));
+        assert!(stderr(&said).contains(names), "{what}: {}", stderr(&said));
+        assert!(!place.path().join("out").exists(), "{what}");
+    };
+    for (index, (change, names)) in IMPOSSIBLE.into_iter().enumerate() {
+        let mut changed = whole.clone();
+        change(&mut changed);
+        refused(&format!("change {index}"), &changed, names);
+    }
+    // A girth that can be, beside the sums of what was written.
+    let written = sha256(&serde_json::to_vec(&whole).unwrap());
+    fs::write(path("SHA256SUMS"), format!("{written}  record.json\n")).unwrap();
+    let mut changed = whole.clone();
+    changed["legs"][0]["landmarks"]["C"]["girth_tape_mm"] = 351.2.into();
+    refused("another girth", &changed, "is not what SHA256SUMS says");
+    fs::write(path("SHA256SUMS"), "no sums\n").unwrap();
+    refused("sums that cannot be read", &whole, "is no sum and name");
+}
+
+#[test]
+fn what_is_no_record_is_refused_with_the_code_of_its_kind() {
+    let place = tempfile::tempdir().unwrap();
+    let path = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+    fs::write(path("text.json"), "no record").unwrap();
+    let mut later = RECORD.clone();
+    later.schema = "gaiter.leg-record/2".to_owned();
+    fs::write(path("later.json"), serde_json::to_vec(&later).unwrap()).unwrap();
+    for (name, exit) in [("text.json", 65), ("later.json", 65), ("missing.json", 66)] {
+        let said = gaiter(&["report", &path(name), "--out", &path("out")]);
+        assert_eq!(code(&said), Some(exit), "{name}: {}", stderr(&said));
+        assert!(stderr(&said).contains(name));
+        assert!(!place.path().join("out").exists(), "{name}");
+    }
+}

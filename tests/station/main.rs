@@ -1,0 +1,22 @@
+//! The station as the real program, as technicians, operators and monitors meet it.
+
+mod booth;
+mod companions;
+mod confinement;
+mod control;
+mod custody;
+mod decisions;
+mod deliveries;
+mod gdt;
+mod http;
+mod journal;
+mod life;
+mod measure;
+mod orders;
+mod page;
+mod page_held;
+mod patient;
+mod planted_names;
+mod right_patient;
+mod trigger_pty;
+mod watch;

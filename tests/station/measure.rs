@@ -1,0 +1,276 @@
+//! The measuring process of the real station: whatever a scan does to it, it costs that one scan.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
+
+use std::fs::{self, File};
+use std::io::{BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use gaiter::flow::confinement::Confine;
+use gaiter::record::Provenance;
+use gaiter::station::measure::{Answer, Job, Limits};
+use rustix::process::{Pid, Signal, kill_process};
+use support::{Booth, Daemon, body, sha256};
+
+/// A configuration with these lines more.
+fn booth(more: &str) -> Booth {
+    let booth = Booth::new();
+    let mut config = File::options().append(true).open(booth.path("station.toml")).unwrap();
+    config.write_all(more.as_bytes()).unwrap();
+    booth
+}
+
+/// The measuring processes on this machine that measure this scan. The tests run side by side, so
+/// each has its own.
+fn measuring(hash: &str) -> Vec<Pid> {
+    let processes = fs::read_dir("/proc").unwrap().flatten();
+    let measures = |pid: &i32| {
+        let line = fs::read(format!("/proc/{pid}/cmdline")).unwrap_or_default();
+        line.split(|byte| *byte == 0).any(|argument| argument == hash.as_bytes())
+    };
+    let ids = processes.filter_map(|entry| entry.file_name().to_str()?.parse::<i32>().ok());
+    ids.filter(measures).filter_map(Pid::from_raw).collect()
+}
+
+/// Whether the last thing that a process does before it reads a scan is done.
+fn is_confined(pid: Pid) -> bool {
+    let status = fs::read_to_string(format!("/proc/{}/status", pid.as_raw_nonzero()));
+    status.is_ok_and(|status| status.lines().any(|line| line == "Seccomp:\t2"))
+}
+
+/// Waits for the measuring process of a scan and sends it a signal.
+fn signal(booth: &Booth, hash: &str, signal: Signal) {
+    booth.wait_for("a measuring process", || {
+        let found = measuring(hash);
+        // It may have ended between the two.
+        found.iter().any(|pid| kill_process(*pid, signal).is_ok())
+    });
+}
+
+/// A process that was given a job, and has been told all but the scan's bytes.
+fn begun(limits: Limits, scan: &[u8]) -> Child {
+    let mut child = Command::new(support::verb::program())
+        .args(["measure", &sha256(scan)])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let sha256 = sha256(scan);
+    let provenance = Provenance::of_scan(sha256);
+    let job = Job {
+        config: include_str!("../../config/station.toml").to_owned(),
+        provenance,
+        ending: "obj".to_owned(),
+        scan_bytes: scan.len() as u64,
+        ord_files: 0,
+        ord_bytes: 0,
+        threads: 2,
+        limits,
+        confine: Confine::Required,
+    };
+    job.write(child.stdin.as_mut().unwrap()).unwrap();
+    child
+}
+
+fn generous() -> Limits {
+    let minute = Duration::from_secs(60);
+    Limits { memory_bytes: 2_000_000_000, cpu: minute, wall: minute }
+}
+
+fn answer(mut child: Child, bytes: &[u8]) -> Answer {
+    child.stdin.take().unwrap().write_all(bytes).unwrap();
+    let answer = Answer::read(&mut BufReader::new(child.stdout.take().unwrap()), 1 << 30);
+    child.wait().unwrap();
+    answer.unwrap()
+}
+
+#[test]
+fn the_process_is_confined_before_it_reads_the_first_byte_of_the_scan() {
+    let mut child = begun(Limits { memory_bytes: 300_000_000, ..generous() }, b"v 0 0 0\n");
+    let file = |name: &str| fs::read_to_string(Path::new("/proc").join(name)).unwrap();
+    let status = || file(&format!("{}/status", child.id()));
+    let deadline = std::time::Instant::now() + Duration::from_secs(60);
+    while !status().contains("Seccomp:\t2") {
+        assert!(std::time::Instant::now() < deadline, "{}", status());
+        std::thread::yield_now();
+    }
+    assert!(status().contains("NoNewPrivs:\t1"), "{}", status());
+    let limits = file(&format!("{}/limits", child.id()));
+    let limit = |name: &str| {
+        let line = limits.lines().find(|line| line.starts_with(name)).unwrap();
+        line[name.len()..].split_whitespace().next().unwrap().to_owned()
+    };
+    assert_eq!(limit("Max address space"), "300000000");
+    assert_eq!(limit("Max cpu time"), "60");
+    assert_eq!(limit("Max core file size"), "0");
+    assert_eq!(limit("Max file size"), "0");
+    child.kill().unwrap();
+    child.wait().unwrap();
+}
+
+#[test]
+fn bytes_that_are_not_those_of_the_hash_are_not_measured() {
+    let Answer::Refused { code, .. } = answer(begun(generous(), b"v 0 0 0\n"), b"v 0 0 1\n") else {
+        panic!("it was measured");
+    };
+    assert_eq!(code, "spool-damaged");
+}
+
+#[test]
+fn the_answer_is_the_record_that_extract_makes() {
+    let scan = body(31);
+    let Answer::Files(files) = answer(begun(generous(), &scan), &scan) else {
+        panic!("it was refused");
+    };
+    let booth = Booth::new();
+    fs::write(booth.path("a.obj"), &scan).unwrap();
+    let (scan_path, out) = (booth.path("a.obj"), booth.path("out"));
+    let status = Command::new(support::verb::program())
+        .args([Path::new("extract"), &scan_path, Path::new("--out"), &out])
+        .stdout(Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+    assert!(names.contains(&"left.step") && names.contains(&"measurements.csv"), "{names:?}");
+    for file in files.iter().filter(|file| !file.name.starts_with("record.json")) {
+        let made = fs::read(out.join("a").join(&file.name)).unwrap();
+        // The record tells when it was acquired, the list of sums tells the record's.
+        if file.name != "SHA256SUMS" {
+            assert_eq!(made, file.bytes, "{}", file.name);
+        }
+    }
+}
+
+#[test]
+fn a_process_that_wants_too_much_memory_costs_that_scan_only() {
+    let booth = booth("[measure]\nmemory = \"256MB\"\n");
+    booth.reconfigure(|config| config.replace("\"20MB\"", "\"60MB\""));
+    let daemon = booth.start();
+    // 8 bytes a point in the file, 24 and more in memory.
+    let bomb = "v 1 2 3\n".repeat(7_000_000).into_bytes();
+    booth.export("4711_bomb.obj", &bomb);
+    booth.export("4711_good.obj", &body(41));
+    booth.wait_for_records(1);
+    booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
+    assert_eq!(daemon.stop().code(), Some(0));
+    let code = booth.reason(&bomb)["code"].as_str().unwrap().to_owned();
+    assert!(["measuring-too-large", "scan-no-faces"].contains(&code.as_str()), "{code}");
+    booth.assert_settled(&[("4711", &body(41))]);
+}
+
+#[test]
+fn a_process_that_stands_still_is_ended_in_time_and_begun_again() {
+    let booth = booth("[measure]\nwall = \"2s\"\n");
+    let daemon = booth.start();
+    let scan = body(51);
+    booth.export("4711_hangs.obj", &scan);
+    signal(&booth, &sha256(&scan), Signal::STOP);
+    booth.export("4711_good.obj", &body(52));
+    booth.wait_for_records(2);
+    assert_eq!(daemon.stop().code(), Some(0));
+    // It computed nothing meanwhile, so it was not the scan that took so long.
+    assert!(booth.log().contains("measuring-too-long"), "{}", booth.log());
+    assert_eq!(measuring(&sha256(&scan)), []);
+    booth.assert_settled(&[("4711", &scan), ("4711", &body(52))]);
+}
+
+#[test]
+fn a_process_that_somebody_kills_is_begun_again_however_often() {
+    let booth = Booth::new();
+    let daemon = booth.start();
+    let scan = body(61);
+    booth.export("4711_a.obj", &scan);
+    for times in 1..=4 {
+        signal(&booth, &sha256(&scan), Signal::KILL);
+        let put_off = || booth.log().matches("measuring-killed").count();
+        booth.wait_for("the end of it", || put_off() >= times || !booth.records().is_empty());
+    }
+    booth.wait_for_records(1);
+    booth.wait_for("the all-clear", || status(&booth)["alarms"]["measuring-impaired"].is_null());
+    assert_eq!(daemon.stop().code(), Some(0));
+    booth.assert_settled(&[("4711", &scan)]);
+}
+
+fn status(booth: &Booth) -> serde_json::Value {
+    serde_json::from_slice(&booth.gaiter(&["status", "--json"]).stdout).unwrap_or_default()
+}
+
+/// A station in surroundings in which nothing can be measured keeps its scan, says so, and measures it once
+/// they are as usual.
+fn waits_behind(front: &[&str], more: &str) {
+    let booth = booth(more);
+    let scan = body(65);
+    booth.export("4711_a.obj", &scan);
+    let daemon = Daemon::of(booth.command_behind(front));
+    // The scan has failed more often than any scan may by its own fault.
+    let put_off = || booth.log().matches("delivery-put-off").count();
+    booth.wait_for("its failures", || put_off() > 4);
+    let told = status(&booth);
+    assert!(told["alarms"]["measuring-impaired"].is_object(), "{told}");
+    assert_eq!(told["scans"]["refused"], 0, "{}", booth.log());
+    assert_eq!(daemon.stop().code(), Some(0));
+    let daemon = booth.start();
+    booth.wait_for_records(1);
+    assert_eq!(daemon.stop().code(), Some(0));
+    booth.assert_settled(&[("4711", &scan)]);
+}
+
+#[test]
+fn where_measuring_may_not_have_the_memory_it_is_configured_for_scans_wait() {
+    let shell = ["sh", "-c", r#"ulimit -v 3000000; exec "$0" "$@""#];
+    // Root may raise its limits again, unless it has given that up.
+    let front = ["setpriv", "--bounding-set", "-sys_resource"];
+    let front = if rustix::process::getuid().is_root() { &front[..] } else { &[] };
+    waits_behind(&[front, &shell[..]].concat(), "[measure]\nmemory = \"4GB\"\n");
+}
+
+#[test]
+fn without_proc_scans_wait() {
+    let front = ["unshare", "-m", "sh", "-c", r#"umount -l /proc && exec "$0" "$@""#];
+    let can_be_gone = ["-m", "sh", "-c", "umount -l /proc"];
+    if !Command::new("unshare").args(can_be_gone).status().is_ok_and(|status| status.success()) {
+        println!("SKIPPED: /proc cannot be taken away here (unshare, root)");
+        return;
+    }
+    waits_behind(&front, "");
+}
+
+#[test]
+fn a_process_does_not_outlive_its_station() {
+    let booth = Booth::new();
+    let daemon = booth.start();
+    let scan = body(71);
+    booth.export("4711_a.obj", &scan);
+    // Stopped before, it could not have asked to be ended with its station.
+    booth.wait_for("a confined process", || measuring(&sha256(&scan)).into_iter().any(is_confined));
+    signal(&booth, &sha256(&scan), Signal::STOP);
+    daemon.kill();
+    booth.wait_for("its end", || measuring(&sha256(&scan)).is_empty());
+}
+
+#[test]
+fn what_the_process_is_told_names_nobody() {
+    let booth = Booth::new();
+    let daemon = booth.start();
+    let scan = body(81);
+    booth.export("990011_Mustermann.obj", &scan);
+    signal(&booth, &sha256(&scan), Signal::STOP);
+    for pid in measuring(&sha256(&scan)) {
+        for name in ["cmdline", "environ", "comm"] {
+            let path = format!("/proc/{}/{name}", pid.as_raw_nonzero());
+            let mut told = Vec::new();
+            // It may have ended.
+            let Ok(mut file) = File::open(path) else { continue };
+            let _ = file.read_to_end(&mut told);
+            let told = String::from_utf8_lossy(&told);
+            assert!(!told.contains("99001") && !told.contains("Muster"), "{name}: {told}");
+        }
+    }
+    signal(&booth, &sha256(&scan), Signal::CONT);
+    booth.wait_for_records(1);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
