@@ -155,9 +155,7 @@ fn passes() -> Vec<(String, Vec<Errno>)> {
 #[test]
 #[ignore = "needs ptrace and minutes, run by .ci/run"]
 fn an_error_at_any_call_is_got_over() {
-    if !can_trace() {
-        return;
-    }
+    assert!(can_trace());
     for (name, errors) in passes() {
         let errno = |nth: usize| errors[nth % errors.len()];
         let strike = |booth: &mut Booth, nth| once(booth, nth, Answer::Fail(errno(nth)), |_| true);
@@ -168,9 +166,7 @@ fn an_error_at_any_call_is_got_over() {
 #[test]
 #[ignore = "needs ptrace and minutes, run by .ci/run"]
 fn an_error_on_a_day_with_names_gives_nobody_the_scan_of_another() {
-    if !can_trace() {
-        return;
-    }
+    assert!(can_trace());
     for (name, errors) in passes() {
         let errno = |nth: usize| errors[nth % errors.len()];
         let strike = |day: &mut Day, nth| once_on_a_day(day, nth, errno(nth));
@@ -182,9 +178,7 @@ fn an_error_on_a_day_with_names_gives_nobody_the_scan_of_another() {
 #[test]
 #[ignore = "needs ptrace and minutes, run by .ci/run"]
 fn an_error_that_stays_loses_nothing_and_the_next_start_goes_on() {
-    if !can_trace() {
-        return;
-    }
+    assert!(can_trace());
     for (name, errors) in passes() {
         let most = AtomicUsize::new(0);
         let errno = |nth: usize| errors[nth % errors.len()];
@@ -198,9 +192,7 @@ fn an_error_that_stays_loses_nothing_and_the_next_start_goes_on() {
 #[test]
 #[ignore = "needs ptrace and minutes, run by .ci/run"]
 fn a_short_write_is_finished() {
-    if !can_trace() {
-        return;
-    }
+    assert!(can_trace());
     let writes = |call: &Call| call.kind == Kind::Write;
     let strike = |booth: &mut Booth, nth: usize| once(booth, nth, Answer::Short, writes);
     assert_clean(&strike_everywhere("short write", HANDS, 1, booth, strike));

@@ -7,6 +7,7 @@ mod journal;
 mod kill;
 mod memory;
 mod power;
+mod prerequisites;
 mod root;
 mod share;
 mod soak;

@@ -3,7 +3,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[allow(dead_code, reason = "each test program uses its own part")]
 use std::fs;
 use std::io::Write;
 use std::thread::sleep;
@@ -18,7 +17,7 @@ use support::{Booth, QUIET, coarse_body as coarse, names};
 const STOP: Duration = Duration::from_secs(40);
 
 /// A booth whose exports lie on a share and in a folder beside it.
-fn booth_with_shared_exports() -> Option<(Booth, Share)> {
+fn booth_with_shared_exports() -> (Booth, Share) {
     let booth = Booth::new();
     let local = booth.path("local");
     fs::create_dir(&local).unwrap();
@@ -28,15 +27,15 @@ fn booth_with_shared_exports() -> Option<(Booth, Share)> {
         assert!(text.contains(&one));
         text.replace(&one, &format!("export_dirs = [\"{}\", \"{both}\"]", export.display()))
     });
-    let share = Share::mount(booth.path("back"), export)?;
-    Some((booth, share))
+    let share = Share::mount(booth.path("back"), export).unwrap();
+    (booth, share)
 }
 
 /// A booth whose records lie on a share.
-fn booth_with_shared_records() -> Option<(Booth, Share)> {
+fn booth_with_shared_records() -> (Booth, Share) {
     let booth = Booth::new();
-    let share = Share::mount(booth.path("back"), booth.path("records"))?;
-    Some((booth, share))
+    let share = Share::mount(booth.path("back"), booth.path("records")).unwrap();
+    (booth, share)
 }
 
 fn export_locally(booth: &Booth, name: &str, bytes: &[u8]) {
@@ -58,7 +57,7 @@ fn wait_for_spool(booth: &Booth, count: usize) {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn what_another_machine_writes_is_found_without_an_event() {
-    let Some((booth, share)) = booth_with_shared_exports() else { return };
+    let (booth, share) = booth_with_shared_exports();
     let daemon = booth.start();
     booth.wait_for("the start", || booth.log().contains("station-ready"));
     export_remotely(&booth, &share, "4711_a.obj", &coarse(1));
@@ -72,7 +71,7 @@ fn what_another_machine_writes_is_found_without_an_event() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn a_scan_that_another_machine_writes_line_by_line_is_taken_whole() {
-    let Some((booth, share)) = booth_with_shared_exports() else { return };
+    let (booth, share) = booth_with_shared_exports();
     let daemon = booth.start();
     booth.wait_for("the start", || booth.log().contains("station-ready"));
     // The kernel keeps a share's attributes for a second: the file looks quiet while it grows, and
@@ -97,7 +96,7 @@ fn a_scan_that_another_machine_writes_line_by_line_is_taken_whole() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn a_stalled_share_holds_up_no_other_folder_and_goes_on_by_itself() {
-    let Some((booth, share)) = booth_with_shared_exports() else { return };
+    let (booth, share) = booth_with_shared_exports();
     let daemon = booth.start();
     export_remotely(&booth, &share, "4711_before.obj", &coarse(1));
     booth.wait_for_records(1);
@@ -116,7 +115,7 @@ fn a_stalled_share_holds_up_no_other_folder_and_goes_on_by_itself() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn a_share_that_stalls_at_the_start_keeps_no_other_folder_from_starting() {
-    let Some((booth, share)) = booth_with_shared_exports() else { return };
+    let (booth, share) = booth_with_shared_exports();
     export_remotely(&booth, &share, "4711_before.obj", &coarse(1));
     let mut daemon = booth.start();
     let stall = share.stall();
@@ -134,7 +133,7 @@ fn a_share_that_stalls_at_the_start_keeps_no_other_folder_from_starting() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn a_stop_while_a_share_stalls_ends_in_time_and_the_next_start_goes_on() {
-    let Some((booth, share)) = booth_with_shared_exports() else { return };
+    let (booth, share) = booth_with_shared_exports();
     let mut daemon = booth.start();
     booth.wait_for("the start", || booth.log().contains("station-ready"));
     let stall = share.stall();
@@ -153,7 +152,7 @@ fn a_stop_while_a_share_stalls_ends_in_time_and_the_next_start_goes_on() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn a_share_that_dies_is_taken_up_when_it_is_back_and_no_scan_is_taken_twice() {
-    let Some((booth, mut share)) = booth_with_shared_exports() else { return };
+    let (booth, mut share) = booth_with_shared_exports();
     let daemon = booth.start();
     export_remotely(&booth, &share, "4711_a.obj", &coarse(1));
     booth.wait_for_records(1);
@@ -181,7 +180,7 @@ fn a_share_that_dies_is_taken_up_when_it_is_back_and_no_scan_is_taken_twice() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn an_unmounted_share_is_no_empty_folder_and_no_scan_is_taken_twice() {
-    let Some((booth, mut share)) = booth_with_shared_exports() else { return };
+    let (booth, mut share) = booth_with_shared_exports();
     let daemon = booth.start();
     export_remotely(&booth, &share, "4711_a.obj", &coarse(1));
     booth.wait_for_records(1);
@@ -206,7 +205,7 @@ fn an_unmounted_share_is_no_empty_folder_and_no_scan_is_taken_twice() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn records_wait_in_the_spool_while_their_share_is_dead() {
-    let Some((booth, mut share)) = booth_with_shared_records() else { return };
+    let (booth, mut share) = booth_with_shared_records();
     let daemon = booth.start();
     booth.export("4711_a.obj", &coarse(1));
     booth.wait_for_records(1);
@@ -228,7 +227,7 @@ fn records_wait_in_the_spool_while_their_share_is_dead() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn scans_are_taken_in_while_the_records_share_stalls_and_a_stop_ends_in_time() {
-    let Some((booth, share)) = booth_with_shared_records() else { return };
+    let (booth, share) = booth_with_shared_records();
     let mut daemon = booth.start();
     booth.export("4711_a.obj", &coarse(1));
     booth.wait_for_records(1);
@@ -253,7 +252,7 @@ fn scans_are_taken_in_while_the_records_share_stalls_and_a_stop_ends_in_time() {
 #[test]
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn nothing_is_written_where_the_records_share_is_not_mounted() {
-    let Some((booth, mut share)) = booth_with_shared_records() else { return };
+    let (booth, mut share) = booth_with_shared_records();
     let daemon = booth.start();
     booth.export("4711_a.obj", &coarse(1));
     booth.wait_for_records(1);

@@ -19,7 +19,6 @@ mod field;
 mod intruder;
 mod keeper;
 mod plan;
-#[allow(dead_code, reason = "each test program uses its own part")]
 mod watch;
 
 use std::thread;

@@ -3,7 +3,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
-#[allow(dead_code, reason = "each test program uses its own part")]
 use std::collections::BTreeSet;
 use std::fs;
 use std::process::Command;

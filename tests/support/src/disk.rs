@@ -116,7 +116,7 @@ pub fn power_cut(disks: &[Disk]) {
     }
 }
 
-/// Whether disks can be made and cut here; else says that the test is skipped, and why.
+/// Whether disks can be made and cut off here; else says what is missing.
 pub fn can_be_cut() -> bool {
     let place = TempDir::new().unwrap();
     let tried = std::panic::catch_unwind(|| {
@@ -124,7 +124,7 @@ pub fn can_be_cut() -> bool {
         power_cut(&[disk]);
     });
     if tried.is_err() {
-        println!("SKIPPED: needs root, loop devices, ext4, mkfs.ext4, mount and python3");
+        println!("disks need root, loop devices, ext4, mkfs.ext4, mount and python3");
     }
     tried.is_ok()
 }

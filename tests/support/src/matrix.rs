@@ -31,6 +31,10 @@ pub const POINTS_MIN: usize = 150;
 /// is sure that it hears every press.
 pub const DAY_HANDS: usize = 8;
 
+/// Only every so many-th call is struck where `GAITER_FAULTS` is "few"; the others in other runs, for
+/// `GAITER_FAULTS_SEED` says where to begin.
+const FEW: usize = 6;
+
 /// A day takes seconds, so only every so many-th of its calls is struck, or each where `GAITER_FAULTS` is
 /// "all".
 pub fn day_step() -> usize {
@@ -39,7 +43,22 @@ pub fn day_step() -> usize {
 
 /// Whether `GAITER_FAULTS` asks for every strike that there is.
 pub fn strikes_all() -> bool {
-    env::var_os("GAITER_FAULTS").is_some_and(|faults| faults == "all")
+    extent() == "all"
+}
+
+/// Every so many-th of the calls of a matrix is struck.
+pub fn thinned() -> usize {
+    if extent() == "few" { FEW } else { 1 }
+}
+
+fn extent() -> String {
+    env::var("GAITER_FAULTS").unwrap_or_default()
+}
+
+/// The first call that is struck, from 1 to `step`.
+fn first(step: usize) -> usize {
+    let seed = env::var("GAITER_FAULTS_SEED").ok();
+    1 + seed.and_then(|seed| seed.parse::<usize>().ok()).unwrap_or(0) % step
 }
 
 /// The folders whose calls count; that of orders, too, where there is one.
@@ -247,8 +266,8 @@ pub struct Tally {
     pub violations: Vec<String>,
 }
 
-/// Strikes at every `step`th place from 1 until runs end without being struck. Several `hands` work at a
-/// time, each in a place of its own that `make` makes.
+/// Strikes at every `step`th place, or fewer as [`thinned`] says, until runs end without being struck.
+/// Several `hands` work at a time, each in a place of its own that `make` makes.
 pub fn strike_everywhere<Place>(
     name: &str,
     hands: usize,
@@ -256,8 +275,32 @@ pub fn strike_everywhere<Place>(
     make: impl Fn() -> Place + Sync,
     strike: impl Fn(&mut Place, usize) -> Struck + Sync,
 ) -> Tally {
+    let step = step * thinned();
+    strike_while(name, hands, (first(step), step), |_| true, make, strike)
+}
+
+/// As [`strike_everywhere`], until the first violation: what a control is to find.
+pub fn strike_until_violated<Place>(
+    name: &str,
+    hands: usize,
+    step: usize,
+    make: impl Fn() -> Place + Sync,
+    strike: impl Fn(&mut Place, usize) -> Struck + Sync,
+) -> Tally {
+    let none_found = |tally: &Tally| tally.violations.is_empty();
+    strike_while(name, hands, (1, step), none_found, make, strike)
+}
+
+fn strike_while<Place>(
+    name: &str,
+    hands: usize,
+    (first, step): (usize, usize),
+    goes_on: impl Fn(&Tally) -> bool + Sync,
+    make: impl Fn() -> Place + Sync,
+    strike: impl Fn(&mut Place, usize) -> Struck + Sync,
+) -> Tally {
     let began = Instant::now();
-    let (next, end) = (Mutex::new(1), Mutex::new(usize::MAX));
+    let (next, end) = (Mutex::new(first), Mutex::new(usize::MAX));
     let tally = Mutex::new(Tally::default());
     thread::scope(|scope| {
         for _ in 0..hands {
@@ -269,7 +312,7 @@ pub fn strike_everywhere<Place>(
                         *next += step;
                         *next - step
                     };
-                    if nth >= *end.lock().unwrap() {
+                    if nth >= *end.lock().unwrap() || !goes_on(&tally.lock().unwrap()) {
                         return;
                     }
                     match strike(&mut place, nth) {
@@ -330,7 +373,7 @@ fn empty(folder: &Path) {
 pub fn there_is(program: &str, arguments: &[&str]) -> bool {
     let there = Command::new(program).args(arguments).output().is_ok_and(|o| o.status.success());
     if !there {
-        println!("SKIPPED: {program} is not there or does not work");
+        println!("{program} is not there or does not work");
     }
     there
 }

@@ -2,6 +2,8 @@
 
 // Each test crate uses its own part.
 
+#![allow(clippy::unwrap_used)]
+
 use gaiter::spline::{Surface, mean_chord_parameters};
 use nalgebra::{Point3, Vector3};
 
