@@ -5,13 +5,15 @@ use std::io::Read;
 
 use divan::Bencher;
 use flate2::read::GzDecoder;
-use gaiter::leg::body::{Body, body};
-use gaiter::leg::girth::girth_curve;
+use gaiter::leg::frame::body::{Body, body};
+use gaiter::leg::levels::girth::girth_curve;
 use gaiter::leg::method::{SectionFit, SurfaceMethod};
-use gaiter::leg::sections::{Sections, sections};
-use gaiter::leg::segment::{Leg, Legs, segment};
-use gaiter::leg::surface::Wanted;
-use gaiter::leg::{Method, axis, extract, surface};
+use gaiter::leg::parting::segment::{Leg, Legs, segment};
+use gaiter::leg::sections::axis;
+use gaiter::leg::sections::equidistant::{Sections, sections};
+use gaiter::leg::surface::nurbs;
+use gaiter::leg::surface::nurbs::Wanted;
+use gaiter::leg::{Method, extract};
 use gaiter::scan::{Format, Scan, read};
 
 fn main() {
@@ -109,7 +111,7 @@ fn h_surface_of_one_leg_with_its_error(bencher: Bencher) {
     let (leg, _, sections) = left_sections();
     let wanted = Wanted { height_mm: [95.0, 465.0], levels_mm: &[] };
     let method = SurfaceMethod::default();
-    bencher.bench(|| surface::surface(&leg, &sections, &wanted, &method));
+    bencher.bench(|| nurbs::surface(&leg, &sections, &wanted, &method));
 }
 
 #[divan::bench]

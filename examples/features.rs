@@ -11,11 +11,11 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
-use gaiter::leg::body::body;
-use gaiter::leg::feature::features;
+use gaiter::leg::features::feature::features;
+use gaiter::leg::frame::body::body;
 use gaiter::leg::method::{SectionFit, Up};
-use gaiter::leg::sections::sections;
-use gaiter::leg::segment::segment;
+use gaiter::leg::parting::segment::segment;
+use gaiter::leg::sections::equidistant::sections;
 use gaiter::leg::{Extraction, LegReport, Level, LevelSection, Method, Side, extract};
 use gaiter::scan::{Format, Scan, read};
 use support::noise::{Fate, quantile, roughened};

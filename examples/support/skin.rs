@@ -10,7 +10,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use flate2::read::GzDecoder;
-use gaiter::leg::axis::LegAxis;
+use gaiter::leg::sections::axis::LegAxis;
 use gaiter::leg::{Extraction, LegReport, Level};
 use gaiter::scan::{Format, read};
 use gaiter::spline::{Basis, CloudData, CloudMethod, CloudSmoothing, Surface, fit_cloud};

@@ -79,7 +79,8 @@ impl Tally {
     }
 
     fn sections(&mut self, leg: &LegReport, truth: &Value) {
-        let seam = |curve: &gaiter::leg::section::Curve| curve.radius(PI) - curve.radius(-PI);
+        let seam =
+            |curve: &gaiter::leg::sections::section::Curve| curve.radius(PI) - curve.radius(-PI);
         self.seam_mm.extend(leg.level_sections.iter().map(|at| seam(&at.section.curve).abs()));
         let at = |level: Level| truth["landmarks"][level.name()]["height_mm"].as_f64();
         let (Some(from_mm), Some(to_mm)) = (at(Level::B), at(Level::D)) else { return };

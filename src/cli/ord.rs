@@ -5,8 +5,8 @@ use std::io::{self, Read};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 
-use crate::leg::opinion::SecondOpinion;
-use crate::leg::second_opinion::compare;
+use crate::leg::comparison::opinion::SecondOpinion;
+use crate::leg::comparison::second_opinion::compare;
 use crate::leg::{Extraction, Finding};
 use crate::scan::ord;
 

@@ -1,15 +1,15 @@
 //! What the operator or a later step must know: findings about a scan or leg, doubts about a level.
 
-use super::at_height::NoGirth;
-use super::axis::AxisFault;
-use super::difference::LegsDiffer;
 use super::doubt::Doubt;
-use super::extremum::Absence;
 use super::level::Level;
-use super::opinion::SecondOpinion;
 use super::side::Side;
-use super::stance::FeetUnclear;
-use super::surface::NoSurface;
+use crate::leg::comparison::difference::LegsDiffer;
+use crate::leg::comparison::opinion::SecondOpinion;
+use crate::leg::frame::stance::FeetUnclear;
+use crate::leg::levels::at_height::NoGirth;
+use crate::leg::levels::extremum::Absence;
+use crate::leg::sections::axis::AxisFault;
+use crate::leg::surface::nurbs::NoSurface;
 
 /// How much a finding matters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]

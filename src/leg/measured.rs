@@ -1,17 +1,17 @@
 //! What is measured on one leg, as data.
 
-use super::at_height::AtHeight;
-use super::axis::LegAxis;
-use super::feature::Feature;
-use super::foot::Foot;
-use super::girth::GirthCurve;
-use super::landmark::{Estimate, Landmark};
 use super::level::Level;
-use super::section::Section;
-use super::shape::{OnPlane, Shape};
 use super::side::Side;
-use super::surface::LegSurface;
-use super::volume::LegVolume;
+use crate::leg::comparison::volume::LegVolume;
+use crate::leg::features::feature::Feature;
+use crate::leg::levels::at_height::AtHeight;
+use crate::leg::levels::foot::Foot;
+use crate::leg::levels::girth::GirthCurve;
+use crate::leg::levels::landmark::{Estimate, Landmark};
+use crate::leg::sections::axis::LegAxis;
+use crate::leg::sections::section::Section;
+use crate::leg::surface::nurbs::LegSurface;
+use crate::leg::surface::shape::{OnPlane, Shape};
 
 /// Everything measured on one leg.
 #[derive(Debug, Clone)]

@@ -1,97 +1,50 @@
-//! [`Scan`](crate::scan::Scan) → [`Extraction`]: the method of Wang, Wu and Li (2022), a stage per
-//! file.
+//! [`Scan`](crate::scan::Scan) → [`Extraction`]: the method of Wang, Wu and Li (2022), a folder per
+//! step and a file per stage.
 //!
-//! | stage | paper | file |
+//! | step | paper | where |
 //! |---|---|---|
-//! | unit, up, facing, floor | 1.1 | [`body`], [`stance`], [`floor`] |
-//! | legs cut at the crotch | 1.1, fig. 2a | [`segment`], [`follow`], [`crotch`] |
-//! | made upright | 1.1 | [`axis`] |
-//! | equidistant sections | 1.1, fig. 2b–2e | [`mod@slice`], [`section`], [`mod@sections`], [`skin`] with `wave`, [`plane`], [`pairs`], [`polynomial`] |
-//! | height–girth curve | 1.2, fig. 3a | [`girth`] |
-//! | B, C, D, B1 | 1.2, fig. 3b, 3c | [`extremum`], [`search`], [`landmark`] |
-//! | A, Y, E, F, G, lengths | – | [`foot`], `thigh`, `medial` |
-//! | curvature, feature points | 1.3, fig. 4, 5 | [`curvature`], [`feature`] with `harmonic`, `turn` |
-//! | quasi-grid, NURBS surface | 2 | [`ridge`], [`columns`], [`grid`], `span`, [`surface`] |
-//! | its error, its holes | 2 | [`fit_error`], [`hole`], `unrolled` |
-//! | volumes, the legs' differences, girths at any height | – | [`volume`], [`difference`], [`at_height`] |
-//! | the scanner's own measures | – | [`second_opinion`] |
+//! | unit, up, facing, floor | 1.1 | [`frame`] |
+//! | legs cut at the crotch | 1.1, fig. 2a | [`parting`] |
+//! | made upright; equidistant sections | 1.1, fig. 2b–2e | [`sections`] |
+//! | height–girth curve; B, C, D, B1; A, Y, E, F, G | 1.2, fig. 3 | [`levels`] |
+//! | curvature, feature points | 1.3, fig. 4, 5 | [`features`] |
+//! | quasi-grid, NURBS surface, its error and holes | 2 | [`surface`] |
+//! | volumes, the legs' differences, the scanner's own measures | – | [`comparison`] |
+//!
+//! [`report`] calls them in this order for one leg; what it says of the leg is in [`measured`],
+//! [`finding`] and [`doubt`].
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
-pub mod at_height;
-pub mod axis;
-pub mod body;
-pub mod body_fault;
-mod cloud;
-mod cluster;
-pub mod columns;
-pub mod crotch;
-pub mod curvature;
-pub mod difference;
+pub mod comparison;
 pub mod doubt;
-pub mod error_map;
-pub mod extremum;
-pub mod feature;
+pub mod features;
 pub mod finding;
-pub mod fit_error;
-pub mod floor;
-pub mod follow;
-pub mod foot;
-pub mod footprint;
-pub mod gap;
-pub mod girth;
-pub mod grid;
-mod harmonic;
-pub mod hole;
-mod hull;
-pub mod landmark;
+pub mod frame;
 pub mod level;
+pub mod levels;
 pub mod measured;
-mod medial;
 pub mod method;
-pub mod neck;
-pub mod opinion;
-pub mod pairs;
-pub mod plane;
-pub mod polynomial;
+pub mod parting;
 pub mod report;
-pub mod ridge;
-mod ruler;
-pub mod search;
-pub mod second_opinion;
-pub mod section;
 pub mod sections;
-pub mod segment;
-mod sets;
-pub mod shape;
-mod shell;
 pub mod side;
-mod size;
-pub mod skin;
-pub mod slice;
-mod span;
-pub mod stance;
 pub mod surface;
-mod thigh;
-mod turn;
-mod unrolled;
-pub mod volume;
-mod wave;
 
 use rayon::prelude::*;
 
 use crate::scan::{self, Format, ScanFault};
-pub use body::{Body, FacingFrom};
-pub use body_fault::BodyFault;
-pub use crotch::{Crotch, CrotchFrom};
-pub use difference::Differences;
+pub use comparison::difference::Differences;
 pub use finding::{Finding, LegFault, What};
-pub use foot::Foot;
-pub use landmark::{Estimate, Landmark};
+pub use frame::body::{Body, FacingFrom};
+pub use frame::body_fault::BodyFault;
 pub use level::Level;
+pub use levels::foot::Foot;
+pub use levels::landmark::{Estimate, Landmark};
 pub use measured::{LegReport, LevelSection};
 pub use method::Method;
-pub use segment::SegmentFault;
+pub use parting::crotch::{Crotch, CrotchFrom};
+pub use parting::segment::SegmentFault;
 pub use side::Side;
 
 /// What one scan gave: the legs that could be measured and what must be known about them.
@@ -156,8 +109,8 @@ impl Refusal {
 /// finding in the extraction, not an error.
 pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extraction, Refusal> {
     let scan = scan::read(bytes, format)?;
-    let body = body::body(&scan, method)?;
-    let cut = segment::segment(&body)?;
+    let body = frame::body::body(&scan, method)?;
+    let cut = parting::segment::segment(&body)?;
     let reports = Side::BOTH.into_par_iter().map(|side| {
         let leg = cut.legs.get(side).as_ref().ok_or(LegFault::NotThere)?;
         report::leg_report(leg, &body, &cut.crotch, method)
@@ -186,7 +139,7 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
             }
         }
     }
-    let differences = difference::differences(&legs);
+    let differences = comparison::difference::differences(&legs);
     findings.extend(differences.iter().flat_map(swellings));
     let (points, triangles) = (scan.points.len(), scan.triangles.len());
     Ok(Extraction {

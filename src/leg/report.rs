@@ -1,28 +1,28 @@
 //! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
 
-use super::at_height::{AtHeight, at_heights};
-use super::axis::{axis, principal_axis};
-use super::crotch::Crotch;
-use super::feature::features;
 use super::finding::{Finding, LegFault, What};
-use super::foot::{Foot, foot};
-use super::girth::{GirthCurve, girth_curve};
-use super::landmark::{Estimate, Landmark};
 use super::level::Level;
 use super::measured::{LegReport, LevelSection};
-use super::medial::surface_length_mm;
 use super::method::AxisFit;
-use super::ruler::Ruler;
-use super::search::{Levels, levels};
-use super::section::Section;
-use super::sections::{Sections, sections};
-use super::segment::Leg;
-use super::shape::{Shape, on_planes};
 use super::side::Side;
-use super::surface::{LegSurface, Wanted, surface};
-use super::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
-use super::volume::leg_volume;
 use super::{Body, Method};
+use crate::leg::comparison::volume::leg_volume;
+use crate::leg::features::feature::features;
+use crate::leg::levels::at_height::{AtHeight, at_heights};
+use crate::leg::levels::foot::{Foot, foot};
+use crate::leg::levels::girth::{GirthCurve, girth_curve};
+use crate::leg::levels::landmark::{Estimate, Landmark};
+use crate::leg::levels::level_reading::Ruler;
+use crate::leg::levels::medial_length::surface_length_mm;
+use crate::leg::levels::search::{Levels, levels};
+use crate::leg::levels::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
+use crate::leg::parting::crotch::Crotch;
+use crate::leg::parting::segment::Leg;
+use crate::leg::sections::axis::{axis, principal_axis};
+use crate::leg::sections::equidistant::{Sections, sections};
+use crate::leg::sections::section::Section;
+use crate::leg::surface::nurbs::{LegSurface, Wanted, surface};
+use crate::leg::surface::shape::{Shape, on_planes};
 
 /// The surface covers at least this much below B and above D, mm.
 const SURFACE_MARGIN_MM: f64 = 20.0;

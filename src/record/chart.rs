@@ -4,9 +4,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::rounding::{ml, mm, percent};
-use crate::leg::at_height::AtHeight;
-use crate::leg::difference::{Difference, Differences, LevelDifference, VolumeDifference};
-use crate::leg::volume::{LegVolume, Slice, Volume};
+use crate::leg::comparison::difference::{
+    Difference, Differences, LevelDifference, VolumeDifference,
+};
+use crate::leg::comparison::volume::{LegVolume, Slice, Volume};
+use crate::leg::levels::at_height::AtHeight;
 
 /// Volumes of one leg.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

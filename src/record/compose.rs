@@ -11,11 +11,11 @@ use super::schema::{
 };
 use super::shape;
 use super::surface::surface;
-use crate::leg::axis::LegAxis;
-use crate::leg::body::FacingFrom;
 use crate::leg::doubt::Doubt;
-use crate::leg::girth::GirthCurve;
+use crate::leg::frame::body::FacingFrom;
+use crate::leg::levels::girth::GirthCurve;
 use crate::leg::method::{B1, SurfaceMethod, UnitChoice};
+use crate::leg::sections::axis::LegAxis;
 use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 
 /// The record of an extraction.
@@ -166,8 +166,8 @@ fn codes(doubts: &[Doubt]) -> Vec<String> {
 }
 
 fn girth_columns(curve: &GirthCurve) -> GirthColumns {
-    let column = |value: fn(f64, &crate::leg::section::Girth) -> f64| {
-        let cell = |row: &crate::leg::girth::GirthRow| {
+    let column = |value: fn(f64, &crate::leg::sections::section::Girth) -> f64| {
+        let cell = |row: &crate::leg::levels::girth::GirthRow| {
             row.measured.as_ref().map(|(height_mm, girth)| mm(value(*height_mm, girth)))
         };
         curve.rows.iter().map(cell).collect()

@@ -8,10 +8,10 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::rounding::{degrees, mm, per_mm, unit};
-use crate::leg::axis::LegAxis;
-use crate::leg::error_map::ErrorMap;
-use crate::leg::feature::curvatures;
-use crate::leg::shape::{COLUMNS, Shape, radii};
+use crate::leg::features::feature::curvatures;
+use crate::leg::sections::axis::LegAxis;
+use crate::leg::surface::error_map::ErrorMap;
+use crate::leg::surface::shape::{COLUMNS, Shape, radii};
 use crate::leg::{LegReport, LevelSection};
 
 /// Angles at which an outline is told: every third degree.

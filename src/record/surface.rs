@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::rounding::{cm2, degrees, mm, share};
 use crate::leg::LegReport;
-use crate::leg::fit_error::FitError;
-use crate::leg::hole::Hole;
-use crate::leg::surface::LegSurface;
+use crate::leg::surface::fit_error::FitError;
+use crate::leg::surface::hole::Hole;
+use crate::leg::surface::nurbs::LegSurface;
 use crate::spline::DEGREE;
 
 /// The surface's extent and error.

@@ -4,8 +4,8 @@
 
 use std::f64::consts::TAU;
 
-use gaiter::leg::at_height::{AtHeight, HeightGirth, NoGirth, at_heights};
 use gaiter::leg::doubt::Doubt;
+use gaiter::leg::levels::at_height::{AtHeight, HeightGirth, NoGirth, at_heights};
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::{Extraction, Landmark, Level, Method, extract};
 use gaiter::scan::Format;

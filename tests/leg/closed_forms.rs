@@ -4,12 +4,12 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gaiter::leg::axis::{AxisFault, axis, principal_axis};
-use gaiter::leg::feature::features;
+use gaiter::leg::features::feature::features;
 use gaiter::leg::method::{SectionFit, SurfaceMethod};
-use gaiter::leg::section::Section;
+use gaiter::leg::sections::axis::{AxisFault, axis, principal_axis};
+use gaiter::leg::sections::section::Section;
 use gaiter::leg::side::Side;
-use gaiter::leg::surface::{Wanted, surface};
+use gaiter::leg::surface::nurbs::{Wanted, surface};
 use nalgebra::{Point3, Vector3};
 use support::solids::{
     CHORDS_MM, CROTCH_MM, REGULAR_MM, SCATTERED_MM, STATURE_MM, Tube, all, contour_mm, curve_of,

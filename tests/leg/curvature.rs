@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use gaiter::leg::feature::{Feature, Kind, features};
+use gaiter::leg::features::feature::{Feature, Kind, features};
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::side::Side;
 use nalgebra::{Point3, Vector3};

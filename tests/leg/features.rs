@@ -5,10 +5,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gaiter::leg::axis::LegAxis;
-use gaiter::leg::feature::{Feature, Kind, features};
+use gaiter::leg::features::feature::{Feature, Kind, features};
 use gaiter::leg::method::SectionFit;
-use gaiter::leg::section::{Curve, Section, girth};
+use gaiter::leg::sections::axis::LegAxis;
+use gaiter::leg::sections::section::{Curve, Section, girth};
 use gaiter::leg::{Level, Method, extract};
 use gaiter::scan::Format;
 use gaiter::spline::{Basis, Smoothing, fit};

@@ -6,12 +6,12 @@ use std::f64::consts::TAU;
 
 use gaiter::leg::Level;
 use gaiter::leg::doubt::Doubt;
-use gaiter::leg::extremum::Absence;
-use gaiter::leg::landmark::Landmark;
 use gaiter::leg::level::By;
+use gaiter::leg::levels::extremum::Absence;
+use gaiter::leg::levels::landmark::Landmark;
+use gaiter::leg::levels::search::{self, Levels};
 use gaiter::leg::method::{B1, SectionFit};
-use gaiter::leg::search::{self, Levels};
-use gaiter::leg::sections::Sections;
+use gaiter::leg::sections::equidistant::Sections;
 use nalgebra::Vector3;
 use support::solids::{CHORDS_MM, CROTCH_MM, SCATTERED_MM, STATURE_MM, Tube, curve_of, near};
 

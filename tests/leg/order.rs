@@ -5,9 +5,9 @@
 
 use std::f64::consts::TAU;
 
-use gaiter::leg::body::{Body, FacingFrom};
-use gaiter::leg::landmark::{Estimate, Landmark};
+use gaiter::leg::frame::body::{Body, FacingFrom};
 use gaiter::leg::level::By;
+use gaiter::leg::levels::landmark::{Estimate, Landmark};
 use gaiter::leg::method::{LevelChoices, Unit};
 use gaiter::leg::report::leg_report;
 use gaiter::leg::side::Sides;

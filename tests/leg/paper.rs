@@ -5,13 +5,13 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use gaiter::leg::axis::{LegAxis, principal_axis};
-use gaiter::leg::body::body;
+use gaiter::leg::frame::body::body;
 use gaiter::leg::method::{AxisFit, SectionFit};
-use gaiter::leg::sections::{Sections, sections};
-use gaiter::leg::segment::{Leg, segment};
+use gaiter::leg::parting::segment::{Leg, segment};
+use gaiter::leg::sections::axis::{LegAxis, principal_axis};
+use gaiter::leg::sections::equidistant::{Sections, sections};
+use gaiter::leg::sections::slice::Mesh;
 use gaiter::leg::side::Sides;
-use gaiter::leg::slice::Mesh;
 use gaiter::leg::{Extraction, Method};
 use gaiter::record::Record;
 use gaiter::scan::Scan;

@@ -4,9 +4,9 @@
 
 use std::sync::LazyLock;
 
+use gaiter::leg::comparison::opinion::{Measure, SecondOpinion};
+use gaiter::leg::comparison::second_opinion::compare;
 use gaiter::leg::finding::Severity;
-use gaiter::leg::opinion::{Measure, SecondOpinion};
-use gaiter::leg::second_opinion::compare;
 use gaiter::leg::{Extraction, Finding, Level, Method, Side, What, extract};
 use gaiter::scan::Format;
 use gaiter::scan::ord::{Ord, OrdUnit};

@@ -5,11 +5,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gaiter::leg::columns::Columns;
 use gaiter::leg::method::{SectionFit, SurfaceFrom, SurfaceMethod};
-use gaiter::leg::ridge::ridges;
-use gaiter::leg::section::Section;
-use gaiter::leg::surface::{LegSurface, NoSurface, Wanted, surface};
+use gaiter::leg::sections::section::Section;
+use gaiter::leg::surface::nurbs::{LegSurface, NoSurface, Wanted, surface};
+use gaiter::leg::surface::ridge::ridges;
+use gaiter::leg::surface::ridge_parametrization::Columns;
 use support::solids::{Tube, all, near};
 
 /// Where the crest of [`crested`] is, radians: it goes 40° around the leg.

@@ -6,16 +6,16 @@
 use std::f64::consts::TAU;
 
 use gaiter::leg::Level;
-use gaiter::leg::axis::LegAxis;
-use gaiter::leg::girth::{GirthCurve, girth_curve};
-use gaiter::leg::landmark::Landmark;
+use gaiter::leg::levels::girth::{GirthCurve, girth_curve};
+use gaiter::leg::levels::landmark::Landmark;
+use gaiter::leg::levels::search;
 use gaiter::leg::method::{B1, SectionFit, SurfaceMethod};
-use gaiter::leg::search;
-use gaiter::leg::sections::{Sections, sections};
-use gaiter::leg::segment::Leg;
+use gaiter::leg::parting::segment::Leg;
+use gaiter::leg::sections::axis::LegAxis;
+use gaiter::leg::sections::equidistant::{Sections, sections};
+use gaiter::leg::sections::slice::Mesh;
 use gaiter::leg::side::Side;
-use gaiter::leg::slice::Mesh;
-use gaiter::leg::surface::{LegSurface, Wanted, surface};
+use gaiter::leg::surface::nurbs::{LegSurface, Wanted, surface};
 use gaiter::spline::Knots;
 use nalgebra::{Point3, Vector3};
 use support::test_leg;

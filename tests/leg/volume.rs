@@ -4,11 +4,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use gaiter::leg::axis::LegAxis;
+use gaiter::leg::comparison::volume::{AreaCurve, LegVolume, area_mm2, leg_volume};
 use gaiter::leg::method::SectionFit;
+use gaiter::leg::sections::axis::LegAxis;
+use gaiter::leg::sections::slice::Mesh;
 use gaiter::leg::side::Side;
-use gaiter::leg::slice::Mesh;
-use gaiter::leg::volume::{AreaCurve, LegVolume, area_mm2, leg_volume};
 use gaiter::leg::{Extraction, LegReport, Level, Method, extract};
 use gaiter::scan::{Format, Scan};
 use nalgebra::{Point3, Vector3};
@@ -242,7 +242,8 @@ fn enclosed_ml(mesh: &Mesh, axis: &LegAxis, span_mm: [f64; 2]) -> [f64; 2] {
 #[test]
 fn a_tube_s_mesh_holds_its_closed_form_with_the_rise_of_its_skin() {
     let leg = Tube::of(&|_, _| 50.0).leg();
-    let axis = gaiter::leg::axis::axis(&leg, solids::STATURE_MM, solids::CROTCH_MM).unwrap();
+    let axis =
+        gaiter::leg::sections::axis::axis(&leg, solids::STATURE_MM, solids::CROTCH_MM).unwrap();
     let [flat, curved] = enclosed_ml(&leg.mesh, &axis, SPAN_MM);
     let expected = PI * 2.5 * (SPAN_MM[1] - SPAN_MM[0]);
     near_share(curved.abs(), expected, 1e-5, "with the rise");

@@ -5,15 +5,15 @@
 use std::collections::BTreeSet;
 use std::fs;
 
-use gaiter::leg::at_height::NoGirth;
-use gaiter::leg::axis::AxisFault;
-use gaiter::leg::difference::LegsDiffer;
+use gaiter::leg::comparison::difference::LegsDiffer;
+use gaiter::leg::comparison::opinion::{Measure, SecondOpinion};
 use gaiter::leg::doubt::Doubt;
-use gaiter::leg::extremum::Absence;
+use gaiter::leg::frame::stance::FeetUnclear;
 use gaiter::leg::level::By;
-use gaiter::leg::opinion::{Measure, SecondOpinion};
-use gaiter::leg::stance::FeetUnclear;
-use gaiter::leg::surface::NoSurface;
+use gaiter::leg::levels::at_height::NoGirth;
+use gaiter::leg::levels::extremum::Absence;
+use gaiter::leg::sections::axis::AxisFault;
+use gaiter::leg::surface::nurbs::NoSurface;
 use gaiter::leg::{Finding, LegFault, Level, Side, What};
 use gaiter::record::report::Content;
 use gaiter::record::schema::FindingNote;
@@ -49,7 +49,7 @@ fn codes() -> BTreeSet<String> {
     let sources = [
         "src/leg/finding.rs",
         "src/leg/doubt.rs",
-        "src/leg/opinion.rs",
+        "src/leg/comparison/opinion.rs",
         "src/cad/kind.rs",
         "src/record/report/pdf/mod.rs",
     ];

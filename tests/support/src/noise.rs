@@ -4,8 +4,8 @@
 
 use std::f64::consts::TAU;
 
-use gaiter::leg::feature::Feature;
-use gaiter::leg::section::Section;
+use gaiter::leg::features::feature::Feature;
+use gaiter::leg::sections::section::Section;
 use gaiter::scan::Scan;
 use nalgebra::Vector3;
 

@@ -6,14 +6,14 @@
 
 use std::f64::consts::TAU;
 
-use gaiter::leg::axis::axis;
-use gaiter::leg::girth::{GirthCurve, girth_curve};
+use gaiter::leg::levels::girth::{GirthCurve, girth_curve};
 use gaiter::leg::method::SectionFit;
-use gaiter::leg::section::Section;
-use gaiter::leg::sections::{Sections, sections};
-use gaiter::leg::segment::Leg;
+use gaiter::leg::parting::segment::Leg;
+use gaiter::leg::sections::axis::axis;
+use gaiter::leg::sections::equidistant::{Sections, sections};
+use gaiter::leg::sections::section::Section;
+use gaiter::leg::sections::slice::Mesh;
 use gaiter::leg::side::Side;
-use gaiter::leg::slice::Mesh;
 use nalgebra::{Point3, Vector3};
 
 pub use crate::chance::Chance;

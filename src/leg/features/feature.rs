@@ -1,0 +1,190 @@
+//! Feature points: peaks and valleys of the curvature around a section (paper 1.3, fig. 4b, 4c).
+//!
+//! The curvature is that of the section's outline without its finest harmonics. A point is where
+//! the curvature turns by more than the leg's roundness and the scan's noise explain. Its place is
+//! the middle of what is curved alike: the flattest spot of a flat side may be anywhere on it.
+
+use std::f64::consts::{PI, SQRT_2, TAU};
+
+use nalgebra::{Point2, Point3};
+
+use super::circular_extrema::{Cap, Turn, standing_out};
+use super::harmonic::Harmonics;
+use super::{curvature, harmonic};
+use crate::leg::sections::axis::LegAxis;
+use crate::leg::sections::section::Section;
+
+/// Angles at which the curvature is taken.
+const ANGLES: usize = 360;
+
+/// A peak or valley stands out by at least this share of the mean curvature 2π / girth; less is a
+/// round side of the leg, curved alike.
+const PROMINENCE_MIN_SHARE: f64 = 0.25;
+
+/// … and by at least this many standard errors of a difference of two curvatures; less is noise.
+const PROMINENCE_MIN_SD: f64 = 2.0;
+
+/// What a feature point is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Locally most curved: a corner, such as the tibial crest or the Achilles tendon.
+    Peak,
+    /// Locally flattest or most hollow.
+    Valley,
+}
+
+impl Kind {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Kind::Peak => "peak",
+            Kind::Valley => "valley",
+        }
+    }
+}
+
+/// A feature point of a section.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Feature {
+    /// Peak or valley.
+    pub kind: Kind,
+    /// Angle around the section's centre, degrees in (−180, 180]: 0 front, 90 lateral.
+    pub angle_deg: f64,
+    /// The place on the fitted curve, body frame, mm.
+    pub position: Point3<f64>,
+    /// Standard error of the place along the skin from the scan's noise, mm.
+    pub position_sd_mm: f64,
+    /// The largest (peak) or smallest (valley) curvature of what is curved alike, 1/mm, positive
+    /// where convex. Waves as fine as n around are told as 1 / (1 + (n / 7.5)⁶) of themselves.
+    pub curvature_per_mm: f64,
+    /// By how much it stands out from its neighbours, 1/mm.
+    pub prominence_per_mm: f64,
+}
+
+/// The feature points of a section in order around from the front: P1, P2, …
+pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
+    let (curvatures, turns) = turns(section, &angles());
+    let error = CurvatureError::of(section);
+    let feature = |turn: Turn| {
+        let cap = turn.cap(&curvatures, alike(section));
+        let angle = wrapped(angle(turn.index as f64 + cap.middle));
+        let [radius_mm, slope, _] = section.curve.derivatives(angle);
+        let step_mm = radius_mm.hypot(slope) * TAU / ANGLES as f64;
+        Feature {
+            kind: if turn.is_peak { Kind::Peak } else { Kind::Valley },
+            angle_deg: angle.to_degrees(),
+            position: section.point(axis, angle),
+            position_sd_mm: step_mm * error.middle_sd(&cap),
+            curvature_per_mm: curvatures[turn.index],
+            prominence_per_mm: turn.prominence,
+        }
+    };
+    let mut found: Vec<Feature> = turns.into_iter().map(feature).collect();
+    found.sort_by(|a, b| a.angle_deg.rem_euclid(360.0).total_cmp(&b.angle_deg.rem_euclid(360.0)));
+    found
+}
+
+/// The curvature in which the feature points of a section are found, at `count` equal angles from
+/// −180° on, 1/mm. `count` is a divisor of 360.
+pub fn curvatures(section: &Section, count: usize) -> Vec<f64> {
+    let all = curvature::around(&outline(section, &angles()));
+    all.into_iter().step_by(ANGLES / count).collect()
+}
+
+/// The angles at which the curvature of any section is taken, with their harmonics.
+pub fn angles() -> Harmonics {
+    Harmonics::at(ANGLES)
+}
+
+/// The angles of the peaks among them, radians in (−π, π].
+pub fn peaks(section: &Section, angles: &Harmonics) -> Vec<f64> {
+    let (curvatures, turns) = turns(section, angles);
+    let peaks = turns.into_iter().filter(|turn| turn.is_peak);
+    let middle = |turn: Turn| turn.index as f64 + turn.cap(&curvatures, alike(section)).middle;
+    peaks.map(|turn| wrapped(angle(middle(turn)))).collect()
+}
+
+/// The curvature around a section and where it turns by more than roundness and noise explain.
+fn turns(section: &Section, angles: &Harmonics) -> (Vec<f64>, Vec<Turn>) {
+    let curvatures = curvature::around(&outline(section, angles));
+    let noise = PROMINENCE_MIN_SD * SQRT_2 * CurvatureError::of(section).sd();
+    let turns = standing_out(&curvatures, alike(section).max(noise));
+    (curvatures, turns)
+}
+
+/// Curvatures that differ by less are alike, 1/mm.
+fn alike(section: &Section) -> f64 {
+    PROMINENCE_MIN_SHARE * TAU / section.girth.contour_mm
+}
+
+/// The angle of a place in the row of angles.
+fn angle(index: f64) -> f64 {
+    -PI + TAU * index / ANGLES as f64
+}
+
+/// The section without its finest harmonics, relative to its centre, from −180° on.
+fn outline(section: &Section, angles: &Harmonics) -> Vec<Point2<f64>> {
+    let radii = (0..ANGLES).map(|index| section.curve.radius(angle(index as f64)));
+    let smooth = angles.smoothed(&radii.collect::<Vec<f64>>());
+    // The first angle is −180°, so that each direction is the opposite one.
+    let directions = angles.directions().map(|(cos, sin)| (-cos, -sin));
+    smooth
+        .into_iter()
+        .zip(directions)
+        .map(|(r, (cos, sin))| Point2::new(r * cos, r * sin))
+        .collect()
+}
+
+/// What the scan's noise makes of the curvature: standard errors of its harmonics, 1/mm, each for
+/// its sine and its cosine.
+struct CurvatureError([f64; harmonic::FINEST + 1]);
+
+impl CurvatureError {
+    /// A harmonic of the radius has twice the variance of its mean, and n times around it makes
+    /// (n² − 1) / r² of curvature.
+    fn of(section: &Section) -> CurvatureError {
+        let independent_mm = SQRT_2 * section.rms_mm / (section.points as f64).sqrt();
+        let wave_sd_mm = section.wave_sd_mm.unwrap_or(independent_mm);
+        let mean_radius_mm = section.girth.contour_mm / TAU;
+        CurvatureError(std::array::from_fn(|n| {
+            let bend = (n * n).saturating_sub(1) as f64 / mean_radius_mm.powi(2);
+            wave_sd_mm * harmonic::kept(n) * bend
+        }))
+    }
+
+    /// Standard error of the curvature at any place.
+    fn sd(&self) -> f64 {
+        self.0.iter().map(|sd| sd * sd).sum::<f64>().sqrt()
+    }
+
+    /// Standard error of a cap's middle, in steps, each harmonic carried through.
+    fn middle_sd(&self, cap: &Cap) -> f64 {
+        let variance = |(n, sd): (usize, &f64)| {
+            let (mut sine, mut cosine) = (0.0, 0.0);
+            for (index, pull) in &cap.pulls {
+                let (sin, cos) = (n as f64 * angle(*index as f64)).sin_cos();
+                sine += pull * sin;
+                cosine += pull * cos;
+            }
+            sd * sd * (sine * sine + cosine * cosine)
+        };
+        self.0.iter().enumerate().map(variance).sum::<f64>().sqrt()
+    }
+}
+
+/// The same angle in (−π, π].
+fn wrapped(angle: f64) -> f64 {
+    PI - (PI - angle).rem_euclid(TAU)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angle_of_the_seam_is_180_degrees() {
+        assert_eq!(wrapped(-PI), PI);
+        assert_eq!(wrapped(PI), PI);
+        assert!((wrapped(3.0 * PI / 2.0) + PI / 2.0).abs() < 1e-15);
+    }
+}

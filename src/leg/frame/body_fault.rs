@@ -1,0 +1,133 @@
+//! Why a scan is no standing body that can be measured.
+
+use super::stance::{FeetUnclear, NoLegs};
+use crate::leg::method::{Unit, Up};
+
+/// Plausible statures, mm. The ratio of the limits is below that of inch to centimetre, so at most
+/// one unit can be plausible.
+pub const STATURE_MM: [f64; 2] = [1000.0, 2300.0];
+
+/// Why a scan is no standing body that can be measured.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BodyFault {
+    /// All shells are tiny.
+    #[error("nothing but fragments: no connected surface holds more than 0.5 % of the points")]
+    OnlyFragments,
+    /// No unit gives a plausible stature.
+    #[error(
+        "no unit makes this a standing person: {} units high along {} ({} × {} × {}); \
+         check that the body is whole in the scan and that `up` is right",
+        figure(*height), up.word(), figure(*x), figure(*y), figure(*z)
+    )]
+    NoPlausibleUnit {
+        /// The axis taken as up.
+        up: Up,
+        /// Extent along it, export units.
+        height: f64,
+        /// Extent along x, export units.
+        x: f64,
+        /// Extent along y, export units.
+        y: f64,
+        /// Extent along z, export units.
+        z: f64,
+    },
+    /// The declared unit gives no plausible stature.
+    #[error(
+        "the declared unit {} makes the stature {} mm, outside {} to {} mm: set `unit` to auto, or \
+         to what the scanner exports",
+        unit.word(), figure(*stature_mm), STATURE_MM[0], STATURE_MM[1]
+    )]
+    UnitImplausible {
+        /// As declared.
+        unit: Unit,
+        /// What it leads to, mm.
+        stature_mm: f64,
+    },
+    /// There are not two legs on the floor, nor one alone.
+    #[error(
+        "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
+         stature, one alone at {singles} ({most} at most at one height): is nobody there, is a leg \
+         hidden, do the legs touch, or is somebody or something beside the patient?"
+    )]
+    NotTwoLegs {
+        /// Heights at which exactly two were seen.
+        pairs: usize,
+        /// Heights at which exactly one was seen.
+        singles: usize,
+        /// Heights that were looked at.
+        heights: usize,
+        /// The most that were seen at one height.
+        most: usize,
+    },
+    /// The feet do not show where the body faces and nobody declared it.
+    #[error(
+        "left and right cannot be told: {0}; both feet must be seen whole, with nothing else on \
+         the floor"
+    )]
+    FacingUnclear(FeetUnclear),
+    /// The declared facing and the feet disagree.
+    #[error(
+        "the declared facing is {off_deg:.0} degrees from where the toes point: set `facing` to \
+         auto, or to what the scanner exports"
+    )]
+    FacingContradicted {
+        /// Angle between them, degrees.
+        off_deg: f64,
+    },
+    /// The declared facing is the up axis.
+    #[error("the declared facing is along the up axis")]
+    FacingVertical,
+    /// One leg alone, and it stands under the middle of the trunk.
+    #[error(
+        "only one leg is seen, {off_mm:.0} mm beside the middle of the trunk: whether it is the left \
+         or the right cannot be told; scan it as a lone leg, with its side declared"
+    )]
+    SideUnclear {
+        /// Distance of the shank from the trunk's middle across the body, mm.
+        off_mm: f64,
+    },
+    /// No unit makes the scan of a lone leg a leg.
+    #[error(
+        "no unit makes this a lone leg: {} units high, its foot {} units long; is `scope` right?",
+        figure(*height), figure(*foot)
+    )]
+    NoPlausibleLeg {
+        /// Extent along the up axis, export units.
+        height: f64,
+        /// Length of what stands on the floor, export units.
+        foot: f64,
+    },
+    /// A lone leg was declared and two are there.
+    #[error("a lone leg was declared and two are seen: `scope` must be \"body\" for this scan")]
+    TwoLegs,
+}
+
+impl BodyFault {
+    /// The stable code of this fault, for `reason.json` and programs.
+    pub fn code(&self) -> &'static str {
+        match self {
+            BodyFault::OnlyFragments => "body-only-fragments",
+            BodyFault::NoPlausibleUnit { .. } => "body-no-plausible-unit",
+            BodyFault::UnitImplausible { .. } => "body-unit-implausible",
+            BodyFault::NotTwoLegs { .. } => "body-not-two-legs",
+            BodyFault::FacingUnclear(_) => "body-facing-unclear",
+            BodyFault::FacingContradicted { .. } => "body-facing-contradicted",
+            BodyFault::FacingVertical => "body-facing-vertical",
+            BodyFault::SideUnclear { .. } => "body-side-unclear",
+            BodyFault::NoPlausibleLeg { .. } => "body-no-plausible-leg",
+            BodyFault::TwoLegs => "body-two-legs",
+        }
+    }
+}
+
+/// A length of unknown unit for people: one decimal, or powers of ten where it is absurd.
+fn figure(value: f64) -> String {
+    let usual = (0.1..1e6).contains(&value);
+    if usual { format!("{value:.1}") } else { format!("{value:.1e}") }
+}
+
+impl From<NoLegs> for BodyFault {
+    fn from(NoLegs { pairs, singles, heights, most }: NoLegs) -> BodyFault {
+        BodyFault::NotTwoLegs { pairs, singles, heights, most }
+    }
+}

@@ -1,0 +1,275 @@
+//! How a body stands: its shanks, its feet, where the toes point, where the floor is.
+
+use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+
+use super::floor::{Floor, floor};
+use crate::leg::parting::cluster::clusters;
+use crate::leg::sections::hull::Hull;
+use crate::leg::sections::slice::{Crossing, Mesh};
+
+/// Heights at which the shanks are looked for, as shares of stature: above the malleoli (0.045),
+/// below the calf's belly (0.20), where no hand hangs and legs hardly ever touch.
+const SHANK_SHARES: [f64; 8] = [0.08, 0.09, 0.10, 0.11, 0.12, 0.13, 0.14, 0.15];
+
+/// At least this many of these heights must show exactly two shanks …
+const SHANK_SLICES_MIN: usize = 3;
+
+/// … or this many exactly one and none more: a hole that hides a shank is not as high.
+const LONE_SLICES_MIN: usize = 6;
+
+/// Points of one shank nearer than this belong together, mm: three times the spacing of a coarse
+/// export, less than the gap between two shanks.
+const SHANK_LINK_MM: f64 = 20.0;
+
+/// Diameter of a shank, least and most, mm; lymphoedema included.
+const SHANK_DIAMETER_MM: [f64; 2] = [35.0, 300.0];
+
+/// A ring surrounds its middle when its points fall into this many of eight equal sectors; a
+/// sheet, an arm seen from one side or a speck does not.
+const SHANK_SECTORS_MIN: usize = 5;
+
+/// Points below this share of stature belong to the feet: under the malleoli.
+const FOOT_SHARE: f64 = 0.035;
+
+/// Length of a foot as a share of stature, least and most. ANSUR II: 0.139 to 0.169 from first to
+/// last percentile; a skin that ends above the sole is a little shorter, a swollen foot longer.
+const FOOT_LENGTH_SHARE: [f64; 2] = [0.115, 0.19];
+
+/// Widest foot as a share of stature. ANSUR II: 0.066 at the last percentile; swollen feet are wider,
+/// a plate or a platform under the feet is far wider.
+const FOOT_WIDTH_MAX_SHARE: f64 = 0.10;
+
+/// A foot reaches at least this far ahead of its ankle, compared with behind it; a foot that is
+/// seen whole reaches 2 to 4 times as far.
+const TOE_TO_HEEL_MIN: f64 = 1.3;
+
+/// Feet that point further apart than this say nothing about facing, degrees.
+const FEET_SPREAD_MAX_DEG: f64 = 100.0;
+
+/// A facing found from the feet that is further from square to the line through the ankles than
+/// this is contradictory, degrees.
+const SQUARE_MAX_DEG: f64 = 35.0;
+
+/// The stance of an upright body whose lowest point is at about z = 0, mm.
+#[derive(Debug, Clone)]
+pub struct Stance {
+    /// Middle of each shank, one or two in no order, at their lowest common height.
+    pub shanks: Vec<Point2<f64>>,
+    /// Middle of each foot, in the order of `shanks`.
+    pub feet: Vec<Point2<f64>>,
+    /// Direction of the toes, as far as the feet show it.
+    pub toes: Result<Vector2<f64>, FeetUnclear>,
+    /// The floor under the soles.
+    pub floor: Floor,
+}
+
+/// Why the feet do not show where the body faces.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum FeetUnclear {
+    /// Hardly any point near the floor.
+    #[error("a foot has only {points} points")]
+    NotSeen {
+        /// Points of the foot that has fewer.
+        points: usize,
+    },
+    /// What stands on the floor is no foot: a platform, a plate, or a leg without its foot.
+    #[error(
+        "what stands on the floor is {length_percent:.0} % of the stature long and \
+         {width_percent:.0} % wide, which is no foot"
+    )]
+    NoFoot {
+        /// Length, percent of the stature.
+        length_percent: f64,
+        /// Width, percent of the stature.
+        width_percent: f64,
+    },
+    /// A foot that reaches as far ahead of the ankle as behind it.
+    #[error("a foot reaches {ratio:.2} times as far ahead of its ankle as behind it")]
+    NoToes {
+        /// Reach ahead over reach behind.
+        ratio: f64,
+    },
+    /// The feet point apart.
+    #[error("the feet point {spread_deg:.0} degrees apart")]
+    Apart {
+        /// Angle between the feet, degrees.
+        spread_deg: f64,
+    },
+    /// The toes point along the line through the ankles.
+    #[error("the toes point {off_deg:.0} degrees off the square to the line through the ankles")]
+    NotSquare {
+        /// Angle off the square, degrees.
+        off_deg: f64,
+    },
+}
+
+/// What was seen where two shanks, or one alone, were expected.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct NoLegs {
+    /// Heights at which exactly two were seen.
+    pub pairs: usize,
+    /// Heights at which exactly one was seen.
+    pub singles: usize,
+    /// Heights that were looked at.
+    pub heights: usize,
+    /// The most that were seen at one height.
+    pub most: usize,
+}
+
+/// Finds the stance of a body with this stature, mm.
+///
+/// # Errors
+/// [`NoLegs`] where too few heights show exactly two shanks, or one and nothing else.
+pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
+    let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
+    let slices = mesh.slices(&Vector3::z_axis(), &heights);
+    let rings: Vec<Vec<Point2<f64>>> = slices.iter().map(|slice| shank_middles(slice)).collect();
+    let shanks = shanks(rings)?;
+    let feet_points = feet(mesh, &shanks, FOOT_SHARE * stature_mm);
+    let middle = |(points, shank): (&Vec<[f64; 3]>, &Point2<f64>)| match points.len() {
+        0 => *shank,
+        n => {
+            points.iter().fold(Point2::origin(), |sum, p| sum + Vector2::new(p[0], p[1]) / n as f64)
+        }
+    };
+    Ok(Stance {
+        feet: feet_points.iter().zip(&shanks).map(middle).collect(),
+        toes: toes(&shanks, &feet_points, stature_mm),
+        floor: floor(&feet_points).unwrap_or(Floor { height_mm: 0.0, sd_mm: f64::INFINITY }),
+        shanks,
+    })
+}
+
+/// The shanks at the lowest height that shows as many as the body has.
+fn shanks(rings: Vec<Vec<Point2<f64>>>) -> Result<Vec<Point2<f64>>, NoLegs> {
+    let of_count = |count: usize| rings.iter().filter(|found| found.len() == count).count();
+    let (pairs, singles) = (of_count(2), of_count(1));
+    let most = rings.iter().map(Vec::len).max().unwrap_or(0);
+    let legs = if pairs >= SHANK_SLICES_MIN {
+        2
+    } else if singles >= LONE_SLICES_MIN && most == 1 {
+        1
+    } else {
+        return Err(NoLegs { pairs, singles, heights: rings.len(), most });
+    };
+    Ok(rings.into_iter().find(|found| found.len() == legs).unwrap_or_default())
+}
+
+/// Middles of the rings in a slice that can be shanks.
+fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
+    let points: Vec<Point2<f64>> = slice.iter().map(|crossing| crossing.position.xy()).collect();
+    let rings = clusters(&points, SHANK_LINK_MM);
+    rings.iter().filter_map(|ring| shank_middle(ring)).collect()
+}
+
+fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
+    let first = *ring.first()?;
+    let (low, high) = ring.iter().fold((first, first), |(l, h), p| (l.inf(p), h.sup(p)));
+    let size = (high - low).max();
+    let middle = Hull::of(ring)?.centroid();
+    let mut sectors = [false; 8];
+    for point in ring {
+        let turn = (point.y - middle.y).atan2(point.x - middle.x) / std::f64::consts::TAU + 0.5;
+        sectors[((turn * 8.0) as usize).min(7)] = true;
+    }
+    let surrounded = sectors.iter().filter(|seen| **seen).count() >= SHANK_SECTORS_MIN;
+    let [least, most] = SHANK_DIAMETER_MM;
+    (surrounded && (least..=most).contains(&size)).then_some(middle)
+}
+
+/// Points of each foot: those below `top_mm`, each with the shank that is nearer.
+fn feet(mesh: &Mesh, shanks: &[Point2<f64>], top_mm: f64) -> Vec<Vec<[f64; 3]>> {
+    let mut feet = vec![Vec::new(); shanks.len()];
+    for point in mesh.points().iter().filter(|point| point.z < top_mm) {
+        let far = |shank: &Point2<f64>| (point.xy() - shank).norm_squared();
+        let nearest =
+            (0..shanks.len()).min_by(|a, b| far(&shanks[*a]).total_cmp(&far(&shanks[*b])));
+        if let Some(nearest) = nearest {
+            feet[nearest].push([point.x, point.y, point.z]);
+        }
+    }
+    feet
+}
+
+/// Where the toes point: of one foot its own direction; of two halfway between the feet's mean
+/// direction and the square to the line through the ankles, since a foot turned out spoils the one
+/// and a foot set forward the other.
+fn toes(
+    shanks: &[Point2<f64>],
+    feet: &[Vec<[f64; 3]>],
+    stature_mm: f64,
+) -> Result<Vector2<f64>, FeetUnclear> {
+    let one =
+        |(shank, foot): (&Point2<f64>, &Vec<[f64; 3]>)| toe_direction(*shank, foot, stature_mm);
+    let directions = shanks.iter().zip(feet).map(one).collect::<Result<Vec<_>, _>>()?;
+    let &[first, second] = directions.as_slice() else {
+        return directions.first().copied().ok_or(FeetUnclear::NotSeen { points: 0 });
+    };
+    let spread_deg = first.angle(&second).to_degrees();
+    if spread_deg > FEET_SPREAD_MAX_DEG {
+        return Err(FeetUnclear::Apart { spread_deg });
+    }
+    let toes = (first + second).normalize();
+    let across = (shanks[1] - shanks[0]).normalize();
+    let square = Vector2::new(-across.y, across.x);
+    let square = if square.dot(&toes) < 0.0 { -square } else { square };
+    let off_deg = square.angle(&toes).to_degrees();
+    if off_deg > SQUARE_MAX_DEG {
+        return Err(FeetUnclear::NotSquare { off_deg });
+    }
+    Ok((toes + square).normalize())
+}
+
+/// The long axis of one foot, pointing to the end that is further from the ankle.
+fn toe_direction(
+    ankle: Point2<f64>,
+    foot: &[[f64; 3]],
+    stature_mm: f64,
+) -> Result<Vector2<f64>, FeetUnclear> {
+    const FOOT_POINTS_MIN: usize = 50;
+    if foot.len() < FOOT_POINTS_MIN {
+        return Err(FeetUnclear::NotSeen { points: foot.len() });
+    }
+    let LongAxis { direction: long, length, width } = long_axis(foot);
+    let [length, width] = [length, width].map(|extent| extent / stature_mm);
+    let [shortest, longest] = FOOT_LENGTH_SHARE;
+    if !(shortest..=longest).contains(&length) || width > FOOT_WIDTH_MAX_SHARE {
+        let (length_percent, width_percent) = (100.0 * length, 100.0 * width);
+        return Err(FeetUnclear::NoFoot { length_percent, width_percent });
+    }
+    let reach = foot.iter().map(|p| (Point2::new(p[0], p[1]) - ankle).dot(&long));
+    let (back, ahead) = reach.fold((0.0_f64, 0.0_f64), |(b, a), r| (b.max(-r), a.max(r)));
+    let ratio = ahead.max(back) / ahead.min(back).max(1.0);
+    if ratio < TOE_TO_HEEL_MIN {
+        return Err(FeetUnclear::NoToes { ratio });
+    }
+    Ok(if ahead > back { long } else { -long })
+}
+
+/// The long axis of points seen from above, and their extents.
+pub struct LongAxis {
+    /// Unit vector along it, of either sign.
+    pub direction: Vector2<f64>,
+    /// Extent along it, in the unit of the points.
+    pub length: f64,
+    /// Extent across it.
+    pub width: f64,
+}
+
+/// The first principal axis of points seen from above.
+pub fn long_axis(of: &[[f64; 3]]) -> LongAxis {
+    let points: Vec<Vector2<f64>> = of.iter().map(|p| Vector2::new(p[0], p[1])).collect();
+    let middle = points.iter().sum::<Vector2<f64>>() / points.len().max(1) as f64;
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for d in points.iter().map(|p| p - middle) {
+        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
+    }
+    let direction = Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x();
+    let [length, width] = [direction, Vector2::new(-direction.y, direction.x)].map(|axis| {
+        let reach = points.iter().map(|p| p.dot(&axis));
+        let (low, high) = reach
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
+        high - low
+    });
+    LongAxis { direction, length, width }
+}

@@ -1,0 +1,95 @@
+//! Girths at heights that a person asked for, as clinics chart them: every 10 cm above the floor,
+//! say, whatever the levels of the leg are.
+
+use super::girth::GirthCurve;
+use super::level_reading::doubts;
+use crate::leg::doubt::Doubt;
+use crate::leg::sections::section::SPACING_MM;
+use crate::leg::sections::section::Section;
+
+/// What was found at a height that was asked for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AtHeight {
+    /// The height above the floor, mm, as it was asked for: that of the section's centre.
+    pub height_mm: f64,
+    /// The girth there, or why there is none.
+    pub found: Result<HeightGirth, NoGirth>,
+}
+
+/// The girth at a height.
+#[derive(Debug, Clone, PartialEq)]
+pub struct HeightGirth {
+    /// Distance of the section along the axis from the floor, mm.
+    pub along_mm: f64,
+    /// Girth over the convex hull, mm.
+    pub girth_tape_mm: f64,
+    /// Girth along the skin, mm.
+    pub girth_contour_mm: f64,
+    /// Standard error of the tape girth, mm.
+    pub girth_sd_mm: f64,
+    /// What a person must know before using it.
+    pub doubts: Vec<Doubt>,
+}
+
+/// Why there is no girth at a height.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum NoGirth {
+    /// The leg was not measured so low or so high.
+    #[error("girths were measured from {from_mm:.0} to {to_mm:.0} mm")]
+    Outside {
+        /// Lowest height, mm.
+        from_mm: f64,
+        /// Highest height, mm.
+        to_mm: f64,
+    },
+    /// The sections around it are open.
+    #[error("the skin there was not seen")]
+    NotSeen,
+}
+
+/// The girths at heights above the floor, mm, in the order asked for. `near` gives the section
+/// nearest to a distance along the axis, where it could be measured.
+pub fn at_heights<'a>(
+    curve: &GirthCurve,
+    heights_mm: &[f64],
+    near: impl Fn(f64) -> Option<&'a Section>,
+) -> Vec<AtHeight> {
+    let one = |&height_mm: &f64| {
+        let found = along_mm(curve, height_mm).and_then(|along_mm| {
+            let doubts = doubts(curve, along_mm, near(along_mm));
+            let girth = HeightGirth {
+                along_mm,
+                girth_tape_mm: curve.tape(along_mm)[0],
+                girth_contour_mm: curve.contour_mm(along_mm),
+                girth_sd_mm: curve.tape_sd(along_mm, 0),
+                doubts,
+            };
+            // The curve bridges such places; a level may stand there in doubt, a charted girth not.
+            if girth.doubts.contains(&Doubt::NotSeen) { Err(NoGirth::NotSeen) } else { Ok(girth) }
+        });
+        AtHeight { height_mm, found }
+    };
+    heights_mm.iter().map(one).collect()
+}
+
+/// Where along the axis the section's centre is at a height.
+fn along_mm(curve: &GirthCurve, height_mm: f64) -> Result<f64, NoGirth> {
+    let (from, to) = curve.domain();
+    let measured = curve.rows.iter().filter(|row| (from..=to).contains(&row.along_mm));
+    let measured: Vec<[f64; 2]> =
+        measured.filter_map(|row| Some([row.along_mm, row.measured?.0])).collect();
+    let around =
+        measured.windows(2).find(|pair| pair[0][1] <= height_mm && height_mm <= pair[1][1]);
+    let Some(&[[low, low_height], [high, high_height]]) = around.and_then(|pair| pair.as_array())
+    else {
+        let height = |row: Option<&[f64; 2]>| row.map_or(0.0, |row| row[1]);
+        let (from_mm, to_mm) = (height(measured.first()), height(measured.last()));
+        return Err(NoGirth::Outside { from_mm, to_mm });
+    };
+    if high - low > 1.5 * SPACING_MM {
+        return Err(NoGirth::NotSeen);
+    }
+    let rise = high_height - low_height;
+    let share = if rise > 0.0 { (height_mm - low_height) / rise } else { 0.0 };
+    Ok(low + share * (high - low))
+}

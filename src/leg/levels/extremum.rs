@@ -1,0 +1,214 @@
+//! Turning points of the girth curve: which of them stand out, which of them are the levels, and
+//! why a level has none.
+
+use super::girth::GirthCurve;
+use crate::leg::level::Level;
+
+/// An extremum that stands out by less than this is no clear one, mm; a tape reads to 1 to 2 mm.
+pub const CLEAR_MM: f64 = 1.5;
+
+/// An extremum below this many standard errors is noise and not looked at, even in doubt; and two
+/// girths nearer to each other cannot be told apart.
+const NOISE_SDS: f64 = 2.0;
+
+/// … nor below this, mm: perfect data have no noise, but rounding.
+const NOISE_MIN_MM: f64 = 0.1;
+
+/// Step in which extrema are looked for, mm; the curve's pieces are twelve times as long.
+const STEP_MM: f64 = 1.0;
+
+/// Two extrema of one level whose girths cannot be told apart are two places from this distance
+/// on, mm; nearer ones are one flat place, which the height's standard error tells.
+const APART_MM: f64 = 20.0;
+
+/// A turning point of the girth curve.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::leg) struct Extremum {
+    /// Distance along the axis, mm.
+    pub along_mm: f64,
+    /// Tape girth, mm.
+    pub tape_mm: f64,
+    /// Whether the girth is largest there, not smallest.
+    pub is_maximum: bool,
+    /// What an extremum here must stand out by to be more than noise, mm.
+    gate_mm: f64,
+}
+
+/// The extremum of a level.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(in crate::leg) struct Peak {
+    /// Where it is.
+    pub at: Extremum,
+    /// How far it stands out, mm.
+    pub prominence_mm: f64,
+    /// Another place, as far along the axis, that may be the level as well, mm.
+    pub rival_mm: Option<f64>,
+}
+
+/// Why a level is absent.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum Absence {
+    /// The curve has no extremum of this kind.
+    #[error("the girth curve has no such turning point")]
+    NoTurn,
+    /// The curve is lowest where the search begins.
+    #[error(
+        "the girth is smaller still {along_mm:.0} mm along the leg, where the search begins: its \
+         least lies below or was not seen"
+    )]
+    BelowSearch {
+        /// Lower end of the search, along the axis, mm.
+        along_mm: f64,
+    },
+    /// The curve does not turn up to the end of the search.
+    #[error(
+        "the girth does not clearly turn up to {along_mm:.0} mm along the leg, where the search ends"
+    )]
+    AboveSearch {
+        /// Upper end of the search, along the axis, mm.
+        along_mm: f64,
+    },
+    /// The level is measured from one that is absent.
+    #[error("it is measured from {}, which is absent", .0.name())]
+    Needs(Level),
+    /// The level would lie above one that is above it on every leg.
+    #[error("it would lie above {}", .0.name())]
+    Beyond(Level),
+}
+
+/// The extrema of B, C and D.
+pub(in crate::leg) struct Extrema {
+    pub b: Result<Peak, Absence>,
+    pub c: Result<Peak, Absence>,
+    pub d: Result<Peak, Absence>,
+}
+
+impl Extrema {
+    /// Finds them between two distances along the axis.
+    pub fn of(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Extrema {
+        let turns = turns(curve, from_mm, to_mm);
+        let clear = standing_out(&turns, |_| CLEAR_MM);
+        let faint = standing_out(&turns, |turn| turn.gate_mm);
+        let first = |turns: &[Extremum], above_mm: f64, is_maximum: bool| {
+            let inner = 1..turns.len().saturating_sub(1);
+            let fits =
+                |i: &usize| turns[*i].is_maximum == is_maximum && turns[*i].along_mm > above_mm;
+            inner.clone().find(fits).map(|i| peak(turns, i))
+        };
+        // Where the curve begins lower still, the lowest minimum is not in sight.
+        let lowest = |b: &Peak| turns.iter().take(1).all(|turn| b.at.tape_mm < turn.tape_mm);
+        let lowest_of = |turns: &[Extremum]| first(turns, 0.0, false).filter(lowest);
+        let b = lowest_of(&clear).or_else(|| lowest_of(&faint));
+        let above_b = b.map_or(f64::INFINITY, |b| b.at.along_mm);
+        let c = first(&clear, above_b, true).or_else(|| {
+            let inner = 1..faint.len().saturating_sub(1);
+            let maxima = inner.filter(|&i| faint[i].is_maximum && faint[i].along_mm > above_b);
+            let largest = maxima.max_by(|&i, &j| faint[i].tape_mm.total_cmp(&faint[j].tape_mm))?;
+            Some(peak(&faint, largest))
+        });
+        let above_c = c.map_or(f64::INFINITY, |c| c.at.along_mm);
+        let d = first(&clear, above_c, false);
+        // Each level's rivals lie between its neighbours.
+        let c_mm = c.map_or(to_mm, |c| c.at.along_mm);
+        let d_mm = d.map_or(to_mm, |d| d.at.along_mm);
+        let rival = |peak: Peak, low_mm: f64, high_mm: f64| Peak {
+            rival_mm: rival_mm(&turns, &peak.at, low_mm, high_mm),
+            ..peak
+        };
+        let begins_low = turns.first().is_some_and(|turn| !turn.is_maximum);
+        let no_b =
+            if begins_low { Absence::BelowSearch { along_mm: from_mm } } else { Absence::NoTurn };
+        let ends = Absence::AboveSearch { along_mm: to_mm };
+        let no_c = if b.is_none() { Absence::Needs(Level::B) } else { ends };
+        let no_d = if c.is_none() { Absence::Needs(Level::C) } else { ends };
+        Extrema {
+            b: b.map(|b| rival(b, from_mm, c_mm)).ok_or(no_b),
+            c: c.map(|c| rival(c, above_b, d_mm)).ok_or(no_c),
+            d: d.map(|d| rival(d, above_c, to_mm)).ok_or(no_d),
+        }
+    }
+}
+
+/// Turning points of the curve in a range, ascending, with the range's two ends as the first and
+/// last: an end counts as the turning point that the curve makes of it.
+fn turns(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Vec<Extremum> {
+    let count = ((to_mm - from_mm) / STEP_MM).max(1.0) as usize;
+    let at = |index: usize| from_mm + (to_mm - from_mm) * index as f64 / count as f64;
+    let slope = |along: f64| curve.tape(along)[1];
+    let extremum = |along_mm: f64, is_maximum| Extremum {
+        along_mm,
+        tape_mm: curve.tape(along_mm)[0],
+        is_maximum,
+        gate_mm: (NOISE_SDS * curve.tape_sd(along_mm, 0)).max(NOISE_MIN_MM),
+    };
+    let mut turns = vec![extremum(from_mm, slope(from_mm) < 0.0)];
+    for index in 0..count {
+        let (low, high) = (at(index), at(index + 1));
+        if slope(low) * slope(high) < 0.0 {
+            turns.push(extremum(root(slope, low, high), slope(low) > 0.0));
+        }
+    }
+    turns.push(extremum(to_mm, slope(to_mm) > 0.0));
+    turns
+}
+
+/// The zero of `function` between two places of different sign, by bisection to 1 µm.
+pub(in crate::leg) fn root(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let falls = function(low) > 0.0;
+    while high - low > 1e-3 {
+        let middle = (low + high) / 2.0;
+        if (function(middle) > 0.0) == falls {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (low + high) / 2.0
+}
+
+/// An inner turning point and how far it stands out from the lesser of its two neighbours.
+fn peak(turns: &[Extremum], index: usize) -> Peak {
+    let at = turns[index];
+    let neighbours = [turns[index - 1].tape_mm, turns[index + 1].tape_mm];
+    let apart = neighbours.map(|tape_mm| (tape_mm - at.tape_mm).abs());
+    Peak { at, prominence_mm: apart[0].min(apart[1]), rival_mm: None }
+}
+
+/// The nearest turning point of the same kind between two places whose girth cannot be told from
+/// this one's.
+fn rival_mm(turns: &[Extremum], of: &Extremum, low_mm: f64, high_mm: f64) -> Option<f64> {
+    let far = |turn: &Extremum| (turn.along_mm - of.along_mm).abs();
+    let inner = turns.iter().take(turns.len().saturating_sub(1)).skip(1);
+    let rivals = inner.filter(|turn| {
+        turn.is_maximum == of.is_maximum
+            && low_mm < turn.along_mm
+            && turn.along_mm < high_mm
+            && far(turn) > APART_MM
+            && (turn.tape_mm - of.tape_mm).abs() < turn.gate_mm.max(of.gate_mm)
+    });
+    rivals.min_by(|a, b| far(a).total_cmp(&far(b))).map(|turn| turn.along_mm)
+}
+
+/// Leaves out pairs of neighbouring turning points that differ by less than their gates, the
+/// closest pair first; what stays stands out (topological persistence in one dimension).
+fn standing_out(turns: &[Extremum], gate_mm: impl Fn(&Extremum) -> f64) -> Vec<Extremum> {
+    let mut kept = turns.to_vec();
+    loop {
+        let difference = |pair: &[Extremum]| (pair[0].tape_mm - pair[1].tape_mm).abs();
+        let closest = kept
+            .windows(2)
+            .enumerate()
+            .filter(|(_, pair)| difference(pair) < gate_mm(&pair[0]).max(gate_mm(&pair[1])))
+            .min_by(|a, b| difference(a.1).total_cmp(&difference(b.1)));
+        let Some((index, _)) = closest else { break };
+        let last = kept.len() - 1;
+        match index {
+            // An end of the range stays an end; only its inner neighbour goes.
+            0 if kept.len() > 2 => drop(kept.remove(1)),
+            _ if index + 1 == last && kept.len() > 2 => drop(kept.remove(index)),
+            _ if kept.len() > 2 => drop(kept.drain(index..index + 2)),
+            _ => break,
+        }
+    }
+    kept
+}

@@ -1,0 +1,97 @@
+//! What is read at one place of a leg: girths and height from the girth curve, doubts from the skin
+//! around it.
+
+use super::extremum::root;
+use super::girth::GirthCurve;
+use super::landmark::Landmark;
+use crate::leg::doubt::Doubt;
+use crate::leg::level::{By, Level};
+use crate::leg::sections::section::Section;
+
+/// A gap in the skin wider than this is named as a doubt, degrees.
+pub(in crate::leg) const GAP_DOUBT_DEG: f64 = 30.0;
+
+/// Points that scatter more than this about the section are not one skin, mm: cloth, a second
+/// layer, a patient who moved. Scanners scatter by 1 mm, poor ones by 1.5.
+const SCATTER_DOUBT_MM: f64 = 2.0;
+
+/// Skin that is longer than the tape by more than this share is folded, or no skin.
+const FOLDS_DOUBT_SHARE: f64 = 0.01;
+
+/// Reads levels off a girth curve.
+pub(in crate::leg) struct Ruler<'c, F> {
+    /// The curve.
+    pub curve: &'c GirthCurve,
+    /// The section nearest to a distance along the axis, where it could be measured.
+    pub near: F,
+}
+
+impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
+    /// A level at a distance along the axis, with the standard errors of its height and girth; none
+    /// outside the measured sections.
+    pub fn landmark(
+        &self,
+        level: Level,
+        by: By,
+        along_mm: f64,
+        [height_sd_mm, girth_sd_mm]: [f64; 2],
+    ) -> Option<Landmark> {
+        Some(Landmark {
+            level,
+            by,
+            along_mm,
+            height_mm: self.curve.height_mm(along_mm)?,
+            surface_length_mm: None,
+            girth_tape_mm: self.curve.tape(along_mm)[0],
+            girth_contour_mm: self.curve.contour_mm(along_mm),
+            height_sd_mm,
+            girth_sd_mm,
+            doubts: doubts(self.curve, along_mm, (self.near)(along_mm)),
+        })
+    }
+
+    /// A level at a height above the floor that is known to so much, mm; none outside the measured
+    /// sections.
+    pub fn at_height(
+        &self,
+        level: Level,
+        by: By,
+        height_mm: f64,
+        height_sd_mm: f64,
+    ) -> Option<Landmark> {
+        let along_mm = self.along_mm(height_mm)?;
+        let [_, slope, _, _] = self.curve.tape(along_mm);
+        let girth_sd_mm = self.curve.tape_sd(along_mm, 0).hypot(slope * height_sd_mm);
+        self.landmark(level, by, along_mm, [height_sd_mm, girth_sd_mm])
+    }
+
+    /// Where along the axis the sections' centre is at a height; heights ascend along a leg.
+    fn along_mm(&self, height_mm: f64) -> Option<f64> {
+        let (low, high) = self.curve.domain();
+        let above = |along_mm: f64| Some(self.curve.height_mm(along_mm)? - height_mm);
+        let within = above(low)? <= 0.0 && above(high)? >= 0.0;
+        within.then(|| root(|along_mm| above(along_mm).unwrap_or(0.0), low, high))
+    }
+}
+
+/// What the skin at a distance along the axis gives to doubt; `section` is the nearest one.
+pub(in crate::leg) fn doubts(
+    curve: &GirthCurve,
+    along_mm: f64,
+    section: Option<&Section>,
+) -> Vec<Doubt> {
+    let section = section.filter(|_| curve.is_seen(along_mm));
+    section.map_or_else(|| vec![Doubt::NotSeen], section_doubts)
+}
+
+/// What a section gives to doubt.
+pub(in crate::leg) fn section_doubts(section: &Section) -> Vec<Doubt> {
+    let (gap_deg, rms_mm) = (section.largest_gap_deg, section.rms_mm);
+    let excess = section.girth.contour_mm / section.girth.tape_mm - 1.0;
+    let all = [
+        (gap_deg > GAP_DOUBT_DEG, Doubt::Gap { gap_deg }),
+        (rms_mm > SCATTER_DOUBT_MM, Doubt::Scatter { rms_mm }),
+        (excess > FOLDS_DOUBT_SHARE, Doubt::Folds { percent: 100.0 * excess }),
+    ];
+    all.into_iter().filter(|(holds, _)| *holds).map(|(_, doubt)| doubt).collect()
+}

@@ -1,0 +1,29 @@
+//! Lengths along the skin of a leg's medial side, where fitters lay the tape.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::leg::sections::equidistant::Sections;
+use crate::leg::sections::section::Section;
+
+/// The medial side as an angle around a section.
+const MEDIAL: f64 = -FRAC_PI_2;
+
+/// Length from the floor to a level along the medial skin, mm: from section to section by straight
+/// lines, bridging what was not seen, and straight down from the lowest one, since a tape hangs
+/// there beside the foot. None outside the measured sections.
+pub(in crate::leg) fn surface_length_mm(sections: &Sections, along_mm: f64) -> Option<f64> {
+    let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
+    let point = |section: &Section| section.point(&sections.axis, MEDIAL);
+    let mut below = measured.clone().next().filter(|section| section.along_mm <= along_mm)?;
+    let mut length_mm = point(below).z;
+    for section in measured.skip(1) {
+        let step_mm = (point(section) - point(below)).norm();
+        if section.along_mm >= along_mm {
+            let share = (along_mm - below.along_mm) / (section.along_mm - below.along_mm);
+            return Some(length_mm + share * step_mm);
+        }
+        length_mm += step_mm;
+        below = section;
+    }
+    None
+}

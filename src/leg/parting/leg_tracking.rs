@@ -1,0 +1,168 @@
+//! Legs followed slice by slice: what lies where a leg was one slice ago is the leg. Hands, specks
+//! and floor pieces never do. Nothing is assumed about shells, holes or closed outlines.
+
+use nalgebra::{Point2, Vector3};
+use rayon::prelude::*;
+
+use super::cluster::clusters;
+use super::footprint::Footprint;
+use super::thigh_divider::Neck;
+use crate::leg::sections::slice::Mesh;
+use crate::leg::side::{Side, Sides};
+
+/// Points nearer than this belong together, mm: twice the spacing of a usual export (6 mm).
+pub const LINK_MM: f64 = 12.0;
+
+/// A cluster is both legs' when each holds more than this share of its points.
+const SHARED_MIN_SHARE: f64 = 0.1;
+
+/// A leg holds at least this share of a cluster that is its own. By their girths a hand at the thigh
+/// leaves some 0.7; of a trunk, reached by one leg alone, the leg is some 0.6.
+const OWN_MIN_SHARE: f64 = 0.65;
+
+/// A leg may be unseen in this many slices on end (a bandage, a strap, a row of holes) before it
+/// has come to its end.
+const UNSEEN_MAX: usize = 3;
+
+/// The innermost skin of a thigh within which the nearest points of two thighs lie, mm.
+const INNER_MM: f64 = 40.0;
+
+/// How a cluster that is both legs' is parted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parting {
+    /// Along the neck between the thighs.
+    Neck,
+    /// Point by point to the leg that is nearer, as for feet that touch.
+    Nearest,
+}
+
+/// One slice passed.
+#[derive(Debug, Clone)]
+pub struct Step {
+    /// Its height, mm.
+    pub height_mm: f64,
+    /// Where the legs lie, as far as they are seen.
+    pub prints: Sides<Option<Footprint>>,
+    /// Where the legs were parted, if they are one here.
+    pub neck: Option<Neck>,
+    /// Distance between the two legs' points where they are apart, mm; none where they are not or
+    /// only one is followed.
+    pub gap_mm: Option<f64>,
+}
+
+/// The slices passed and where legs came to their end.
+#[derive(Debug, Clone)]
+pub struct Track {
+    /// How clusters that are both legs' were parted.
+    pub parting: Parting,
+    /// In the order followed.
+    pub steps: Vec<Step>,
+    /// The last height at which a leg was seen, where it was lost before the last slice, mm.
+    pub ends_mm: Sides<Option<f64>>,
+}
+
+/// Follows legs from their footprints through slices at ascending or descending heights.
+pub fn follow(
+    mesh: &Mesh,
+    from: &Sides<Option<Footprint>>,
+    heights_mm: &[f64],
+    growth_mm: f64,
+    parting: Parting,
+) -> Track {
+    let mut last = from.clone();
+    let mut unseen = Sides::<usize>::default();
+    let mut track = Track { parting, steps: Vec::new(), ends_mm: Sides::default() };
+    let mut seen_mm = Sides::of_each(|_| heights_mm.first().copied().unwrap_or(0.0));
+    let clustered: Vec<Vec<Vec<Point2<f64>>>> =
+        slices(mesh, heights_mm).par_iter().map(|slice| clusters(slice, LINK_MM)).collect();
+    for (&height_mm, slice) in heights_mm.iter().zip(clustered) {
+        let (own, neck) = share_out(slice, &last, growth_mm, parting);
+        let prints = Sides::of_each(|side| Footprint::of(own.get(side)));
+        for side in Side::BOTH {
+            if let Some(print) = prints.get(side) {
+                *last.get_mut(side) = Some(print.clone());
+                *unseen.get_mut(side) = 0;
+                *seen_mm.get_mut(side) = height_mm;
+            } else if last.get(side).is_some() {
+                *unseen.get_mut(side) += 1;
+                if *unseen.get(side) > UNSEEN_MAX {
+                    *last.get_mut(side) = None;
+                    *track.ends_mm.get_mut(side) = Some(*seen_mm.get(side));
+                }
+            }
+        }
+        let gap_mm = if neck.is_none() { gap_mm(&own) } else { None };
+        track.steps.push(Step { height_mm, prints, neck, gap_mm });
+    }
+    track
+}
+
+/// Slices at ascending or descending heights, in that order.
+pub fn slices(mesh: &Mesh, heights_mm: &[f64]) -> Vec<Vec<Point2<f64>>> {
+    let mut ascending = heights_mm.to_vec();
+    ascending.sort_by(f64::total_cmp);
+    let slices = mesh.slices(&Vector3::z_axis(), &ascending);
+    let mut flat: Vec<Vec<Point2<f64>>> =
+        slices.iter().map(|slice| slice.iter().map(|c| c.position.xy()).collect()).collect();
+    if heights_mm != ascending {
+        flat.reverse();
+    }
+    flat
+}
+
+/// The points of a slice's clusters that are the left and the right leg's, and the neck where they
+/// are one.
+fn share_out(
+    slice: Vec<Vec<Point2<f64>>>,
+    last: &Sides<Option<Footprint>>,
+    growth_mm: f64,
+    parting: Parting,
+) -> (Sides<Vec<Point2<f64>>>, Option<Neck>) {
+    let mut own = Sides::<Vec<Point2<f64>>>::default();
+    let mut neck = None;
+    for cluster in slice {
+        let share = |side: Side| {
+            last.get(side).as_ref().map_or(0.0, |print| print.share_of(&cluster, growth_mm))
+        };
+        let shares = Sides::of_each(share);
+        if let Sides { left: Some(left), right: Some(right) } = last
+            && shares.left.min(shares.right) > SHARED_MIN_SHARE
+        {
+            let line = Neck::of(&cluster, [right.middle.x, left.middle.x]);
+            for point in cluster {
+                let is_left = match parting {
+                    Parting::Neck => line.is_left(&point),
+                    Parting::Nearest => left.beyond_mm(&point) <= right.beyond_mm(&point),
+                };
+                own.get_mut(if is_left { Side::Left } else { Side::Right }).push(point);
+            }
+            neck = Some(line);
+            continue;
+        }
+        let side = if shares.left >= shares.right { Side::Left } else { Side::Right };
+        if *shares.get(side) > OWN_MIN_SHARE {
+            own.get_mut(side).extend(cluster);
+        }
+    }
+    (own, neck)
+}
+
+/// Least distance between the points of the two legs, mm; of legs that are further apart than they
+/// can be seen to close in on each other, that across the body.
+fn gap_mm(own: &Sides<Vec<Point2<f64>>>) -> Option<f64> {
+    let reach = |points: &[Point2<f64>], of: fn(f64, f64) -> f64| {
+        points.iter().map(|point| point.x).reduce(of)
+    };
+    let inner_left = reach(&own.left, f64::min)?;
+    let inner_right = reach(&own.right, f64::max)?;
+    if inner_left - inner_right > INNER_MM {
+        return Some(inner_left - inner_right);
+    }
+    // The nearest pair lies between the legs: points beyond their middles need not be compared.
+    let near = |points: &[Point2<f64>], x_mm: f64| -> Vec<Point2<f64>> {
+        points.iter().filter(|point| (point.x - x_mm).abs() < INNER_MM).copied().collect()
+    };
+    let (left, right) = (near(&own.left, inner_left), near(&own.right, inner_right));
+    let pairs = left.iter().flat_map(|p| right.iter().map(move |q| (p - q).norm()));
+    pairs.min_by(f64::total_cmp)
+}

@@ -1,0 +1,14 @@
+//! The axis of a leg and the closed curves across it (paper 1.1, fig. 2b–2e): [`skin`] fits them all at
+//! once, [`plane`] and the paper's [`polynomial`] one by one.
+
+pub mod axis;
+pub mod equidistant;
+pub mod gap;
+pub(super) mod hull;
+pub(super) mod low_harmonics;
+pub mod plane;
+pub mod point_pairs;
+pub mod polynomial;
+pub mod section;
+pub mod skin;
+pub mod slice;

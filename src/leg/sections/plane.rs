@@ -1,0 +1,170 @@
+//! Sections plane by plane, each from its own points on the plane (paper 1.1, fig. 2c, 2d), kept
+//! beside [`super::skin`]: a periodic spline through the crossings of the mesh, or the paper's
+//! polynomial through the paper's pairs ([`super::point_pairs`]).
+//!
+//! The points need not be a closed outline nor in any order, so holes and shells that overlap cost
+//! only their points.
+
+use std::collections::BTreeSet;
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Point2;
+use rayon::prelude::*;
+
+use super::axis::{LegAxis, outline_centroid};
+use super::gap::{GAP_MAX_DEG, largest_gap_deg};
+use super::polynomial;
+use super::section::{Curve, Section, girth, r2};
+use super::slice::Crossing;
+use crate::spline::{Basis, Smoothing, Spline, fit, robust_fit};
+
+/// Pieces of the periodic curve: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh;
+/// how much of that is used is for the smoothing to say.
+const INTERVALS: usize = 48;
+
+/// Smallest scale of residuals, mm: perfect data must not throw out their own rounding.
+const SCALE_MIN_MM: f64 = 0.02;
+
+/// Of how many section planes one gives its share to the choice of smoothing; the median over some
+/// twenty is as good as that over all.
+const SMOOTHING_STRIDE: usize = 6;
+
+/// A section with fewer points than this is not fitted.
+const POINTS_MIN: usize = 24;
+
+/// A polynomial of order 15 swings in a gap wider than this, degrees: beyond, its girth is off by
+/// centimetres while its R² stays at 0.9998.
+const POLYNOMIAL_GAP_MAX_DEG: f64 = 20.0;
+
+/// The curve that is fitted to the points of a plane.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum PlaneFit {
+    /// A periodic smoothing spline with this relative penalty, see [`Smoothing::Fixed`].
+    Periodic {
+        /// The penalty's factor.
+        lambda: f64,
+    },
+    /// The paper's polynomial.
+    Polynomial,
+}
+
+/// The penalty for all sections of a leg: the median of what cross-validation finds for each.
+///
+/// Cross-validation takes errors for independent, but crossings of edges that share a mesh point
+/// share its error. So it sees only crossings that share none; the factor it finds is relative to
+/// the data and serves for all of them.
+pub fn lambda(axis: &LegAxis, slices: &[Vec<Crossing>]) -> f64 {
+    let one = |slice: &Vec<Crossing>| {
+        let points = axis.points(&independent(axis, slice));
+        let centre = outline_centroid(&points)?;
+        let (angles, radii) = polar(&points, centre);
+        let weights = vec![1.0; radii.len()];
+        fit(&basis()?, &angles, &radii, &weights, Smoothing::Gcv).ok().map(|fit| fit.lambda)
+    };
+    let mut found: Vec<f64> = slices.par_iter().step_by(SMOOTHING_STRIDE).filter_map(one).collect();
+    found.sort_by(f64::total_cmp);
+    found.get(found.len() / 2).copied().unwrap_or(0.0)
+}
+
+/// The pieces of every periodic section curve.
+fn basis() -> Option<Basis> {
+    Basis::uniform_periodic(-PI, TAU, INTERVALS).ok()
+}
+
+/// Crossings of which no two share a point of the mesh, as many as come first around the leg; the
+/// order of the file makes no difference.
+fn independent(axis: &LegAxis, slice: &[Crossing]) -> Vec<Crossing> {
+    let mut ordered = slice.to_vec();
+    let place = |crossing: &Crossing| axis.in_plane(&crossing.position);
+    ordered.sort_by(|a, b| {
+        let (a, b) = (place(a), place(b));
+        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
+    });
+    let mut used = BTreeSet::new();
+    ordered.retain(|crossing| {
+        let [from, to] = crossing.edge;
+        !used.contains(&from) && !used.contains(&to) && used.insert(from) && used.insert(to)
+    });
+    ordered
+}
+
+/// Angles and radii of points about a centre.
+fn polar(points: &[Point2<f64>], centre: Point2<f64>) -> (Vec<f64>, Vec<f64>) {
+    let arms = points.iter().map(|p| p - centre);
+    arms.map(|arm| (arm.y.atan2(arm.x), arm.norm())).unzip()
+}
+
+/// Fits the section through points on a plane, (front, lateral) in mm, about the centroid of their
+/// outline; none where too few points or too wide a gap leave it open.
+pub fn section(
+    axis: &LegAxis,
+    along_mm: f64,
+    points: &[Point2<f64>],
+    fit: PlaneFit,
+) -> Option<Section> {
+    if points.len() < POINTS_MIN {
+        return None;
+    }
+    let centre = outline_centroid(points)?;
+    let found = fitted(points, centre, fit)?;
+    let counts = found.angles.iter().zip(&found.weights).filter(|(_, weight)| **weight > 0.0);
+    let largest_gap_deg = largest_gap_deg(&counts.map(|(angle, _)| *angle).collect::<Vec<_>>());
+    if largest_gap_deg > gap_max_deg(fit) {
+        return None;
+    }
+    Some(Section {
+        along_mm,
+        height_mm: axis.at(along_mm, &centre).z,
+        centre,
+        girth: girth(&found.curve)?,
+        girth_sd: None,
+        wave_sd_mm: None,
+        points: points.len(),
+        r2: found.r2,
+        rms_mm: found.rms_mm,
+        largest_gap_deg,
+        curve: found.curve,
+    })
+}
+
+/// The widest gap that a curve bridges, degrees.
+fn gap_max_deg(fit: PlaneFit) -> f64 {
+    match fit {
+        PlaneFit::Periodic { .. } => GAP_MAX_DEG,
+        PlaneFit::Polynomial => POLYNOMIAL_GAP_MAX_DEG,
+    }
+}
+
+/// A curve and the data it was fitted to.
+struct Fitted {
+    curve: Curve,
+    angles: Vec<f64>,
+    weights: Vec<f64>,
+    r2: f64,
+    rms_mm: f64,
+}
+
+fn fitted(points: &[Point2<f64>], centre: Point2<f64>, fit: PlaneFit) -> Option<Fitted> {
+    let (angles, radii) = polar(points, centre);
+    let (curve, weights) = match fit {
+        PlaneFit::Periodic { lambda } => {
+            let fit = robust_fit(&basis()?, &angles, &radii, lambda, SCALE_MIN_MM).ok()?;
+            let Spline { basis, coefficients, .. } = fit.spline;
+            (Curve::Periodic { basis, coefficients }, fit.weights)
+        }
+        PlaneFit::Polynomial => {
+            (Curve::Polynomial(polynomial::fit(&angles, &radii)?), vec![1.0; radii.len()])
+        }
+    };
+    let total: f64 = weights.iter().sum();
+    let mean = radii.iter().sum::<f64>() / radii.len() as f64;
+    let (mut rss, mut spread, mut weighted) = (0.0, 0.0, 0.0);
+    for ((angle, radius), weight) in angles.iter().zip(&radii).zip(&weights) {
+        let residual = radius - curve.radius(*angle);
+        rss += residual * residual;
+        weighted += weight * residual * residual;
+        spread += (radius - mean).powi(2);
+    }
+    let r2 = r2(rss, spread, mean * mean * radii.len() as f64);
+    Some(Fitted { curve, angles, weights, r2, rms_mm: (weighted / total).sqrt() })
+}

@@ -1,0 +1,251 @@
+//! The skin of a leg as one smooth function: radius over the distance along the axis and the angle
+//! around it, fitted to every point of the scan at once.
+//!
+//! A section through it uses all the points near its plane, not only those within a few
+//! millimetres of it, and none of the flat facets between them. Holes are bridged from all sides.
+//! How much is smoothed away, along and around, is for the points to say (cross-validation).
+//!
+//! What that smoothing takes from the slow waves around is given back by `wave`.
+
+use std::f64::consts::{PI, SQRT_2, TAU};
+
+use nalgebra::Point2;
+
+use super::axis::{LegAxis, outline_centroid};
+use super::gap::{GAP_MAX_DEG, largest_gap_deg};
+use super::low_harmonics::{Left, Waves};
+use super::section::{Curve, Outline, Section, Spokes, r2};
+use crate::leg::parting::segment::Leg;
+use crate::spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatter};
+
+/// Pieces of the function around: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh.
+const INTERVALS_AROUND: usize = 48;
+
+/// Length of its pieces along, mm: about the width of the smallest bump, a malleolus (σ 13 mm).
+const INTERVAL_ALONG_MM: f64 = 12.0;
+
+/// Least scale of residuals, mm, so that nothing within 1.4 mm is an outlier: a malleolus that the
+/// first, smoothest fit cuts off must not lose its points. Scanners scatter by 0.5 to 1.5 mm.
+const SCALE_MIN_MM: f64 = 0.3;
+
+/// Standard error of a girth even where the points show no noise, mm: what is left of the girth's
+/// error on noise-free bodies of known truth, from the shape between the points.
+const GIRTH_SD_MIN_MM: f64 = 0.1;
+
+/// A disbelieved point counts as no further off than this, mm: a layer over the skin is; a hand or a
+/// speck is none, and its few points do not make a section scatter.
+const STRAY_MM: f64 = 6.0;
+
+/// Distance of the outlines that give the middle of the leg, mm.
+const MIDDLE_SPACING_MM: f64 = 20.0;
+
+/// Length of the pieces of the middle's curve, mm.
+const MIDDLE_INTERVAL_MM: f64 = 60.0;
+
+/// A section counts as seen in a direction where there is a point within this many point spacings
+/// of its plane.
+const SEEN_SPACINGS: f64 = 1.5;
+
+/// … and at least this far from it, mm: scanners that sweep put their points in rows that are
+/// further apart than the points in them.
+const SEEN_MIN_MM: f64 = 5.5;
+
+/// The skin of one leg between two distances along its axis.
+#[derive(Debug, Clone)]
+pub struct Skin {
+    /// The middle of the leg, (front, lateral) in mm from the axis, over the distance along it.
+    middle: [Spline; 2],
+    fit: TensorFit,
+    /// What is added to the fitted radius.
+    waves: Waves,
+    /// Where the girths of its sections are measured.
+    spokes: Spokes,
+    /// Points of the scan that the fit believes, by their distance along the axis.
+    points: Vec<SkinPoint>,
+    /// The others, likewise.
+    disbelieved: Vec<SkinPoint>,
+    /// Mean distance of neighbouring points, mm.
+    spacing_mm: f64,
+    /// Points per mm along the axis, averaged over the leg.
+    points_per_mm: f64,
+}
+
+/// A point of the scan in the skin's coordinates.
+#[derive(Debug, Clone, Copy)]
+struct SkinPoint {
+    along_mm: f64,
+    angle: f64,
+    radius_mm: f64,
+    /// How far it lies outside the fitted skin.
+    residual_mm: f64,
+}
+
+impl Skin {
+    /// Fits the skin of a leg between two distances along its axis; none where there are too few
+    /// points.
+    pub fn of(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<Skin> {
+        let middle = middle(leg, axis, from_mm, to_mm)?;
+        let place =
+            |along_mm: f64| Point2::new(middle[0].value(along_mm), middle[1].value(along_mm));
+        let mut points: Vec<SkinPoint> = Vec::new();
+        for point in leg.mesh.points() {
+            let along_mm = axis.along(point);
+            if (from_mm..=to_mm).contains(&along_mm) {
+                let arm = axis.in_plane(point) - place(along_mm);
+                let (angle, radius_mm) = (arm.y.atan2(arm.x), arm.norm());
+                points.push(SkinPoint { along_mm, angle, radius_mm, residual_mm: 0.0 });
+            }
+        }
+        points.sort_by(|p, q| p.along_mm.total_cmp(&q.along_mm));
+        let intervals = ((to_mm - from_mm) / INTERVAL_ALONG_MM).ceil() as usize;
+        let along = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
+        let around = Basis::uniform_periodic(-PI, TAU, INTERVALS_AROUND).ok()?;
+        let column = |value: fn(&SkinPoint) -> f64| points.iter().map(value).collect::<Vec<_>>();
+        let (u, v) = (column(|p| p.along_mm), column(|p| p.angle));
+        let radii = column(|p| p.radius_mm);
+        let data = Scatter { u: &u, v: &v, value: &radii };
+        let fit = fit_scatter(&data, along.clone(), around.clone(), SCALE_MIN_MM).ok()?;
+        let left: Vec<f64> = points
+            .iter()
+            .map(|point| point.radius_mm - fit.function.value(point.along_mm, point.angle))
+            .collect();
+        let left = Left { along: &u, angle: &v, value: &left, weight: &fit.weights };
+        let (waves, residuals) = Waves::of(&left, &along, &around)?;
+        for (point, residual) in points.iter_mut().zip(residuals) {
+            point.residual_mm = residual;
+        }
+        let all = points.into_iter().zip(&fit.weights);
+        let (believed, others): (Vec<_>, Vec<_>) = all.partition(|(_, weight)| **weight > 0.0);
+        let [points, disbelieved] = [believed, others]
+            .map(|part| part.into_iter().map(|(point, _)| point).collect::<Vec<SkinPoint>>());
+        let count = points.len() as f64;
+        let area: f64 =
+            points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
+        let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
+        let spokes = Spokes::of(&around);
+        Some(Skin { middle, fit, waves, spokes, points, disbelieved, spacing_mm, points_per_mm })
+    }
+
+    /// The section at a distance along the axis; none outside the skin or where too much of it was
+    /// not seen.
+    pub fn section(&self, axis: &LegAxis, along_mm: f64) -> Option<Section> {
+        let near = self.near(&self.points, along_mm);
+        let largest_gap_deg = self.largest_gap_deg(along_mm);
+        if largest_gap_deg > GAP_MAX_DEG {
+            return None;
+        }
+        let coefficients = self.coefficients(along_mm)?;
+        let centre = self.centre(along_mm);
+        let (r2, rms_mm) = Skin::goodness(near, self.near(&self.disbelieved, along_mm));
+        let girth_sd = self.girth_sd(along_mm, near.len());
+        Some(Section {
+            along_mm,
+            height_mm: axis.at(along_mm, &centre).z,
+            centre,
+            girth: self.spokes.girth(&coefficients)?,
+            girth_sd: Some(girth_sd),
+            wave_sd_mm: Some(self.waves.sd(along_mm).max(SQRT_2 * girth_sd[0] / TAU)),
+            points: near.len(),
+            r2,
+            rms_mm,
+            largest_gap_deg,
+            curve: self.curve(coefficients),
+        })
+    }
+
+    /// The skin's outline at a distance along the axis, bridged where it was not seen; none outside
+    /// the skin.
+    pub fn outline(&self, along_mm: f64) -> Option<Outline> {
+        let curve = self.curve(self.coefficients(along_mm)?);
+        Some(Outline { along_mm, centre: self.centre(along_mm), curve })
+    }
+
+    /// The coefficients of the radius around at a distance along the axis; none outside the skin.
+    fn coefficients(&self, along_mm: f64) -> Option<Vec<f64>> {
+        let (from_mm, to_mm) = self.fit.function.along().domain();
+        if !(from_mm..=to_mm).contains(&along_mm) {
+            return None;
+        }
+        let fitted = self.fit.function.around_at(along_mm).into_iter();
+        let slow = self.waves.coefficients(along_mm);
+        Some(fitted.zip(slow).map(|(fitted, slow)| fitted + slow).collect())
+    }
+
+    fn curve(&self, coefficients: Vec<f64>) -> Curve {
+        Curve::Periodic { coefficients, basis: self.fit.function.around().clone() }
+    }
+
+    /// The middle of the leg at a distance along the axis, (front, lateral) in mm from the axis.
+    fn centre(&self, along_mm: f64) -> Point2<f64> {
+        let [front, lateral] = self.middle.each_ref().map(|middle| middle.value(along_mm));
+        Point2::new(front, lateral)
+    }
+
+    /// Widest angle at a distance along the axis in which no point was seen, degrees.
+    pub fn largest_gap_deg(&self, along_mm: f64) -> f64 {
+        let near = self.near(&self.points, along_mm);
+        largest_gap_deg(&near.iter().map(|point| point.angle).collect::<Vec<_>>())
+    }
+
+    /// How far from a plane points still tell whether it was seen, mm.
+    fn reach_mm(&self) -> f64 {
+        (SEEN_SPACINGS * self.spacing_mm).max(SEEN_MIN_MM)
+    }
+
+    /// Those of some points, ascending, whose distance from a plane says whether it was seen.
+    fn near<'p>(&self, points: &'p [SkinPoint], along_mm: f64) -> &'p [SkinPoint] {
+        let reach_mm = self.reach_mm();
+        let first = points.partition_point(|point| point.along_mm < along_mm - reach_mm);
+        let last = points.partition_point(|point| point.along_mm <= along_mm + reach_mm);
+        &points[first..last]
+    }
+
+    /// Coefficient of determination of the believed points of a section, and root mean square
+    /// residual of all of them, mm: cloth or a second layer is disbelieved, and must be told.
+    fn goodness(believed: &[SkinPoint], disbelieved: &[SkinPoint]) -> (f64, f64) {
+        let count = believed.len() as f64;
+        let mean = believed.iter().map(|point| point.radius_mm).sum::<f64>() / count;
+        let (mut rss, mut spread) = (0.0, 0.0);
+        for point in believed {
+            rss += point.residual_mm.powi(2);
+            spread += (point.radius_mm - mean).powi(2);
+        }
+        let off = disbelieved.iter().map(|point| point.residual_mm.abs().min(STRAY_MM).powi(2));
+        let all = count + disbelieved.len() as f64;
+        let rms_mm = ((rss + off.sum::<f64>()) / all).sqrt();
+        (r2(rss, spread, mean * mean * count), rms_mm)
+    }
+
+    /// Standard error of the girth and of its first two derivatives along the axis, mm: 2π times
+    /// that of the mean radius, for as many points as there are here.
+    fn girth_sd(&self, along_mm: f64, near: usize) -> [f64; 3] {
+        let here = near as f64 / (2.0 * self.reach_mm());
+        let scarcity = (self.points_per_mm / here).sqrt();
+        let sd = |order| {
+            let fitted = scarcity * self.fit.mean_around_sd(along_mm, order);
+            TAU * fitted.max(self.waves.mean_sd(along_mm, order))
+        };
+        [sd(0).hypot(GIRTH_SD_MIN_MM), sd(1), sd(2)]
+    }
+}
+
+/// The middle of the leg as two smooth curves through the centroids of outlines.
+fn middle(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<[Spline; 2]> {
+    let count = ((to_mm - from_mm) / MIDDLE_SPACING_MM).ceil() as usize;
+    let step = (to_mm - from_mm) / count.max(1) as f64;
+    let along: Vec<f64> = (0..=count).map(|index| from_mm + step * index as f64).collect();
+    let slices = axis.slices(leg, &along);
+    let centroids = along.iter().zip(&slices);
+    let centroids: Vec<(f64, Point2<f64>)> = centroids
+        .filter_map(|(along, slice)| Some((*along, outline_centroid(&axis.points(slice))?)))
+        .collect();
+    let intervals = ((to_mm - from_mm) / MIDDLE_INTERVAL_MM).ceil() as usize;
+    let basis = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
+    let places: Vec<f64> = centroids.iter().map(|(along, _)| *along).collect();
+    let weights = vec![1.0; places.len()];
+    let one = |axis: usize| {
+        let values: Vec<f64> = centroids.iter().map(|(_, centroid)| centroid[axis]).collect();
+        fit(&basis, &places, &values, &weights, Smoothing::None).ok()
+    };
+    Some([one(0)?, one(1)?])
+}

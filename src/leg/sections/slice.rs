@@ -1,0 +1,249 @@
+//! Parallel planes through the skin: the points where the mesh's edges cross them, or, of a bare
+//! point cloud, the points near them.
+//!
+//! A facet's edge is a chord of the skin: its points lie up to e²/8R inside. On an ankle of radius
+//! 28 mm with edges of 6 mm that makes the girth 0.3 mm too small. So a crossing is moved out to
+//! the curve that the normals at the edge's two ends describe (the quadratic term of Vlachos et
+//! al., Curved PN Triangles, 2001).
+
+use nalgebra::{Point3, Unit, Vector3};
+
+use crate::leg::frame::components;
+
+/// Normals of an edge's two ends that differ more than this do not describe a smooth piece of
+/// skin (a fold, a rim, facets of opposite orientation); then the chord stands. Cosine of 45°.
+const SMOOTH_EDGE_MIN_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
+
+/// Of a point cloud the points up to this far from a plane make its slice, mm, or up to one
+/// spacing where that is more: scanners that sweep put their points in rows up to 10 mm apart.
+const SLAB_HALF_MIN_MM: f64 = 5.5;
+
+/// A skin to be sliced: a triangle mesh with the normals of its points, or a bare point cloud.
+#[derive(Debug, Clone)]
+pub struct Mesh {
+    points: Vec<Point3<f64>>,
+    /// None of a point cloud.
+    triangles: Vec<[u32; 3]>,
+    /// Area-weighted mean normal of the triangles around each point, of either sign; none of a
+    /// point cloud.
+    normals: Vec<Vector3<f64>>,
+    /// Half the thickness of a point cloud's slices, mm.
+    slab_half_mm: f64,
+}
+
+/// Where an edge of the mesh crosses a plane, or the foot of a point near it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Crossing {
+    /// The edge's two points, smaller index first; of a point cloud twice the point.
+    pub edge: [u32; 2],
+    /// The place.
+    pub position: Point3<f64>,
+}
+
+impl Mesh {
+    /// A mesh; every index must be within `points`, as a scan promises.
+    pub fn new(points: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Mesh {
+        let mut normals = vec![Vector3::zeros(); points.len()];
+        for triangle in &triangles {
+            let [a, b, c] = triangle.map(|corner| points[corner as usize]);
+            let normal = (b - a).cross(&(c - a));
+            for &corner in triangle {
+                // Facets around a point need not be oriented alike; around smooth skin they lie
+                // within a right angle of each other, so the sign can be told.
+                let sum: &mut Vector3<f64> = &mut normals[corner as usize];
+                *sum += if sum.dot(&normal) < 0.0 { -normal } else { normal };
+            }
+        }
+        for normal in &mut normals {
+            *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
+        }
+        Mesh { points, triangles, normals, slab_half_mm: 0.0 }
+    }
+
+    /// A bare point cloud with this distance of neighbouring points.
+    pub fn cloud(points: Vec<Point3<f64>>, spacing_mm: f64) -> Mesh {
+        let slab_half_mm = spacing_mm.max(SLAB_HALF_MIN_MM);
+        Mesh { points, triangles: Vec::new(), normals: Vec::new(), slab_half_mm }
+    }
+
+    /// Points.
+    pub fn points(&self) -> &[Point3<f64>] {
+        &self.points
+    }
+
+    /// Triangles as indices into the points.
+    pub fn triangles(&self) -> &[[u32; 3]] {
+        &self.triangles
+    }
+
+    /// What lies below a height.
+    pub fn below(&self, height_mm: f64) -> Mesh {
+        self.part(|middle, _| middle.z < height_mm)
+    }
+
+    /// The triangles that `keeps` chooses by their middle and their longest edge, mm, and their
+    /// points; of a point cloud the points, whose edges are 0. Normals stay those of the whole mesh.
+    pub fn part(&self, keeps: impl Fn(&Point3<f64>, f64) -> bool) -> Mesh {
+        if self.triangles.is_empty() {
+            let points = self.points.iter().filter(|point| keeps(point, 0.0));
+            let (points, normals) = (points.copied().collect(), Vec::new());
+            return Mesh {
+                points,
+                triangles: Vec::new(),
+                normals,
+                slab_half_mm: self.slab_half_mm,
+            };
+        }
+        let keeps = |triangle: &[u32; 3]| {
+            let [a, b, c] = triangle.map(|corner| self.points[corner as usize].coords);
+            let longest = (a - b).norm().max((b - c).norm()).max((c - a).norm());
+            keeps(&((a + b + c) / 3.0).into(), longest)
+        };
+        let (triangles, used) = components::part(self.points.len(), &self.triangles, keeps);
+        Mesh {
+            points: used.iter().map(|&point| self.points[point as usize]).collect(),
+            normals: used.iter().map(|&point| self.normals[point as usize]).collect(),
+            triangles,
+            slab_half_mm: self.slab_half_mm,
+        }
+    }
+
+    /// Height of the highest point, mm; −∞ where there is none.
+    pub fn highest_mm(&self) -> f64 {
+        self.points.iter().map(|point| point.z).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Crossings of the mesh's edges with the planes `direction · p = offset`, one list an offset,
+    /// each edge once, in the order of the edges' indices; of a point cloud the feet of the points
+    /// near each plane, in their order. `offsets` must ascend.
+    pub fn slices(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
+        if self.triangles.is_empty() {
+            return self.slabs(direction, offsets);
+        }
+        let heights: Vec<f64> = self.points.iter().map(|p| direction.dot(&p.coords)).collect();
+        // An edge as one number, the smaller index above: such are sorted in half the time.
+        let mut edges: Vec<Vec<u64>> = vec![Vec::new(); offsets.len()];
+        let mut first = 0;
+        for &[a, b, c] in &self.triangles {
+            let [p, q, r] = [a, b, c].map(|corner| heights[corner as usize]);
+            let (low, high) = (p.min(q).min(r), p.max(q).max(r));
+            // From where the last triangle was, which is near in most exports.
+            while first > 0 && offsets[first - 1] > low {
+                first -= 1;
+            }
+            while first < offsets.len() && offsets[first] <= low {
+                first += 1;
+            }
+            let planes = offsets[first..].iter().take_while(|&&offset| offset <= high);
+            for (&offset, edges) in planes.zip(&mut edges[first..]) {
+                for (from, to) in [(a, b), (b, c), (c, a)] {
+                    if (heights[from as usize] < offset) != (heights[to as usize] < offset) {
+                        edges.push(u64::from(from.min(to)) << 32 | u64::from(from.max(to)));
+                    }
+                }
+            }
+        }
+        let crossing = |offset: f64, mut edges: Vec<u64>| {
+            edges.sort_unstable();
+            edges.dedup();
+            let at = |edge: u64| {
+                let edge = [(edge >> 32) as u32, edge as u32];
+                let position = self.crossing(edge, &heights, direction, offset);
+                Crossing { edge, position }
+            };
+            edges.into_iter().map(at).collect()
+        };
+        offsets.iter().zip(edges).map(|(&offset, edges)| crossing(offset, edges)).collect()
+    }
+
+    /// The points of a cloud near each plane, moved onto it.
+    fn slabs(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
+        let mut slices = vec![Vec::new(); offsets.len()];
+        for (point, index) in self.points.iter().zip(0..) {
+            let height = direction.dot(&point.coords);
+            let first = offsets.partition_point(|&offset| offset < height - self.slab_half_mm);
+            let near = offsets[first..].iter();
+            let near = near.take_while(|&&offset| offset <= height + self.slab_half_mm);
+            for (offset, slice) in near.zip(&mut slices[first..]) {
+                let position = point + direction.into_inner() * (offset - height);
+                slice.push(Crossing { edge: [index, index], position });
+            }
+        }
+        slices
+    }
+
+    /// Where one edge crosses a plane, on the curved skin above the edge.
+    fn crossing(
+        &self,
+        [from, to]: [u32; 2],
+        heights: &[f64],
+        direction: &Unit<Vector3<f64>>,
+        offset: f64,
+    ) -> Point3<f64> {
+        let (from, to) = (from as usize, to as usize);
+        let t = (offset - heights[from]) / (heights[to] - heights[from]);
+        let edge = self.points[to] - self.points[from];
+        let chord_point = self.points[from] + edge * t;
+        let (n0, n1) = (self.normals[from], self.normals[to]);
+        let n1 = if n0.dot(&n1) < 0.0 { -n1 } else { n1 };
+        if n0.dot(&n1) < SMOOTH_EDGE_MIN_COSINE {
+            return chord_point;
+        }
+        let rise = t * (1.0 - t) / 2.0 * edge.dot(&(n1 - n0));
+        let outward = (n0 + n1).normalize();
+        let in_plane = outward - direction.into_inner() * direction.dot(&outward);
+        chord_point + in_plane * rise
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// A cylinder of `sides` facets around and rings every 5 mm up to 50 mm.
+    fn tube(radius_mm: f64, sides: u32) -> Mesh {
+        let at = |ring: u32, side: u32| {
+            let angle = TAU * f64::from(side) / f64::from(sides);
+            let z = 5.0 * f64::from(ring);
+            Point3::new(radius_mm * angle.cos(), radius_mm * angle.sin(), z)
+        };
+        let points = (0..11).flat_map(|r| (0..sides).map(move |s| at(r, s))).collect();
+        let mut triangles = Vec::new();
+        for (ring, side) in (0..10).flat_map(|r| (0..sides).map(move |s| (r, s))) {
+            let next = (side + 1) % sides;
+            let [a, b] = [ring * sides + side, ring * sides + next];
+            triangles.extend([[a, b, b + sides], [a, b + sides, a + sides]]);
+        }
+        Mesh::new(points, triangles)
+    }
+
+    #[test]
+    fn crossings_lie_on_the_round_skin_not_on_its_facets() {
+        let radius_mm = 28.0;
+        let mesh = tube(radius_mm, 30);
+        let sagitta_mm = radius_mm * (1.0 - (TAU / 60.0).cos());
+        assert!(sagitta_mm > 0.15, "the facets must differ from the cylinder: {sagitta_mm}");
+        for points in mesh.slices(&Vector3::z_axis(), &[7.0, 22.5, 31.0]) {
+            assert_eq!(points.len(), 60);
+            for p in points.iter().map(|crossing| crossing.position) {
+                assert!((p.x.hypot(p.y) - radius_mm).abs() < 0.002, "{p}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_plane_through_points_and_edges_crosses_each_edge_once() {
+        let mesh = tube(28.0, 30);
+        let at_ring = &mesh.slices(&Vector3::z_axis(), &[20.0])[0];
+        let rings: Vec<f64> = at_ring.iter().map(|crossing| crossing.position.z).collect();
+        assert!(rings.iter().all(|z| *z == 20.0));
+        assert_eq!(at_ring.len(), 60);
+    }
+
+    #[test]
+    fn a_plane_that_misses_the_mesh_crosses_nothing() {
+        let mesh = tube(28.0, 30);
+        assert!(mesh.slices(&Vector3::z_axis(), &[-1.0, 51.0]).iter().all(Vec::is_empty));
+    }
+}

@@ -1,0 +1,13 @@
+//! The quasi-grid, whose columns follow ridges, and the NURBS surface through it (paper 2); its error,
+//! its holes, its shape for pictures.
+
+pub(super) mod cylindrical;
+pub mod error_map;
+pub(super) mod extent;
+pub mod fit_error;
+pub mod grid;
+pub mod hole;
+pub mod nurbs;
+pub mod ridge;
+pub mod ridge_parametrization;
+pub mod shape;

@@ -1,0 +1,333 @@
+//! The NURBS surface of a leg and how far it lies from the sections and from the scan's points
+//! (paper 2).
+
+use std::f64::consts::{PI, TAU};
+
+use nalgebra::Point3;
+
+use super::cylindrical::Unrolled;
+use super::error_map::ErrorMap;
+use super::extent::span;
+use super::fit_error::{FitError, Place};
+use super::grid::Grid;
+use super::hole::{Coverage, Hole};
+use super::ridge::ridges;
+use super::ridge_parametrization::Columns;
+use crate::leg::method::{SurfaceFrom, SurfaceMethod};
+use crate::leg::parting::segment::Leg;
+use crate::leg::sections::axis::LegAxis;
+use crate::leg::sections::equidistant::Sections;
+use crate::leg::sections::section::{Outline, Section};
+use crate::spline::{
+    CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, GridSmoothing,
+    KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid_by,
+};
+
+/// Distance of the rows of control points where nobody chose their number, mm.
+const ROW_MM: f64 = 12.0;
+
+/// Columns of control points where nobody chose their number.
+const COLUMNS: usize = 36;
+
+/// Rows of the grid needed for each row of control points, so that none is left to the ridge.
+const ROWS_PER_CONTROL_ROW: f64 = 1.25;
+
+/// The fewest sections of what must be covered that make a surface: 10 cm of a leg.
+const ROWS_MIN: usize = 20;
+
+/// Rows of the grid that are nearer say the same, mm: of a level and a section the level is kept.
+const APART_MM: f64 = 1.0;
+
+/// Places along and around at which the surface is looked at for folds: 10 mm apart and less.
+const FOLD_PLACES: [usize; 2] = [96, 48];
+
+/// Points that lie off their section by more are no skin of it, mm: they fill no hole.
+const STRAY_MM: f64 = 6.0;
+
+/// Points so far beyond the ends still show that the skin at the ends was seen, mm.
+const BEYOND_MM: f64 = 20.0;
+
+/// A leg's surface in the body frame.
+#[derive(Debug, Clone)]
+pub struct LegSurface {
+    /// Parameters: u, distance along the axis in mm, so that curves of constant u are sections; v,
+    /// column in radians from −π, see [`Columns`].
+    pub surface: Surface,
+    /// Where the columns run.
+    pub columns: Columns,
+    /// What of it was seen, with the holes that it bridges.
+    pub coverage: Coverage,
+    /// How far the scan's points lie outside it, place by place.
+    pub error_map: ErrorMap,
+    /// Where its knots lie along and around.
+    pub knots: [KnotsUsed; 2],
+    /// Height of the lower and the upper end's centre above the floor, mm.
+    pub height_mm: [f64; 2],
+    /// How far the measured sections lie from it, where the skin was seen.
+    pub to_sections: FitError,
+    /// How far the sections lie from it in holes, where both are bridges; none without holes.
+    pub in_holes: Option<FitError>,
+    /// How far the scan's own points lie from it, noise included.
+    pub to_points: FitError,
+}
+
+/// Why sections allow no surface.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum NoSurface {
+    /// Too little of the leg is seen.
+    #[error(
+        "no surface: between {from_mm:.0} and {to_mm:.0} mm only {rows} sections are seen without a \
+         band between them, where it needs {needed}"
+    )]
+    TooFewRows {
+        /// Sections in the longest part.
+        rows: usize,
+        /// Sections needed.
+        needed: usize,
+        /// From this height, mm.
+        from_mm: f64,
+        /// To this height, mm.
+        to_mm: f64,
+    },
+    /// The surface would fold, which no skin about a middle line does: it swings where too little of
+    /// the leg was seen.
+    #[error("no surface: it would fold at {height_mm:.0} mm, where too little of the leg was seen")]
+    Folded {
+        /// Height of the fold, mm.
+        height_mm: f64,
+    },
+    /// All of it lies in holes.
+    #[error("no surface: none of its skin was seen")]
+    NothingSeen,
+    /// The sections cannot be fitted.
+    #[error("no surface: {0}")]
+    Fit(#[from] FitFault),
+}
+
+/// Where the surface shall lie.
+#[derive(Debug, Clone, Copy)]
+pub struct Wanted<'a> {
+    /// The heights that it must cover, mm; it goes on upwards as far as the skin was seen.
+    pub height_mm: [f64; 2],
+    /// Distances along the axis of levels that shall be rows of the grid, mm, ascending.
+    pub levels_mm: &'a [f64],
+}
+
+/// Fits the surface from the highest section that is not above the lower height up to the groin, as
+/// far as the skin was seen.
+///
+/// # Errors
+/// [`NoSurface`] where too few sections are seen to determine it.
+pub fn surface(
+    leg: &Leg,
+    sections: &Sections,
+    wanted: &Wanted,
+    method: &SurfaceMethod,
+) -> Result<LegSurface, NoSurface> {
+    let axis = &sections.axis;
+    let mut outlines = span(sections, wanted.height_mm);
+    let [from_mm, to_mm] = wanted.height_mm;
+    let is_wanted = |outline: &&Outline| {
+        (from_mm..=to_mm).contains(&axis.at(outline.along_mm, &outline.centre).z)
+    };
+    let (rows, needed) = (outlines.iter().filter(is_wanted).count(), ROWS_MIN);
+    let too_few = NoSurface::TooFewRows { rows, needed, from_mm, to_mm };
+    let (Some(low), Some(high)) = (outlines.first(), outlines.last()) else { return Err(too_few) };
+    let (low, high) = (low.along_mm, high.along_mm);
+    if rows < needed {
+        return Err(too_few);
+    }
+    let levels = apart(wanted.levels_mm, [low, high]);
+    let is_end = |mm: f64| mm <= low || mm >= high;
+    let is_apart = |mm: f64| levels.iter().all(|level| (level - mm).abs() >= APART_MM);
+    outlines.retain(|outline| is_end(outline.along_mm) || is_apart(outline.along_mm));
+    outlines.extend(sections.at(leg, &levels).iter().flatten().map(Outline::from));
+    outlines.sort_by(|a, b| a.along_mm.total_cmp(&b.along_mm));
+
+    let rows = sections.rows.iter().filter_map(|row| row.section.as_ref());
+    let measured: Vec<&Section> =
+        rows.filter(|section| (low..=high).contains(&section.along_mm)).collect();
+    let columns = Columns::following(&ridges(&measured), low, high)?;
+    let unrolled = Unrolled { axis, outlines: &outlines, columns: &columns };
+    let points = unrolled.points(leg, low - BEYOND_MM, high + BEYOND_MM);
+    let SurfaceFit { mut surface, knots, .. } =
+        fitted(&Grid::of(axis, &outlines, &columns), &levels, method)?;
+    if method.from == SurfaceFrom::Points {
+        surface = through_points(axis, &points, &surface)?;
+    }
+    if let Some(height_mm) = fold(&unrolled, &surface) {
+        return Err(NoSurface::Folded { height_mm });
+    }
+    let coverage = coverage(&unrolled, &points, &surface);
+    let (to_sections, in_holes) = to_sections(&unrolled, &measured, &surface, &coverage);
+    let (Some(to_sections), Some(to_points)) = (to_sections, to_points(&points, &surface)) else {
+        return Err(NoSurface::NothingSeen);
+    };
+    let skin = points.iter().filter(|place| unrolled.outside_mm(place).abs() <= STRAY_MM);
+    let outward = |place: &Place| unrolled.arm(&place.point);
+    let error_map = ErrorMap::of(&surface, &columns, &coverage, skin.copied(), outward);
+    let height_mm = [&outlines[0], &outlines[outlines.len() - 1]]
+        .map(|outline| axis.at(outline.along_mm, &outline.centre).z);
+    Ok(LegSurface {
+        height_mm,
+        to_sections,
+        in_holes,
+        to_points,
+        coverage,
+        columns,
+        error_map,
+        knots,
+        surface,
+    })
+}
+
+/// The levels, which ascend, without those that almost are the one below or an end.
+fn apart(levels_mm: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
+    let is_inner = |mm: &f64| (low + APART_MM..=high - APART_MM).contains(mm);
+    let mut inner: Vec<f64> = levels_mm.iter().copied().filter(is_inner).collect();
+    inner.dedup_by(|next, last| *next - *last < APART_MM);
+    inner
+}
+
+/// The surface through a grid, with a row of knots at each level.
+fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<SurfaceFit, FitFault> {
+    let along = &grid.along_mm;
+    let (low, high) = (along[0], along[along.len() - 1]);
+    let rows = ((high - low) / ROW_MM).round() as usize + DEGREE;
+    let most = (along.len() as f64 / ROWS_PER_CONTROL_ROW) as usize;
+    let method = GridMethod {
+        control_points: method.control_points.unwrap_or([rows.min(most), COLUMNS]),
+        knots: method.knots,
+        // The sections are smooth already, and their outliers gone.
+        smoothing: GridSmoothing::None,
+        robust: false,
+        marks: [levels.to_vec(), Vec::new()],
+    };
+    let domain = GridDomain { along: [low, high], around_from: -PI, period: TAU };
+    let data = GridData { along, around: &grid.columns, points: &grid.points };
+    fit_grid_by(&data, &domain, &method)
+}
+
+/// The surface with the knots of another one, through the scan's own points on it.
+fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Surface, FitFault> {
+    let (low, high) = like.along().domain();
+    let on_it = || points.iter().filter(|place| (low..=high).contains(&place.at.0));
+    let upright = on_it().map(|place| {
+        let across = axis.in_plane(&place.point);
+        Point3::new(across.x, across.y, place.at.0)
+    });
+    let (upright, around): (Vec<_>, Vec<f64>) =
+        upright.zip(on_it().map(|place| place.at.1)).unzip();
+    let data = CloudData { points: &upright, around: &around };
+    let [basis_along, basis_around] = [like.along(), like.around()].map(Clone::clone);
+    let fit = fit_cloud(&data, basis_along, basis_around, &CloudMethod::default())?.surface;
+    let net = fit.control_points().iter().map(|point| axis.at(point.z, &point.xy())).collect();
+    Ok(Surface::new(fit.along().clone(), fit.around().clone(), net)?)
+}
+
+/// The height of the lowest fold of a surface, mm: where its outside faces the middle of the leg.
+/// Sections are curves of one radius for each angle, so a surface through them has no such place.
+fn fold(unrolled: &Unrolled, surface: &Surface) -> Option<f64> {
+    let (low, high) = surface.along().domain();
+    // About an axis whose front and lateral turn counter-clockwise, u × v leads inward.
+    let LegAxis { front, lateral, direction, .. } = unrolled.axis;
+    let outward = -front.cross(lateral).dot(direction).signum();
+    let [rows, columns] = FOLD_PLACES;
+    let places = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
+    let mut heights = places.filter_map(|(i, j)| {
+        let along_mm = low + (high - low) * (i as f64 + 0.5) / rows as f64;
+        let here = surface.derivatives(along_mm, TAU * j as f64 / columns as f64);
+        let faces_out = outward * here.du.cross(&here.dv).dot(&unrolled.arm(&here.point));
+        (faces_out <= 0.0).then_some(here.point.z)
+    });
+    heights.next()
+}
+
+/// What of a surface its points show.
+fn coverage(unrolled: &Unrolled, points: &[Place], surface: &Surface) -> Coverage {
+    let skin = points.iter().filter(|place| unrolled.outside_mm(place).abs() <= STRAY_MM);
+    let places: Vec<(f64, f64)> = skin.map(|place| place.at).collect();
+    let (low, high) = surface.along().domain();
+    Coverage::of([low, high], &places, |along_mm| unrolled.radius_mm(along_mm))
+}
+
+/// How far sections lie from a surface, where it was seen and in its holes.
+fn to_sections(
+    unrolled: &Unrolled,
+    sections: &[&Section],
+    surface: &Surface,
+    coverage: &Coverage,
+) -> (Option<FitError>, Option<FitError>) {
+    let (in_holes, seen): (Vec<Place>, Vec<Place>) =
+        unrolled.sections(sections).partition(|place| coverage.is_in_hole(place.at.0, place.at.1));
+    (FitError::of(surface, &seen), FitError::of(surface, &in_holes))
+}
+
+/// How far the scan's points on a surface lie from it.
+fn to_points(points: &[Place], surface: &Surface) -> Option<FitError> {
+    let (low, high) = surface.along().domain();
+    let on_it = points.iter().filter(|place| (low..=high).contains(&place.at.0));
+    FitError::of(surface, &on_it.copied().collect::<Vec<_>>())
+}
+
+impl LegSurface {
+    /// The holes it bridges, largest first.
+    pub fn holes(&self) -> &[Hole] {
+        &self.coverage.holes
+    }
+
+    /// The middle of a hole: its height above the floor, mm, and its angle around the leg, degrees
+    /// in (−180, 180]: 0 front, 90 lateral.
+    pub fn middle_of(&self, hole: &Hole) -> (f64, f64) {
+        let Hole { along_mm, column, .. } = *hole;
+        let angle_deg = self.columns.angle(along_mm, column).to_degrees();
+        let height_mm = self.surface.point(along_mm, column).z;
+        (height_mm, 180.0 - (180.0 - angle_deg).rem_euclid(360.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::{Point2, Vector3};
+
+    use super::*;
+    use crate::leg::sections::section::Curve;
+    use crate::spline::{Basis, fit_grid};
+
+    /// A tube of 50 mm radius whose columns run backwards where `swing` is more than 0.5.
+    fn tube(axis: &LegAxis, swing: f64) -> Surface {
+        let along: Vec<f64> = (0..20).map(|i| 10.0 * f64::from(i)).collect();
+        let around: Vec<f64> = (0..72).map(|j| TAU * f64::from(j) / 72.0 - PI).collect();
+        let place = |(u, v): (f64, f64)| {
+            // Only in the middle of its length.
+            let angle = v + swing * (2.0 * v).sin() * (-((u - 120.0) / 30.0).powi(2)).exp();
+            axis.at(u, &Point2::new(50.0 * angle.cos(), 50.0 * angle.sin()))
+        };
+        let places = along.iter().flat_map(|u| around.iter().map(move |v| (*u, *v)));
+        let points: Vec<Point3<f64>> = places.map(place).collect();
+        let data = GridData { along: &along, around: &around, points: &points };
+        let bases = [Basis::uniform_clamped(0.0, 190.0, 14), Basis::uniform_periodic(-PI, TAU, 36)];
+        let [rows, columns] = bases.map(Result::unwrap);
+        fit_grid(&data, rows, columns).unwrap().surface
+    }
+
+    #[test]
+    fn a_fold_is_found_with_its_height_and_none_where_columns_only_lie_closer() {
+        let ahead = -Vector3::y_axis();
+        let (foot, direction, lateral) = (Point3::origin(), Vector3::z_axis(), Vector3::x_axis());
+        let axis = LegAxis { foot, direction, front: ahead, lateral };
+        let basis = Basis::uniform_periodic(-PI, TAU, 8).unwrap();
+        let round = |along_mm: f64| Outline {
+            along_mm,
+            centre: Point2::origin(),
+            curve: Curve::Periodic { coefficients: vec![50.0; 8], basis: basis.clone() },
+        };
+        let outlines: Vec<Outline> = (0..20).map(|i| round(10.0 * f64::from(i))).collect();
+        let columns = Columns::following(&[], 0.0, 190.0).unwrap();
+        let unrolled = Unrolled { axis: &axis, outlines: &outlines, columns: &columns };
+        assert_eq!(fold(&unrolled, &tube(&axis, 0.4)), None);
+        let height_mm = fold(&unrolled, &tube(&axis, 0.8)).unwrap();
+        // 1 − 2 · 0.8 exp(−x²) is 0 where x = 0.69 · 30 mm below the middle.
+        assert!((height_mm - (120.0 - 20.6)).abs() < 4.0, "{height_mm}");
+    }
+}
