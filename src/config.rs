@@ -33,7 +33,7 @@ use crate::flow::confinement::Confine;
 use crate::flow::retention::Retention;
 use crate::leg::Method;
 use crate::record::Language;
-pub use capture::{CaptureConfig, PatientConfig, WithoutTrigger};
+pub use capture::{CaptureConfig, PatientConfig};
 pub use fault::{ConfigFault, What};
 pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
 pub use load::{load, nested};
@@ -41,6 +41,7 @@ pub use page::PageConfig;
 pub use seeing::{control_path, state_dir};
 pub use trigger::TriggerConfig;
 pub use watch::WatchConfig;
+pub use words::{LogFormat, WithoutTrigger};
 
 /// The whole configuration of a station, checked.
 #[derive(Debug, Clone)]
@@ -163,15 +164,6 @@ pub struct StatusConfig {
 pub struct LogConfig {
     /// How an event is written.
     pub format: LogFormat,
-}
-
-/// How an event of the log is written, one a line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LogFormat {
-    /// For people.
-    Text,
-    /// For programs.
-    Json,
 }
 
 /// Why a file gave no configuration.

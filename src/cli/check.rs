@@ -2,6 +2,7 @@
 
 mod environment;
 mod names;
+mod row;
 
 use std::path::Path;
 
@@ -13,7 +14,7 @@ use super::paint::{self, painted};
 use super::{Exit, ask, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use crate::station::control::protocol::{Answer, Request};
-use environment::{Example, Row, Verdict};
+use row::{Example, Row, Verdict};
 
 /// Checks the configuration, then the environment, and prints both.
 ///

@@ -8,7 +8,7 @@ use regex::Regex;
 use super::OrdersConfig;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
-use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER};
+use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER, WithoutTrigger};
 use crate::flow::OrdersWhen;
 use crate::flow::capture::Rules;
 use crate::flow::check_digit::CheckDigit;
@@ -24,15 +24,6 @@ pub struct CaptureConfig {
     pub without_trigger: WithoutTrigger,
     /// How long the name of the next patient waits.
     pub name_lasts: Duration,
-}
-
-/// What becomes of an export that nobody pressed the button for, or named a patient for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum WithoutTrigger {
-    /// It is taken as its file name says.
-    Process,
-    /// It is held until a person decides.
-    Hold,
 }
 
 /// `[patient]`: what an id may be and how it becomes known.

@@ -2,8 +2,6 @@
 
 use std::ops::{Range, RangeInclusive};
 
-use super::LogFormat;
-use super::capture::WithoutTrigger;
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
 use crate::flow::check_digit::CheckDigit;
 use crate::flow::confinement::Confine;
@@ -21,6 +19,24 @@ pub enum B1Word {
     Steepest,
     /// At `method.b1_above_b`.
     AboveB,
+}
+
+/// What becomes of an export that nobody pressed the button for, or named a patient for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum WithoutTrigger {
+    /// It is taken as its file name says.
+    Process,
+    /// It is held until a person decides.
+    Hold,
+}
+
+/// How an event of the log is written, one a line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LogFormat {
+    /// For people.
+    Text,
+    /// For programs.
+    Json,
 }
 
 /// The words of one choice and what each means, in the order they are shown.

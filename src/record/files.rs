@@ -2,6 +2,7 @@
 
 use sha2::{Digest, Sha256};
 
+use super::file::{RecordFile, file};
 use super::picture::figures;
 use super::report::PdfFault;
 use super::report_files::{self, FilesFault, ReportChoice};
@@ -14,15 +15,6 @@ use crate::scan::Format;
 
 /// The list of all other files' hashes, as `sha256sum -c` reads it.
 pub const SUMS: &str = "SHA256SUMS";
-
-/// One file of a record folder.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct RecordFile {
-    /// File name within the folder, ASCII, no separators.
-    pub name: String,
-    /// Content.
-    pub bytes: Vec<u8>,
-}
 
 /// The file of a record that holds the scanner's own measures of the scan.
 pub const ORD: &str = "scanner.ord";
@@ -79,10 +71,6 @@ pub fn record_files(
     files.push(scan);
     files.push(file(SUMS, sums.into_bytes()));
     Ok((record, files))
-}
-
-pub(super) fn file(name: &str, bytes: Vec<u8>) -> RecordFile {
-    RecordFile { name: name.to_owned(), bytes }
 }
 
 /// The files that are made of each leg's surface, and what is to be said of those that are not.

@@ -8,6 +8,7 @@ pub mod chart;
 mod check;
 mod compose;
 mod csv;
+mod file;
 mod files;
 pub mod gdt;
 mod language;
@@ -24,7 +25,8 @@ pub mod surface;
 pub use brief::{Brief, BriefFigures, BriefLevel};
 pub use check::RecordFault;
 pub use compose::record;
-pub use files::{ORD, RecordFile, SUMS, ScanFile, record_files, sha256};
+pub use file::RecordFile;
+pub use files::{ORD, SUMS, ScanFile, record_files, sha256};
 pub use language::Language;
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,

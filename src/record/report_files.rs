@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::files::{RecordFile, file};
+use super::file::{RecordFile, file};
 use super::picture::figures::{self, Figure};
 use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};

@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use super::environment::{Example, Row, Verdict};
+use super::row::{Example, Row, Verdict};
 use crate::config::Config;
 use crate::flow::name_check::{self, Taken};
 use crate::flow::{Group, Identity, NameSays};

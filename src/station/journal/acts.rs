@@ -4,7 +4,8 @@
 use rusqlite::{Connection, Transaction, params};
 use serde_json::{Value, json};
 
-use super::deliveries::{count, finish_if_done, has_served, owners, step};
+use super::deliveries::{finish_if_done, has_served, owners};
+use super::delivery_row::{count, step};
 use super::scans::{insert_delivery, set_state, state_of};
 use super::withdrawal;
 use super::{Due, Event, Journal, JournalError, Task, cell, history};

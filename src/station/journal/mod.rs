@@ -10,6 +10,7 @@ mod captures;
 mod check;
 mod decided;
 mod deliveries;
+mod delivery_row;
 mod error;
 mod found;
 mod history;

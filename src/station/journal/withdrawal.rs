@@ -13,7 +13,7 @@ use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Transaction, params};
 use serde_json::json;
 
-use super::deliveries::{delivery_state, detail, set_code, step};
+use super::delivery_row::{delivery_state, detail, set_code, step};
 use super::scans::insert_delivery;
 use super::{Due, Event, Journal, JournalError, cell, history};
 use crate::flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
