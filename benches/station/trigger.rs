@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 use gaiter::config;
 use gaiter::flow::booth::Signal;
 use gaiter::flow::trigger::{Input, PortFault};
-use gaiter::station::simulated_button::SimulatedButton;
-use gaiter::station::trigger::port::{Door, Port};
-use gaiter::station::trigger::{Attendant, Attended, of_config};
+use gaiter::station::booth::trigger::port::{Door, Port};
+use gaiter::station::booth::trigger::{Attendant, Attended, of_config};
+use gaiter::station::demo::button::SimulatedButton;
 use serialport::{SerialPort, TTYPort};
 
 /// How long an idle port is observed.

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, IsTerminal, Read, Write};
 
 use super::args::{AskArgs, OneArgs, PatientVerb};
 use super::{Exit, ask, complain};
-use crate::station::control::protocol::Request;
+use crate::station::operator::control::protocol::Request;
 
 /// No patient's id is longer, bytes.
 const ID_MOST: u64 = 1024;

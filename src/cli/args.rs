@@ -18,7 +18,7 @@ use crate::config::words::{
 };
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 use crate::record::{FigureFormat, Language};
-use crate::station::measure::VERB;
+use crate::station::delivery::measure::VERB;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;

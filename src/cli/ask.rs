@@ -12,7 +12,7 @@ use serde_json::json;
 use super::args::AskArgs;
 use super::{Exit, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, ConfigError, control_path};
-use crate::station::control::protocol::{Answer, Fault, FaultKind, Request};
+use crate::station::operator::control::protocol::{Answer, Fault, FaultKind, Request};
 
 /// The station answers within its own limits, which are shorter.
 const PATIENCE: Duration = Duration::from_secs(60);

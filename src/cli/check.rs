@@ -13,7 +13,7 @@ use super::args::CheckArgs;
 use super::paint::{self, painted};
 use super::{Exit, ask, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, ConfigFault};
-use crate::station::control::protocol::{Answer, Request};
+use crate::station::operator::control::protocol::{Answer, Request};
 use row::{Example, Row, Verdict};
 
 /// Checks the configuration, then the environment, and prints both.

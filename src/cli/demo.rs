@@ -22,8 +22,9 @@ use super::progress::Progress;
 use super::{Exit, complain, explain_config, print, table};
 use crate::config::{self, Config};
 use crate::record::Record;
-use crate::station::simulated_button::{self, SimulatedButton};
-use crate::station::{self, Orders, StationEvent, simulated_scanner};
+use crate::station::demo::button::{self, SimulatedButton};
+use crate::station::demo::scanner;
+use crate::station::{self, Orders, StationEvent};
 use exports::{Expected, exports};
 
 /// Everything the demo makes lies in here, below the working folder.
@@ -103,7 +104,7 @@ fn prepare(button: Option<&SimulatedButton>) -> Result<PathBuf, DemoFault> {
     let place = |part: &str| toml::Value::from(folder.join(part).to_string_lossy().as_ref());
     let trigger = button.map_or(String::new(), |button| {
         let port = toml::Value::from(button.port().to_string_lossy().as_ref());
-        format!("[trigger.serial]\nport = {port}\ntokens = [\"{}\"]\n", simulated_button::PRESS)
+        format!("[trigger.serial]\nport = {port}\ntokens = [\"{}\"]\n", button::PRESS)
     });
     fs::write(
         &path,
@@ -158,7 +159,7 @@ async fn show(
 
 /// Presses the button, lets the scanner export one scan in the background, and says so.
 fn scan(
-    export: (simulated_scanner::Export, Expected, Duration),
+    export: (scanner::Export, Expected, Duration),
     button: Arc<Mutex<Option<SimulatedButton>>>,
     teller: Teller,
 ) -> Expected {
@@ -169,7 +170,7 @@ fn scan(
         tokio::time::sleep(SCANNING).await;
         let name = name_of(&export.path);
         teller.say(&format!("scanner  exports {name}"));
-        match simulated_scanner::write(export).await {
+        match scanner::write(export).await {
             Ok(()) => teller.say(&format!("scanner  is done with {name}")),
             Err(error) => complain(format_args!("scanner: {error}")),
         }

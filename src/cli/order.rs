@@ -6,7 +6,7 @@ use std::io::{self, Read};
 use super::args::OrderArgs;
 use super::{Exit, ask, complain, shown};
 use crate::record::gdt::order::ORDER_MOST;
-use crate::station::control::protocol::Request;
+use crate::station::operator::control::protocol::Request;
 
 /// Hands an order to the running station.
 pub fn order(args: &OrderArgs) -> Exit {

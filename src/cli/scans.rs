@@ -7,7 +7,7 @@ use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
 use super::{Exit, ask, complain, shown};
 use crate::flow::account::{Happened, Listed, Whole};
 use crate::flow::health::{bytes, utc};
-use crate::station::control::protocol::{Answer, Request};
+use crate::station::operator::control::protocol::{Answer, Request};
 
 /// Lists scans.
 pub fn scans(args: &ScansArgs) -> Exit {

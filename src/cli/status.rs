@@ -8,13 +8,13 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 use super::args::{AskArgs, StatusArgs};
-use super::ask::AskFault;
+use super::ask::{self, AskFault};
 use super::paint::{self, painted};
 use super::screen::{self, wrapped};
-use super::{Exit, ask, complain, scans, shown};
+use super::{Exit, complain, scans, shown};
 use crate::flow::account::{Filter, Listed};
 use crate::flow::health::{ago, bytes, utc, words};
-use crate::station::control::protocol::{Answer, Request, SourceStatus, Status};
+use crate::station::operator::control::protocol::{Answer, Request, SourceStatus, Status};
 
 /// So many of the last scans are shown: a screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;

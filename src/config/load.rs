@@ -9,14 +9,13 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
-use super::seeing;
 use super::words::{
     AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES, SURFACES, UNITS,
     UPS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, capture, gdt, notation, page, trigger, watch,
+    StoreConfig, capture, gdt, notation, page, seeing, trigger, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;

@@ -5,12 +5,11 @@ use std::collections::BTreeMap;
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-use super::capture;
 use super::facts::StoreFacts;
 use super::health::{ago, words};
 use super::identity::{NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use super::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
-use super::{DeliveryState, ScanState};
+use super::{DeliveryState, ScanState, capture};
 
 /// A scan, when it was first seen, and where it is.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

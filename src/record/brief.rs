@@ -2,9 +2,8 @@
 
 use serde::Serialize;
 
-use super::Language;
-use super::rounding;
 use super::schema::{LandmarkFigures, Record};
+use super::{Language, rounding};
 use crate::leg::Side;
 
 /// The levels of a stocking that ends below the knee, from the foot up.

@@ -2,15 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::chart;
 use super::provenance::Provenance;
 use super::rounding::{degrees, mm, per_mm, share};
 use super::schema::{
     BodyFigures, EstimateFigures, FeatureFigures, FindingNote, FootFigures, GirthColumns,
     LandmarkFigures, LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures,
 };
-use super::shape;
 use super::surface::surface;
+use super::{chart, shape};
 use crate::leg::doubt::Doubt;
 use crate::leg::frame::body::FacingFrom;
 use crate::leg::levels::girth::GirthCurve;

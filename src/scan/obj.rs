@@ -10,10 +10,10 @@ mod statements;
 
 use nalgebra::Point3;
 
-use super::fault::{CutSign, Place, ScanFault, cut_short};
+use super::Scan;
+use super::fault::{self, CutSign, Place, ScanFault, cut_short};
 use super::text::{self, Decimals, numbered};
 use super::weld::{Unwelded, welded};
-use super::{Scan, fault};
 use statements::{Statements, each_geometry, keyword, refuse_others};
 
 /// More unused points than this share of all means that the face list was cut off. Every known

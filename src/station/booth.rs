@@ -3,6 +3,8 @@
 //! the journal before anything is done by it.
 
 mod hearing;
+pub(in crate::station) mod orders;
+pub mod trigger;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -20,7 +22,7 @@ use super::assembly::Station;
 use super::beat::Beat;
 use super::error::chain;
 use super::journal::{CaptureRow, Journal, JournalError};
-use super::overview::Overview;
+use super::operator::overview::Overview;
 use super::stop::Stop;
 use crate::flow::booth::Signal;
 use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};

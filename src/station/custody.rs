@@ -4,10 +4,16 @@
 
 mod acts;
 mod decided;
+pub mod decisions;
+pub(in crate::station) mod housekeeping;
 mod intake;
 mod known;
 mod lost;
+pub mod quarantine;
 mod recover;
+pub mod spool;
+pub(in crate::station) mod state_folders;
+pub(in crate::station) mod wall_clock;
 
 use std::io;
 use std::path::Path;
@@ -17,10 +23,10 @@ use std::time::Duration;
 
 use jiff::Timestamp;
 
-use super::decisions::Decisions;
+use self::decisions::Decisions;
+use self::quarantine::{Quarantine, Reason, Stage};
+use self::spool::{Companion, Spool};
 use super::journal::{Due, Entry, Journal, JournalError};
-use super::quarantine::{Quarantine, Reason, Stage};
-use super::spool::{Companion, Spool};
 use crate::flow::capture::Judged;
 use crate::flow::{ScanId, ScanState, Verdict, Whose, identity};
 use crate::record::Patient;

@@ -5,6 +5,11 @@
 //! the monotonic clock: after a restart everything is tried at once. Every step that may wait for
 //! a disk, a share or a measurement is a job of its own; this loop waits for none of them.
 
+pub mod measure;
+pub(in crate::station) mod measuring;
+pub mod preview;
+pub(in crate::station) mod work;
+
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::thread::available_parallelism;
@@ -15,13 +20,13 @@ use tokio::task::{JoinError, JoinSet, spawn_blocking};
 use tokio::time::sleep;
 use tracing::{info, warn};
 
+use self::work::Ready;
 use super::assembly::Station;
 use super::beat::Beat;
-use super::chance;
 use super::error::chain;
+use super::jitter;
 use super::journal::{Due, KEPT, Task};
 use super::stop::Stop;
-use super::work::{self, Ready};
 use crate::flow::Outbox;
 use crate::flow::outbox::{Ended, Key};
 
@@ -167,7 +172,7 @@ impl Bench {
         match done {
             Done::Asked { store, in_reach } => {
                 self.at_store.remove(&(store.clone(), None));
-                self.outbox.asked(&store, in_reach, station.now(), chance::unit());
+                self.outbox.asked(&store, in_reach, station.now(), jitter::unit());
             }
             Done::Prepared { dues, ready: Ok(ready) } => {
                 for due in dues {
@@ -196,7 +201,7 @@ impl Bench {
         due: Due,
         ended: Ended,
     ) -> Result<(), JoinError> {
-        let pause = self.outbox.ended(&key(&due), ended, station.now(), chance::unit());
+        let pause = self.outbox.ended(&key(&due), ended, station.now(), jitter::unit());
         let Some(pause) = pause else { return Ok(()) };
         let station = Arc::clone(station);
         let noted = spawn_blocking(move || {

@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use tokio::task::JoinError;
 
 use super::custody::CustodyFault;
+use super::delivery::measure::ConfineFault;
 use super::journal::{JournalError, LockError};
-use super::measure::ConfineFault;
 
 /// Why the station could not start or had to end. The journal makes a restart harmless.
 #[derive(Debug, thiserror::Error)]

@@ -1,10 +1,17 @@
 //! The intake of one export folder: look, settle, take, over and over.
 //!
-//! Whatever touches the folder runs in a thread that may hang (see [`super::patience`]); the worker
+//! Whatever touches the folder runs in a thread that may hang (see `station::stall`); the worker
 //! itself never blocks, so it stays able to stop, to beat and to say that the share stalls.
 
+pub(in crate::station) mod admission;
+pub(in crate::station) mod export_locks;
+pub mod file_system;
+pub(in crate::station) mod ingest;
 mod memory;
 mod notes;
+pub(crate) mod scan_dir;
+pub(in crate::station) mod stable_read;
+pub(in crate::station) mod watch;
 
 use std::collections::BTreeSet;
 use std::path::PathBuf;
@@ -15,15 +22,14 @@ use tokio::sync::{Notify, mpsc};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 
+use self::ingest::{Admitted, TakeFault, Taken};
+use self::stable_read::Export;
+use self::watch::Watch;
 use super::assembly::Station;
 use super::beat::Beat;
-use super::chance;
-use super::look;
-use super::patience::{DEADLINE, LOOK_UP, Pulse, patiently};
-use super::source::{self, Export};
+use super::jitter;
+use super::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
 use super::stop::Stop;
-use super::take::{self, Admitted, TakeFault, Taken};
-use super::watch::Watch;
 use crate::flow::mount::MountGuard;
 use crate::flow::settle::Memory;
 use crate::flow::{Look, LookTime, Mark, Settled, Settling};
@@ -187,7 +193,7 @@ impl Intake {
             let is_ours = station.lasting.export_locks.hold(&folder);
             let found = is_ours.and_then(|is_ours| {
                 let found =
-                    is_ours.then(|| look::look(&folder, &station.config.scanner.watch, pulse));
+                    is_ours.then(|| scan_dir::look(&folder, &station.config.scanner.watch, pulse));
                 found.transpose()
             });
             (watch, armed, found, LookTime { began, ended: station.now() })
@@ -239,7 +245,7 @@ impl Intake {
         let began = Instant::now();
         let station = Arc::clone(&self.station);
         let (known, fresh) = spawn_blocking(move || {
-            let (known, fresh) = take::dealt_with(&station, due);
+            let (known, fresh) = ingest::dealt_with(&station, due);
             // Tells what is free although nothing may be due; what is refused unread needs no room.
             let largest = station.config.scanner.max_scan_bytes;
             let next = fresh.iter().map(|file| file.stamp.size).find(|size| *size <= largest);
@@ -264,7 +270,7 @@ impl Intake {
     async fn take(&mut self, settled: Settled, stop: &mut Stop) -> Result<bool, JoinError> {
         let (station, began) = (Arc::clone(&self.station), self.station.now());
         let (settled, admitted) = spawn_blocking(move || {
-            let admitted = take::admitted(&station, &settled);
+            let admitted = ingest::admitted(&station, &settled);
             (settled, admitted)
         })
         .await?;
@@ -292,7 +298,7 @@ impl Intake {
             let taken = read.and_then(|export| match export {
                 Some((content_began, export)) => {
                     mark = Some(Mark::of(began, station.now(), &export.bytes));
-                    take::take(&station, &settled, content_began, &export)
+                    ingest::take(&station, &settled, content_began, &export)
                 }
                 None => Ok(Taken::Changed),
             });
@@ -307,7 +313,7 @@ impl Intake {
             Ok(Taken::Changed) => self.settling.changed(&settled, now),
             Err(fault) => {
                 self.notes.failed(&fault);
-                self.settling.failed(&settled, now, chance::unit());
+                self.settling.failed(&settled, now, jitter::unit());
             }
         }
         Ok(true)
@@ -319,7 +325,8 @@ impl Intake {
         settled: Settled,
         stop: &mut Stop,
     ) -> Result<Option<Result<Option<Export>, TakeFault>>, JoinError> {
-        let read = move |pulse: &Pulse| source::read(&settled, pulse).map_err(TakeFault::Source);
+        let read =
+            move |pulse: &Pulse| stable_read::read(&settled, pulse).map_err(TakeFault::Source);
         patiently(DEADLINE, stop, read, || self.beat(), || self.notes.stalled()).await
     }
 }

@@ -6,9 +6,9 @@ use std::io;
 use std::path::Path;
 
 use super::error::StationError;
-use super::export_locks::ExportLocks;
-use super::http::Listeners;
+use super::intake::export_locks::ExportLocks;
 use super::journal::StateLock;
+use super::operator::http::Listeners;
 use crate::store::durable;
 
 /// What the generations of one process share.

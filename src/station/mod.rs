@@ -1,10 +1,19 @@
 //! The station: effects around the decisions of [`crate::flow`].
 //!
 //! ```text
-//! export folder ─ look ─▶ settle ─ take ─▶ custody (spool, journal) ─ work ─▶ store
-//!       ▲                   │                  │
-//!     watch (hint)      awaited, again     held, quarantine
+//! export folder ─ look ─▶ settle ─ ingest ─▶ custody (spool, journal) ─ work ─▶ store
+//!       ▲                   │                    │
+//!     watch (hint)      awaited, again       held, quarantine
 //! ```
+//!
+//! | folder | what it does |
+//! |---|---|
+//! | [`intake`] | looks at export folders, waits until files are whole, takes them in |
+//! | [`custody`], [`journal`] | keeps bytes, decisions and the state of each scan |
+//! | [`delivery`] | measures scans in processes of their own and puts records into stores |
+//! | [`booth`] | button, readers, orders, captures, light |
+//! | [`operator`] | command socket, page, metrics, what people decide |
+//! | [`demo`] | the simulated scanner and button |
 //!
 //! What holds, whatever happens: the export folder is only read; a scan is known by its hash, so
 //! nothing is delivered twice; its bytes are in the spool before the journal knows them and until
@@ -14,53 +23,25 @@
 //!
 //! Logs speak of scans by the first digits of their id, never of patients, file names or folders.
 
-pub mod act;
 pub mod assembly;
+mod beat;
 pub mod board;
 pub mod booth;
-pub mod control;
+pub(crate) mod caught;
 pub mod custody;
-pub mod decisions;
+pub mod delivery;
+pub mod demo;
 pub mod error;
 pub mod event;
-mod export_locks;
-pub mod file_system;
-mod folders;
+pub mod intake;
+mod jitter;
 pub mod journal;
 mod lasting;
-pub mod measure;
-mod measuring;
-pub mod overview;
-pub mod preview;
-pub mod quarantine;
+pub mod operator;
 pub mod run;
-pub mod simulated_button;
-pub mod simulated_scanner;
-pub mod spool;
-pub mod trigger;
-
-mod beat;
-pub(crate) mod caught;
-mod chance;
-mod delivery;
-mod gate;
-mod housekeeping;
-mod http;
-mod intake;
-pub(crate) mod look;
-mod metrics;
-mod orders;
-mod page;
-pub(crate) mod patience;
-mod rebuild;
 mod service;
-mod source;
+pub(crate) mod stall;
 mod stop;
-mod suspicion;
-mod take;
-mod timekeeper;
-mod watch;
-mod work;
 mod workers;
 
 pub use error::{StationError, Worker};

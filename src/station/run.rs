@@ -11,13 +11,12 @@ use tokio::time::{interval, sleep, timeout};
 use tracing::{error, info, warn};
 
 use super::assembly::Station;
-use super::chance;
 use super::error::{StationError, chain};
 use super::event::{Observer, StationEvent};
 use super::lasting::{Lasting, take_state_dir};
-use super::service;
 use super::stop::Stopper;
 use super::workers::Workers;
+use super::{jitter, service};
 use crate::config::Config;
 use crate::flow::backoff;
 use crate::flow::confinement::Confine;
@@ -113,7 +112,7 @@ pub async fn run(
                     warn!(event = "journal-failed", error = chain(&error));
                 }
                 ruins = if station.now() - began >= SOUND { 1 } else { ruins + 1 };
-                if pause(backoff::pause(ruins, chance::unit()), &mut stop).await {
+                if pause(backoff::pause(ruins, jitter::unit()), &mut stop).await {
                     break Ok(());
                 }
             }

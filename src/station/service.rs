@@ -4,7 +4,7 @@ use sd_notify::NotifyState;
 use tracing::warn;
 
 use super::error::chain;
-use super::overview::Overview;
+use super::operator::overview::Overview;
 
 /// Scans are taken from now on.
 pub fn tell_ready() {

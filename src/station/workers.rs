@@ -10,9 +10,13 @@ use tokio::task::{Id, JoinError, JoinSet};
 
 use super::assembly::Station;
 use super::beat::Beat;
+use super::booth::{self, orders, trigger};
+use super::custody::housekeeping;
+use super::delivery::{self, preview};
 use super::error::{StationError, Worker};
+use super::intake;
+use super::operator::{control, http};
 use super::stop::{Stop, Stopper};
-use super::{booth, control, delivery, housekeeping, http, intake, orders, preview, trigger};
 
 /// The workers, their names and their beats.
 pub struct Workers {

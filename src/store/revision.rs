@@ -14,9 +14,8 @@ use std::path::{Path, PathBuf};
 
 use rustix::fs::{FlockOperation, flock};
 
-use super::StoreFault;
-use super::durable;
 use super::folder::records_in;
+use super::{StoreFault, durable};
 use crate::flow::naming::{self, RecordName};
 use crate::record::RecordFile;
 

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use gaiter::flow::confinement::Confine;
 use gaiter::record::Provenance;
-use gaiter::station::measure::{Answer, Job, Limits};
+use gaiter::station::delivery::measure::{Answer, Job, Limits};
 use rustix::process::{Pid, Signal, kill_process};
 use support::{Booth, Daemon, body, sha256};
 

@@ -7,7 +7,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::DEFAULT_CONFIG;
 use crate::flow::account::{FILTERS, Filter};
-use crate::station::control::protocol::{DIGITS_LEAST, LIST_MOST};
+use crate::station::operator::control::protocol::{DIGITS_LEAST, LIST_MOST};
 
 /// What every verb that asks a running station takes.
 #[derive(Debug, Clone, clap::Args)]

@@ -10,8 +10,9 @@ use crate::config::{Config, WatchConfig, nested};
 use crate::flow::FileSystem;
 use crate::flow::confinement::Confine;
 use crate::flow::mount::{Expected, MountGuard};
+use crate::station::delivery::measure;
 use crate::station::error::chain;
-use crate::station::{file_system, measure};
+use crate::station::intake::file_system;
 
 /// Every check of the environment, in the order a scan takes: exports, state, records.
 pub(super) fn rows(config: &Config) -> Vec<Row> {

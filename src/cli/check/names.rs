@@ -7,8 +7,8 @@ use super::row::{Example, Row, Verdict};
 use crate::config::Config;
 use crate::flow::name_check::{self, Taken};
 use crate::flow::{Group, Identity, NameSays};
-use crate::station::look::{self, Found};
-use crate::station::patience::Pulse;
+use crate::station::intake::scan_dir::{self, Found};
+use crate::station::stall::Pulse;
 
 /// The check's name in the table.
 const CHECK: &str = "file names";
@@ -33,7 +33,7 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     // The pattern was compiled when the configuration was read.
     let Ok(identity) = identity else { return Vec::new() };
     let look = |folder: &PathBuf| {
-        let found = look::look(folder, &scanner.watch, &Pulse::default()).ok()?;
+        let found = scan_dir::look(folder, &scanner.watch, &Pulse::default()).ok()?;
         Some(of_folder(folder, found, &identity))
     };
     scanner.export_dirs.iter().filter_map(look).flatten().collect()

@@ -11,10 +11,10 @@ use tokio::time::sleep;
 
 use super::{Look, table};
 use crate::cli::args::AskArgs;
-use crate::cli::ask::AskFault;
+use crate::cli::ask::{self, AskFault};
 use crate::cli::paint::{self, painted};
 use crate::cli::screen::{self, Size};
-use crate::cli::{Exit, ask, complain, shown};
+use crate::cli::{Exit, complain, shown};
 
 /// How often the station is asked.
 const EVERY: Duration = Duration::from_secs(1);

@@ -2,8 +2,7 @@
 //! continuous curve (paper 1.2, fig. 3a).
 
 use crate::leg::sections::equidistant::Sections;
-use crate::leg::sections::section::Girth;
-use crate::leg::sections::section::SPACING_MM;
+use crate::leg::sections::section::{Girth, SPACING_MM};
 use crate::spline::{Basis, Smoothing, Spline, fit};
 
 /// Length of the pieces of the fitted curve, mm: shorter than half of any muscle's bulge (60 mm).

@@ -2,10 +2,9 @@
 
 use nalgebra::Point3;
 
-use super::super::Scan;
 use super::super::fault::{CutSign, Place, ScanFault, cut_short};
-use super::super::text;
 use super::super::weld::welded;
+use super::super::{Scan, text};
 
 /// Bytes before the first triangle: the header and the number of triangles.
 const HEAD_BYTES: usize = 84;

@@ -9,8 +9,7 @@ use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
 use crate::spline::grid::GridData;
 use crate::spline::knots::choice::{Choice, chosen};
-use crate::spline::knots::wish::Knots;
-use crate::spline::knots::wish::{GridDomain, wishes};
+use crate::spline::knots::wish::{GridDomain, Knots, wishes};
 
 /// Which knots the surface through a cloud is to have. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]

@@ -8,8 +8,8 @@ use super::{Custody, CustodyFault, intake_of, io};
 use crate::flow::decision::{Decided, Ruling};
 use crate::flow::{DeliveryState, ScanId};
 use crate::record::Patient;
+use crate::station::custody::spool::Companion;
 use crate::station::journal::{Due, ScanRow};
-use crate::station::spool::Companion;
 use crate::store::StoredScan;
 
 /// What became of a person's decision.

@@ -7,8 +7,8 @@ use crate::flow::capture::{Judged, Why};
 use crate::flow::identity::{ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{ScanId, ScanState};
 use crate::record::Patient;
+use crate::station::custody::spool::Intake;
 use crate::station::journal::ScanRow;
-use crate::station::spool::Intake;
 
 /// What is known of bytes that have come in. The time of first sight is fixed once.
 pub(super) fn intake(

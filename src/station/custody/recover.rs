@@ -9,9 +9,9 @@ use jiff::Timestamp;
 use super::{Custody, CustodyFault, held_code, io, row};
 use crate::flow::capture::Judged;
 use crate::flow::{ScanId, ScanState};
+use crate::station::custody::quarantine::{Reason, Stage};
+use crate::station::custody::spool::Intake;
 use crate::station::journal::{Entry, ScanRow};
-use crate::station::quarantine::{Reason, Stage};
-use crate::station::spool::Intake;
 
 impl Custody {
     /// Makes spool, quarantine and journal agree after whatever ended the last run; returns how

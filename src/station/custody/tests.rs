@@ -6,11 +6,10 @@ use std::sync::atomic::Ordering;
 use super::*;
 use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::record::{Source, SourceKind};
+use crate::station::custody::quarantine::Stage;
+use crate::station::custody::spool::Intake;
 use crate::station::journal::Task;
-use crate::station::quarantine::Stage;
-use crate::station::spool::Intake;
-use crate::store::sums;
-use crate::store::{FoundRecord, StoredScan};
+use crate::store::{FoundRecord, StoredScan, sums};
 
 pub(super) const BYTES: &[u8] = b"v 0 0 0\n";
 

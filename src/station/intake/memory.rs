@@ -12,8 +12,8 @@ use crate::flow::settle::Memory;
 use crate::flow::{Mark, Stamp};
 use crate::station::assembly::Station;
 use crate::station::error::chain;
-use crate::station::patience::{DEADLINE, Pulse, patiently};
-use crate::station::source;
+use crate::station::intake::stable_read;
+use crate::station::stall::{DEADLINE, Pulse, patiently};
 use crate::station::stop::Stop;
 
 /// What the last run knew of a folder; nothing where the journal cannot say.
@@ -45,7 +45,7 @@ impl Intake {
         let read = move |pulse: &Pulse| {
             let marked = unmarked.into_iter().map(|(path, stamp)| {
                 pulse.beat();
-                let mark = source::mark(&path, stamp, || station.now());
+                let mark = stable_read::mark(&path, stamp, || station.now());
                 (path, stamp, mark)
             });
             marked.collect::<Vec<(PathBuf, Stamp, Option<Mark>)>>()

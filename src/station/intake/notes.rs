@@ -17,7 +17,7 @@ use crate::flow::settle::Waiting;
 use crate::flow::{Look, Settling, Stamp};
 use crate::station::assembly::Station;
 use crate::station::error::chain;
-use crate::station::look::Found;
+use crate::station::intake::scan_dir::Found;
 
 /// What the log has been told of one export folder, and where its facts stand on the board.
 pub(super) struct Notes {

@@ -11,7 +11,8 @@ use jiff::Timestamp;
 use rusqlite::{OptionalExtension, Row, Transaction, params};
 use serde_json::{Value, json};
 
-use super::{Event, Journal, JournalError, cell, history, seal};
+use super::integrity::seal;
+use super::{Event, Journal, JournalError, cell, history};
 use crate::flow::capture::{Capture, Captures, Judged, Named};
 use crate::flow::order_habit::{ORDERS_MOST, OrderCame};
 use crate::flow::{ScanId, ScanState};

@@ -4,8 +4,7 @@ use serde_json::json;
 
 use super::acts::{belongs_to, close, deliveries_in, for_whom, make_again};
 use super::scans::{set_state, state_of};
-use super::withdrawal;
-use super::{Due, Event, Journal, JournalError, history};
+use super::{Due, Event, Journal, JournalError, history, withdrawal};
 use crate::flow::decision::Ruling;
 use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanStep};

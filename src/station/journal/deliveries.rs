@@ -7,9 +7,10 @@ use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::json;
 
 use super::delivery_row::{count, detail, set_code, step};
+use super::integrity::seal;
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
-use super::{Event, Journal, JournalError, cell, history, seal};
+use super::{Event, Journal, JournalError, cell, history};
 use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use crate::record::Patient;

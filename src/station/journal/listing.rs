@@ -1,5 +1,7 @@
 //! What people and monitors ask of the journal: counts, the oldest, lists, one scan whole.
 
+mod newest;
+
 use std::collections::BTreeMap;
 
 use jiff::Timestamp;

@@ -7,23 +7,21 @@
 
 mod acts;
 mod captures;
-mod check;
 mod decided;
 mod deliveries;
 mod delivery_row;
 mod error;
 mod found;
 mod history;
+pub(in crate::station) mod integrity;
 mod listing;
 mod lock;
 mod looks;
 mod meta;
-mod newest;
 mod orders;
 mod prune;
 mod scans;
 mod schema;
-mod seal;
 mod sightings;
 mod withdrawal;
 
@@ -96,11 +94,11 @@ impl Journal {
         connection.busy_timeout(BUSY)?;
         set_durable(&connection)?;
         connection.pragma_update(None, "foreign_keys", true)?;
-        check::pages(&connection)?;
+        integrity::check::pages(&connection)?;
         let head = HeadFile::open(path).map_err(JournalError::Head)?;
         schema::establish(&mut connection)?;
-        check::rows(&connection)?;
-        check::head(&connection, &head)?;
+        integrity::check::rows(&connection)?;
+        integrity::check::head(&connection, &head)?;
         // The names of the journal and of its write-ahead log, which exists since the first read.
         let folder = |source| JournalError::Folder { path: path.to_owned(), source };
         durable::sync_folder(path.parent().unwrap_or(Path::new("."))).map_err(folder)?;
@@ -115,10 +113,10 @@ impl Journal {
     /// What is wrong with it.
     pub fn check(&self) -> Result<(), JournalError> {
         let connection = self.connection();
-        check::pages(&connection)?;
+        integrity::check::pages(&connection)?;
         schema::check(&connection, schema::KNOWN)?;
-        check::rows(&connection)?;
-        check::head(&connection, &self.head)
+        integrity::check::rows(&connection)?;
+        integrity::check::head(&connection, &self.head)
     }
 
     /// Whether the open journal is still the file of its name.

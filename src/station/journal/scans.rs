@@ -7,7 +7,8 @@ use rusqlite::{OptionalExtension, Transaction, params};
 
 use serde_json::json;
 
-use super::{Event, Journal, JournalError, captures, cell, history, seal};
+use super::integrity::seal;
+use super::{Event, Journal, JournalError, captures, cell, history};
 use crate::flow::capture::Judged;
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use crate::record::Patient;

@@ -4,7 +4,8 @@ use std::collections::BTreeMap;
 
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
-use super::{JournalError, captures, history, seal};
+use super::integrity::seal;
+use super::{JournalError, captures, history};
 
 /// The schema this gaiter reads and writes, in `PRAGMA user_version`: one step of [`STEPS`] each.
 pub(super) const KNOWN: i64 = STEPS.len() as i64;

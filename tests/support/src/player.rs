@@ -9,8 +9,8 @@ use std::time::Duration;
 use gaiter::config;
 use gaiter::config::port::escaped;
 use gaiter::flow::booth::{Heard, Press, Signal};
-use gaiter::station::trigger::mock::{Script, Stage, script};
-use gaiter::station::trigger::{Attendant, of_config};
+use gaiter::station::booth::trigger::mock::{Script, Stage, script};
+use gaiter::station::booth::trigger::{Attendant, of_config};
 
 /// Turns that a port may take in a second of its script; more would be spinning.
 const TURNS_A_SECOND: u32 = 250;

@@ -8,10 +8,9 @@ use super::plot::{
 use super::words::Words;
 use crate::leg::Side;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
-use crate::record::rounding;
 use crate::record::schema::LegFigures;
 use crate::record::shape::SurfaceGridFigures;
-use crate::record::{Language, Record};
+use crate::record::{Language, Record, rounding};
 
 /// px
 const SIZE: [f64; 2] = [720.0, 520.0];

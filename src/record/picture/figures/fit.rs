@@ -6,10 +6,9 @@ use super::plot::{Frame, SMALL, Scale, TEXT, heading, lines, range, words};
 use super::words::Words;
 use crate::leg::{Level, Side};
 use crate::record::picture::{Anchor, Ink, Mark, Picture};
-use crate::record::rounding;
 use crate::record::schema::SectionFigures;
 use crate::record::shape::OutlineFigures;
-use crate::record::{Language, Record};
+use crate::record::{Language, Record, rounding};
 
 /// px
 const WIDTH: f64 = 720.0;

@@ -1,8 +1,7 @@
 //! Doubts and findings in plain words.
 
-use super::super::words;
 use super::super::words::findings::{self, Plain};
-use super::super::words::messages;
+use super::super::words::{self, messages};
 use super::{Note, Report, Section, Weight};
 use crate::leg::Side;
 use crate::leg::finding::Severity;

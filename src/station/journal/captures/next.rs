@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::cells::json_text;
 use crate::flow::capture::{Captures, Doubt, Named, Next};
 use crate::record::SourceKind;
-use crate::station::journal::{Journal, JournalError, cell, seal};
+use crate::station::journal::integrity::seal;
+use crate::station::journal::{Journal, JournalError, cell};
 
 /// The fact.
 const NEXT: &str = "next-patient";

@@ -1,0 +1,60 @@
+//! One look at the folder of orders.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use super::removal;
+use crate::flow::order_news::FolderId;
+use crate::flow::{Group, Mask};
+use crate::station::intake::file_system::folder_id;
+use crate::station::intake::scan_dir::stamp;
+use crate::station::stall::Pulse;
+
+/// What a look found.
+#[derive(Debug)]
+pub struct Found {
+    /// The files that may be orders, with those under names of ours: see [`removal`].
+    pub orders: BTreeMap<PathBuf, Group>,
+    /// Names that are there, and whose files could not be examined.
+    pub unexamined: BTreeSet<PathBuf>,
+    /// The folder itself.
+    pub folder: FolderId,
+}
+
+/// Lists a folder's regular files whose names the mask means. Links are not followed.
+///
+/// # Errors
+/// Where the folder cannot be listed to its end, or another came in its place meanwhile.
+pub fn look(folder: &Path, mask: &Mask, pulse: &Pulse) -> io::Result<Found> {
+    let before = folder_id(folder)?;
+    let (mut orders, mut unexamined) = (BTreeMap::new(), BTreeSet::new());
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        pulse.beat();
+        if !is_meant(&path, mask) {
+            continue;
+        }
+        match path.symlink_metadata() {
+            Ok(metadata) if metadata.is_file() => {
+                orders.insert(path, Group::from(stamp(&metadata)));
+            }
+            Ok(_) => {}
+            // It was removed meanwhile.
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(_) => drop(unexamined.insert(path)),
+        }
+    }
+    if folder_id(folder)? != before {
+        return Err(io::Error::other("it was replaced while it was looked through"));
+    }
+    Ok(Found { orders, unexamined, folder: before })
+}
+
+/// Whether a path is that of an order, as the practice named it or under a name of ours.
+pub fn is_meant(path: &Path, mask: &Mask) -> bool {
+    let original = removal::original(path);
+    let name = original.as_deref().unwrap_or(path).file_name();
+    name.is_some_and(|name| mask.means(&name.to_string_lossy()))
+}

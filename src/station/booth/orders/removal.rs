@@ -1,0 +1,103 @@
+//! Removing an order that was heard, and no other: practice software may put the next one under the
+//! same name at any time.
+//!
+//! A file cannot be compared and deleted in one step, but it can be renamed. So the order is given a
+//! hidden name of ours first, then it is examined, and only what was read is deleted. Anything else
+//! has come meanwhile and goes back under its name where that is free; where it is not, and where the
+//! station ends in between, it lies under the hidden name and is found there by the next look.
+
+use std::ffi::{OsStr, OsString};
+use std::fs;
+use std::io;
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+
+use rustix::fs::{CWD, RenameFlags, renameat_with};
+
+use super::read::{self, Read};
+use crate::station::intake::scan_dir::stamp;
+use crate::station::stall::Pulse;
+use crate::store::durable;
+
+/// What the hidden names end in. They do not end as an order does: other programs that look through
+/// the folder pass over them.
+const ENDING: &[u8] = b".gaiter-taken";
+
+/// What became of an order that was to be removed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Removal {
+    /// It is gone, for good.
+    Removed,
+    /// It is gone, and another came in its place that was not heard.
+    Replaced,
+}
+
+/// The hidden name of an order.
+pub fn hidden(path: &Path) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().as_bytes();
+    path.with_file_name(OsStr::from_bytes(&[b".".as_slice(), name, ENDING].concat()))
+}
+
+/// The order's own path, where this one is a hidden name of ours.
+pub fn original(path: &Path) -> Option<PathBuf> {
+    let name = path.file_name()?.as_bytes().strip_prefix(b".")?.strip_suffix(ENDING)?;
+    (!name.is_empty()).then(|| path.with_file_name(OsString::from(OsStr::from_bytes(name))))
+}
+
+/// Removes an order if it is still the one that was read.
+///
+/// # Errors
+/// Where it cannot be renamed or deleted.
+pub fn remove(path: &Path, read: &Read, pulse: &Pulse) -> io::Result<Removal> {
+    remove_in_steps(path, read, pulse, || ())
+}
+
+/// As [`remove`]; `between` is called when the order has its hidden name and was not examined.
+pub(super) fn remove_in_steps(
+    path: &Path,
+    read: &Read,
+    pulse: &Pulse,
+    between: impl FnOnce(),
+) -> io::Result<Removal> {
+    let taken = hidden(path);
+    match durable::rename_new(path, &taken) {
+        // Somebody else has removed it.
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Removal::Removed),
+        other => other?,
+    }
+    between();
+    if is_same(&taken, read, pulse) {
+        delete(&taken)?;
+        return Ok(Removal::Removed);
+    }
+    // What cannot go back is found by the next look.
+    let _ = put_back(&taken, path);
+    Ok(Removal::Replaced)
+}
+
+/// Deletes a file under a hidden name, for good: a name that a power cut brings back is heard again.
+///
+/// # Errors
+/// Any I/O error.
+pub fn delete(taken: &Path) -> io::Result<()> {
+    fs::remove_file(taken)?;
+    durable::sync_folder(taken.parent().unwrap_or(Path::new(".")))
+}
+
+/// Gives a file under a hidden name its own again, never over another.
+///
+/// # Errors
+/// Where the name is taken, or the file system cannot promise that; any other I/O error.
+pub fn put_back(taken: &Path, path: &Path) -> io::Result<()> {
+    Ok(renameat_with(CWD, taken, CWD, path, RenameFlags::NOREPLACE)?)
+}
+
+/// Whether a file is the one that was read: the same words, and the same file or the same time.
+fn is_same(path: &Path, read: &Read, pulse: &Pulse) -> bool {
+    let now = path.symlink_metadata().and_then(|metadata| {
+        if metadata.is_file() { read::read(path, stamp(&metadata), pulse) } else { Ok(None) }
+    });
+    let Ok(Some(now)) = now else { return false };
+    let is_told_apart = now.file != read.file && now.state.mtime_ns != read.state.mtime_ns;
+    now.state.digest == read.state.digest && !is_told_apart
+}

@@ -1,0 +1,244 @@
+//! Dealing with one order: whether it is new, whom it names, and what becomes of its file.
+
+use std::path::Path;
+
+use jiff::Timestamp;
+use tracing::{info, warn};
+
+use super::read::{self, Read};
+use super::removal::{self, Removal};
+use super::{NOT_REMOVED, REFUSED, REPEATED, TakeFault, alarm, aside};
+use crate::config::{AfterOrder, OrdersConfig};
+use crate::flow::booth::Heard;
+use crate::flow::capture::Doubt;
+use crate::flow::order_news::{self, News};
+use crate::flow::{OrderState, Settled};
+use crate::record::SourceKind;
+use crate::record::gdt::{Order, OrderFault, order};
+use crate::station::assembly::Station;
+use crate::station::stall::Pulse;
+
+/// The code of an order that is too old.
+const TOO_OLD: &str = "order-too-old";
+
+/// What became of an order.
+pub enum Taken {
+    /// It was dealt with in this state.
+    Done,
+    /// It changed while it was read.
+    Changed,
+    /// Its file is still to be removed, or to be put back.
+    Later,
+    /// The journal failed when it was to be heard. This was known before it was noted.
+    Unheard(Option<OrderState>),
+}
+
+/// An order for which the journal failed before.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Before {
+    /// It could not be noted.
+    Unnoted,
+    /// It was noted and could not be heard; this was known before that.
+    Noted(Option<OrderState>),
+}
+
+/// An order that is dealt with.
+struct Taking<'a> {
+    station: &'a Station,
+    config: &'a OrdersConfig,
+    settled: &'a Settled,
+    read: Read,
+    /// It lies under a hidden name of ours.
+    is_hidden: bool,
+    /// The journal failed when it was to be heard: others may have been named since.
+    is_late: bool,
+    pulse: &'a Pulse,
+}
+
+/// Deals with one order. `before` is of one for which the journal failed. Blocks.
+///
+/// # Errors
+/// See [`TakeFault`]; nothing was heard.
+pub fn take(
+    station: &Station,
+    config: &OrdersConfig,
+    settled: &Settled,
+    before: Option<Before>,
+    pulse: &Pulse,
+) -> Result<Taken, TakeFault> {
+    let read = read::read(&settled.path, settled.stamp, pulse);
+    let read = read.map_err(|source| TakeFault::Io { what: "reading an order", source })?;
+    let Some(read) = read else { return Ok(Taken::Changed) };
+    let journal = station.custody.journal();
+    let original = removal::original(&settled.path);
+    let (is_hidden, is_late) = (original.is_some(), before.is_some());
+    let taking = Taking { station, config, settled, read, is_hidden, is_late, pulse };
+    if let Some(original) = &original {
+        for name in [&settled.path, original] {
+            let known = journal.order_known(name)?;
+            if order_news::news(known.as_ref(), &taking.read.state) == News::Known {
+                return taking.remove(&[&settled.path, name]);
+            }
+        }
+        if removal::put_back(&settled.path, original).is_ok() {
+            return Ok(Taken::Done);
+        }
+    }
+    let known = match before {
+        Some(Before::Noted(known)) => known,
+        Some(Before::Unnoted) | None => taking.known()?,
+    };
+    match order_news::news(known.as_ref(), &taking.read.state) {
+        // It is to stay, or is no order; or the last run ended before it was removed.
+        News::Known if taking.is_order() => taking.remove_if_asked(),
+        News::Known => Ok(Taken::Done),
+        news => taking.hear(known, news == News::Repeated),
+    }
+}
+
+impl Taking<'_> {
+    fn path(&self) -> &Path {
+        &self.settled.path
+    }
+
+    /// What is known of the order that was heard under this name, by this gaiter or an older one.
+    fn known(&self) -> Result<Option<OrderState>, TakeFault> {
+        let journal = self.station.custody.journal();
+        let known = journal.order_known(self.path())?;
+        if known.is_none() && journal.order_sighted(self.path(), &self.read.state)? {
+            return Ok(Some(self.read.state.clone()));
+        }
+        Ok(known)
+    }
+
+    fn order(&self) -> Result<Order, OrderFault> {
+        if self.read.is_too_large() {
+            return Err(OrderFault::TooLarge { bytes: self.read.state.size });
+        }
+        order::read(&self.read.bytes, self.config.charset, self.config.lenient)
+    }
+
+    /// Whether it is an order or was set aside as one, and not another program's.
+    fn is_order(&self) -> bool {
+        let order = self.order();
+        !matches!(order, Err(OrderFault::OtherKind { .. } | OrderFault::TooLarge { .. }))
+    }
+
+    /// Hears an order that was not heard, or refuses it. It is noted first: whatever cuts this off, it
+    /// is not heard twice.
+    fn hear(&self, known: Option<OrderState>, repeated: bool) -> Result<Taken, TakeFault> {
+        let (heard, refused) = match self.order() {
+            // Results and orders may share a folder: this one is for another program, and goes back.
+            Err(OrderFault::OtherKind { .. }) if self.is_hidden => return Ok(Taken::Later),
+            Err(OrderFault::OtherKind { found }) => {
+                self.note()?;
+                info!(event = "order-passed-over", kind = found);
+                return Ok(Taken::Done);
+            }
+            Err(fault) => {
+                let unread = Heard::Unread { by: SourceKind::Order };
+                (Some(unread), Some((fault.code(), fault.to_string())))
+            }
+            Ok(_) if self.is_old() => {
+                let message = "it is older than patient.orders.max_age and names nobody any more";
+                (None, Some((TOO_OLD, message.to_owned())))
+            }
+            Ok(order) if repeated => {
+                (Some(Heard::Doubtful { id: order.patient, doubt: Doubt::Repeated }), None)
+            }
+            Ok(order) if self.is_late => {
+                (Some(Heard::Doubtful { id: order.patient, doubt: Doubt::Unread }), None)
+            }
+            Ok(order) => (Some(Heard::Named { id: order.patient, by: SourceKind::Order }), None),
+        };
+        if let Some((code, message)) = refused.as_ref().filter(|_| !self.read.is_too_large()) {
+            let state_dir = &self.station.config.station.state_dir;
+            let kept = aside::keep(state_dir, &self.read.bytes, code, message);
+            kept.map_err(|source| TakeFault::Io { what: "setting an order aside", source })?;
+        }
+        if let Err(fault) = self.note() {
+            // It was said and is not kept: whoever was named before may have left.
+            if heard.is_some() {
+                self.station.hear(&Heard::Unread { by: SourceKind::Order });
+            }
+            return Err(fault);
+        }
+        if heard.is_some_and(|heard| !self.station.hear(&heard)) {
+            return Ok(Taken::Unheard(known));
+        }
+        match refused {
+            Some((code, message)) => self.tell_refused(code, &message),
+            None if repeated => tell_repeated(self.station),
+            None => tell_taken(self.station),
+        }
+        if self.read.is_too_large() { Ok(Taken::Done) } else { self.remove_if_asked() }
+    }
+
+    fn note(&self) -> Result<(), TakeFault> {
+        Ok(self.station.custody.journal().order_heard(self.path(), &self.read.state)?)
+    }
+
+    fn is_old(&self) -> bool {
+        let in_sight = self.station.now().saturating_sub(self.settled.writing.appeared().seen);
+        let wall_ns = Timestamp::now().as_nanosecond();
+        order_news::age(self.read.state.mtime_ns, wall_ns, in_sight) > self.config.max_age
+    }
+
+    fn tell_refused(&self, code: &str, message: &str) {
+        warn!(event = "order-refused", code);
+        let message = format!("an order of the practice software was refused ({code}): {message}");
+        let place = match self.read.is_too_large() {
+            true => "it was left where it lies",
+            false => "it lies in orders-refused",
+        };
+        alarm(self.station, REFUSED, format!("{message}; {place}"));
+    }
+
+    fn remove_if_asked(&self) -> Result<Taken, TakeFault> {
+        match self.config.after {
+            AfterOrder::Keep if !self.is_hidden => Ok(Taken::Done),
+            AfterOrder::Keep | AfterOrder::Delete => self.remove(&[self.path()]),
+        }
+    }
+
+    /// Removes the file if it is still the one that was read, and forgets what was known under these
+    /// names. Where it cannot be removed that is told, and the order is not heard again.
+    fn remove(&self, names: &[&Path]) -> Result<Taken, TakeFault> {
+        let removed = match self.is_hidden {
+            true => removal::delete(self.path()),
+            false => match removal::remove(self.path(), &self.read, self.pulse) {
+                Ok(Removal::Removed | Removal::Replaced) => Ok(()),
+                Err(error) => Err(error),
+            },
+        };
+        match removed {
+            Ok(()) => {
+                self.station.board.note(|facts| drop(facts.alarms.remove(NOT_REMOVED)));
+                self.station.custody.journal().forget_orders(names)?;
+                Ok(Taken::Done)
+            }
+            Err(error) => {
+                warn!(event = "order-not-removed", error = %error);
+                let message = "an order was read and cannot be deleted from its folder";
+                alarm(self.station, NOT_REMOVED, format!("{message}: {error}"));
+                Ok(Taken::Later)
+            }
+        }
+    }
+}
+
+/// A good order was heard: what was wrong with the one before matters no more.
+pub(super) fn tell_taken(station: &Station) {
+    info!(event = "order-taken");
+    station.board.note(|facts| {
+        facts.alarms.remove(REFUSED);
+        facts.alarms.remove(REPEATED);
+    });
+}
+
+fn tell_repeated(station: &Station) {
+    warn!(event = "order-repeated");
+    let message = "an order came again with the same words: name the patient at the booth if he is \
+                   scanned again";
+    alarm(station, REPEATED, message.to_owned());
+}

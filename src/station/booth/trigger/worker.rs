@@ -1,0 +1,160 @@
+//! The thread of one port: attends it, tells the booth what it hears and the board how it is.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use jiff::{SignedDuration, Timestamp};
+use tokio::sync::oneshot;
+use tokio::task::{JoinError, spawn_blocking};
+use tokio::time::timeout;
+use tracing::{info, warn};
+
+use super::{Attendant, Attended};
+use crate::flow::booth::Heard;
+use crate::flow::facts::TriggerFacts;
+use crate::flow::trigger::PortState;
+use crate::station::assembly::Station;
+use crate::station::beat::Beat;
+use crate::station::stall::{DEADLINE, Pulse, patiently};
+use crate::station::stop::Stop;
+
+/// The longest that the thread sleeps before it looks whether it is to stop.
+const NAP: Duration = Duration::from_millis(200);
+
+/// How long a stop waits for the port to be closed, so that the next run finds it free. One that
+/// hangs in its driver is left alone.
+const CLOSING: Duration = Duration::from_secs(2);
+
+/// Attends a port until it is asked to stop.
+///
+/// # Errors
+/// Where the thread panicked.
+pub async fn worker(
+    station: Arc<Station>,
+    port: Attended,
+    beat: Beat,
+    mut stop: Stop,
+) -> Result<(), JoinError> {
+    let name = port.name;
+    let (open, closed) = oneshot::channel::<()>();
+    let (theirs, asked) = (Arc::clone(&station), stop.clone());
+    let work = move |pulse: &Pulse| {
+        attend(&theirs, port, &asked, pulse);
+        drop(open);
+    };
+    let hangs = || {
+        warn!(event = "trigger-hung", port = name);
+        if station.config.buttons().contains(name) {
+            let station = Arc::clone(&station);
+            drop(spawn_blocking(move || station.port(name, false)));
+        }
+        station.board.note(|facts| {
+            if let Some(known) = facts.triggers.get_mut(name) {
+                let now = Timestamp::now();
+                (known.state, known.since) = (PortState::Hung, now);
+                known.unsound_since.get_or_insert(now);
+            }
+        });
+    };
+    let beats = || beat.beat();
+    if patiently(DEADLINE, &mut stop, work, beats, hangs).await?.is_none() {
+        // Either end of the wait is well: the other end is dropped when the port is closed.
+        let _ = timeout(CLOSING, closed).await;
+    }
+    Ok(())
+}
+
+fn attend(station: &Station, port: Attended, stop: &Stop, pulse: &Pulse) {
+    let Attended { name, door, ear, manner } = port;
+    let signal = station.booth.signal();
+    let clock = || station.now();
+    let mut attendant = Attendant::new(door, ear, manner, clock());
+    let mut noted = Noted::new(name);
+    let mut heard = Vec::new();
+    let (is_button, mut was_open) = (station.config.buttons().contains(name), None);
+    while !stop.is_requested() {
+        pulse.beat();
+        let showing = *signal.borrow();
+        let pause = attendant.turn(&clock, showing, &mut heard);
+        for heard in heard.drain(..) {
+            noted.count(&heard);
+            station.hear(&heard);
+        }
+        if is_button && was_open != Some(attendant.state() == PortState::Open) {
+            was_open = Some(attendant.state() == PortState::Open);
+            station.port(name, was_open == Some(true));
+        }
+        tell(name, &mut attendant, clock());
+        noted.note(station, &mut attendant);
+        if !pause.is_zero() {
+            std::thread::sleep(pause.min(NAP));
+        }
+    }
+}
+
+/// One line of the log for each change, seldom enough.
+fn tell(port: &'static str, attendant: &mut Attendant, now: Duration) {
+    let Some(state) = attendant.life().tell(now) else { return };
+    let event = match state {
+        PortState::NotLooked | PortState::Settling | PortState::Open => "trigger-open",
+        PortState::Absent => "trigger-absent",
+        PortState::Busy => "trigger-busy",
+        PortState::Denied => "trigger-denied",
+        PortState::Failed => "trigger-failed",
+        PortState::Stuck => "trigger-stuck",
+        PortState::Hung => "trigger-hung",
+    };
+    match (state, attendant.life().why()) {
+        (PortState::Open, _) => info!(event, port),
+        (_, why) => warn!(event, port, why),
+    }
+}
+
+/// What was last noted of a port on the board.
+struct Noted {
+    name: &'static str,
+    facts: TriggerFacts,
+    /// `unsound_since` on the station's clock, from which that of the board is made.
+    unsound_since: Option<Duration>,
+}
+
+impl Noted {
+    fn new(name: &'static str) -> Noted {
+        Noted { name, facts: TriggerFacts::new(Timestamp::now()), unsound_since: None }
+    }
+
+    fn count(&mut self, heard: &Heard) {
+        match heard {
+            Heard::Press(_) => self.facts.presses += 1,
+            Heard::Named { .. } => self.facts.ids += 1,
+            Heard::Doubtful { .. } | Heard::Unread { .. } => {}
+        }
+    }
+
+    /// Notes what has changed; nothing is done where nothing has.
+    fn note(&mut self, station: &Station, attendant: &mut Attendant) {
+        let garbage = attendant.garbage();
+        let life = attendant.life();
+        let known = &mut self.facts;
+        if known.state != life.state() {
+            (known.state, known.since) = (life.state(), Timestamp::now());
+        }
+        known.garbage = garbage;
+        if known.why.as_deref() != life.why() {
+            known.why = life.why().map(str::to_owned);
+        }
+        if self.unsound_since != life.unsound_since() {
+            self.unsound_since = life.unsound_since();
+            known.unsound_since = self.unsound_since.map(|since| {
+                let age = SignedDuration::try_from(station.now().saturating_sub(since));
+                let now = Timestamp::now();
+                age.ok().and_then(|age| now.checked_sub(age).ok()).unwrap_or(now)
+            });
+        }
+        station.board.note(|facts| {
+            if facts.triggers.get(self.name) != Some(known) {
+                facts.triggers.insert(self.name, known.clone());
+            }
+        });
+    }
+}

@@ -1,0 +1,307 @@
+//! The spool: the station's own copy of each scan until its deliveries are made.
+//!
+//! `spool/<sha256>/` holds `scan.<ending>`, what came with the scan as `scan.ord` and the like, and
+//! `intake.json`, from which a lost journal can be rebuilt. A folder under its final name is whole and durable; names beginning with a dot are
+//! what a crash left.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use crate::flow::ScanId;
+use crate::flow::capture::Judged;
+use crate::record::Patient;
+use crate::station::jitter;
+use crate::store::durable;
+
+/// The folder of the scans to be delivered.
+#[derive(Debug)]
+pub struct Spool {
+    folder: PathBuf,
+}
+
+/// `intake.json`: what was known when the bytes came in.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Intake {
+    /// The scan, 64 hexadecimal digits.
+    pub sha256: String,
+    /// Its format's file-name ending.
+    pub format: String,
+    /// Size, bytes.
+    pub size: u64,
+    /// When the station first saw these bytes, whole seconds, UTC; fixed once.
+    pub first_seen: Timestamp,
+    /// The file's own time.
+    pub file_time: Option<Timestamp>,
+    /// When the button was pressed for it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub pressed_at: Option<Timestamp>,
+    /// Whose scan it is said to be.
+    pub patient: Option<Patient>,
+    /// The bytes are kept because a person must decide; nothing is to be delivered by itself.
+    pub held: bool,
+    /// Codes of what a person should know.
+    pub findings: Vec<String>,
+    /// The hash of its coordinates and faces as written, hexadecimal; '' where it has none.
+    #[serde(default)]
+    pub geometry: String,
+    /// The capture it answers.
+    #[serde(default = "unpressed")]
+    pub judged: Judged,
+    /// Everybody whose scan it may be, where that is not certain.
+    #[serde(default)]
+    pub candidates: Vec<String>,
+}
+
+/// What the first intakes did not say.
+fn unpressed() -> Judged {
+    Judged::Unpressed
+}
+
+/// A file that came with a scan.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Companion {
+    /// What follows `scan.` in its name here: `ord`, `mtl`, `2.ord` where there are two.
+    pub name_ending: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// The schemas of `intake.json`, told apart by their name.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "schema")]
+enum Versioned {
+    #[serde(rename = "gaiter.intake/1")]
+    V1(Intake),
+    #[serde(rename = "gaiter.intake/2")]
+    V2(Intake),
+}
+
+const INTAKE: &str = "intake.json";
+
+impl Spool {
+    /// Opens the spool, made if there is none, and removes what a crash left half made.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn open(state_dir: &Path) -> io::Result<Spool> {
+        Ok(Spool { folder: durable::open_folder(state_dir, "spool")? })
+    }
+
+    /// Whether its folder stands: somebody may have removed it.
+    pub fn is_there(&self) -> bool {
+        self.folder.is_dir()
+    }
+
+    /// Its folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The scans in the spool.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn entries(&self) -> io::Result<Vec<ScanId>> {
+        entries(&self.folder)
+    }
+
+    /// The folder of a scan.
+    pub fn entry(&self, scan: &ScanId) -> PathBuf {
+        self.folder.join(scan.as_str())
+    }
+
+    /// Whether the bytes of a scan are here.
+    pub fn holds(&self, scan: &ScanId) -> bool {
+        self.entry(scan).is_dir()
+    }
+
+    /// Keeps the bytes of a scan that is not here yet and what came with it; durable when this
+    /// returns.
+    ///
+    /// # Errors
+    /// Any I/O error; the spool is as before then.
+    pub fn keep(
+        &self,
+        scan: &ScanId,
+        intake: Intake,
+        bytes: &[u8],
+        companions: &[Companion],
+    ) -> io::Result<()> {
+        let staged = self.folder.join(format!(".tmp-{:016x}", jitter::bits()));
+        let kept = self.stage(&staged, scan, intake, bytes, companions);
+        if kept.is_err() {
+            // A full disk is the likely cause: give back what was taken of it.
+            durable::remove_folder(&staged)?;
+        }
+        kept
+    }
+
+    fn stage(
+        &self,
+        staged: &Path,
+        scan: &ScanId,
+        intake: Intake,
+        bytes: &[u8],
+        companions: &[Companion],
+    ) -> io::Result<()> {
+        durable::make_folder(staged)?;
+        durable::write_new(&staged.join(file_name(&intake.format)), bytes)?;
+        for Companion { name_ending, bytes } in companions {
+            durable::write_new(&staged.join(file_name(name_ending)), bytes)?;
+        }
+        let text = serde_json::to_vec_pretty(&Versioned::V2(intake))?;
+        durable::write_new(&staged.join(INTAKE), &text)?;
+        durable::sync_folder(staged)?;
+        durable::rename_new(staged, &self.entry(scan))?;
+        durable::sync_folder(&self.folder)
+    }
+
+    /// What was known when a scan came in.
+    ///
+    /// # Errors
+    /// Any I/O error; `InvalidData` where the file is none of ours.
+    pub fn intake(&self, scan: &ScanId) -> io::Result<Intake> {
+        read_intake(&self.entry(scan))
+    }
+
+    /// The file that holds the bytes of a scan.
+    pub fn scan_file(&self, scan: &ScanId, format: &str) -> PathBuf {
+        self.entry(scan).join(file_name(format))
+    }
+
+    /// The files of an ending that came with a scan, in the order of their names.
+    ///
+    /// # Errors
+    /// Any I/O error; `NotFound` where the scan is not here.
+    pub fn companions(&self, scan: &ScanId, ending: &str) -> io::Result<Vec<PathBuf>> {
+        let mut files = Vec::new();
+        for file in fs::read_dir(self.entry(scan))? {
+            let path = file?.path();
+            files.extend(path.extension().is_some_and(|found| found == ending).then_some(path));
+        }
+        files.sort();
+        Ok(files)
+    }
+
+    /// Removes a scan whose bytes have served. Its name goes first, so that a crash leaves no half
+    /// entry under it.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn remove(&self, scan: &ScanId) -> io::Result<()> {
+        let gone = self.folder.join(format!(".tmp-{:016x}", jitter::bits()));
+        match durable::rename_new(&self.entry(scan), &gone) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            other => other?,
+        }
+        durable::sync_folder(&self.folder)?;
+        durable::remove_folder(&gone)
+    }
+
+    /// Removes what failed attempts left half made. Nothing may be coming or going meanwhile.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn clear(&self) -> io::Result<()> {
+        durable::clear_hidden(&self.folder)
+    }
+
+    /// Makes the spool's names durable after an entry was moved out.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn sync(&self) -> io::Result<()> {
+        durable::sync_folder(&self.folder)
+    }
+}
+
+/// The scans whose folders lie in a folder.
+pub(in crate::station) fn entries(folder: &Path) -> io::Result<Vec<ScanId>> {
+    let mut scans = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        // What is named otherwise is not ours to touch.
+        scans.extend(ScanId::parse(&entry?.file_name().to_string_lossy()).ok());
+    }
+    scans.sort();
+    Ok(scans)
+}
+
+/// The intake in a scan's folder.
+pub(in crate::station) fn read_intake(entry: &Path) -> io::Result<Intake> {
+    let text = fs::read(entry.join(INTAKE))?;
+    let (Versioned::V1(intake) | Versioned::V2(intake)) = serde_json::from_slice(&text)
+        .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+    Ok(intake)
+}
+
+fn file_name(format: &str) -> String {
+    format!("scan.{format}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn intake(scan: &ScanId) -> Intake {
+        Intake {
+            sha256: scan.to_string(),
+            format: "obj".to_owned(),
+            size: 3,
+            first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
+            file_time: None,
+            pressed_at: None,
+            patient: None,
+            held: false,
+            findings: Vec::new(),
+            geometry: String::new(),
+            judged: Judged::Unpressed,
+            candidates: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn what_is_kept_reads_back_and_is_gone_when_removed() {
+        let dir = tempfile::tempdir().unwrap();
+        let spool = Spool::open(dir.path()).unwrap();
+        let scan = ScanId::of_digest([7; 32]);
+        let ord = Companion { name_ending: "ord".into(), bytes: b"de".to_vec() };
+        spool.keep(&scan, intake(&scan), b"abc", &[ord]).unwrap();
+        assert_eq!(fs::read(spool.entry(&scan).join("scan.ord")).unwrap(), b"de");
+        assert_eq!(spool.companions(&scan, "ord").unwrap(), [spool.entry(&scan).join("scan.ord")]);
+        assert!(spool.companions(&scan, "mtl").unwrap().is_empty());
+        assert_eq!(spool.entries().unwrap(), std::slice::from_ref(&scan));
+        assert_eq!(spool.intake(&scan).unwrap(), intake(&scan));
+        assert_eq!(fs::read(spool.scan_file(&scan, "obj")).unwrap(), b"abc");
+        let text = fs::read_to_string(spool.entry(&scan).join(INTAKE)).unwrap();
+        assert!(text.contains("\"schema\": \"gaiter.intake/2\""), "{text}");
+        spool.remove(&scan).unwrap();
+        spool.remove(&scan).unwrap();
+        assert!(spool.entries().unwrap().is_empty());
+    }
+
+    #[test]
+    fn a_second_keep_of_the_same_scan_leaves_the_first_and_no_rest() {
+        let dir = tempfile::tempdir().unwrap();
+        let spool = Spool::open(dir.path()).unwrap();
+        let scan = ScanId::of_digest([7; 32]);
+        spool.keep(&scan, intake(&scan), b"abc", &[]).unwrap();
+        let later = Intake { size: 99, ..intake(&scan) };
+        assert!(spool.keep(&scan, later, b"abc", &[]).is_err());
+        assert_eq!(spool.intake(&scan).unwrap().size, 3);
+        assert_eq!(fs::read_dir(dir.path().join("spool")).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn what_a_crash_left_half_made_is_cleared_at_the_start() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir_all(dir.path().join("spool/.tmp-1")).unwrap();
+        fs::write(dir.path().join("spool/.tmp-1/scan.obj"), "v").unwrap();
+        Spool::open(dir.path()).unwrap();
+        assert_eq!(fs::read_dir(dir.path().join("spool")).unwrap().count(), 0);
+    }
+}

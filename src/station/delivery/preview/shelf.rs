@@ -1,0 +1,221 @@
+//! The folder of the previews, and what is known of each.
+
+use std::collections::BTreeMap;
+use std::fs::{self, OpenOptions};
+use std::io::{self, Write};
+use std::os::unix::fs::OpenOptionsExt;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use crate::flow::ScanId;
+use crate::record::RecordFile;
+use crate::station::jitter;
+use crate::station::operator::page::FILES;
+use crate::store::durable;
+
+/// The folder's name in the state folder.
+const NAME: &str = "previews";
+
+/// Files hold patients' bodies.
+const FILE_MODE: u32 = 0o600;
+
+/// The previews of held scans.
+#[derive(Debug)]
+pub struct Previews {
+    folder: PathBuf,
+    inner: Mutex<Inner>,
+}
+
+#[derive(Debug, Default)]
+struct Inner {
+    known: BTreeMap<ScanId, Preview>,
+    /// Grows with every change.
+    edition: u64,
+}
+
+/// What is known of a held scan's legs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Preview {
+    /// They can be seen in this folder.
+    Made(PathBuf),
+    /// They cannot be measured, for the reason of this code.
+    Impossible(String),
+}
+
+impl Previews {
+    /// The previews of a state folder; none is known yet, whatever lies there.
+    pub fn of(state_dir: &Path) -> Previews {
+        Previews { folder: state_dir.join(NAME), inner: Mutex::default() }
+    }
+
+    /// What is known of a scan.
+    pub fn get(&self, scan: &ScanId) -> Option<Preview> {
+        self.inner().known.get(scan).cloned()
+    }
+
+    /// Grows whenever something else is known.
+    pub fn edition(&self) -> u64 {
+        self.inner().edition
+    }
+
+    /// Whether there is nothing to be made: the preview is there, or there never will be one.
+    pub fn has(&self, scan: &ScanId) -> bool {
+        match self.get(scan) {
+            Some(Preview::Made(folder)) => folder.is_dir(),
+            Some(Preview::Impossible(_)) => true,
+            None => false,
+        }
+    }
+
+    /// Forgets all previews but those of these scans, and removes their folders; at first all that an
+    /// earlier run left.
+    ///
+    /// # Errors
+    /// Any I/O error; what could not be removed is tried again at the next call.
+    pub fn keep_only(&self, scans: &[ScanId]) -> io::Result<()> {
+        let mut inner = self.inner();
+        let before = inner.known.len();
+        inner.known.retain(|scan, _| scans.contains(scan));
+        if inner.known.len() != before {
+            inner.edition += 1;
+        }
+        let entries = match fs::read_dir(&self.folder) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(()),
+            entries => entries?,
+        };
+        for entry in entries {
+            let entry = entry?;
+            let name = entry.file_name();
+            let is_kept = inner.known.keys().any(|scan| name.to_str() == Some(scan.as_str()));
+            if !is_kept {
+                remove(&entry.path())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Keeps what the page shows of a scan. Written beside and renamed, so that a folder under its
+    /// final name is whole; not synced, for the next start makes it anew.
+    ///
+    /// # Errors
+    /// Any I/O error; nothing is kept then.
+    pub fn keep(&self, scan: &ScanId, files: &[RecordFile]) -> io::Result<()> {
+        durable::make_folder_once(&self.folder)?;
+        let staged = self.folder.join(format!(".tmp-{:016x}", jitter::bits()));
+        let folder = self.folder.join(scan.as_str());
+        let written = write(&staged, files).and_then(|()| fs::rename(&staged, &folder));
+        if let Err(error) = written {
+            // What is left of it goes with the next look.
+            let _ = remove(&staged);
+            return Err(error);
+        }
+        self.note(scan, Preview::Made(folder));
+        Ok(())
+    }
+
+    /// Notes that a scan cannot be measured, for the reason of this code.
+    pub fn cannot_be(&self, scan: &ScanId, code: String) {
+        self.note(scan, Preview::Impossible(code));
+    }
+
+    fn note(&self, scan: &ScanId, preview: Preview) {
+        let mut inner = self.inner();
+        inner.known.insert(scan.clone(), preview);
+        inner.edition += 1;
+    }
+
+    fn inner(&self) -> MutexGuard<'_, Inner> {
+        self.inner.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// Writes those files that the page shows into a new folder.
+fn write(folder: &Path, files: &[RecordFile]) -> io::Result<()> {
+    durable::make_folder(folder)?;
+    let is_shown = |file: &&RecordFile| FILES.iter().any(|shown| shown.name == file.name);
+    for RecordFile { name, bytes } in files.iter().filter(is_shown) {
+        let mut new = OpenOptions::new();
+        let new = new.write(true).create_new(true).mode(FILE_MODE);
+        new.open(folder.join(name))?.write_all(bytes)?;
+    }
+    Ok(())
+}
+
+/// Removes whatever lies there, if anything does.
+fn remove(path: &Path) -> io::Result<()> {
+    let removed = match fs::symlink_metadata(path) {
+        Ok(metadata) if metadata.is_dir() => fs::remove_dir_all(path),
+        Ok(_) => fs::remove_file(path),
+        Err(error) => Err(error),
+    };
+    match removed {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        removed => removed,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn scan(n: u8) -> ScanId {
+        ScanId::of_digest([n; 32])
+    }
+
+    fn files() -> Vec<RecordFile> {
+        let file = |name: &str| RecordFile { name: name.to_owned(), bytes: name.into() };
+        ["legs.svg", "record.json", "measurements.csv", "left.step"].map(file).into()
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_preview_holds_what_the_page_shows_for_its_owner_only() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let previews = Previews::of(dir.path());
+        previews.keep(&scan(1), &files()).unwrap();
+        let Some(Preview::Made(folder)) = previews.get(&scan(1)) else { panic!("not made") };
+        assert_eq!(names(&folder), ["legs.svg", "record.json"]);
+        for (path, mode) in [(folder.join("record.json"), 0o600), (folder, 0o700)] {
+            assert_eq!(fs::metadata(path).unwrap().permissions().mode() & 0o777, mode);
+        }
+        assert_eq!(names(&dir.path().join(NAME)), [scan(1).as_str()], "nothing half made is left");
+    }
+
+    #[test]
+    fn what_an_earlier_run_left_and_what_is_held_no_more_goes() {
+        let dir = tempfile::tempdir().unwrap();
+        Previews::of(dir.path()).keep(&scan(1), &files()).unwrap();
+        fs::write(dir.path().join(NAME).join(".tmp-1"), "").unwrap();
+        let previews = Previews::of(dir.path());
+        assert_eq!(previews.get(&scan(1)), None, "it is not this run's");
+        previews.keep_only(&[scan(1)]).unwrap();
+        assert_eq!(names(&dir.path().join(NAME)), [""; 0]);
+        previews.keep(&scan(1), &files()).unwrap();
+        previews.keep(&scan(2), &files()).unwrap();
+        let before = previews.edition();
+        previews.keep_only(&[scan(2)]).unwrap();
+        assert_eq!(names(&dir.path().join(NAME)), [scan(2).as_str()]);
+        assert!(previews.get(&scan(1)).is_none() && previews.edition() > before);
+    }
+
+    #[test]
+    fn a_preview_whose_folder_is_gone_is_to_be_made_again_and_an_impossible_one_is_not() {
+        let dir = tempfile::tempdir().unwrap();
+        let previews = Previews::of(dir.path());
+        previews.keep(&scan(1), &files()).unwrap();
+        previews.cannot_be(&scan(2), "no-leg".to_owned());
+        assert!(previews.has(&scan(1)) && previews.has(&scan(2)) && !previews.has(&scan(3)));
+        fs::remove_dir_all(dir.path().join(NAME)).unwrap();
+        assert!(!previews.has(&scan(1)) && previews.has(&scan(2)));
+        previews.keep(&scan(1), &files()).unwrap();
+        assert!(previews.has(&scan(1)));
+    }
+}

@@ -1,0 +1,285 @@
+//! Taking one settled file once it has been read: ask its format whether it is whole, give it to
+//! custody.
+
+use std::io;
+use std::os::unix::ffi::OsStrExt;
+
+use jiff::Timestamp;
+use tracing::{info, warn};
+
+use super::stable_read::Export;
+use crate::config::WithoutTrigger;
+use crate::flow::capture::{Content, Judged, Opener};
+use crate::flow::facts::IntakeState;
+use crate::flow::identity::{self, ID_NOT_ALLOWED};
+use crate::flow::light::Outcome;
+use crate::flow::{Appeared, NameSays, Settled, Verdict, companions};
+use crate::scan::{self, Format};
+use crate::station::assembly::Station;
+use crate::station::caught::caught;
+use crate::station::custody::quarantine::{self, Reason, Stage};
+use crate::station::custody::spool::Companion;
+use crate::station::custody::{Arrival, CustodyFault};
+use crate::station::event::{StationEvent, short};
+use crate::station::journal::JournalError;
+use crate::store::sums;
+
+/// Whether a settled file may be read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Admitted {
+    /// It may.
+    ToBeRead,
+    /// It is too large and has been refused.
+    Refused,
+    /// Nothing may be taken in now.
+    Shut,
+}
+
+/// What became of a settled file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Taken {
+    /// It has been dealt with in this state.
+    Done,
+    /// Its format shows that more is to come.
+    CutShort,
+    /// It changed while it was read.
+    Changed,
+}
+
+/// Why a file could not be taken now.
+#[derive(Debug, thiserror::Error)]
+pub enum TakeFault {
+    /// The export could not be read.
+    #[error("reading the export failed")]
+    Source(#[source] io::Error),
+    /// Custody failed.
+    #[error(transparent)]
+    Custody(#[from] CustodyFault),
+    /// The journal failed.
+    #[error("the journal could not be read or written")]
+    Journal(#[from] JournalError),
+}
+
+/// Parts settled files into those that have been dealt with in this state before and the others.
+/// A journal that cannot say counts as not knowing: taking the file will meet the same fault and
+/// tell of it. Blocks.
+pub fn dealt_with(station: &Station, settled: Vec<Settled>) -> (Vec<Settled>, Vec<Settled>) {
+    let journal = station.custody.journal();
+    settled.into_iter().partition(|file| {
+        !file.has_late_companion && journal.was_sighted(&file.path, file.stamp).unwrap_or(false)
+    })
+}
+
+/// Whether a settled file may be read; one that is too large is refused here. Blocks.
+///
+/// # Errors
+/// [`TakeFault`], after which the file is to be offered again.
+pub fn admitted(station: &Station, settled: &Settled) -> Result<Admitted, TakeFault> {
+    if settled.stamp.size > station.config.scanner.max_scan_bytes {
+        refuse_unread(station, settled)?;
+        station.custody.journal().sighted(&settled.path, settled.stamp, None)?;
+        return Ok(Admitted::Refused);
+    }
+    let bytes = companions::bytes(&settled.stamp, &settled.companions);
+    if station.intake_gate(bytes) != IntakeState::Open {
+        return Ok(Admitted::Shut);
+    }
+    let file = settled.path.file_name().unwrap_or_default().to_owned();
+    station.observer.tell(StationEvent::Settled { file });
+    Ok(Admitted::ToBeRead)
+}
+
+/// Takes a settled file that has been read, whose content began then. Blocks.
+///
+/// # Errors
+/// [`TakeFault`], after which the file is to be offered again.
+pub fn take(
+    station: &Station,
+    settled: &Settled,
+    began: Appeared,
+    export: &Export,
+) -> Result<Taken, TakeFault> {
+    let file = settled.path.file_name().unwrap_or_default();
+    let name = file.to_string_lossy();
+    // A look offers no other files.
+    let Ok(format) = Format::of_file_name(&name) else { return Ok(Taken::Done) };
+    let is_cut_short = awaits_rest(export, format);
+    if is_cut_short && !settled.awaited {
+        station.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
+        return Ok(Taken::CutShort);
+    }
+    let companions = fresh(station, settled, export)?;
+    let says = [station.identity.of_file_name(&name), beside(station, &companions)];
+    let read = settled.writing.read();
+    let found = Found { began, format, is_cut_short, read, companions: &companions };
+    let (verdict, not_an_id) = admit(station, export, &found, says)?;
+    if let Verdict::Held(_) = verdict {
+        station.booth.ended(&export.scan, Outcome::NeedsPerson, station.now());
+    }
+    let scan = export.scan.short();
+    if not_an_id {
+        warn!(event = "finding", scan, code = ID_NOT_ALLOWED);
+    }
+    if export.left_out > 0 {
+        warn!(event = "companions-left-out", scan, count = export.left_out);
+    }
+    if settled.is_shared {
+        warn!(event = "companion-shared", scan);
+    }
+    announce(station, settled, export, verdict);
+    let journal = station.custody.journal();
+    for companion in &settled.companions {
+        journal.sighted(&companion.path, companion.stamp, Some(&export.scan))?;
+    }
+    // Last: where it fails the file is read again, and known.
+    journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
+    Ok(Taken::Done)
+}
+
+/// What lies beside an export and was made for it: not what an earlier scan under the same stem was
+/// taken with, and left behind.
+fn fresh(
+    station: &Station,
+    settled: &Settled,
+    export: &Export,
+) -> Result<Vec<Companion>, JournalError> {
+    let journal = station.custody.journal();
+    let mut fresh = Vec::new();
+    for file in &export.companions {
+        let its = settled.companions.iter().find(|its| its.name_ending == file.name_ending);
+        let Some(its) = its else { continue };
+        let used = journal.sighted_as(&its.path)?;
+        let used = used.filter(|(_, scan)| scan.as_ref().is_some_and(|scan| *scan != export.scan));
+        if companions::is_fresh(&its.stamp, used.map(|(stamp, _)| stamp).as_ref()) {
+            fresh.push(file.clone());
+        } else {
+            info!(event = "companion-stale", scan = export.scan.short());
+        }
+    }
+    Ok(fresh)
+}
+
+/// What is known of an export beside its bytes.
+struct Found<'a> {
+    /// When its content was written.
+    began: Appeared,
+    format: Format,
+    /// Its format shows that more was to come.
+    is_cut_short: bool,
+    /// The lengths at which the same file was read before, bytes.
+    read: &'a [u64],
+    companions: &'a [Companion],
+}
+
+/// Gives an export to custody, for the capture that it answers.
+fn admit(
+    station: &Station,
+    export: &Export,
+    found: &Found<'_>,
+    says: [NameSays; 2],
+) -> Result<(Verdict, bool), TakeFault> {
+    let (custody, scan) = (&station.custody, &export.scan);
+    // No press and no other export may come between the judgement and what is done by it.
+    let mut booth = station.booth.hold();
+    custody.enter_kept(|kept, judged| {
+        booth.answer(judged, kept, false, station.now());
+        station.work.notify_one();
+    })?;
+    let known = custody.known(scan, &export.geometry)?;
+    let content = Content {
+        began: found.began,
+        is_known: known.is_some(),
+        is_cut_short: found.is_cut_short,
+        completes: match &known {
+            Some(_) => None,
+            None => custody.completed_by(&export.bytes, found.read)?,
+        },
+    };
+    let judged = booth.judge(&content);
+    let hold = station.config.capture.without_trigger == WithoutTrigger::Hold;
+    let whose = identity::of_judged(&judged, content.is_known, hold, says);
+    let not_an_id = whose.not_an_id;
+    let admitted = custody.admit(&Arrival {
+        scan,
+        bytes: &export.bytes,
+        format: found.format,
+        file_time: export.file_time,
+        whose,
+        pressed_at: pressed_at(station, &judged)?,
+        judged: judged.clone(),
+        companions: found.companions,
+        geometry: &export.geometry,
+        known,
+    });
+    let now = station.now();
+    match &admitted {
+        Ok(Verdict::New) => booth.answer(&judged, scan, false, now),
+        Ok(Verdict::Held(_)) => booth.answer(&judged, scan, true, now),
+        Ok(Verdict::Already) => {}
+        // Its bytes may be kept already, and with them what it answers: no other export may.
+        Err(_) if custody.spool().holds(scan) => booth.answer(&judged, scan, true, now),
+        Err(_) => {}
+    }
+    Ok((admitted?, not_an_id))
+}
+
+/// What the scanner's own measures beside a scan say; those of two such files say nothing.
+fn beside(station: &Station, companions: &[Companion]) -> NameSays {
+    let mut measures = companions.iter().filter(|file| file.name_ending.ends_with("ord"));
+    match (measures.next(), measures.next()) {
+        (Some(file), None) => station.identity.of_sidecar(&String::from_utf8_lossy(&file.bytes)),
+        _ => NameSays::Nothing,
+    }
+}
+
+/// When the button was pressed for an export that is certainly its own.
+fn pressed_at(station: &Station, judged: &Judged) -> Result<Option<Timestamp>, JournalError> {
+    match judged {
+        Judged::Of(capture) if capture.by == Opener::Press => {
+            station.custody.journal().captured_at(capture.number)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// Whether the format shows that more is to come. A reader that panics shows nothing: the scan
+/// goes on and is refused where it is measured.
+fn awaits_rest(export: &Export, format: Format) -> bool {
+    caught(|| scan::completeness(&export.bytes, format))
+        .is_ok_and(|complete| complete.is_err_and(|fault| fault.may_be_mended_by_waiting()))
+}
+
+fn announce(station: &Station, settled: &Settled, export: &Export, verdict: Verdict) {
+    let file = settled.path.file_name().unwrap_or_default().to_owned();
+    let scan = short(&export.scan);
+    match verdict {
+        Verdict::New => {
+            info!(event = "scan-spooled", scan, bytes = export.bytes.len());
+            station.observer.tell(StationEvent::Spooled { file, scan });
+            station.work.notify_one();
+        }
+        Verdict::Already => {
+            info!(event = "scan-known", scan);
+            station.observer.tell(StationEvent::Known { file, scan });
+        }
+        Verdict::Held(code) => {
+            warn!(event = "scan-held", scan, code);
+            station.observer.tell(StationEvent::Held { scan });
+        }
+    }
+}
+
+/// Refuses a file for its size alone. It has no scan id; its name and state stand for it.
+fn refuse_unread(station: &Station, settled: &Settled) -> Result<(), CustodyFault> {
+    let (size, limit) = (settled.stamp.size, station.config.scanner.max_scan_bytes);
+    let mut state = settled.path.as_os_str().as_bytes().to_vec();
+    state.extend(format!("\0{:?}", settled.stamp).bytes());
+    let code = "scan-too-large";
+    let message = format!("the file has {size} bytes, scanner.max_scan_bytes allows {limit}");
+    let reason = Reason::new(code, message.clone(), Stage::Intake, Timestamp::now());
+    let name = quarantine::unread(sums::scan_id(&state).short());
+    station.custody.refuse_unread(&name, &reason)?;
+    warn!(event = "scan-refused", scan = name, code, bytes = size);
+    station.observer.tell(StationEvent::Refused { scan: None, code: code.to_owned(), message });
+    Ok(())
+}

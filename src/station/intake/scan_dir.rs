@@ -1,0 +1,231 @@
+//! One look at an export folder: which files could be scans, what belongs to them, and on what the
+//! folder lies. Nothing is opened but folders.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ffi::OsString;
+use std::fs::{self, FileType, Metadata};
+use std::io;
+use std::os::unix::fs::{FileTypeExt, MetadataExt};
+use std::path::{Path, PathBuf};
+
+use super::file_system::{self, folder_id};
+use crate::config::WatchConfig;
+use crate::flow::companions::{self, Done};
+use crate::flow::explain::passed_over_by_name;
+use crate::flow::mount::Mount;
+use crate::flow::{DoneFile, Group, Stamp};
+use crate::scan::Format;
+use crate::station::stall::Pulse;
+
+/// How deep sub-folders are looked through: a year, a month, a day and a patient. A loop of mounts
+/// must end somewhere.
+const DEPTH_MAX: usize = 4;
+
+/// How many files that are passed over are known by name; the others are only counted, for a
+/// folder may hold years of other files.
+const IGNORED_MAX: usize = 1000;
+
+/// How many files that are no scans as they are called now are followed, those that changed last: one of
+/// them may be the temporary name of a scan to come, and that is being written.
+const PASSERS_MAX: usize = 500;
+
+/// What a look found.
+#[derive(Debug)]
+pub struct Found {
+    /// Regular files whose ending says that they are scans, with what belongs to them.
+    pub scans: BTreeMap<PathBuf, Group>,
+    /// Regular files that are no scans as they are called now, hidden ones too; of many those that changed
+    /// last.
+    pub passers: BTreeMap<PathBuf, Stamp>,
+    /// Others, hidden and unfinished ones aside, and why they are passed over; not all of many.
+    pub ignored: BTreeMap<PathBuf, &'static str>,
+    /// How many others there are.
+    pub ignored_count: usize,
+    /// What the folder lies on.
+    pub mount: Mount,
+}
+
+/// Looks through a folder.
+///
+/// # Errors
+/// Where the folder cannot be listed to its end, or another came in its place meanwhile: half a
+/// list would make files vanish.
+pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Found> {
+    let before = folder_id(folder)?;
+    let mount = file_system::mount(folder, config)?;
+    let mut walk = Walk::new(config, pulse);
+    walk.list(folder, 0)?;
+    let is_same = folder_id(folder)? == before && file_system::of(folder)? == mount.file_system;
+    if !is_same {
+        return Err(io::Error::other("it was replaced while it was looked through"));
+    }
+    Ok(walk.found(mount))
+}
+
+/// A walk through a folder and, by choice, those in it.
+struct Walk<'a> {
+    config: &'a WatchConfig,
+    pulse: &'a Pulse,
+    scans: BTreeMap<PathBuf, Stamp>,
+    companions: BTreeMap<PathBuf, Stamp>,
+    /// By the time of their last change, and by name.
+    passers: BTreeMap<(i128, PathBuf), Stamp>,
+    done: BTreeMap<PathBuf, Stamp>,
+    ignored: BTreeMap<PathBuf, &'static str>,
+    ignored_count: usize,
+}
+
+impl<'a> Walk<'a> {
+    fn new(config: &'a WatchConfig, pulse: &'a Pulse) -> Walk<'a> {
+        Walk {
+            config,
+            pulse,
+            scans: BTreeMap::new(),
+            companions: BTreeMap::new(),
+            passers: BTreeMap::new(),
+            done: BTreeMap::new(),
+            ignored: BTreeMap::new(),
+            ignored_count: 0,
+        }
+    }
+
+    fn list(&mut self, folder: &Path, depth: usize) -> io::Result<()> {
+        let mut names = BTreeSet::new();
+        let mut scans = Vec::new();
+        for entry in fs::read_dir(folder)? {
+            let entry = entry?;
+            self.pulse.beat();
+            let (path, name) = (entry.path(), entry.file_name());
+            let text = name.to_string_lossy();
+            let is_hidden = passed_over_by_name(&text).is_some();
+            // A file that cannot be examined is one that is not there yet.
+            let Ok(kind) = entry.file_type() else { continue };
+            if is_hidden {
+                // A done file may be called so, or a scan that is being written.
+                self.passer(path);
+            } else if kind.is_dir() {
+                self.folder(path, depth)?;
+            } else if Format::of_file_name(&text).is_ok() {
+                scans.extend(self.regular(path, &mut |walk| &mut walk.scans));
+            } else if companions::is_companion(&name) {
+                self.regular(path, &mut |walk| &mut walk.companions);
+            } else {
+                self.passer(path.clone());
+                self.ignore(path, "does not end as a scan does");
+            }
+            names.insert(name);
+        }
+        if let Some(rule) = &self.config.done_file {
+            self.done_files(rule, &scans, &names);
+        }
+        Ok(())
+    }
+
+    /// Notes a regular file with its stamp and gives its path; passes over anything else.
+    fn regular(
+        &mut self,
+        path: PathBuf,
+        kept: &mut dyn for<'w> FnMut(&'w mut Self) -> &'w mut BTreeMap<PathBuf, Stamp>,
+    ) -> Option<PathBuf> {
+        let metadata = path.symlink_metadata().ok()?;
+        if !metadata.is_file() {
+            self.ignore(path, irregular(metadata.file_type()));
+            return None;
+        }
+        kept(self).insert(path.clone(), stamp(&metadata));
+        Some(path)
+    }
+
+    /// Follows a file that is no scan as it is called now.
+    fn passer(&mut self, path: PathBuf) {
+        let metadata = path.symlink_metadata().ok().filter(Metadata::is_file);
+        let Some(stamp) = metadata.map(|metadata| stamp(&metadata)) else { return };
+        let changed_ns = stamp.ctime_ns.max(stamp.mtime_ns);
+        self.passers.insert((changed_ns, path), stamp);
+        if self.passers.len() > PASSERS_MAX {
+            self.passers.pop_first();
+        }
+    }
+
+    fn folder(&mut self, path: PathBuf, depth: usize) -> io::Result<()> {
+        if !self.config.subfolders {
+            self.ignore(path, "is a folder, and scanner.subfolders is false");
+        } else if depth == DEPTH_MAX {
+            self.ignore(path, "is a folder that lies too deep");
+        } else {
+            match self.list(&path, depth + 1) {
+                // It was removed meanwhile.
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) if error.kind() == io::ErrorKind::PermissionDenied => {
+                    self.ignore(path, "is a folder that the station may not read");
+                }
+                other => return other,
+            }
+        }
+        Ok(())
+    }
+
+    /// The done files of the scans of one folder. Only names that were listed are examined: a look
+    /// at a share must not ask for every file twice.
+    fn done_files(&mut self, rule: &DoneFile, scans: &[PathBuf], names: &BTreeSet<OsString>) {
+        for done in scans.iter().map(|scan| rule.of(scan)) {
+            if !done.file_name().is_some_and(|name| names.contains(name)) {
+                continue;
+            }
+            if let Some(metadata) = done.symlink_metadata().ok().filter(Metadata::is_file) {
+                self.ignored_count -= usize::from(self.ignored.remove(&done).is_some());
+                self.done.insert(done, stamp(&metadata));
+            }
+        }
+    }
+
+    fn ignore(&mut self, path: PathBuf, why: &'static str) {
+        self.ignored_count += 1;
+        if self.ignored.len() < IGNORED_MAX {
+            self.ignored.insert(path, why);
+        }
+    }
+
+    fn found(self, mount: Mount) -> Found {
+        let Walk { config, scans, companions, passers, done, ignored, ignored_count, .. } = self;
+        let done = |scan: &Path| match &config.done_file {
+            None => Done::NotAsked,
+            Some(rule) => done.get(&rule.of(scan)).copied().map_or(Done::Missing, Done::There),
+        };
+        let scans = companions::groups(scans, companions, done);
+        let passers = passers.into_iter().map(|((_, path), stamp)| (path, stamp)).collect();
+        Found { scans, passers, ignored, ignored_count, mount }
+    }
+}
+
+/// Why something that is no regular file is passed over.
+fn irregular(kind: FileType) -> &'static str {
+    if kind.is_symlink() {
+        "is a link, and links are not followed"
+    } else if kind.is_dir() {
+        "is a folder called like a scan"
+    } else if kind.is_fifo() {
+        "is a pipe, not a file"
+    } else if kind.is_socket() {
+        "is a socket, not a file"
+    } else {
+        "is a device, not a file"
+    }
+}
+
+/// The stamp of a file.
+pub fn stamp(metadata: &Metadata) -> Stamp {
+    let ns = |seconds: i64, nanoseconds: i64| {
+        i128::from(seconds) * 1_000_000_000 + i128::from(nanoseconds)
+    };
+    Stamp {
+        dev: metadata.dev(),
+        ino: metadata.ino(),
+        size: metadata.size(),
+        mtime_ns: ns(metadata.mtime(), metadata.mtime_nsec()),
+        ctime_ns: ns(metadata.ctime(), metadata.ctime_nsec()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,140 @@
+//! Looks at real folders.
+
+use std::os::unix::fs::symlink;
+use std::os::unix::net::UnixListener;
+use std::time::Duration;
+
+use rustix::fs::{CWD, Mode, mkfifoat};
+
+use crate::flow::mount::Expected;
+use crate::station::intake::scan_dir::*;
+
+fn config() -> WatchConfig {
+    WatchConfig {
+        subfolders: false,
+        done_file: None,
+        overdue: Duration::from_secs(600),
+        expected: Expected::default(),
+        mount_point: None,
+    }
+}
+
+fn looked(folder: &Path, config: &WatchConfig) -> Found {
+    look(folder, config, &Pulse::default()).unwrap()
+}
+
+fn names(folder: &Path, found: &Found) -> Vec<String> {
+    let inside = |path: &PathBuf| path.strip_prefix(folder).unwrap().to_str().unwrap().to_owned();
+    found.scans.keys().map(inside).collect()
+}
+
+#[test]
+fn only_regular_files_that_could_be_scans_are_found_and_the_others_say_why_not() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    for name in ["a.obj", "B.OBJ", ".c.obj", "d.obj.part", "e.TMP", "notes.pdf", "a.ord"] {
+        fs::write(at(name), name).unwrap();
+    }
+    fs::create_dir(at("folder.obj")).unwrap();
+    symlink(at("a.obj"), at("link.obj")).unwrap();
+    symlink("/nowhere", at("broken.obj")).unwrap();
+    mkfifoat(CWD, at("pipe.obj"), Mode::RUSR).unwrap();
+    let _socket = UnixListener::bind(at("socket.obj")).unwrap();
+    fs::hard_link(at("a.obj"), at("hard.obj")).unwrap();
+    let found = looked(dir.path(), &config());
+    assert_eq!(names(dir.path(), &found), ["B.OBJ", "a.obj", "hard.obj"]);
+    assert_eq!(found.scans[&at("a.obj")].companions[0].path, at("a.ord"));
+    assert_eq!(found.scans[&at("a.obj")].stamp, found.scans[&at("hard.obj")].stamp);
+    let ignored = |name: &str| found.ignored.get(&at(name)).copied().unwrap_or_default();
+    for (name, why) in [
+        ("folder.obj", "is a folder"),
+        ("link.obj", "is a link"),
+        ("broken.obj", "is a link"),
+        ("pipe.obj", "is a pipe"),
+        ("socket.obj", "is a socket"),
+        ("notes.pdf", "does not end as a scan does"),
+    ] {
+        assert!(ignored(name).starts_with(why), "{name}: {}", ignored(name));
+    }
+    assert_eq!((found.ignored_count, found.ignored.len()), (6, 6));
+}
+
+#[test]
+fn a_missing_folder_is_no_empty_folder() {
+    assert!(look(Path::new("/nowhere/at/all"), &config(), &Pulse::default()).is_err());
+}
+
+#[test]
+fn sub_folders_are_looked_through_by_choice_to_a_depth_and_never_through_links() {
+    let dir = tempfile::tempdir().unwrap();
+    let deepest = dir.path().join("1/2/3/4");
+    fs::create_dir_all(deepest.join("5")).unwrap();
+    fs::create_dir(dir.path().join(".hidden")).unwrap();
+    let outside = tempfile::tempdir().unwrap();
+    symlink(outside.path(), dir.path().join("link")).unwrap();
+    symlink(dir.path(), dir.path().join("1/loop")).unwrap();
+    let places = ["a.obj", "1/b.obj", "1/2/3/4/c.obj", "1/2/3/4/5/d.obj", ".hidden/e.obj"];
+    for path in
+        places.map(|name| dir.path().join(name)).iter().chain([&outside.path().join("f.obj")])
+    {
+        fs::write(path, "x").unwrap();
+    }
+    assert_eq!(names(dir.path(), &looked(dir.path(), &config())), ["a.obj"]);
+    let found = looked(dir.path(), &WatchConfig { subfolders: true, ..config() });
+    assert_eq!(names(dir.path(), &found), ["1/2/3/4/c.obj", "1/b.obj", "a.obj"]);
+    assert_eq!(found.ignored[&deepest.join("5")], "is a folder that lies too deep");
+}
+
+#[test]
+fn a_scan_s_done_file_is_found_and_counts_as_nothing_else() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    for name in ["a.obj", "a.obj.done", "b.obj", "c.obj"] {
+        fs::write(at(name), name).unwrap();
+    }
+    fs::create_dir(at("c.obj.done")).unwrap();
+    let config = WatchConfig { done_file: DoneFile::new("{name}.done"), ..config() };
+    let found = looked(dir.path(), &config);
+    assert!(matches!(found.scans[&at("a.obj")].done, Done::There(_)));
+    assert_eq!(found.scans[&at("b.obj")].done, Done::Missing);
+    assert_eq!(found.scans[&at("c.obj")].done, Done::Missing, "a folder says nothing");
+    assert_eq!(found.ignored.keys().collect::<Vec<_>>(), [&at("c.obj.done")]);
+}
+
+#[test]
+fn a_look_tells_what_the_folder_lies_on() {
+    let dir = tempfile::tempdir().unwrap();
+    let marker = Expected { marker: Some(".here".into()), ..Expected::default() };
+    let config = WatchConfig { expected: marker, ..config() };
+    assert!(!looked(dir.path(), &config).mount.has_marker);
+    fs::write(dir.path().join(".here"), "").unwrap();
+    assert!(looked(dir.path(), &config).mount.has_marker);
+
+    let mounted_at = |place: &Path| {
+        let config = WatchConfig { mount_point: Some(place.to_owned()), ..config.clone() };
+        looked(dir.path(), &config).mount.is_mounted
+    };
+    assert!(mounted_at(Path::new("/proc")));
+    assert!(!mounted_at(dir.path()));
+    assert!(!mounted_at(&dir.path().join("nowhere")));
+}
+
+#[test]
+fn of_many_files_that_are_no_scans_those_that_changed_last_are_followed() {
+    let dir = tempfile::tempdir().unwrap();
+    let old = fs::FileTimes::new().set_modified(std::time::UNIX_EPOCH);
+    for n in 0..2 * PASSERS_MAX {
+        let file = fs::File::create(dir.path().join(format!("{n}.jpg"))).unwrap();
+        file.set_times(old).unwrap();
+    }
+    fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
+    // Until the clock of stamps has gone on, nothing can tell which is the newest.
+    let stamp_of = |name: &str| stamp(&fs::metadata(dir.path().join(name)).unwrap());
+    let last = (0..2 * PASSERS_MAX).map(|n| stamp_of(&format!("{n}.jpg")).ctime_ns).max();
+    while Some(stamp_of("now.tmp").ctime_ns) <= last {
+        fs::write(dir.path().join("now.tmp"), "a scan to come").unwrap();
+    }
+    let found = looked(dir.path(), &config());
+    assert_eq!(found.passers.len(), PASSERS_MAX);
+    assert!(found.passers.contains_key(&dir.path().join("now.tmp")));
+}

@@ -1,0 +1,211 @@
+//! Reading a settled file whole, and only if it is still the file that settled.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::os::unix::fs::{FileExt, MetadataExt};
+use std::path::Path;
+use std::time::Duration;
+
+use jiff::Timestamp;
+use rustix::fs::{Mode, OFlags};
+use rustix::io::Errno;
+
+use super::scan_dir;
+use crate::flow::writing::END_BYTES;
+use crate::flow::{Mark, ScanId, Settled, Stamp};
+use crate::scan::{self, Format};
+use crate::station::custody::spool::Companion;
+use crate::station::stall::Pulse;
+use crate::store::sums;
+
+/// How much is read at a time, bytes: a step that a slow share makes well within the deadline.
+const PIECE_BYTES: u64 = 1 << 20;
+
+/// The bytes of one state of an export.
+#[derive(Debug)]
+pub struct Export {
+    /// The bytes.
+    pub bytes: Vec<u8>,
+    /// Their id.
+    pub scan: ScanId,
+    /// The hash of their geometry, hexadecimal; '' where they have none.
+    pub geometry: String,
+    /// The file's own time of last change.
+    pub file_time: Option<Timestamp>,
+    /// What goes with it.
+    pub companions: Vec<Companion>,
+    /// How many files beside it are left out because they are too large, too many or cannot be read.
+    pub left_out: usize,
+}
+
+/// Reads a settled file and what goes with it, if all is in the state that settled before and
+/// after; else none, for something changed, was replaced or left, and settling starts again.
+///
+/// # Errors
+/// Any other I/O error at the scan itself.
+pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
+    let Some(bytes) = bytes(&settled.path, settled.stamp, pulse)? else { return Ok(None) };
+    let (mut companions, mut left_out) = (Vec::new(), settled.left_out);
+    for companion in &settled.companions {
+        let name_ending = companion.name_ending.clone();
+        match self::bytes(&companion.path, companion.stamp, pulse) {
+            Ok(Some(bytes)) => companions.push(Companion { name_ending, bytes }),
+            Ok(None) => return Ok(None),
+            // A scan is not lost for what lies beside it.
+            Err(_) => left_out += 1,
+        }
+    }
+    let file_time = Timestamp::from_nanosecond(settled.stamp.mtime_ns).ok();
+    let scan = sums::scan_id(&bytes);
+    let geometry = geometry(&settled.path, &bytes);
+    Ok(Some(Export { scan, geometry, bytes, file_time, companions, left_out }))
+}
+
+fn geometry(path: &Path, bytes: &[u8]) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    let format = Format::of_file_name(&name).ok();
+    let parts = format.map(|format| scan::geometry(bytes, format)).unwrap_or_default();
+    if parts.is_empty() { String::new() } else { sums::of_parts(bytes, &parts).to_string() }
+}
+
+/// The ends of the part of a file that a look found in this state; none where it cannot be read, or is
+/// shorter by now. `now` tells the time.
+pub fn mark(path: &Path, stamp: Stamp, now: impl Fn() -> Duration) -> Option<Mark> {
+    let began = now();
+    let file = File::from(rustix::fs::open(path, READ, Mode::empty()).ok()?);
+    let end = |offset: u64| {
+        let length = stamp.size.min(END_BYTES as u64);
+        let mut end = vec![0; usize::try_from(length).ok()?];
+        file.read_exact_at(&mut end, offset).ok()?;
+        Some(end)
+    };
+    let is_file = file.metadata().is_ok_and(|metadata| {
+        (metadata.dev(), metadata.ino()) == (stamp.dev, stamp.ino) && metadata.is_file()
+    });
+    let (head, tail) = (end(0)?, end(stamp.size.saturating_sub(END_BYTES as u64))?);
+    is_file.then(|| Mark::new(began, now(), stamp.size, &head, &tail))
+}
+
+/// A link or a pipe may have taken a file's place: neither follow nor wait.
+const READ: OFlags =
+    OFlags::RDONLY.union(OFlags::NOFOLLOW).union(OFlags::NONBLOCK).union(OFlags::CLOEXEC);
+
+/// The bytes of a file, if it is in this state before and after; else none.
+///
+/// # Errors
+/// Any other I/O error.
+pub fn bytes(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Vec<u8>>> {
+    let mut file = match rustix::fs::open(path, READ, Mode::empty()) {
+        Ok(file) => File::from(file),
+        Err(Errno::NOENT | Errno::LOOP | Errno::NXIO) => return Ok(None),
+        Err(error) => return Err(error.into()),
+    };
+    if !in_state(&file, stamp)? {
+        return Ok(None);
+    }
+    let mut bytes = Vec::with_capacity(usize::try_from(stamp.size).unwrap_or(0));
+    // One byte more than expected shows a file that grew; a bound in any case.
+    let mut rest = (&mut file).take(stamp.size.saturating_add(1));
+    while (&mut rest).take(PIECE_BYTES).read_to_end(&mut bytes)? > 0 {
+        pulse.beat();
+    }
+    let is_whole = u64::try_from(bytes.len()) == Ok(stamp.size) && in_state(&file, stamp)?;
+    Ok(is_whole.then_some(bytes))
+}
+
+fn in_state(file: &File, stamp: Stamp) -> io::Result<bool> {
+    let metadata = file.metadata()?;
+    Ok(metadata.is_file() && scan_dir::stamp(&metadata) == stamp)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+    use crate::flow::{self, Appeared, Writing};
+
+    fn settled(path: &Path) -> Settled {
+        let stamp = scan_dir::stamp(&path.symlink_metadata().unwrap());
+        let writing = Writing::new(Appeared { absent: None, seen: Duration::ZERO });
+        Settled {
+            path: path.to_owned(),
+            stamp,
+            companions: Vec::new(),
+            left_out: 0,
+            is_shared: false,
+            awaited: false,
+            writing,
+            has_late_companion: false,
+        }
+    }
+
+    fn read(settled: &Settled) -> Option<Export> {
+        super::read(settled, &Pulse::default()).unwrap()
+    }
+
+    #[test]
+    fn a_file_is_read_only_in_the_state_that_settled() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        fs::write(&path, "v 0 0 0\n").unwrap();
+        let settled = settled(&path);
+        let export = read(&settled).unwrap();
+        assert_eq!(export.bytes, b"v 0 0 0\n");
+        assert_eq!(export.scan, sums::scan_id(b"v 0 0 0\n"));
+
+        fs::write(&path, "v 0 0 0\nv").unwrap();
+        assert!(read(&settled).is_none(), "it grew");
+        fs::remove_file(&path).unwrap();
+        assert!(read(&settled).is_none(), "it left");
+    }
+
+    #[test]
+    fn a_file_of_many_pieces_is_read_whole() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("a.obj");
+        let bytes: Vec<u8> = (0..5 * PIECE_BYTES / 2).map(|n| (n % 251) as u8).collect();
+        fs::write(&path, &bytes).unwrap();
+        assert!(read(&settled(&path)).unwrap().bytes == bytes);
+    }
+
+    #[test]
+    fn a_link_or_a_pipe_in_the_file_s_place_is_not_read() {
+        let dir = tempfile::tempdir().unwrap();
+        let (path, real) = (dir.path().join("a.obj"), dir.path().join("real.obj"));
+        fs::write(&real, "v 0 0 0\n").unwrap();
+        let settled = Settled { path: path.clone(), ..settled(&real) };
+        std::os::unix::fs::symlink(&real, &path).unwrap();
+        assert!(read(&settled).is_none());
+        fs::remove_file(&path).unwrap();
+        rustix::fs::mkfifoat(rustix::fs::CWD, &path, Mode::RUSR | Mode::WUSR).unwrap();
+        assert!(read(&settled).is_none());
+    }
+
+    #[test]
+    fn what_goes_with_a_scan_is_read_with_it_in_the_state_that_settled() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        fs::write(at("a.obj"), "v 0 0 0\n").unwrap();
+        fs::write(at("a.ord"), "MEASURE Calf=1\n").unwrap();
+        fs::write(at("a.mtl"), "newmtl skin\n").unwrap();
+        let mut settled = settled(&at("a.obj"));
+        settled.companions = ["mtl", "ord"].map(|ending| beside(&at("a"), ending)).to_vec();
+        settled.left_out = 3;
+        let export = read(&settled).unwrap();
+        let kept = |name_ending: &str, text: &str| Companion {
+            name_ending: name_ending.into(),
+            bytes: text.into(),
+        };
+        let both = vec![kept("mtl", "newmtl skin\n"), kept("ord", "MEASURE Calf=1\n")];
+        assert_eq!((export.companions, export.left_out), (both, 3));
+        fs::write(at("a.ord"), "MEASURE Calf=2\nMEASURE").unwrap();
+        assert!(read(&settled).is_none());
+    }
+
+    fn beside(stem: &Path, ending: &str) -> flow::Companion {
+        let path = stem.with_extension(ending);
+        let stamp = scan_dir::stamp(&path.symlink_metadata().unwrap());
+        flow::Companion { path, stamp, name_ending: ending.into() }
+    }
+}

@@ -1,0 +1,56 @@
+//! Checks of a whole journal: its pages and indexes, its tables, every cell that is a text, the seals of
+//! its rows, the chain of its history, and that it is not an older copy of itself.
+
+use rusqlite::Connection;
+use rusqlite::types::ValueRef;
+
+use super::seal;
+use crate::station::journal::history::{self, HeadFile};
+use crate::station::journal::{JournalError, schema};
+
+/// SQLite's own look at every page, and whether each index says what its table says: a row that an
+/// index hides is neither found nor delivered, which the quick check does not see.
+pub(in crate::station::journal) fn pages(connection: &Connection) -> Result<(), JournalError> {
+    let found: String = connection.query_row("PRAGMA integrity_check(1)", [], |row| row.get(0))?;
+    if found == "ok" { Ok(()) } else { Err(JournalError::Damaged { found }) }
+}
+
+/// Every row: that its texts are texts, its seal, and the history's chain.
+pub(in crate::station::journal) fn rows(connection: &Connection) -> Result<(), JournalError> {
+    for table in schema::TABLES {
+        texts(connection, table)?;
+    }
+    seal::check_all(connection)?;
+    history::check(connection)
+}
+
+/// SQLite keeps any bytes as a text.
+fn texts(connection: &Connection, table: &'static str) -> Result<(), JournalError> {
+    let mut query = connection.prepare(&format!("SELECT * FROM {table}"))?;
+    let columns = query.column_count();
+    let mut rows = query.query([])?;
+    while let Some(row) = rows.next()? {
+        for column in 0..columns {
+            if let ValueRef::Text(bytes) = row.get_ref(column)?
+                && std::str::from_utf8(bytes).is_err()
+            {
+                let found = format!("a text of the table {table} is none");
+                return Err(JournalError::Damaged { found });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the journal holds the last entry that its head file names.
+pub(in crate::station::journal) fn head(
+    connection: &Connection,
+    head: &HeadFile,
+) -> Result<(), JournalError> {
+    match head.read().map_err(JournalError::Head)? {
+        Some(head) if history::is_behind(connection, &head)? => {
+            Err(JournalError::Behind { head: head.seq })
+        }
+        _ => Ok(()),
+    }
+}

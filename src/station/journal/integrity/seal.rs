@@ -1,0 +1,125 @@
+//! Seals: SQLite notices a page that makes no sense, not a digit of a patient's id that has become
+//! another. So the cells that say whose a scan is and where its record goes carry a checksum.
+
+use rusqlite::{Connection, Transaction, params};
+
+use crate::record::sha256;
+use crate::station::journal::JournalError;
+
+/// Digits of a seal: a damaged row passes with a chance of 2⁻⁶⁴.
+const DIGITS: usize = 16;
+
+/// The seal of a scan's fixed cells.
+pub(in crate::station::journal) fn of_scan(
+    scan: &str,
+    format: &str,
+    size: i64,
+    first_seen: &str,
+    file_time: Option<&str>,
+) -> String {
+    seal(&[scan, format, &size.to_string(), first_seen, file_time.unwrap_or("")])
+}
+
+/// The seal of a delivery's fixed cells.
+pub(in crate::station::journal) fn of_delivery(
+    scan: &str,
+    patient: &str,
+    store: &str,
+    sources: &str,
+) -> String {
+    seal(&[scan, patient, store, sources])
+}
+
+/// The seal of a capture's cells that say whose scan its export is. `others` is JSON.
+pub(in crate::station::journal) fn of_capture(
+    number: i64,
+    patient: &str,
+    source: &str,
+    others: &str,
+) -> String {
+    let number = number.to_string();
+    match others {
+        // As it was before captures had others.
+        "[]" => seal(&["capture", &number, patient, source]),
+        others => seal(&["capture", &number, patient, source, others]),
+    }
+}
+
+/// The seal of a text.
+pub(in crate::station::journal) fn of_text(text: &str) -> String {
+    seal(&[text])
+}
+
+fn seal(cells: &[&str]) -> String {
+    let mut digest = sha256(cells.join("\0").as_bytes());
+    digest.truncate(DIGITS);
+    digest
+}
+
+/// Seals the rows of a journal that had no seals.
+pub(in crate::station::journal) fn seal_all(
+    transaction: &Transaction<'_>,
+) -> Result<(), JournalError> {
+    for (scan, seal, _) in scans(transaction)? {
+        transaction.execute("UPDATE scans SET seal = ?2 WHERE sha256 = ?1", [scan, seal])?;
+    }
+    for (rowid, seal, _) in deliveries(transaction)? {
+        transaction
+            .execute("UPDATE deliveries SET seal = ?2 WHERE rowid = ?1", params![rowid, seal])?;
+    }
+    Ok(())
+}
+
+/// Checks every seal.
+pub(in crate::station::journal) fn check_all(connection: &Connection) -> Result<(), JournalError> {
+    let scans = scans(connection)?.into_iter().map(|(_, due, found)| ("scans", due, found));
+    let deliveries =
+        deliveries(connection)?.into_iter().map(|(_, due, found)| ("deliveries", due, found));
+    let captures = captures(connection)?.into_iter().map(|(due, found)| ("captures", due, found));
+    for (table, due, found) in scans.chain(deliveries).chain(captures) {
+        if due != found {
+            return Err(JournalError::Seal { table });
+        }
+    }
+    Ok(())
+}
+
+/// Every scan with the seal it should have and the one it has.
+fn scans(connection: &Connection) -> Result<Vec<(String, String, String)>, JournalError> {
+    let mut query = connection
+        .prepare("SELECT sha256, format, size, first_seen, file_time, seal FROM scans")?;
+    let rows = query.query_map([], |row| {
+        let (scan, format): (String, String) = (row.get(0)?, row.get(1)?);
+        let (first_seen, file_time): (String, Option<String>) = (row.get(3)?, row.get(4)?);
+        let due = of_scan(&scan, &format, row.get(2)?, &first_seen, file_time.as_deref());
+        Ok((scan, due, row.get(5)?))
+    })?;
+    Ok(rows.collect::<rusqlite::Result<_>>()?)
+}
+
+/// The same of every delivery, by its row.
+fn deliveries(connection: &Connection) -> Result<Vec<(i64, String, String)>, JournalError> {
+    let mut query = connection
+        .prepare("SELECT rowid, sha256, patient, store, sources, seal FROM deliveries")?;
+    let rows = query.query_map([], |row| {
+        let cell = |at| row.get::<_, String>(at);
+        Ok((row.get(0)?, of_delivery(&cell(1)?, &cell(2)?, &cell(3)?, &cell(4)?), row.get(5)?))
+    })?;
+    Ok(rows.collect::<rusqlite::Result<_>>()?)
+}
+
+/// Every capture's seal as it should be and as it is.
+fn captures(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
+    // All columns: one whose name is damaged must show now and not at the first press.
+    let mut query = connection.prepare(
+        "SELECT number, patient, source, seal, candidates, at, boot, opened_ms, until_ms, opener, state,
+                shared, scan, refused, doubt
+         FROM captures",
+    )?;
+    let rows = query.query_map([], |row| {
+        let (patient, source, others): (String, String, String) =
+            (row.get(1)?, row.get(2)?, row.get(4)?);
+        Ok((of_capture(row.get(0)?, &patient, &source, &others), row.get(3)?))
+    })?;
+    Ok(rows.collect::<rusqlite::Result<_>>()?)
+}

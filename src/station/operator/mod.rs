@@ -1,0 +1,8 @@
+//! What people and monitors ask of the station, and what people decide: command line, page, metrics.
+
+pub mod act;
+pub mod control;
+pub(in crate::station) mod http;
+pub(in crate::station) mod metrics;
+pub mod overview;
+pub(in crate::station) mod page;

@@ -1,0 +1,143 @@
+//! What a person decides on the page. It is carried out by the control socket's own answers, and
+//! only for those who show the token from this door's own page.
+
+use std::sync::Arc;
+
+use axum::body::to_bytes;
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use serde::Serialize;
+use tokio::task::spawn_blocking;
+
+use super::{Door, assets, guard};
+use crate::flow::page::{of_fault, words};
+use crate::record::Language;
+use crate::station::operator::control::answer;
+use crate::station::operator::control::protocol::{self, Answer, FaultKind};
+
+/// The longest decision, bytes: an id fits many times over.
+const MOST: usize = 16 * 1024;
+
+/// What is said of a decision.
+#[derive(Serialize)]
+struct Said {
+    /// Stable code; none where it was carried out.
+    code: Option<String>,
+    /// A sentence for the person.
+    sentence: String,
+}
+
+/// Carries a decision out.
+pub async fn ask(State(door): State<Arc<Door>>, request: Request) -> Response {
+    if let Some(refused) = refusal(&door, request.headers()) {
+        return refused;
+    }
+    let Ok(body) = to_bytes(request.into_body(), MOST).await else {
+        return refused(StatusCode::PAYLOAD_TOO_LARGE, "too-large", "this is too long");
+    };
+    let asked = serde_json::from_slice::<protocol::Request>(&body).ok();
+    let Some((asked, verb)) = asked.and_then(|asked| verb(&asked).map(|verb| (asked, verb))) else {
+        return refused(StatusCode::BAD_REQUEST, "malformed", "this is no decision");
+    };
+    let language = door.station.config.language;
+    let answered = spawn_blocking(move || {
+        let answered = answer(&door.station, &asked);
+        door.station.page.feed.hurry();
+        answered
+    });
+    match answered.await {
+        Ok(answered) => said(answered, verb, language),
+        Err(_) => refused(StatusCode::INTERNAL_SERVER_ERROR, "panic", "the answer was cut off"),
+    }
+}
+
+/// Gives whoever shows the token the cookie for reading.
+pub async fn enter(State(door): State<Arc<Door>>, headers: HeaderMap) -> Response {
+    let token = door.station.page.token.get();
+    match (refusal(&door, &headers), token) {
+        (None, Some(token)) => {
+            let said = Said { code: None, sentence: String::new() };
+            ([(header::SET_COOKIE, token.cookie())], json(&said)).into_response()
+        }
+        (Some(refused), _) => refused,
+        (None, None) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
+}
+
+/// Why a request may decide nothing.
+fn refusal(door: &Door, headers: &HeaderMap) -> Option<Response> {
+    if !guard::is_own(headers) {
+        let why = "only the station's own page can decide";
+        return Some(refused(StatusCode::FORBIDDEN, "origin", why));
+    }
+    let token = door.station.page.token.get();
+    if !token.is_some_and(|token| token.is_shown_in(headers)) {
+        let why = match door.station.config.language {
+            Language::En => "This link does not decide any more: gaiter page prints the right one.",
+            Language::De => {
+                "Mit diesem Link kann nicht mehr entschieden werden: gaiter page zeigt \
+                             den richtigen."
+            }
+        };
+        return Some(refused(StatusCode::UNAUTHORIZED, "token", why));
+    }
+    let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
+    let kind = kind.and_then(|kind| kind.split(';').next()).map(str::trim);
+    (kind != Some("application/json"))
+        .then(|| refused(StatusCode::UNSUPPORTED_MEDIA_TYPE, "media-type", "a decision is JSON"))
+}
+
+/// The verb of a decision; questions have other ways.
+fn verb(request: &protocol::Request) -> Option<&'static str> {
+    use protocol::Request;
+    match request {
+        Request::Retry { .. } => Some("retry"),
+        Request::Release { .. } => Some("release"),
+        Request::Assign { .. } => Some("assign"),
+        Request::Unassign { .. } => Some("unassign"),
+        Request::GiveUp { .. } => Some("give_up"),
+        Request::NameNext { .. } => Some("name_next"),
+        Request::CallOff => Some("call_off"),
+        Request::Pause => Some("pause"),
+        Request::Resume => Some("resume"),
+        Request::Status
+        | Request::Scans { .. }
+        | Request::Show { .. }
+        | Request::ExplainScan { .. }
+        | Request::ExplainFile { .. }
+        | Request::Next
+        | Request::Order { .. }
+        | Request::Page => None,
+    }
+}
+
+fn said(answered: Answer, verb: &str, language: Language) -> Response {
+    match answered {
+        Answer::Fault(fault) => {
+            let status = match fault.kind {
+                FaultKind::Request => StatusCode::CONFLICT,
+                FaultKind::Unknown => StatusCode::NOT_FOUND,
+                FaultKind::Failed => StatusCode::SERVICE_UNAVAILABLE,
+            };
+            let sentence = of_fault(&fault.code, language).unwrap_or(&fault.message);
+            refused(status, &fault.code, sentence)
+        }
+        _ => {
+            let sentence = words::done(verb, language).unwrap_or_default().to_owned();
+            json(&Said { code: None, sentence })
+        }
+    }
+}
+
+fn refused(status: StatusCode, code: &str, sentence: &str) -> Response {
+    let said = Said { code: Some(code.to_owned()), sentence: sentence.to_owned() };
+    (status, json(&said)).into_response()
+}
+
+fn json(said: &Said) -> Response {
+    match serde_json::to_string(said) {
+        Ok(text) => ([assets::JSON], text).into_response(),
+        Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
+}

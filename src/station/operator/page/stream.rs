@@ -1,0 +1,93 @@
+//! The snapshots as server-sent events: at once, whenever they change, and a beat in between by which
+//! a browser knows that the station lives. A stream ends with the station, or with its reader.
+
+use std::convert::Infallible;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll};
+use std::time::Duration;
+
+use axum::Extension;
+use axum::body::Body;
+use axum::extract::{RawQuery, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use hyper::body::{Bytes, Frame};
+use tokio::sync::mpsc;
+use tokio::time::sleep;
+
+use super::Door;
+use crate::station::operator::http::Connection;
+
+/// How often a beat goes out: a browser that has heard nothing for three beats looks for another way.
+const BEAT: Duration = Duration::from_secs(10);
+
+/// How soon a browser whose stream has ended comes again, ms.
+const RETRY_MS: u32 = 1000;
+
+/// A stream, or 503 where there are too many: the page asks for `/state` again and again then.
+pub async fn stream(
+    State(door): State<Arc<Door>>,
+    Extension(connection): Extension<Arc<Connection>>,
+    RawQuery(query): RawQuery,
+    headers: HeaderMap,
+) -> Response {
+    let Ok(place) = Arc::clone(&door.streams).try_acquire_owned() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many look already\n").into_response();
+    };
+    connection.becomes_stream();
+    let shows_ids = door.shows_ids(&headers, query.as_deref());
+    let (sender, events) = mpsc::channel(1);
+    tokio::spawn(async move {
+        let _place = place;
+        tell(&door, shows_ids, &sender).await;
+    });
+    let kind = [(header::CONTENT_TYPE, "text/event-stream")];
+    (kind, Body::new(Events(events))).into_response()
+}
+
+/// Tells a reader until he goes away or the station stops.
+async fn tell(door: &Door, shows_ids: bool, sender: &mpsc::Sender<String>) {
+    let mut snapshots = door.station.page.feed.subscribe();
+    let mut stop = door.stop.clone();
+    let mut last = None;
+    if sender.send(format!("retry: {RETRY_MS}\n\n")).await.is_err() {
+        return;
+    }
+    loop {
+        let text = snapshots.borrow_and_update().as_ref().map(|texts| texts.of(shows_ids));
+        if text.is_some() && text != last {
+            let told = format!("data: {}\n\n", text.as_deref().unwrap_or_default());
+            last = text;
+            tokio::select! {
+                () = stop.requested() => return,
+                sent = sender.send(told) => if sent.is_err() { return },
+            }
+        }
+        tokio::select! {
+            () = stop.requested() => return,
+            () = sender.closed() => return,
+            changed = snapshots.changed() => if changed.is_err() { return },
+            () = sleep(BEAT) => {
+                // A reader who takes nothing has his last event still before him.
+                let _ = sender.try_send("event: beat\ndata:\n\n".to_owned());
+            }
+        }
+    }
+}
+
+/// The events of one stream as the body of an answer.
+struct Events(mpsc::Receiver<String>);
+
+impl hyper::body::Body for Events {
+    type Data = Bytes;
+    type Error = Infallible;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
+        let told = self.0.poll_recv(context);
+        told.map(|event| event.map(|event| Ok(Frame::data(Bytes::from(event)))))
+    }
+}
