@@ -164,6 +164,8 @@ fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
     let is_for_one = theirs(whole).len() == 1;
     match place {
         Place::Refused => vec!["retry", "give_up"],
+        // Its bytes are gone; they come with another export of the scan.
+        Place::Closed if whole.summary.closed.as_deref() == Some("let-go") => Vec::new(),
         Place::Closed => vec!["retry"],
         // It is somebody else's already, and an assignment would be refused.
         Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) && is_for_one => {

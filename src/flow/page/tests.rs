@@ -97,6 +97,15 @@ fn a_record_is_opened_from_a_scan_only_under_the_name_of_its_patient() {
 }
 
 #[test]
+fn a_refused_scan_whose_bytes_were_let_go_is_offered_for_no_retry() {
+    let mut whole = whole("refused", Some("no-leg"), vec![delivery(Some("1"), "refused", None)]);
+    for (closed, acts) in [("given-up", vec!["retry"]), ("let-go", vec![])] {
+        whole.summary.closed = Some(closed.to_owned());
+        assert_eq!(scan_shown(&whole, &Told::default(), Language::En).acts, acts, "{closed}");
+    }
+}
+
+#[test]
 fn every_signal_has_a_word_and_a_sentence_of_its_own_in_both_languages() {
     let said: BTreeSet<(String, String)> = BOTH
         .into_iter()
