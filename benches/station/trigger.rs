@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 use gaiter::config;
 use gaiter::flow::booth::Signal;
 use gaiter::flow::trigger::{Input, PortFault};
-use gaiter::station::booth::trigger::port::{Door, Port};
+use gaiter::station::booth::trigger::port::{Port, PortOpener};
 use gaiter::station::booth::trigger::{Attendant, Attended, of_config};
 use gaiter::station::demo::button::SimulatedButton;
 use serialport::{SerialPort, TTYPort};
@@ -33,7 +33,7 @@ pub fn measure() {
     let absent = attended(Path::new("/dev/gaiter/none"), "tokens = [\"PRESS\"]");
     idle("a port that is not there", absent);
     let mut contact = attended(button.port(), "contact = \"cts\"");
-    contact.door = Box::new(WithoutWires(button.port().to_string_lossy().into_owned()));
+    contact.opener = Box::new(WithoutWires(button.port().to_string_lossy().into_owned()));
     idle("a contact, looked at every 50 ms, without the adapter's own transfers", contact);
     latency(&mut button);
 }
@@ -52,7 +52,7 @@ fn attended(port: &Path, keys: &str) -> Attended {
 fn attend(port: Attended, end: &AtomicBool, mut heard_at: impl FnMut(Instant)) {
     let began = Instant::now();
     let clock = || began.elapsed();
-    let mut attendant = Attendant::new(port.door, port.ear, port.manner, clock());
+    let mut attendant = Attendant::new(port.opener, port.decoder, port.manner, clock());
     let mut heard = Vec::new();
     while !end.load(Ordering::Relaxed) {
         let pause = attendant.turn(&clock, Signal::Ready, &mut heard);
@@ -117,7 +117,7 @@ fn latency(button: &mut SimulatedButton) {
 /// costs, without an adapter.
 struct WithoutWires(String);
 
-impl Door for WithoutWires {
+impl PortOpener for WithoutWires {
     fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
         let port = TTYPort::open(&serialport::new(&self.0, 9600)).unwrap();
         Ok(Box::new(OpenWithoutWires { port, sample_next: true }))

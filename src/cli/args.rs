@@ -126,7 +126,7 @@ pub enum Verb {
     GdtOrder(OrderArgs),
     /// Print the link to the operator's page, with the token without which it is for reading only
     ///
-    /// Whoever has the link can decide what becomes of scans: open it on the machine itself, and do not
+    /// People with the link can decide what becomes of scans: open it on the machine itself, and do not
     /// send it. The browser keeps the token.
     Page(AskArgs),
     /// Let no scan be taken or delivered until `gaiter resume`; outlasts a restart
@@ -148,7 +148,7 @@ pub enum PatientVerb {
     /// every user of the machine can read those. It waits for the next press of the button, or without
     /// a button for the next export; it is used once.
     Set(AskArgs),
-    /// Call off whoever was named, and the presses that still await their export
+    /// Call off the patient who was named, and the presses that still await their export
     Clear(AskArgs),
     /// Say who is named for the next scan
     Show(AskArgs),

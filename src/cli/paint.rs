@@ -1,4 +1,4 @@
-//! Colours, where whoever reads can see them: a terminal that is not dumb, unless `NO_COLOR` says
+//! Colours, where a reader can see them: a terminal that is not dumb, unless `NO_COLOR` says
 //! otherwise; `CLICOLOR_FORCE` asks for them on pipes. No colour says anything that no word says.
 
 use std::fmt::Display;

@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     #[should_panic(expected = "nobody takes it")]
-    fn whoever_panics_over_a_result_does_not_wait_for_the_others() {
+    fn a_panic_over_a_result_does_not_wait_for_the_others() {
         let items: Vec<usize> = (0..100).collect();
         in_order(&items, jobs(2), |item| *item, |_, _| panic!("nobody takes it"));
     }

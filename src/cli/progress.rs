@@ -1,4 +1,4 @@
-//! How far long work is: a bar on the terminal of whoever waits for it, and nothing elsewhere.
+//! How far long work is: a bar on a terminal, and nothing elsewhere.
 
 use std::io::{self, IsTerminal};
 use std::time::Duration;

@@ -18,7 +18,7 @@ use super::{Exit, complain, paint, print, shown};
 use crate::station::error::chain;
 use crate::store::StoreFault;
 use crate::store::revision::{Family, clear_staging, families};
-use again::{Again, Fault, Outcome, Wish, again};
+use again::{Again, Fault, Intent, Outcome, again};
 use choices::Choices;
 use report::{Told, report};
 
@@ -37,12 +37,12 @@ pub fn reextract(args: &ReextractArgs) -> Exit {
     if !args.dry_run {
         clear(&records);
     }
-    let wish = Wish { complete: args.complete, dry_run: args.dry_run };
+    let intent = Intent { complete: args.complete, dry_run: args.dry_run };
     let jobs = args.jobs.unwrap_or_else(usual_jobs);
     let progress = Progress::of(records.len(), "measuring again");
     let (mut worst, mut told) = (Exit::Done, Vec::new());
     let work = |family: &Family| {
-        let done = again(family, &choices, wish);
+        let done = again(family, &choices, intent);
         progress.advance();
         done
     };

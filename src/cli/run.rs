@@ -102,7 +102,7 @@ fn log_to_stderr(format: LogFormat) {
         .with_writer(io::stderr)
         .with_ansi(false)
         .with_target(false);
-    // Whoever set a subscriber before keeps it.
+    // A subscriber that was set before stays.
     let _ = match format {
         LogFormat::Text => lines.try_init(),
         LogFormat::Json => lines.json().flatten_event(true).try_init(),

@@ -214,7 +214,7 @@ fn at_booth(status: &Status) -> String {
         "receiving" => "a scan is on its way to its record",
         "done" => "the last scan has its record",
         "no_export" => "no export came after the last press",
-        _ => "a person must look",
+        _ => "operator action needed",
     }
     .to_owned();
     if booth.awaited > 1 {

@@ -39,7 +39,7 @@ pub enum What {
     #[error("this is not UTF-8 text")]
     NotUtf8,
     /// No such key, or it stands under the wrong section.
-    #[error("is no key that gaiter knows")]
+    #[error("unknown key")]
     Unknown {
         /// The key that was probably meant.
         similar: Option<String>,
@@ -83,7 +83,7 @@ pub enum What {
     #[error("\"{0}\" is not a distance")]
     NotADistance(String),
     /// No number of control points that a leg's surface can have.
-    #[error("\"{0}\" is no number of control points")]
+    #[error("\"{0}\" is not a number of control points")]
     NotControlPoints(String),
     /// A duration, size, length or distance that makes no sense here.
     #[error("\"{text}\" is out of range")]
@@ -96,10 +96,10 @@ pub enum What {
         most: &'static str,
     },
     /// No height of a leg.
-    #[error("{0} is no height on a leg")]
+    #[error("{0} is not a height on a leg")]
     NotAHeight(String),
     /// None of the words of a choice.
-    #[error("\"{text}\" is none of {}", quoted(words))]
+    #[error("\"{text}\" is not one of {}", quoted(words))]
     NotAWord {
         /// As written.
         text: String,
@@ -172,7 +172,7 @@ pub enum What {
     #[error("\"{0}\" is not the name of a file")]
     NotAMarker(String),
     /// Not what a port, or what is said on it, is written like.
-    #[error("\"{text}\" is no {thing}")]
+    #[error("\"{text}\" is not a valid {thing}")]
     Misspelt {
         /// As written.
         text: String,
@@ -194,7 +194,7 @@ pub enum What {
     #[error("is longer or shorter than trigger.usb.mask, or has bits that it leaves out")]
     OutsideMask,
     /// Nothing that GDT, or the exchange with practice software, knows in this place.
-    #[error("\"{text}\" is no {what}")]
+    #[error("\"{text}\" is not a valid {what}")]
     NotGdt {
         /// As written.
         text: String,

@@ -15,7 +15,7 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, capture, gdt, notation, page, seeing, trigger, watch,
+    StoreConfig, capture, gdt, notation, observability, page, trigger, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -98,10 +98,10 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
     let (gdt_path, gdt) = gdt::store(reader);
     let retention = retention(reader);
-    let status = seeing::status(reader);
-    let (page, log) = (page::config(reader), seeing::log(reader));
+    let status = observability::status(reader);
+    let (page, log) = (page::config(reader), observability::log(reader));
 
-    seeing::control_socket(reader, state_dir.as_ref());
+    observability::control_socket(reader, state_dir.as_ref());
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
     let exchange = [("store.gdt.path", gdt_path), ("patient.orders.path", orders_path)];

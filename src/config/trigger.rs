@@ -13,7 +13,7 @@ use super::reader::{Absent, Found, Reader};
 use crate::flow::booth::Signal;
 use crate::flow::trigger::button::Times;
 use crate::flow::trigger::code::Codes;
-use crate::flow::trigger::ear::Hearing;
+use crate::flow::trigger::input_decoder::Hearing;
 use crate::flow::trigger::report::Pattern;
 use crate::flow::trigger::token::Tokens;
 

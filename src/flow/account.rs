@@ -243,7 +243,7 @@ pub fn explain(whole: &Whole, stores: &BTreeMap<&str, StoreFacts>, now: Timestam
         let code = held.code.as_deref().unwrap_or(SAME_SCAN_OTHER_PATIENT);
         let why = why_held(code);
         return format!(
-            "Scan {scan} is held [{code}]: {why}; a person must look (gaiter show {scan}) and decide \
+            "Scan {scan} is held [{code}]: {why}; operator action needed: look (gaiter show {scan}) and decide \
              (gaiter release or gaiter assign)."
         );
     }

@@ -21,8 +21,8 @@ pub struct Facts {
     pub stores: BTreeMap<&'static str, StoreFacts>,
     /// The ports of the booth by their names: serial, usb, keys, reader.
     pub triggers: BTreeMap<&'static str, TriggerFacts>,
-    /// The doors of the page whose address cannot be had, and why: local, network.
-    pub doors: BTreeMap<&'static str, String>,
+    /// The endpoints of the page whose address cannot be had, and why: local, network.
+    pub endpoints: BTreeMap<&'static str, String>,
     /// Whether scans are taken in.
     pub intake: IntakeState,
     /// What a person must know and nothing else shows, by code; kept until the station restarts.
@@ -177,7 +177,7 @@ impl Facts {
             sources: vec![source; sources],
             stores: BTreeMap::new(),
             triggers: BTreeMap::new(),
-            doors: BTreeMap::new(),
+            endpoints: BTreeMap::new(),
             intake: IntakeState::Open,
             alarms: BTreeMap::new(),
             refused_reload: None,

@@ -67,7 +67,7 @@ pub fn complaints(
     );
     complaints
         .extend(facts.triggers.iter().filter_map(|(port, facts)| of_trigger(port, facts, now)));
-    complaints.extend(facts.doors.iter().map(|(way, why)| {
+    complaints.extend(facts.endpoints.iter().map(|(way, why)| {
         let message = format!("the {way} address of the page and of monitors cannot be had: {why}");
         let remedy = "see who listens there (ss -ltnp), and end it; the page has a new link then";
         Complaint::new("page-unavailable", message, remedy)

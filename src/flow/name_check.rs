@@ -111,7 +111,7 @@ impl fmt::Display for NameFinding {
                     f,
                     "the ids go up by one from file to file, from {first} to {last}: if they "
                 )?;
-                write!(f, "count the scans, each would go to whoever has that number")
+                write!(f, "count the scans, each would go to the patient with that number")
             }
             NameFinding::OneForMany { patient, count, of } => {
                 write!(f, "{count} of {of} names would go to the one patient {patient}")
@@ -325,7 +325,7 @@ mod tests {
             said(&["P0009_a.obj", "P0010_a.obj", "P0010_b.obj", "P0011_a.obj"]),
             [
                 "looks-like-a-counter: the ids go up by one from file to file, from P0009 to P0011: if \
-              they count the scans, each would go to whoever has that number"
+              they count the scans, each would go to the patient with that number"
             ]
         );
         let none: [&[&str]; 5] = [

@@ -176,7 +176,7 @@ impl Outbox {
     }
 
     /// A person wants a scan tried now.
-    pub fn hurry(&mut self, scan: &ScanId) {
+    pub fn retry_now(&mut self, scan: &ScanId) {
         self.pauses.retain(|key, _| key.scan != *scan);
     }
 
@@ -301,7 +301,7 @@ mod tests {
         outbox.plan(&due, NOW, 1);
         outbox.ended(&key(1, "a"), Ended::PutOff, NOW, 0.9);
         assert_eq!(outbox.plan(&due, NOW, 1), Plan::default());
-        outbox.hurry(&key(1, "a").scan);
+        outbox.retry_now(&key(1, "a").scan);
         assert_eq!(outbox.plan(&due, NOW, 1).attempts, [[key(1, "a")]]);
     }
 }

@@ -131,7 +131,7 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
                 legs.push(leg);
                 findings.extend(found);
             }
-            // Whoever scans a lone leg does not miss the other.
+            // The scan of a lone leg lacks no other.
             Err(LegFault::NotThere) if body.stature_mm.is_none() => {}
             Err(fault) => {
                 let what = What::LegNotMeasured(fault);

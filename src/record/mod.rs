@@ -2,7 +2,6 @@
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
-mod brief;
 pub mod change;
 pub mod chart;
 mod check;
@@ -20,9 +19,9 @@ pub mod rounding;
 pub mod schema;
 pub mod shape;
 pub mod shown;
+mod summary;
 pub mod surface;
 
-pub use brief::{Brief, BriefFigures, BriefLevel};
 pub use check::RecordFault;
 pub use compose::record;
 pub use file::RecordFile;
@@ -33,3 +32,4 @@ pub use provenance::{
 };
 pub use report_files::{FigureFormat, FilesFault, ReportChoice, report_files};
 pub use schema::Record;
+pub use summary::{RecordSummary, SummaryFigures, SummaryLevel};

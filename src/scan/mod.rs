@@ -13,10 +13,10 @@ pub mod content;
 pub mod fault;
 pub mod format;
 pub mod geometry;
-mod look;
 mod obj;
 pub mod ord;
 mod ply;
+mod sniff;
 mod stl;
 mod text;
 mod weld;
@@ -86,6 +86,6 @@ pub fn completeness(bytes: &[u8], format: Format) -> Result<(), ScanFault> {
 
 /// The fault of a content that is plainly not of the format that the ending says.
 fn misnamed(bytes: &[u8], format: Format) -> Option<ScanFault> {
-    let content = look::of(bytes)?;
+    let content = sniff::of(bytes)?;
     (content != Content::Scan(format)).then_some(ScanFault::LooksLike { content, format })
 }

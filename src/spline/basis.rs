@@ -160,7 +160,7 @@ impl Basis {
     /// The values of the functions at `x`; see [`Basis::rows`] about `x` outside the domain.
     #[inline]
     pub fn row(&self, x: f64) -> Row {
-        let x = self.brought_home(x);
+        let x = self.wrapped(x);
         self.blossom(self.span(x), [x; DEGREE])
     }
 
@@ -191,7 +191,7 @@ impl Basis {
     /// The interval that holds `x`, and there the functions' values and derivatives 1 and 2.
     #[inline]
     pub(super) fn rows_to_second(&self, x: f64) -> (usize, [[f64; 4]; 3]) {
-        let x = self.brought_home(x);
+        let x = self.wrapped(x);
         let span = self.span(x);
         let triangle = self.triangle(span);
         let (value, slope) = (Raise::Value(x), Raise::Slope);
@@ -216,7 +216,7 @@ impl Basis {
     /// domain where periodic. A clamped spline with these as coefficients is the identity.
     pub fn greville(&self) -> Vec<f64> {
         (0..self.count())
-            .map(|i| self.brought_home(self.knots[i + 1..=i + DEGREE].iter().sum::<f64>() / 3.0))
+            .map(|i| self.wrapped(self.knots[i + 1..=i + DEGREE].iter().sum::<f64>() / 3.0))
             .collect()
     }
 
@@ -243,7 +243,7 @@ impl Basis {
 
     /// `x` wrapped or clamped into the domain; the end of a period becomes its start.
     #[inline]
-    pub(super) fn brought_home(&self, x: f64) -> f64 {
+    pub(super) fn wrapped(&self, x: f64) -> f64 {
         let (from, to) = self.domain();
         if !self.periodic {
             return x.clamp(from, to);

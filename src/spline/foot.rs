@@ -40,7 +40,7 @@ impl Surface {
     pub fn closest(&self, point: &Point3<f64>, u0: f64, v0: f64) -> Foot {
         let (here, step) = self.downhill(point, u0, v0, REST_MM);
         let (first, last) = self.along().domain();
-        let v = self.around().brought_home(here.v);
+        let v = self.around().wrapped(here.v);
         let at_end = here.u <= first || here.u >= last;
         let converged = step.is_some();
         Foot { u: here.u, v, distance_mm: here.distance_mm, converged, at_end }

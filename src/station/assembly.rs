@@ -66,7 +66,7 @@ pub struct Station {
     /// Errors that leave open whether the journal is damaged.
     pub suspicion: Suspicion,
     paused: AtomicBool,
-    hurried: Mutex<Vec<ScanId>>,
+    to_retry_now: Mutex<Vec<ScanId>>,
     ready_stores: Mutex<BTreeSet<String>>,
     began: Duration,
 }
@@ -170,7 +170,7 @@ impl Station {
             ruin: Notify::new(),
             suspicion: Suspicion::default(),
             paused: AtomicBool::new(paused),
-            hurried: Mutex::new(Vec::new()),
+            to_retry_now: Mutex::new(Vec::new()),
             ready_stores: Mutex::new(BTreeSet::new()),
             began: since_boot(),
         })
@@ -208,19 +208,19 @@ impl Station {
         self.paused.store(paused, Ordering::Relaxed);
     }
 
-    /// A person wants the deliveries of a scan tried now.
-    pub fn hurry(&self, scan: &ScanId) {
-        self.hurried.lock().unwrap_or_else(PoisonError::into_inner).push(scan.clone());
+    /// Requests that the deliveries of a scan are tried now.
+    pub fn retry_now(&self, scan: &ScanId) {
+        self.to_retry_now.lock().unwrap_or_else(PoisonError::into_inner).push(scan.clone());
     }
 
     /// The scans that are to be tried now, told once.
-    pub fn hurried(&self) -> Vec<ScanId> {
-        std::mem::take(&mut *self.hurried.lock().unwrap_or_else(PoisonError::into_inner))
+    pub fn to_retry_now(&self) -> Vec<ScanId> {
+        std::mem::take(&mut *self.to_retry_now.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Looks what an error says of the journal: where it is ruined the run begins anew, and where it
-    /// may be it is checked.
-    pub fn mind(&self, error: &(dyn std::error::Error + 'static)) {
+    /// Requests a rebuild of the journal if the error means corruption, and a check if it leaves that
+    /// open.
+    pub fn check_corruption(&self, error: &(dyn std::error::Error + 'static)) {
         if rebuild::is_ruin(error) {
             self.ruin.notify_one();
         } else if rebuild::is_suspicious(error) {
@@ -236,9 +236,9 @@ impl Station {
         rebuild::give_up(&journal_file(&self.config), self.custody.journal())
     }
 
-    /// The text of an error that was minded.
-    fn minded(&self, error: &(dyn std::error::Error + 'static)) -> String {
-        self.mind(error);
+    /// The text of an error that was checked_text.
+    fn checked_text(&self, error: &(dyn std::error::Error + 'static)) -> String {
+        self.check_corruption(error);
         chain(error)
     }
 
@@ -254,10 +254,10 @@ impl Station {
         });
         let asked = reached.and_then(|()| {
             let to_be_searched = self.custody.journal().is_to_be_searched(name);
-            if !to_be_searched.map_err(|error| self.minded(&error))? {
+            if !to_be_searched.map_err(|error| self.checked_text(&error))? {
                 return Ok(());
             }
-            rebuild::search(&self.custody, store).map_err(|fault| self.minded(&fault))
+            rebuild::search(&self.custody, store).map_err(|fault| self.checked_text(&fault))
         });
         let in_reach = asked.is_ok();
         self.note_store(name, asked.err());
@@ -268,7 +268,7 @@ impl Station {
     /// marked, lest the empty place of a share be taken for it.
     fn begin_store(&self, store: &RecordStore) -> Result<(), String> {
         let (journal, place) = (self.custody.journal(), store.place());
-        let of_journal = |error: JournalError| self.minded(&error);
+        let of_journal = |error: JournalError| self.checked_text(&error);
         let begun = journal.begun_at(store.name()).map_err(of_journal)?;
         if begun.as_ref() == Some(&place) {
             return Ok(());

@@ -347,7 +347,7 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
         });
         let (passed, asked, scene) = step.await?;
         if let Err(error) = passed {
-            station.mind(&error);
+            station.check_corruption(&error);
             warn!(event = "journal-failed", error = chain(&error));
         }
         if let Some(asked) = asked {

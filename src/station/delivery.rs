@@ -105,14 +105,14 @@ impl Bench {
         let pending = match pending.await? {
             Ok(pending) => pending,
             Err(error) => {
-                station.mind(&error);
+                station.check_corruption(&error);
                 warn!(event = "journal-failed", error = chain(&error));
                 return Ok(());
             }
         };
         let keys: Vec<Key> = pending.iter().map(key).collect();
         self.dues = keys.iter().cloned().zip(pending).collect();
-        station.hurried().iter().for_each(|scan| self.outbox.hurry(scan));
+        station.to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
         let now = station.now();
         let plan = self.outbox.plan(&keys, now, hands);
         for store in plan.ask {
@@ -212,7 +212,7 @@ impl Bench {
                 Ended::PutOff | Ended::ForGood => "put-off",
             };
             let noted = station.custody.journal().put_off(&due, code, next_at);
-            noted.inspect_err(|error| station.mind(error))
+            noted.inspect_err(|error| station.check_corruption(error))
         });
         if let Err(error) = noted.await? {
             // For people only; the pause itself holds.

@@ -14,7 +14,7 @@ use crate::store::durable;
 /// What the generations of one process share.
 #[derive(Debug, Default)]
 pub struct Lasting {
-    /// The addresses of the page's doors.
+    /// The addresses of the page's endpoints.
     pub listeners: Listeners,
     /// The export folders.
     pub export_locks: ExportLocks,

@@ -30,7 +30,7 @@ const FIRST_LOOKS: Duration = Duration::from_secs(10);
 const GRACE: Duration = Duration::from_secs(20);
 
 /// How long answers that are being given may take then.
-const DOORS_CLOSE: Duration = Duration::from_secs(10);
+const ENDPOINTS_CLOSE: Duration = Duration::from_secs(10);
 
 /// How often the workers' beats are looked at where no watchdog asks for more.
 const PULSE: Duration = Duration::from_secs(5);
@@ -74,7 +74,7 @@ enum Turn {
 /// Runs the station until it is asked to stop, or until it cannot go on. `observer` is told what
 /// happens.
 ///
-/// A blocking step on a share that does not answer cannot be cut off: whoever owns the runtime
+/// A blocking step on a share that does not answer cannot be cut off: the owner of the runtime
 /// shuts it down without waiting (`Runtime::shutdown_background`).
 ///
 /// # Errors
@@ -204,8 +204,8 @@ async fn generation(
         warn!(event = "stop-grace-over");
     }
     // Until here people and monitors are answered.
-    let doors = timeout(DOORS_CLOSE, workers.close_doors()).await;
-    let rest = if matches!(rest, Ok(Ok(()))) { doors } else { rest };
+    let endpoints = timeout(ENDPOINTS_CLOSE, workers.close_endpoints()).await;
+    let rest = if matches!(rest, Ok(Ok(()))) { endpoints } else { rest };
     match (turn, rest) {
         (Ok(_), Ok(Err(error))) => Err(error),
         // What still works could meet the next generation over the same scan.

@@ -1,5 +1,5 @@
 //! Work at a share that may hang: it has a thread of its own, which is waited for and never cut
-//! off, while whoever waits stays able to stop and to say that the share stalls.
+//! off, while the waiting worker can stop and say that the share stalls.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,7 +14,7 @@ use super::stop::Stop;
 /// server that restarts answers again within 15 s or so; a disk that spins up within 10 s.
 pub const DEADLINE: Duration = Duration::from_secs(30);
 
-/// How often whoever waits looks up and beats, whatever it waits for.
+/// How often a waiting worker looks up and beats, whatever it waits for.
 pub const LOOK_UP: Duration = Duration::from_secs(1);
 
 /// The steps of one piece of work: entries listed, pieces read.

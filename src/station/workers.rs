@@ -22,7 +22,7 @@ use super::stop::{Stop, Stopper};
 pub struct Workers {
     tasks: JoinSet<Result<(), JoinError>>,
     /// Those who answer people and monitors: they go on until the others have ended.
-    doors: JoinSet<Result<(), JoinError>>,
+    endpoints: JoinSet<Result<(), JoinError>>,
     doors_stopper: Stopper,
     names: BTreeMap<Id, Worker>,
     beats: Vec<(Worker, Beat)>,
@@ -34,7 +34,7 @@ impl Workers {
         let (doors_stopper, doors_stop) = Stopper::new();
         let mut workers = Workers {
             tasks: JoinSet::new(),
-            doors: JoinSet::new(),
+            endpoints: JoinSet::new(),
             doors_stopper,
             names: BTreeMap::new(),
             beats: Vec::new(),
@@ -67,10 +67,10 @@ impl Workers {
         }
         // These wait for people and monitors, and have no beat: nothing hangs on them.
         let http = http::worker(Arc::clone(station), doors_stop.clone());
-        let id = workers.doors.spawn(http).id();
+        let id = workers.endpoints.spawn(http).id();
         workers.names.insert(id, Worker::Http);
         let control = control::worker(Arc::clone(station), doors_stop);
-        let id = workers.doors.spawn(control).id();
+        let id = workers.endpoints.spawn(control).id();
         workers.names.insert(id, Worker::Control);
         (workers, first_looks)
     }
@@ -100,7 +100,7 @@ impl Workers {
     pub async fn one_ended(&mut self) -> StationError {
         let ended = tokio::select! {
             Some(ended) = self.tasks.join_next_with_id() => Some(ended),
-            Some(ended) = self.doors.join_next_with_id() => Some(ended),
+            Some(ended) = self.endpoints.join_next_with_id() => Some(ended),
             else => None,
         };
         match ended {
@@ -112,7 +112,7 @@ impl Workers {
         }
     }
 
-    /// Ends when all workers have ended, as they were asked to, but for the doors.
+    /// Ends when all workers have ended, as they were asked to, but for the endpoints.
     ///
     /// # Errors
     /// The first failure among them.
@@ -125,14 +125,14 @@ impl Workers {
         rest
     }
 
-    /// Closes the doors; ends when they are closed.
+    /// Closes the endpoints; ends when they are closed.
     ///
     /// # Errors
     /// The first failure among them.
-    pub async fn close_doors(&mut self) -> Result<(), StationError> {
+    pub async fn close_endpoints(&mut self) -> Result<(), StationError> {
         self.doors_stopper.request();
         let mut rest = Ok(());
-        while let Some(ended) = self.doors.join_next_with_id().await {
+        while let Some(ended) = self.endpoints.join_next_with_id().await {
             let ended = judge(self.who(&ended), ended);
             rest = rest.and(ended);
         }

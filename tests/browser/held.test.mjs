@@ -19,10 +19,10 @@ const WORDS = {
     again: "Scan again …", yesAgain: "Scan again", againOf: (id) => `Scan ${id} again`,
   },
   de: {
-    name: "Nächste Person benennen …", id: "Patientennummer", assign: "Zuordnen …", yes: "Zuordnen", cancel: "Abbrechen", close: "Schließen",
-    view: "3D-Ansicht", held: "Angehalten", give: (id) => `An ${id} geben`, given: (id) => `Der Scan gehört dann zu ${id}, und die Messakte geht an niemand anderen.`,
+    name: "Nächsten Patienten benennen …", id: "Patientennummer", assign: "Zuordnen …", yes: "Zuordnen", cancel: "Abbrechen", close: "Schließen",
+    view: "3D-Ansicht", held: "Zurückgehalten", give: (id) => `An ${id} geben`, given: (id) => `Der Scan gehört dann zu ${id}, und die Messakte geht an niemand anderen.`,
     next: (id) => `Als Nächstes: ${id}.`, replace: "Ersetzen", asks: (a, b) => `${a} ist benannt und wurde nicht gescannt. Durch ${b} ersetzen?`,
-    hidden: "Die nächste Person ist benannt.", inBooth: (id) => `${id} ist in der Kabine`, refused: /keine Patientennummer/,
+    hidden: "Der nächste Patient ist benannt.", inBooth: (id) => `${id} ist in der Kabine`, refused: /keine Patientennummer/,
     again: "Neu scannen …", yesAgain: "Neu scannen", againOf: (id) => `${id} neu scannen`,
   },
 };

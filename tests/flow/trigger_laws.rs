@@ -7,10 +7,10 @@ use std::time::Duration;
 use gaiter::flow::booth::{Heard, Press};
 use gaiter::flow::trigger::button::Times;
 use gaiter::flow::trigger::code::Codes;
-use gaiter::flow::trigger::ear::{Hearing, Shows};
+use gaiter::flow::trigger::input_decoder::{Hearing, Shows};
 use gaiter::flow::trigger::report::Pattern;
 use gaiter::flow::trigger::token::Tokens;
-use gaiter::flow::trigger::{Ear, Input};
+use gaiter::flow::trigger::{Input, InputDecoder};
 use gaiter::record::SourceKind;
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -26,9 +26,9 @@ fn hearing() -> Hearing {
     Hearing { debounce: ms(30), times, stuck: ms(30_000) }
 }
 
-fn serial() -> Ear {
+fn serial() -> InputDecoder {
     let [short, long] = TOKENS.map(|token| vec![token.to_owned()]);
-    Ear::for_button(Shows::Serial { tokens: Tokens { short, long } }, hearing())
+    InputDecoder::for_button(Shows::Serial { tokens: Tokens { short, long } }, hearing())
 }
 
 /// Bytes that are mostly pieces of what a press is made of.
@@ -90,17 +90,17 @@ proptest! {
     ) {
         let mut lines = bytes.split(|byte| matches!(byte, b'\r' | b'\n'));
         prop_assume!(!lines.any(|line| TOKENS.iter().any(|token| line == token.as_bytes())));
-        let (mut ear, mut rest, mut now) = (serial(), &bytes[..], ms(0));
+        let (mut decoder, mut rest, mut now) = (serial(), &bytes[..], ms(0));
         for (length, pause) in cuts.into_iter().cycle().take(3000) {
             let (piece, then) = rest.split_at(length.min(rest.len()));
             now += ms(pause);
-            prop_assert_eq!(ear.hear(&Input::Bytes(piece.to_vec()), now), []);
+            prop_assert_eq!(decoder.hear(&Input::Bytes(piece.to_vec()), now), []);
             rest = then;
         }
-        prop_assert_eq!(ear.hear(&Input::Bytes(b"\n".to_vec()), now), []);
-        prop_assert!(ear.garbage() <= bytes.len() as u64);
+        prop_assert_eq!(decoder.hear(&Input::Bytes(b"\n".to_vec()), now), []);
+        prop_assert!(decoder.garbage() <= bytes.len() as u64);
         // And it is as good as new.
-        let press = ear.hear(&Input::Bytes(b"PRESS\n".to_vec()), now + ms(1000));
+        let press = decoder.hear(&Input::Bytes(b"PRESS\n".to_vec()), now + ms(1000));
         prop_assert_eq!(press, [Heard::Press(Press::Short)]);
     }
 
@@ -110,15 +110,15 @@ proptest! {
     fn a_line_of_a_reader_is_its_id_or_unread(
         bytes in cards(), cuts in vec((1..20_usize, 0..700_u64), 1..40),
     ) {
-        let (mut ear, mut rest, mut now) = (Ear::for_ids(Codes::default()), &bytes[..], ms(0));
+        let (mut decoder, mut rest, mut now) = (InputDecoder::for_ids(Codes::default()), &bytes[..], ms(0));
         let mut heard = Vec::new();
         for (length, pause) in cuts.into_iter().cycle().take(3000) {
             let (piece, then) = rest.split_at(length.min(rest.len()));
             now += ms(pause);
-            heard.extend(ear.hear(&Input::Bytes(piece.to_vec()), now));
+            heard.extend(decoder.hear(&Input::Bytes(piece.to_vec()), now));
             rest = then;
         }
-        heard.extend(ear.hear(&Input::Nothing, now + ms(500)));
+        heard.extend(decoder.hear(&Input::Nothing, now + ms(500)));
         let lines: Vec<&[u8]> = bytes
             .split(|byte| matches!(byte, b'\r' | b'\n'))
             .filter(|line| !line.is_empty())
@@ -142,51 +142,51 @@ proptest! {
         let seen = press(&closing, held, &opening);
         let end = seen.last().unwrap().0 + 500;
         let is_closed = |at: u64| seen.iter().rfind(|(from, _)| *from <= at).is_some_and(|s| s.1);
-        let mut ear = serial();
+        let mut decoder = serial();
         let presses: Vec<Heard> = (0..end / sampled)
             .map(|sample| sample * sampled)
-            .flat_map(|at| ear.hear(&Input::Closed(is_closed(at)), ms(at)))
+            .flat_map(|at| decoder.hear(&Input::Closed(is_closed(at)), ms(at)))
             .collect();
         prop_assert_eq!(presses, [Heard::Press(Press::Short)]);
     }
 
-    /// The same for a device that tells changes only and is listened to when the ear asks for it.
+    /// The same for a device that tells changes only and is listened to when the decoder asks for it.
     #[test]
     fn any_bouncing_in_reports_is_one_press(
         closing in vec(1..20_u64, 0..12), held in 60..2500_u64, opening in vec(1..20_u64, 0..12),
     ) {
         let pattern = Pattern { mask: vec![1], value: vec![1] };
-        let mut ear = Ear::for_button(Shows::Report(pattern), hearing());
+        let mut decoder = InputDecoder::for_button(Shows::Report(pattern), hearing());
         let (mut presses, mut now) = (Vec::new(), ms(0));
         for (at, closed) in press(&closing, held, &opening) {
-            while let Some(due) = ear.due().filter(|due| *due < ms(at)) {
+            while let Some(due) = decoder.due().filter(|due| *due < ms(at)) {
                 now = now.max(due);
-                presses.extend(ear.hear(&Input::Nothing, now));
+                presses.extend(decoder.hear(&Input::Nothing, now));
             }
             now = ms(at);
-            presses.extend(ear.hear(&Input::Report(vec![u8::from(closed)]), now));
+            presses.extend(decoder.hear(&Input::Report(vec![u8::from(closed)]), now));
         }
-        presses.extend(ear.hear(&Input::Nothing, now + ms(30)));
+        presses.extend(decoder.hear(&Input::Nothing, now + ms(30)));
         prop_assert_eq!(presses, [Heard::Press(Press::Short)]);
-        prop_assert_eq!(ear.due(), None);
+        prop_assert_eq!(decoder.due(), None);
     }
 
-    /// An ear that asks to be listened to again asks for later once it was: nothing spins.
+    /// An decoder that asks to be listened to again asks for later once it was: nothing spins.
     #[test]
     fn what_is_due_is_done_when_it_is_due(
         inputs in vec((any::<bool>(), 0..3000_u64, nearly_a_press()), 0..40), ids in any::<bool>(),
     ) {
-        let mut ear = if ids { Ear::for_ids(Codes::default()) } else { serial() };
+        let mut decoder = if ids { InputDecoder::for_ids(Codes::default()) } else { serial() };
         let mut now = ms(0);
         for (closed, pause, bytes) in inputs {
             now += ms(pause);
-            ear.hear(&Input::Bytes(bytes), now);
-            ear.hear(&Input::Closed(closed), now);
-            if let Some(due) = ear.due() {
+            decoder.hear(&Input::Bytes(bytes), now);
+            decoder.hear(&Input::Closed(closed), now);
+            if let Some(due) = decoder.due() {
                 now = now.max(due);
-                ear.hear(&Input::Nothing, now);
-                ear.hear(&Input::Closed(closed), now);
-                prop_assert!(ear.due().is_none_or(|due| due > now));
+                decoder.hear(&Input::Nothing, now);
+                decoder.hear(&Input::Closed(closed), now);
+                prop_assert!(decoder.due().is_none_or(|due| due > now));
             }
         }
     }
@@ -194,8 +194,8 @@ proptest! {
 
 #[test]
 fn a_hundred_presses_a_second_are_one_a_second() {
-    let mut ear = serial();
+    let mut decoder = serial();
     let token = || Input::Bytes(b"PRESS\r\n".to_vec());
-    let presses: usize = (0..1000).map(|n| ear.hear(&token(), ms(n * 10)).len()).sum();
+    let presses: usize = (0..1000).map(|n| decoder.hear(&token(), ms(n * 10)).len()).sum();
     assert_eq!(presses, 10);
 }

@@ -11,7 +11,7 @@ use gaiter::record::picture::figures;
 use gaiter::record::report::content::{Table, Weight};
 use gaiter::record::report::{self, Content, Figure, Mark};
 use gaiter::record::schema::{FindingNote, LegFigures};
-use gaiter::record::{Brief, Language, Record};
+use gaiter::record::{Language, Record, RecordSummary};
 use support::bodies::{export, record_of};
 use support::page::words;
 
@@ -223,7 +223,7 @@ fn at_a_glance_a_doubt_is_seen_and_only_what_must_be_looked_at_is_counted() {
         let severity = severity.to_owned();
         record.findings.push(FindingNote { code, severity, leg: None, level: None, message });
     }
-    let brief = Brief::of(&record, Language::De);
+    let brief = RecordSummary::of(&record, Language::De);
     assert_eq!(brief.findings, 2);
     let names: Vec<&str> = brief.levels.iter().map(|level| level.level).collect();
     assert_eq!(names, ["B", "B1", "C", "D"]);

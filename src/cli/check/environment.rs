@@ -86,7 +86,7 @@ fn footing(folder: &Path) -> io::Result<&Path> {
 }
 
 /// Does what the station does with a record, in a trial folder that is gone afterwards. A folder
-/// that does not exist is not made: it would belong to whoever checks and not to the station.
+/// that does not exist is not made: it would belong to the user who checks and not to the station.
 fn writable(folder: &Path) -> io::Result<String> {
     let place = footing(folder)?;
     let trial = place.join(format!(".gaiter-check-{}", std::process::id()));

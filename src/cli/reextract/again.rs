@@ -105,7 +105,7 @@ pub struct Again {
 
 /// What is to be written.
 #[derive(Debug, Clone, Copy)]
-pub struct Wish {
+pub struct Intent {
     /// Also where the record only lacks what an older gaiter did not write.
     pub complete: bool,
     /// Nothing at all.
@@ -116,7 +116,7 @@ pub struct Wish {
 ///
 /// # Errors
 /// See [`Fault`]; the record is as it was.
-pub fn again(family: &Family, choices: &Choices, wish: Wish) -> Result<Again, Fault> {
+pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again, Fault> {
     let Stored { old, old_json, scan, format, ord } = Stored::read(family)?;
     let (method, output, language) = choices.for_record(&old);
     let mut extraction = measure(&scan, format, &method)?;
@@ -140,10 +140,10 @@ pub fn again(family: &Family, choices: &Choices, wish: Wish) -> Result<Again, Fa
     let changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;
     let written = match changes.sameness {
         Sameness::Same => false,
-        Sameness::Gained => wish.complete,
+        Sameness::Gained => intent.complete,
         Sameness::Differs => true,
     };
-    let outcome = match (written, wish.dry_run) {
+    let outcome = match (written, intent.dry_run) {
         (false, _) => Outcome::Unchanged,
         (true, true) => Outcome::WouldBeRevised,
         (true, false) => match family.add(revision, &files)? {

@@ -78,17 +78,17 @@ fn next_step(signal: Signal, booth: &Situation<'_>) -> Both {
         ),
         (Signal::Ready, true) if !booth.next.is_empty() => (
             "Press the button, then scan the patient who is named.",
-            "Knopf drücken, dann die genannte Person scannen.",
+            "Knopf drücken, dann den genannten Patienten scannen.",
         ),
         (Signal::Ready, true) => ("Press the button, then scan.", "Knopf drücken, dann scannen."),
-        (Signal::Ready, false) => ("Scan the next patient.", "Die nächste Person scannen."),
+        (Signal::Ready, false) => ("Scan the next patient.", "Den nächsten Patienten scannen."),
         (Signal::Armed, _) => ("Scan now, then export.", "Jetzt scannen, dann exportieren."),
         (Signal::Receiving, _) => {
             ("Please wait. This takes a few seconds.", "Bitte warten. Das dauert einige Sekunden.")
         }
         (Signal::Done, _) => (
             "The record is stored. The patient may get dressed.",
-            "Die Messung ist gespeichert. Die Person kann sich anziehen.",
+            "Die Messung ist gespeichert. Der Patient kann sich anziehen.",
         ),
         (Signal::Attention, _) => ("Look at the scans below.", "Bitte die Scans unten ansehen."),
         (Signal::NoExport, true) => (
@@ -97,7 +97,7 @@ fn next_step(signal: Signal, booth: &Situation<'_>) -> Both {
         ),
         (Signal::NoExport, false) => (
             "No export came. Name the patient and scan again.",
-            "Es kam kein Export. Person benennen und noch einmal scannen.",
+            "Es kam kein Export. Den Patienten benennen und noch einmal scannen.",
         ),
     }
 }

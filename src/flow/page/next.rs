@@ -40,7 +40,7 @@ pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
     let Text(pieces) = told(booth, &who, language);
     let doubt = (
         "A press of the button may have gone unheard: scans of named patients are held.",
-        "Ein Knopfdruck wurde vielleicht nicht gehört: Scans benannter Personen werden angehalten.",
+        "Ein Knopfdruck wurde vielleicht nicht gehört: Scans benannter Patienten werden zurückgehalten.",
     );
     NextShown {
         sentence: pieces.concat(),
@@ -61,11 +61,11 @@ fn next(booth: &Situation<'_>) -> Vec<PatientShown> {
 
 const NOBODY: Both = ("Nobody is named.", "Niemand ist benannt.");
 
-const ONE: Both = ("The next patient is named.", "Die nächste Person ist benannt.");
+const ONE: Both = ("The next patient is named.", "Der nächste Patient ist benannt.");
 
 const SEVERAL: Both = (
     "More than one patient is named: who is in the booth?",
-    "Mehr als eine Person ist benannt: Wer ist in der Kabine?",
+    "Mehr als ein Patient ist benannt: Wer ist in der Kabine?",
 );
 
 /// Words and ids in turn, words first and last.

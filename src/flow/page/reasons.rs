@@ -30,21 +30,21 @@ impl Advice {
 pub fn of_held(code: &str, language: Language) -> Advice {
     const EITHER: Both = (
         "Look at the scan and assign it to the right patient.",
-        "Den Scan ansehen und der richtigen Person zuordnen.",
+        "Den Scan ansehen und dem richtigen Patienten zuordnen.",
     );
     const IF_SO: Both = (
         "Release it if it is this patient's, else assign it.",
-        "Freigeben, wenn er von dieser Person ist, sonst zuordnen.",
+        "Freigeben, wenn er von diesem Patienten ist, sonst zuordnen.",
     );
     let pair = match code {
         identity::PATIENTS_DIFFER => (
-            ("Two sources name different patients.", "Zwei Quellen nennen verschiedene Personen."),
+            ("Two sources name different patients.", "Zwei Quellen nennen verschiedene Patienten."),
             EITHER,
         ),
         capture::AMBIGUOUS => (
             (
                 "It could be of more than one of those who were named or scanned.",
-                "Er kann von mehr als einer der benannten oder gescannten Personen sein.",
+                "Er kann von mehr als einem der benannten oder gescannten Patienten sein.",
             ),
             EITHER,
         ),
@@ -93,7 +93,7 @@ pub fn of_held(code: &str, language: Language) -> Advice {
         identity::SAME_SCAN_OTHER_PATIENT => (
             (
                 "The same scan came in before, for somebody else.",
-                "Derselbe Scan kam schon einmal, für eine andere Person.",
+                "Derselbe Scan kam schon einmal, für einen anderen Patienten.",
             ),
             (
                 "Release it only if it is right for both.",
@@ -187,7 +187,7 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
         "patient-folder-is-a-link" | "patient-folder-clash" => (
             (
                 "The patient's folder in the record store cannot be told from another's.",
-                "Der Ordner der Person im Aktenspeicher ist nicht sicher von einem anderen zu \
+                "Der Ordner des Patienten im Aktenspeicher ist nicht sicher von einem anderen zu \
                  unterscheiden.",
             ),
             TECHNICIAN,
@@ -215,7 +215,7 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     const TECHNICIAN: Both = ("Call the technician.", "Den Techniker rufen.");
     let pair = match complaint.code.as_str() {
         "paused" => (
-            ("The station is paused.", "Die Station ist angehalten."),
+            ("The station is paused.", "Die Station macht Pause."),
             ("Resume to go on.", "Zum Weitermachen fortsetzen."),
         ),
         "disk-low" => (
@@ -273,8 +273,8 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
         "record-kept" => (
             (
                 "A record that was taken back was changed by hand and still lies with the wrong patient.",
-                "Eine zurückgenommene Messakte wurde von Hand geändert und liegt noch bei der falschen \
-                 Person.",
+                "Eine zurückgenommene Messakte wurde von Hand geändert und liegt noch beim falschen \
+                 Patienten.",
             ),
             TECHNICIAN,
         ),
@@ -317,7 +317,7 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
             ),
             (
                 "Order again, or name the patient here.",
-                "Neu beauftragen oder die Person hier benennen.",
+                "Neu beauftragen oder den Patienten hier benennen.",
             ),
         ),
         "order-repeated" => (
@@ -327,7 +327,7 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
             ),
             (
                 "Name the patient here if this is a new scan of the same person.",
-                "Die Person hier benennen, wenn sie noch einmal gescannt wird.",
+                "Den Patienten hier benennen, wenn er noch einmal gescannt wird.",
             ),
         ),
         _ if language == Language::En => {
@@ -348,15 +348,15 @@ pub fn of_fault(code: &str, language: Language) -> Option<&'static str> {
         ),
         "another-is-named" => (
             "Another patient is named and was not scanned. Nothing was changed.",
-            "Eine andere Person ist benannt und wurde nicht gescannt. Es wurde nichts geändert.",
+            "Ein anderer Patient ist benannt und wurde nicht gescannt. Es wurde nichts geändert.",
         ),
         "scan-of-a-patient" => (
             "The scan is a patient's already. Nothing was changed.",
-            "Der Scan gehört schon zu einer Person. Es wurde nichts geändert.",
+            "Der Scan gehört schon zu einem Patienten. Es wurde nichts geändert.",
         ),
         "scan-of-several" => (
             "It could be more than one patient's: assign it to the right one. Nothing was changed.",
-            "Er kann von mehreren Personen sein: bitte der richtigen zuordnen. Es wurde nichts geändert.",
+            "Er kann von mehreren Patienten sein: bitte dem richtigen zuordnen. Es wurde nichts geändert.",
         ),
         "no-occasion" | "unknown-scan" | "scan-unknown" => (
             "The scan is not in that state any more. Nothing was changed.",

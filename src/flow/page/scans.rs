@@ -11,7 +11,7 @@ use super::{PatientShown, distinct};
 use crate::flow::account::{Delivered, Whole};
 use crate::flow::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{DeliveryState, ScanState, capture};
-use crate::record::{Brief, Language, shown};
+use crate::record::{Language, RecordSummary, shown};
 
 /// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,7 +38,7 @@ pub struct ScanShown {
     /// What a person can decide.
     pub acts: Vec<&'static str>,
     /// Its measures, once its record was read; of a held scan, its preview.
-    pub measures: Option<Brief>,
+    pub measures: Option<RecordSummary>,
     /// The files of its record, or of its preview, that can be opened.
     pub files: Vec<&'static str>,
     /// Why a held scan has no preview.
@@ -49,7 +49,7 @@ pub struct ScanShown {
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Told {
     /// Its measures.
-    pub measures: Option<Brief>,
+    pub measures: Option<RecordSummary>,
     /// Its files that can be opened.
     pub files: Vec<&'static str>,
     /// The code of why a held scan cannot be measured.
@@ -89,7 +89,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     });
     let word = match place {
         Place::Refused => ("Refused", "Abgelehnt"),
-        Place::Held => ("Held", "Angehalten"),
+        Place::Held => ("Held", "Zurückgehalten"),
         Place::Closed => match whole.summary.closed.as_deref() {
             Some("superseded") => ("Scanned again", "Neu gescannt"),
             Some("let-go") => ("Refused, and its bytes removed", "Abgelehnt, Daten gelöscht"),
@@ -97,7 +97,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         },
         Place::Withdrawing => ("Being taken back", "Wird zurückgenommen"),
         Place::Waiting => ("On its way", "Unterwegs"),
-        Place::Nobodys => ("For nobody", "Ohne Person"),
+        Place::Nobodys => ("For nobody", "Ohne Patient"),
         Place::Somebodys => ("Stored", "Gespeichert"),
     };
     let acts = acts(place, code.as_deref(), whole);

@@ -124,7 +124,7 @@ fn attention_says_first_what_is_most_wrong_and_what_to_do() {
     let light = page(booth(Signal::Attention), std::slice::from_ref(&paused), Language::En).light;
     assert_eq!(light.sentence, "The station is paused. Resume to go on.");
     let light = page(booth(Signal::Attention), &[paused], Language::De).light;
-    assert_eq!(light.sentence, "Die Station ist angehalten. Zum Weitermachen fortsetzen.");
+    assert_eq!(light.sentence, "Die Station macht Pause. Zum Weitermachen fortsetzen.");
 }
 
 #[test]
@@ -201,7 +201,7 @@ fn a_store_that_takes_nothing_is_tried_again_first_and_bad_when_that_lasts() {
 fn a_reason_is_of_its_own_code() {
     use crate::flow::{capture, identity};
     for (code, english, german) in [
-        (capture::AMBIGUOUS, "more than one", "mehr als einer"),
+        (capture::AMBIGUOUS, "more than one", "mehr als einem"),
         (capture::UNCLEAR, "before the button", "bevor der Knopf"),
         (capture::LATE, "after the time", "nach der Zeit"),
         (capture::UNHEARD, "gone unheard", "nicht gehört"),
@@ -209,7 +209,7 @@ fn a_reason_is_of_its_own_code() {
         (capture::REPEATED, "second time", "zweites Mal"),
         (identity::NO_PRESS, "Nobody pressed", "Niemand hat"),
         (identity::PATIENTS_DIFFER, "Two sources", "Zwei Quellen"),
-        (identity::SAME_SCAN_OTHER_PATIENT, "somebody else", "andere Person"),
+        (identity::SAME_SCAN_OTHER_PATIENT, "somebody else", "anderen Patienten"),
     ] {
         for (language, words) in BOTH.into_iter().zip([english, german]) {
             let advice = of_held(code, language);
@@ -284,7 +284,7 @@ fn what_a_person_can_decide_follows_from_what_became_of_the_scan() {
 }
 
 #[test]
-fn whoever_gave_a_record_back_is_not_named_any_more() {
+fn a_patient_who_gave_a_record_back_is_not_named_any_more() {
     let back = vec![delivery(Some("1"), "withdrawn", None), delivery(None, "delivered", None)];
     let shown = scan("delivered", None, back);
     assert_eq!((shown.state, shown.patients), ("unassigned", vec![]));

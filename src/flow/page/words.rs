@@ -23,11 +23,11 @@ pub fn done(verb: &str, language: Language) -> Option<&'static str> {
         "give_up" => {
             ("The scan needs no decision any more.", "Der Scan braucht keine Entscheidung mehr.")
         }
-        "name_next" => ("The next patient is named.", "Die nächste Person ist benannt."),
+        "name_next" => ("The next patient is named.", "Der nächste Patient ist benannt."),
         "call_off" => ("Nobody is awaited any more.", "Es wird niemand mehr erwartet."),
         "pause" => (
             "Paused: scans stay at the scanner until you resume.",
-            "Angehalten: Scans bleiben beim Scanner, bis Sie fortsetzen.",
+            "Pause: Scans bleiben beim Scanner, bis Sie fortsetzen.",
         ),
         "resume" => ("The station goes on.", "Die Station macht weiter."),
         _ => return None,
@@ -37,7 +37,7 @@ pub fn done(verb: &str, language: Language) -> Option<&'static str> {
 
 /// The page's labels by their keys, in the order of the keys.
 pub const LABELS: [(&str, Both); 67] = [
-    ("another", ("Another patient", "Eine andere Person")),
+    ("another", ("Another patient", "Ein anderer Patient")),
     ("assign", ("Assign …", "Zuordnen …")),
     ("assign_hint", ("Whose scan is this?", "Wessen Scan ist das?")),
     (
@@ -89,12 +89,12 @@ pub const LABELS: [(&str, Both); 67] = [
     ("last_scans", ("Last scans", "Letzte Scans")),
     ("left", ("Left", "Links")),
     ("legs.svg", ("Drawing", "Zeichnung")),
-    ("level", ("Level", "Messstelle")),
+    ("level", ("Level", "Messpunkt")),
     ("main", ("Station", "Station")),
     ("more", ("more; gaiter scans lists them all", "weitere; gaiter scans zeigt alle")),
-    ("name", ("Name the next patient …", "Nächste Person benennen …")),
+    ("name", ("Name the next patient …", "Nächsten Patienten benennen …")),
     ("name_hint", ("Whose is the next scan?", "Von wem ist der nächste Scan?")),
-    ("next", ("Next patient", "Nächste Person")),
+    ("next", ("Next patient", "Nächster Patient")),
     ("no_measures", ("No measures yet", "Noch keine Maße")),
     ("no_scans", ("No scan yet.", "Noch kein Scan.")),
     (
@@ -109,7 +109,7 @@ pub const LABELS: [(&str, Both); 67] = [
     ("parts", ("Parts of the station", "Teile der Station")),
     ("patient", ("Patient", "Patient")),
     ("patient_id", ("Patient's id", "Patientennummer")),
-    ("pause", ("Pause", "Anhalten")),
+    ("pause", ("Pause", "Pause")),
     (
         "read_only_network",
         (
@@ -130,7 +130,7 @@ pub const LABELS: [(&str, Both); 67] = [
         "release_hint",
         (
             "The scan goes to the patient for whom it came in.",
-            "Der Scan geht an die Person, für die er kam.",
+            "Der Scan geht an den Patienten, für den er kam.",
         ),
     ),
     ("release_to", ("Release to {}", "Freigeben für {}")),
@@ -138,7 +138,7 @@ pub const LABELS: [(&str, Both); 67] = [
         "release_to_hint",
         (
             "The scan came in for {}. Its record goes to this patient and to nobody else.",
-            "Der Scan kam für {}. Die Messakte geht an diese Person und an niemand anderen.",
+            "Der Scan kam für {}. Die Messakte geht an diesen Patienten und an niemand anderen.",
         ),
     ),
     ("replace", ("Replace", "Ersetzen")),
@@ -180,7 +180,7 @@ pub const LABELS: [(&str, Both); 67] = [
         "unassign_hint",
         (
             "The record leaves the patient's folder and lies for nobody, until you assign it.",
-            "Die Messakte verlässt den Ordner der Person und gehört zu niemandem, bis Sie sie zuordnen.",
+            "Die Messakte verlässt den Ordner des Patienten und gehört zu niemandem, bis Sie sie zuordnen.",
         ),
     ),
     ("view", ("3D view", "3D-Ansicht")),

@@ -11,12 +11,12 @@
 
 pub mod button;
 pub mod code;
-pub mod ear;
 pub mod edge;
-pub mod life;
+pub mod input_decoder;
 pub mod lines;
+pub mod port_lifecycle;
 pub mod report;
 pub mod token;
 
-pub use ear::{Ear, Input};
-pub use life::{FaultKind, Life, PortFault, PortState};
+pub use input_decoder::{Input, InputDecoder};
+pub use port_lifecycle::{FaultKind, PortFault, PortLifecycle, PortState};

@@ -32,7 +32,7 @@ const SCALE_MIN_MM: f64 = 0.3;
 /// error on noise-free bodies of known truth, from the shape between the points.
 const GIRTH_SD_MIN_MM: f64 = 0.1;
 
-/// A disbelieved point counts as no further off than this, mm: a layer over the skin is; a hand or a
+/// An outlier counts as no further off than this, mm: a layer over the skin is; a hand or a
 /// speck is none, and its few points do not make a section scatter.
 const STRAY_MM: f64 = 6.0;
 
@@ -63,7 +63,7 @@ pub struct Skin {
     /// Points of the scan that the fit believes, by their distance along the axis.
     points: Vec<SkinPoint>,
     /// The others, likewise.
-    disbelieved: Vec<SkinPoint>,
+    outliers: Vec<SkinPoint>,
     /// Mean distance of neighbouring points, mm.
     spacing_mm: f64,
     /// Points per mm along the axis, averaged over the leg.
@@ -116,14 +116,14 @@ impl Skin {
         }
         let all = points.into_iter().zip(&fit.weights);
         let (believed, others): (Vec<_>, Vec<_>) = all.partition(|(_, weight)| **weight > 0.0);
-        let [points, disbelieved] = [believed, others]
+        let [points, outliers] = [believed, others]
             .map(|part| part.into_iter().map(|(point, _)| point).collect::<Vec<SkinPoint>>());
         let count = points.len() as f64;
         let area: f64 =
             points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
         let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
         let spokes = Spokes::of(&around);
-        Some(Skin { middle, fit, waves, spokes, points, disbelieved, spacing_mm, points_per_mm })
+        Some(Skin { middle, fit, waves, spokes, points, outliers, spacing_mm, points_per_mm })
     }
 
     /// The section at a distance along the axis; none outside the skin or where too much of it was
@@ -136,7 +136,7 @@ impl Skin {
         }
         let coefficients = self.coefficients(along_mm)?;
         let centre = self.centre(along_mm);
-        let (r2, rms_mm) = Skin::goodness(near, self.near(&self.disbelieved, along_mm));
+        let (r2, rms_mm) = Skin::goodness(near, self.near(&self.outliers, along_mm));
         let girth_sd = self.girth_sd(along_mm, near.len());
         Some(Section {
             along_mm,
@@ -201,8 +201,8 @@ impl Skin {
     }
 
     /// Coefficient of determination of the believed points of a section, and root mean square
-    /// residual of all of them, mm: cloth or a second layer is disbelieved, and must be told.
-    fn goodness(believed: &[SkinPoint], disbelieved: &[SkinPoint]) -> (f64, f64) {
+    /// residual of all of them, mm: cloth or a second layer is left out of the fit, and must be told.
+    fn goodness(believed: &[SkinPoint], outliers: &[SkinPoint]) -> (f64, f64) {
         let count = believed.len() as f64;
         let mean = believed.iter().map(|point| point.radius_mm).sum::<f64>() / count;
         let (mut rss, mut spread) = (0.0, 0.0);
@@ -210,8 +210,8 @@ impl Skin {
             rss += point.residual_mm.powi(2);
             spread += (point.radius_mm - mean).powi(2);
         }
-        let off = disbelieved.iter().map(|point| point.residual_mm.abs().min(STRAY_MM).powi(2));
-        let all = count + disbelieved.len() as f64;
+        let off = outliers.iter().map(|point| point.residual_mm.abs().min(STRAY_MM).powi(2));
+        let all = count + outliers.len() as f64;
         let rms_mm = ((rss + off.sum::<f64>()) / all).sqrt();
         (r2(rss, spread, mean * mean * count), rms_mm)
     }

@@ -7,7 +7,7 @@ use super::{Anchor, Ink, Mark, Picture, Stroke, Theme};
 /// The letters of pictures.
 const FONT: &str = "system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
 
-/// A file of its own, in the theme of whoever looks at it; programs that know no style sheets show the
+/// A file of its own, in the theme of its reader; programs that know no style sheets show the
 /// light one.
 pub fn file(picture: &Picture) -> String {
     let style = format!("<style>{}</style>\n", dark_rules());

@@ -9,7 +9,7 @@ use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
 use crate::spline::grid::GridData;
 use crate::spline::knots::choice::{Choice, chosen};
-use crate::spline::knots::wish::{GridDomain, Knots, wishes};
+use crate::spline::knots::request::{GridDomain, Knots, requests};
 
 /// Which knots the surface through a cloud is to have. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,7 +46,7 @@ pub fn fit_cloud_by(
     method: &CloudMethod,
 ) -> Result<CloudFit, FitFault> {
     let CloudKnots { control_points, knots, ref marks } = *knots;
-    let wishes = wishes(domain, control_points, knots, marks)?;
+    let requests = requests(domain, control_points, knots, marks)?;
     let (points, needed) = (data.points.len(), control_points[0].saturating_mul(control_points[1]));
     if points < needed {
         return Err(FitFault::TooFewPoints { points, control_points: needed });
@@ -65,8 +65,8 @@ pub fn fit_cloud_by(
     let grid = first.surface.grid(&along, &around);
     // The first fit looks through the noise, so that its grid has none.
     let grid = GridData { along: &along, around: &around, points: &grid };
-    let Choice { basis: along, .. } = chosen(&grid.profiles_along(), &wishes[0])?;
-    let Choice { basis: around, .. } = chosen(&grid.profiles_around(), &wishes[1])?;
+    let Choice { basis: along, .. } = chosen(&grid.profiles_along(), &requests[0])?;
+    let Choice { basis: around, .. } = chosen(&grid.profiles_around(), &requests[1])?;
     fit_cloud(data, along, around, method)
 }
 

@@ -62,7 +62,7 @@ impl Cells {
         let columns = pieces[1].len();
         let mut starts = vec![0; pieces[0].len() * columns + 1];
         let homes = points.iter().zip(around).map(|(point, v)| {
-            let (u, v) = (bases[0].brought_home(point.z), bases[1].brought_home(*v));
+            let (u, v) = (bases[0].wrapped(point.z), bases[1].wrapped(*v));
             (bases[0].span(u) * columns + bases[1].span(v), u, v)
         });
         let homes: Vec<(usize, f64, f64)> = homes.collect();

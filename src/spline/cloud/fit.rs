@@ -171,7 +171,7 @@ fn seen(data: &CloudData, [along, around]: [&Basis; 2]) -> Result<f64, FitFault>
     let sides = ((data.points.len() as f64).sqrt() / 2.0).clamp(REGIONS[0], REGIONS[1]).floor();
     let side = |basis: &Basis, place: f64| {
         let (from, to) = basis.domain();
-        let share = (basis.brought_home(place) - from) / (to - from);
+        let share = (basis.wrapped(place) - from) / (to - from);
         ((sides * share) as usize).min(sides as usize - 1)
     };
     let mut holds = vec![false; (sides * sides) as usize];
@@ -217,7 +217,7 @@ fn check(data: &CloudData, [along, around]: [&Basis; 2]) -> Result<(), FitFault>
     }
     different(heights(), to - from)?;
     let (from, to) = around.domain();
-    different(data.around.iter().map(|v| around.brought_home(*v)), to - from)
+    different(data.around.iter().map(|v| around.wrapped(*v)), to - from)
 }
 
 /// Refuses places of which fewer than four differ by what could hold a slope against rounding.

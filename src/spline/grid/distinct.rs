@@ -3,7 +3,7 @@
 use crate::spline::basis::DEGREE;
 use crate::spline::fit::{FitFault, check_places};
 use crate::spline::knots::profiles::Profiles;
-use crate::spline::knots::wish::Wish;
+use crate::spline::knots::request::KnotRequest;
 
 /// Rows nearer than this are one: as a share of the domain in their parameter, or of the data's
 /// extent in all their points.
@@ -14,25 +14,25 @@ const ONE_LINE: f64 = 1e-9;
 /// # Errors
 /// [`FitFault::FewerThanControlPoints`], [`FitFault::Basis`], [`FitFault::OutsideDomain`],
 /// [`FitFault::Coincident`].
-pub fn check_lines(profiles: &Profiles, wish: &Wish) -> Result<(), FitFault> {
-    let Wish { direction, domain, spans, .. } = *wish;
+pub fn check_lines(profiles: &Profiles, request: &KnotRequest) -> Result<(), FitFault> {
+    let KnotRequest { direction, domain, spans, .. } = *request;
     let (found, needed) = (profiles.places.len(), spans + if domain.periodic { 0 } else { DEGREE });
     if found < needed {
         return Err(FitFault::FewerThanControlPoints { direction, found, needed });
     }
     let basis = domain.basis(&domain.equal(spans))?;
     check_places(&basis, &profiles.places, &profiles.places)?;
-    let lines = if wish.domain.periodic { "columns" } else { "rows" };
-    match twins(profiles, wish) {
+    let lines = if request.domain.periodic { "columns" } else { "rows" };
+    match twins(profiles, request) {
         Some([first, second]) => Err(FitFault::Coincident { lines, first, second }),
         None => Ok(()),
     }
 }
 
 /// Two neighbours at the same parameter or with the same points.
-fn twins(profiles: &Profiles, wish: &Wish) -> Option<[usize; 2]> {
+fn twins(profiles: &Profiles, request: &KnotRequest) -> Option<[usize; 2]> {
     let Profiles { places, values } = profiles;
-    let domain = wish.domain;
+    let domain = request.domain;
     let width = values.len() / places.len();
     let line = |i: usize| &values[i * width..(i + 1) * width];
     let extent = |axis: usize| {

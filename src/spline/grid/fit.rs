@@ -12,7 +12,7 @@ use crate::spline::fit::FitFault;
 use crate::spline::knots::adaptive::fine;
 use crate::spline::knots::choice::{chosen, equal_spans};
 use crate::spline::knots::profiles::Domain;
-use crate::spline::knots::wish::{GridDomain, Knots, wishes};
+use crate::spline::knots::request::{GridDomain, Knots, requests};
 use crate::spline::normal::RIDGE;
 
 /// How to fit a grid. Pairs are along and around.
@@ -55,20 +55,20 @@ pub fn fit_grid_by(
     method: &GridMethod,
 ) -> Result<SurfaceFit, FitFault> {
     check(data)?;
-    let wishes = wishes(domain, method.control_points, method.knots, &method.marks)?;
-    check_lines(&data.profiles_along(), &wishes[0])?;
-    check_lines(&data.profiles_around(), &wishes[1])?;
+    let requests = requests(domain, method.control_points, method.knots, &method.marks)?;
+    check_lines(&data.profiles_along(), &requests[0])?;
+    check_lines(&data.profiles_around(), &requests[1])?;
 
-    let equal = [equal_spans(data.along, &wishes[0])?, equal_spans(data.around, &wishes[1])?];
+    let equal = [equal_spans(data.along, &requests[0])?, equal_spans(data.around, &requests[1])?];
 
-    let domains = wishes.map(|wish| wish.domain);
-    let whole = Bridged::new(data, domains, wishes.map(|wish| wish.spans));
+    let domains = requests.map(|request| request.domain);
+    let whole = Bridged::new(data, domains, requests.map(|request| request.spans));
     let grid = whole.data();
     let first = without_outliers(&grid, grid.points, &equal, method)?;
     let shape = denoised(&GridData { points: &first.points, ..grid }, domains, method)?;
     let shape = GridData { points: &shape, ..grid };
-    let along = chosen(&shape.profiles_along(), &wishes[0])?;
-    let around = chosen(&shape.profiles_around(), &wishes[1])?;
+    let along = chosen(&shape.profiles_along(), &requests[0])?;
+    let around = chosen(&shape.profiles_around(), &requests[1])?;
 
     let bases = [along.basis, around.basis];
     let Cleaned { points, outliers } = without_outliers(&grid, &first.points, &bases, method)?;

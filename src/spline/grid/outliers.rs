@@ -95,7 +95,7 @@ impl Neighbours {
             order.sort_by(|a, b| places[*a].total_cmp(&places[*b]));
             order
         };
-        let home: Vec<f64> = data.around.iter().map(|v| around.brought_home(*v)).collect();
+        let home: Vec<f64> = data.around.iter().map(|v| around.wrapped(*v)).collect();
         Neighbours { rows: order(data.along), columns: order(&home) }
     }
 

@@ -86,14 +86,14 @@ fn jumps(profiles: &Profiles, domain: &Domain, fine: &[f64]) -> Result<Vec<f64>,
 /// Breakpoints of `spans` spans that each hold the same integral of a density that is constant on
 /// the cells between `edges`.
 fn equal_shares(edges: &[f64], density: &[f64], spans: usize) -> Vec<f64> {
-    let mut heaped = vec![0.0];
+    let mut cumulative = vec![0.0];
     for (pair, density) in edges.windows(2).zip(density) {
-        heaped.push(heaped[heaped.len() - 1] + density * (pair[1] - pair[0]));
+        cumulative.push(cumulative[cumulative.len() - 1] + density * (pair[1] - pair[0]));
     }
-    let whole = heaped[heaped.len() - 1];
+    let whole = cumulative[cumulative.len() - 1];
     let place = |level: f64| {
-        let cell = heaped.partition_point(|heap| *heap <= level).clamp(1, density.len()) - 1;
-        edges[cell] + (level - heaped[cell]) / density[cell]
+        let cell = cumulative.partition_point(|heap| *heap <= level).clamp(1, density.len()) - 1;
+        edges[cell] + (level - cumulative[cell]) / density[cell]
     };
     let inner = (1..spans).map(|i| place(whole * i as f64 / spans as f64));
     [edges[0]].into_iter().chain(inner).chain([edges[edges.len() - 1]]).collect()

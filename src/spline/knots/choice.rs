@@ -6,8 +6,8 @@ use super::adaptive::adaptive;
 use super::marks::{Marked, marked};
 use super::polish::polished;
 use super::profiles::{Domain, Profiles};
+use super::request::{KnotRequest, Knots};
 use super::schoenberg_whitney::{determines, undetermined};
-use super::wish::{Knots, Wish};
 use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
 
@@ -65,15 +65,15 @@ const WIDENINGS: usize = 8;
 /// # Errors
 /// [`FitFault::Gap`] where the places leave too many of its functions open, or an end of the domain
 /// further than a span from the data.
-pub fn equal_spans(places: &[f64], wish: &Wish) -> Result<Basis, FitFault> {
-    let basis = wish.domain.basis(&wish.domain.equal(wish.spans))?;
+pub fn equal_spans(places: &[f64], request: &KnotRequest) -> Result<Basis, FitFault> {
+    let basis = request.domain.basis(&request.domain.equal(request.spans))?;
     let functions = undetermined(&basis, places).len();
     // Beyond the last datum nothing can be bridged.
-    let span = (wish.domain.to - wish.domain.from) / wish.spans as f64;
-    let open_end = wish.domain.open_ends(places).into_iter().find(|[from, to]| to - from > span);
+    let span = (request.domain.to - request.domain.from) / request.spans as f64;
+    let open_end = request.domain.open_ends(places).into_iter().find(|[from, to]| to - from > span);
     if functions > BRIDGED || open_end.is_some() {
-        let [from, to] = open_end.unwrap_or_else(|| wish.domain.widest_gap(places));
-        return Err(FitFault::Gap { direction: wish.direction, from, to, functions });
+        let [from, to] = open_end.unwrap_or_else(|| request.domain.widest_gap(places));
+        return Err(FitFault::Gap { direction: request.direction, from, to, functions });
     }
     Ok(basis)
 }
@@ -82,27 +82,30 @@ pub fn equal_spans(places: &[f64], wish: &Wish) -> Result<Basis, FitFault> {
 ///
 /// # Errors
 /// A [`FitFault`] where they make no basis or the data do not determine the fine fit.
-pub fn chosen(profiles: &Profiles, wish: &Wish) -> Result<Choice, FitFault> {
-    let equal = marked(wish.domain.equal(wish.spans), &wish.domain, wish.marks);
-    let uniform = wish.domain.basis(&equal.breakpoints)?;
+pub fn chosen(profiles: &Profiles, request: &KnotRequest) -> Result<Choice, FitFault> {
+    let equal = marked(request.domain.equal(request.spans), &request.domain, request.marks);
+    let uniform = request.domain.basis(&equal.breakpoints)?;
     let instead = Choice { basis: uniform, used: KnotsUsed::Uniform, missed: equal.missed };
-    if wish.knots == Knots::Uniform {
+    if request.knots == Knots::Uniform {
         return Ok(instead);
     }
     let instead = Choice { used: KnotsUsed::UniformInstead, ..instead };
-    let found = adaptive(profiles, &wish.domain, wish.spans)?;
-    let found = marked(found, &wish.domain, wish.marks);
-    let polish =
-        if wish.knots == Knots::Polished { made_better(&found, wish, profiles) } else { None };
-    match polish.or_else(|| widened(found, &wish.domain, &profiles.places)) {
+    let found = adaptive(profiles, &request.domain, request.spans)?;
+    let found = marked(found, &request.domain, request.marks);
+    let polish = if request.knots == Knots::Polished {
+        made_better(&found, request, profiles)
+    } else {
+        None
+    };
+    match polish.or_else(|| widened(found, &request.domain, &profiles.places)) {
         Some(choice) if profiles.rss(&choice.basis)? <= profiles.rss(&instead.basis)? => Ok(choice),
         _ => Ok(instead),
     }
 }
 
 /// The polished basis; None where it leaves a function without data.
-fn made_better(found: &Marked, wish: &Wish, profiles: &Profiles) -> Option<Choice> {
-    let basis = wish.domain.basis(&polished(profiles, &wish.domain, found)).ok()?;
+fn made_better(found: &Marked, request: &KnotRequest, profiles: &Profiles) -> Option<Choice> {
+    let basis = request.domain.basis(&polished(profiles, &request.domain, found)).ok()?;
     determines(&basis, &profiles.places).ok()?;
     Some(Choice { basis, used: KnotsUsed::Polished, missed: found.missed.clone() })
 }

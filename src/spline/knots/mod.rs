@@ -7,7 +7,7 @@
 //! | `marks` | where the caller wants them |
 //! | `schoenberg_whitney` | [`determines`]: whether data determine a basis |
 //! | `choice` | [`KnotsUsed`]: which of these are used, and what instead |
-//! | `wish` | [`Knots`], [`GridDomain`]: what is asked of either direction |
+//! | `request` | [`Knots`], [`GridDomain`]: what is asked of either direction |
 //! | `profiles` | the data of one direction |
 
 pub(super) mod adaptive;
@@ -16,9 +16,9 @@ mod marks;
 mod marquardt;
 mod polish;
 pub(super) mod profiles;
+pub(super) mod request;
 mod schoenberg_whitney;
-pub(super) mod wish;
 
 pub use choice::KnotsUsed;
+pub use request::{GridDomain, Knots};
 pub use schoenberg_whitney::{Undetermined, determines};
-pub use wish::{GridDomain, Knots};

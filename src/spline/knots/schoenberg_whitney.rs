@@ -78,7 +78,7 @@ pub fn undetermined(basis: &Basis, places: &[f64]) -> Vec<usize> {
 /// The places in order, wrapped, each once.
 fn distinct(basis: &Basis, places: &[f64]) -> Vec<f64> {
     let (from, to) = basis.domain();
-    let mut places: Vec<f64> = places.iter().map(|x| basis.brought_home(*x)).collect();
+    let mut places: Vec<f64> = places.iter().map(|x| basis.wrapped(*x)).collect();
     places.sort_by(f64::total_cmp);
     places.dedup_by(|next, last| *next - *last < ONE_PLACE * (to - from));
     places

@@ -2,7 +2,7 @@
 //!
 //! Minimises Σ w (y − f)² + λu ∬ f_uu² + λv ∬ f_vv². The two lambdas are chosen by generalised
 //! cross-validation on a grid of cells into which the data are averaged (`kronecker`); the
-//! equations of the scattered data themselves are then solved (`tensor_equations`). Outliers lose
+//! equations of the scattered data themselves are then solved (`equations`). Outliers lose
 //! their weight round by round.
 
 use nalgebra::{DMatrix, DVector};

@@ -45,7 +45,7 @@ impl Station {
             Heard::Unread { by } => self.unread(*by),
         };
         if let Err(error) = done {
-            self.mind(&error);
+            self.check_corruption(&error);
             warn!(event = "journal-failed", error = chain(&error));
             return false;
         }

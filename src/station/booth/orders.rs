@@ -116,7 +116,7 @@ pub async fn worker(
             if let Err(fault) = &taken {
                 warn!(event = "order-put-off", error = chain(fault));
                 if let TakeFault::Journal(error) = fault {
-                    station.mind(error);
+                    station.check_corruption(error);
                 }
             }
             orders.taken(&settled, taken, station.now());
@@ -142,7 +142,7 @@ fn looked(
         false => known::update(station, config, &found, pulse),
     };
     noted.map_err(|error| {
-        station.mind(&error);
+        station.check_corruption(&error);
         io::Error::other(chain(&error))
     })?;
     Ok(found)

@@ -46,7 +46,7 @@ fn taken_before(journal: &Journal, boot: &str) -> ScanId {
     scan
 }
 
-/// How many captures a start of the station has in mind whose exports were taken, and the doubt of the
+/// How many captures a start of the station remembers whose exports were taken, and the doubt of the
 /// one whose scan is then refused.
 fn after_start(journal: &Journal, scan: &ScanId) -> (usize, Option<Doubt>) {
     let booth = Booth::open(journal, rules(), 1, BTreeSet::new(), SECOND * 20).unwrap();

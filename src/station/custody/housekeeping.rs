@@ -52,7 +52,7 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
         let (kept, told) = kept.await?;
         timekeeper = told;
         if let Err(fault) = kept {
-            station.mind(&fault);
+            station.check_corruption(&fault);
             warn!(event = "housekeeping-failed", error = chain(&fault));
         }
         if station.now() >= next_status {

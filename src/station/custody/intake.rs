@@ -37,7 +37,7 @@ pub(super) fn intake(
     }
 }
 
-/// The ids of everybody whose a held scan may be, each once. Whoever has it already is none of them.
+/// The ids of everybody whose a held scan may be, each once. A patient who has it already is not among them.
 pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<String> {
     if held.is_none() {
         return Vec::new();

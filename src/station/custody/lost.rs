@@ -68,7 +68,7 @@ mod tests {
         fs::remove_dir_all(custody.spool.entry(&scan)).unwrap();
         custody.recover().unwrap();
         let seen = custody.journal.scan(&scan).unwrap().unwrap().first_seen;
-        // Whoever is named now adds nothing to whose it was.
+        // A patient who is named now says nothing of whose it was.
         assert_eq!(admit(&custody, Whose::default()), Verdict::Already);
         assert_eq!(for_whom(&custody), ["4711"]);
         assert_eq!(fs::read(custody.spool.scan_file(&scan, "obj")).unwrap(), BYTES);

@@ -110,7 +110,7 @@ impl Round {
         }
         let looked = self.look(station);
         let looked = looked.inspect_err(|error| {
-            station.mind(error);
+            station.check_corruption(error);
             warn!(event = "journal-failed", error = chain(error));
         });
         let has_made = looked.unwrap_or(false);
@@ -159,7 +159,7 @@ impl Round {
                     Ok(()) => {
                         info!(event = "preview-made", scan);
                         note(station, station.scan_measured(&row.scan));
-                        station.page.hurry();
+                        station.page.refresh();
                     }
                     Err(error) => self.put_off(station, row, &error.to_string()),
                 };
@@ -172,7 +172,7 @@ impl Round {
         station.previews.cannot_be(&row.scan, code);
         // Another export of the same scan is to come.
         note(station, station.reopen_capture(&row.scan));
-        station.page.hurry();
+        station.page.refresh();
     }
 
     fn put_off(&mut self, station: &Station, row: &ScanRow, error: &str) {
@@ -192,7 +192,7 @@ impl Round {
 /// The captures could not learn of a preview: it counts as not made for a while.
 fn note(station: &Station, noted: Result<(), JournalError>) {
     if let Err(error) = noted {
-        station.mind(&error);
+        station.check_corruption(&error);
         warn!(event = "journal-failed", error = chain(&error));
     }
 }

@@ -167,7 +167,7 @@ fn no_store(due: &Due) -> Setback {
 fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
     let scan = short(&due.scan);
     let custody_failed = |fault: CustodyFault| {
-        station.mind(&fault);
+        station.check_corruption(&fault);
         ("custody-failed", chain(&fault), Ended::PutOff)
     };
     let (code, error, ended) = match setback {
@@ -177,7 +177,7 @@ fn set_back(station: &Station, due: &Due, setback: Setback) -> Ended {
                 if stage != Stage::Store
                     && let Err(error) = station.reopen_capture(&due.scan)
                 {
-                    station.mind(&error);
+                    station.check_corruption(&error);
                     warn!(event = "journal-failed", error = chain(&error));
                 }
                 warn!(event = "scan-refused", scan, code);

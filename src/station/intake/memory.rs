@@ -26,7 +26,7 @@ pub(super) async fn recall(station: &Arc<Station>, folder: &Path) -> Result<Memo
         }
         let memory = station.custody.journal().look(&folder, boot);
         memory.unwrap_or_else(|error| {
-            station.mind(&error);
+            station.check_corruption(&error);
             warn!(event = "journal-failed", error = chain(&error));
             Memory::default()
         })
@@ -74,7 +74,7 @@ impl Intake {
         let written = spawn_blocking(move || {
             let written = station.custody.journal().looked(&folder, station.booth.boot(), &memory);
             written.map(|()| memory).map_err(|error| {
-                station.mind(&error);
+                station.check_corruption(&error);
                 warn!(event = "journal-failed", error = chain(&error));
             })
         });

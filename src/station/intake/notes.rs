@@ -45,14 +45,14 @@ impl Notes {
         });
     }
 
-    /// The share does not answer; whoever asked goes on waiting.
+    /// The share does not answer; the caller goes on waiting.
     pub(super) fn stalled(&self) {
         self.state(SourceState::Stalled);
     }
 
     /// What could not be done with a file.
     pub(super) fn failed(&self, fault: &(dyn Error + 'static)) {
-        self.station.mind(fault);
+        self.station.check_corruption(fault);
         warn!(event = "intake-failed", export_dir = self.place, error = chain(fault));
     }
 

@@ -88,7 +88,7 @@ impl Journal {
         })
     }
 
-    /// A person takes a scan back from whoever has it: it is nobody's again. Records that were
+    /// A person takes a scan back from the patient who has it: it is nobody's again. Records that were
     /// delivered go when the one for nobody lies in their store.
     ///
     /// # Errors

@@ -49,7 +49,7 @@ impl Due {
 }
 
 impl Journal {
-    /// All deliveries to be made or taken back, the scans first seen last first: whoever stands at
+    /// All deliveries to be made or taken back, the scans first seen last first: people who stand at
     /// the booth is not to wait for a backlog.
     ///
     /// # Errors

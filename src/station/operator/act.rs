@@ -36,7 +36,7 @@ pub enum Act {
         /// Another patient who is named and was not scanned is so no more.
         replaces: bool,
     },
-    /// Whoever was named for the next scan is not, and no press awaits its export.
+    /// Nobody is named for the next scan any more, and no press awaits its export.
     CallOff,
     /// No scan is to be taken or delivered until somebody resumes.
     Pause,
@@ -118,7 +118,7 @@ pub fn act(station: &Station, scan: Option<&ScanId>, act: &Act) -> Result<String
         Act::CallOff => return call_off(station),
     };
     if let Err(ActFault::Custody(fault)) = &said {
-        station.mind(fault);
+        station.check_corruption(fault);
     }
     station.work.notify_one();
     said
@@ -144,7 +144,7 @@ fn retry(station: &Station, row: ScanRow) -> Result<String, ActFault> {
                 let why = "it was not refused and nothing of it waits; there is nothing to retry";
                 return Err(ActFault::NoOccasion(why));
             }
-            station.hurry(&row.scan);
+            station.retry_now(&row.scan);
             Ok(format!("scan {scan} is tried again now"))
         }
     }

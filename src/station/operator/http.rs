@@ -31,7 +31,7 @@ pub use self::listeners::Listeners;
 pub use self::shared_look::SharedLook;
 use super::metrics;
 use super::overview::Overview;
-use super::page::{self, Door, Way};
+use super::page::{self, HttpEndpoint, Way};
 use crate::station::assembly::Station;
 use crate::station::stop::Stop;
 
@@ -56,14 +56,14 @@ const RETRY: Duration = Duration::from_secs(10);
 /// The pause where no connection can be taken in, for want of file descriptors say.
 const SHORT_OF_FILES: Duration = Duration::from_millis(200);
 
-/// How long those are waited for who have connected when the door closes.
+/// How long those are waited for who have connected when the endpoint closes.
 const SAY_IT: Duration = Duration::from_millis(200);
 
 /// What monitors ask for.
 const METRICS: &str = "/metrics";
 const HEALTH: &str = "/healthz";
 
-/// Serves the doors where the service manager or else the configuration says, until it is asked to
+/// Serves the endpoints where the service manager or else the configuration says, until it is asked to
 /// stop.
 ///
 /// # Errors
@@ -75,31 +75,33 @@ pub async fn worker(station: Arc<Station>, stop: Stop) -> Result<(), JoinError> 
     Ok(())
 }
 
-/// Keeps one door open.
+/// Keeps one endpoint open.
 async fn keep(station: &Arc<Station>, way: Way, mut stop: Stop) {
     let mut was_unavailable = false;
     while !stop.is_requested() {
         match station.lasting.listeners.take(&station.config, way) {
             Ok(Some((listener, address))) => {
                 info!(event = "http-listening", way = way.word(), port = address.port());
-                station.board.note(|facts| drop(facts.doors.remove(way.word())));
+                station.board.note(|facts| drop(facts.endpoints.remove(way.word())));
                 let (station, asked) = (Arc::clone(station), stop.clone());
-                let door = spawn_blocking(move || {
-                    Door::open(&station, way, address, was_unavailable, asked)
+                let endpoint = spawn_blocking(move || {
+                    HttpEndpoint::open(&station, way, address, was_unavailable, asked)
                 });
                 // It does not panic.
-                let Ok(door) = door.await else { return };
-                serve(&door, &listener, &mut stop).await;
+                let Ok(endpoint) = endpoint.await else { return };
+                serve(&endpoint, &listener, &mut stop).await;
             }
             Ok(None) => {
-                station.board.note(|facts| drop(facts.doors.remove(way.word())));
+                station.board.note(|facts| drop(facts.endpoints.remove(way.word())));
                 stop.requested().await;
             }
             Err(error) => {
                 if !std::mem::replace(&mut was_unavailable, true) {
                     warn!(event = "http-unavailable", way = way.word(), %error);
                 }
-                station.board.note(|facts| drop(facts.doors.insert(way.word(), error.to_string())));
+                station
+                    .board
+                    .note(|facts| drop(facts.endpoints.insert(way.word(), error.to_string())));
                 tokio::select! {
                     () = stop.requested() => {}
                     () = sleep(RETRY) => {}
@@ -110,8 +112,8 @@ async fn keep(station: &Arc<Station>, way: Way, mut stop: Stop) {
 }
 
 /// Serves until a stop is asked for. Answers in hand are given after it.
-async fn serve(door: &Arc<Door>, listener: &TcpListener, stop: &mut Stop) {
-    let station = Arc::clone(door.station());
+async fn serve(endpoint: &Arc<HttpEndpoint>, listener: &TcpListener, stop: &mut Stop) {
+    let station = Arc::clone(endpoint.station());
     let monitors = Monitors { station, overview: Arc::default() };
     let monitors =
         Router::new().route(METRICS, get(metrics)).route(HEALTH, get(healthz)).with_state(monitors);
@@ -119,7 +121,7 @@ async fn serve(door: &Arc<Door>, listener: &TcpListener, stop: &mut Stop) {
         others: Arc::new(Semaphore::new(MOST_SERVED)),
         monitors: Arc::new(Semaphore::new(MOST_MONITORS)),
     };
-    let pages = page::routes(door, monitors).layer(from_fn_with_state(places, attended));
+    let pages = page::routes(endpoint, monitors).layer(from_fn_with_state(places, attended));
     let connections = Arc::new(Connections::default());
     loop {
         let accepted = tokio::select! {

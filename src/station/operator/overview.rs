@@ -1,4 +1,4 @@
-//! The station at one moment, put together from board, journal and disk for whoever asks.
+//! The station at one moment, put together from board, journal and disk.
 
 use std::time::Duration;
 
@@ -43,7 +43,7 @@ impl Overview {
         state_folders::look_after(station);
         let (facts, now) = (station.board.facts(), Timestamp::now());
         let tally = station.custody.journal().tally();
-        let tally = tally.inspect_err(|error| station.mind(error)).ok();
+        let tally = tally.inspect_err(|error| station.check_corruption(error)).ok();
         let found = match &tally {
             None => vec![Complaint::journal()],
             Some(tally) => {

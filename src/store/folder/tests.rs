@@ -305,7 +305,7 @@ fn a_record_with_revisions_is_put_once_and_found_once() {
         assert_eq!((&records[0].scan, records[0].folder.as_path()), (&case.scan, folder));
     };
     found(&case.place());
-    // Whoever removes the first record leaves the scan recorded by its revisions.
+    // A person who removes the first record leaves the scan recorded by its revisions.
     fs::remove_dir_all(case.place()).unwrap();
     found(&second);
     let again = case.store().put(&delivery).unwrap();

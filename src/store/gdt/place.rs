@@ -15,7 +15,7 @@ use crate::record::gdt::rules::{COUNTER_MOST, FileName};
 /// The file that marks the folder of staged results.
 const MARK: &str = ".gaiter-store";
 
-/// What stands in it, for whoever finds it.
+/// What stands in it, for people who find it.
 const MARK_TEXT: &str = "Here a gaiter station makes results before it hands them over. While this \
 file is missing it takes the exchange folder for a share that is not mounted.\n";
 

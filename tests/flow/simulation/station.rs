@@ -218,7 +218,7 @@ impl Station {
     /// A person wants a scan tried now.
     pub fn hurry(&mut self, bytes: Bytes) {
         let scan = self.scan_id(bytes);
-        self.outbox.hurry(&scan);
+        self.outbox.retry_now(&scan);
     }
 
     /// When something is due by time alone.

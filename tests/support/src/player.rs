@@ -45,7 +45,7 @@ impl Player {
         assert_eq!(ports.len(), 1, "a script is about one port");
         let port = ports.remove(0);
         let stage = Stage::new(script, port.manner.sampled);
-        let attendant = Attendant::new(stage.door(), port.ear, port.manner, Duration::ZERO);
+        let attendant = Attendant::new(stage.opener(), port.decoder, port.manner, Duration::ZERO);
         let (heard, signal) = (VecDeque::new(), Signal::Ready);
         Player { stage, attendant, heard, lines: 0, signal, turns: 0 }
     }
@@ -55,7 +55,7 @@ impl Player {
         let (stage, mut heard) = (self.stage.clone(), Vec::new());
         let pause = self.attendant.turn(&|| stage.now(), self.signal, &mut heard);
         self.heard.extend(heard);
-        let told = self.attendant.life().tell(self.stage.now());
+        let told = self.attendant.lifecycle().tell(self.stage.now());
         self.lines += usize::from(told.is_some());
         if !pause.is_zero() {
             self.stage.pass(pause);

@@ -127,7 +127,7 @@ fn two_orders_before_a_press_stay_in_doubt_until_the_booth_says_who_it_is() {
 }
 
 #[test]
-fn a_name_whose_time_is_over_is_no_candidate_and_whoever_is_left_stays_in_doubt() {
+fn a_name_whose_time_is_over_is_no_candidate_and_the_one_who_is_left_stays_in_doubt() {
     let mut captures = captures();
     captures.named(order("1"), 1, at(0), &[]);
     captures.named(order("2"), 1, at(500), &[]);

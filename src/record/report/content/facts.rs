@@ -101,7 +101,7 @@ impl Report<'_> {
             self.say(
                 "Length: from the floor along the skin of the inner side up to the level. “h” before \
                  a figure: vertical height above the floor, where the length is not known.",
-                "Länge: vom Boden an der Innenseite entlang der Haut bis zur Messstelle. „h“ vor \
+                "Länge: vom Boden an der Innenseite entlang der Haut bis zum Messpunkt. „h“ vor \
                  einer Zahl: senkrechte Höhe über dem Boden, wo die Länge nicht bekannt ist.",
             ),
             self.say(

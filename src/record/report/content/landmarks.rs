@@ -10,7 +10,7 @@ impl Report<'_> {
     /// Every figure of the levels, with the digits of `record.json`.
     pub(super) fn landmarks(&self) -> Table {
         let columns = [
-            ("Level", "Messstelle"),
+            ("Level", "Messpunkt"),
             ("Height", "Höhe"),
             ("Its standard error", "Standardfehler"),
             ("Along the axis", "Entlang der Achse"),
@@ -23,7 +23,7 @@ impl Report<'_> {
         ];
         let rows = Side::FROM_FRONT.into_iter().flat_map(|side| self.landmarks_of(side)).collect();
         Table {
-            title: self.say("All levels as recorded (mm)", "Alle Messstellen wie im Datensatz (mm)"),
+            title: self.say("All levels as recorded (mm)", "Alle Messpunkte wie im Datensatz (mm)"),
             explanation: Some(self.say(
                 "Digit by digit as in record.json, with one standard error, not two. Heights are \
                  vertical above the floor.",

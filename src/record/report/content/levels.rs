@@ -22,7 +22,7 @@ impl Report<'_> {
         Levels {
             title: self.say("Measures", "Maße"),
             columns: LevelColumns {
-                level: self.say("Level", "Messstelle"),
+                level: self.say("Level", "Messpunkt"),
                 legs: Side::FROM_FRONT
                     .map(|side| words::leg_heading(side, self.language).to_owned()),
                 girth: self.say("Girth (cm)", "Umfang (cm)"),

@@ -34,7 +34,7 @@ impl Report<'_> {
                 self.say(
                     "Sections at the levels with their girths, and feature points: peaks and valleys \
                      of the curvature. From the front the patient's right leg is on the left.",
-                    "Schnitte an den Messstellen mit ihren Umfängen, und Merkmalspunkte: Maxima und \
+                    "Schnitte an den Messpunkten mit ihren Umfängen, und Merkmalspunkte: Maxima und \
                      Minima der Krümmung. Von vorn gesehen steht das rechte Bein links.",
                 ),
             ),
@@ -45,7 +45,7 @@ impl Report<'_> {
                     "The girth by tape at every height with the levels found on it, and how fast it \
                      grows upwards. B and D are minima, C is a maximum, B1 lies where the girth grows \
                      fastest.",
-                    "Der Umfang mit Maßband in jeder Höhe mit den gefundenen Messstellen, und wie \
+                    "Der Umfang mit Maßband in jeder Höhe mit den gefundenen Messpunkten, und wie \
                      schnell er nach oben zunimmt. B und D sind Minima, C ist ein Maximum, B1 liegt, wo \
                      der Umfang am schnellsten zunimmt.",
                 ),

@@ -149,15 +149,15 @@ impl<'t> Laid<'t> {
         let total = |widths: &[f64]| widths.iter().sum::<f64>();
         let shrink = (room / total(&needed)).min(1.0);
         let needed: Vec<f64> = needed.iter().map(|width| width * shrink).collect();
-        let wish: Vec<f64> = liked
+        let wanted: Vec<f64> = liked
             .iter()
             .zip(&needed)
             .map(|(liked, needed)| (liked * shrink - needed).max(0.0))
             .collect();
-        let (free, wished) = (room - total(&needed), total(&wish));
-        let share = if wished > 0.0 { (free / wished).min(1.0) } else { 0.0 };
+        let (free, total_wanted) = (room - total(&needed), total(&wanted));
+        let share = if total_wanted > 0.0 { (free / total_wanted).min(1.0) } else { 0.0 };
         let mut widths: Vec<f64> =
-            needed.iter().zip(&wish).map(|(needed, wish)| needed + share * wish).collect();
+            needed.iter().zip(&wanted).map(|(needed, wanted)| needed + share * wanted).collect();
         // A ruled table goes over the whole column; others keep together on its left.
         let spare = (room - total(&widths)) / columns.max(1) as f64;
         if table.is_ruled {

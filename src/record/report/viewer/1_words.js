@@ -30,7 +30,7 @@ globalThis.gaiterViewer = (() => {
       nearer: "Vergrößern", farther: "Verkleinern", reset: "Zurücksetzen",
       left: "links", right: "rechts", leftLeg: "Linkes Bein", rightLeg: "Rechtes Bein",
       scan: "Scanpunkte", skin: "Haut", surface: "Oberfläche", error: "Fehler der Oberfläche",
-      sections: "Schnitte", landmarks: "Messstellen mit Umfang", features: "Merkmalspunkte",
+      sections: "Schnitte", landmarks: "Messpunkte mit Umfang", features: "Merkmalspunkte",
       peak: "Gipfel", valley: "Tal", unseen: "nicht gesehen",
       legend: "Haut außerhalb (+) oder innerhalb (−) der Oberfläche, mm",
       help: "Ziehen oder Pfeiltasten drehen; Mausrad, zwei Finger, + und − vergrößern oder verkleinern; Umschalttaste und Ziehen, zwei Finger oder Umschalttaste und Pfeiltasten verschieben; Doppelklick oder 0 setzt zurück.",

@@ -10,7 +10,7 @@ const HOLE: &str = "{}";
 /// alike comes first.
 const PATTERNS: [(&str, &str); 69] = [
     // Levels and by what they are found.
-    ("the level is absent: {}", "Die Messstelle fehlt: {}"),
+    ("the level is absent: {}", "Der Messpunkt fehlt: {}"),
     ("the girth curve has no such turning point", "die Umfangskurve hat dort keinen Wendepunkt"),
     (
         "the girth is smaller still {} mm along the leg, where the search begins: its least lies below \
@@ -37,7 +37,7 @@ const PATTERNS: [(&str, &str); 69] = [
     ("{} (medial) and {} (lateral) of the foot's length", "{} (innen) und {} (außen) der Fußlänge"),
     (
         "a girth of {} mm is no leg's: the level is left out",
-        "Einen Umfang von {} mm hat kein Bein: die Messstelle ist weggelassen",
+        "Einen Umfang von {} mm hat kein Bein: der Messpunkt ist weggelassen",
     ),
     // Doubts.
     ("the extremum stands out by only {} mm", "Der Umkehrpunkt hebt sich nur um {} mm ab"),

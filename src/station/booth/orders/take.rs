@@ -157,7 +157,7 @@ impl Taking<'_> {
             kept.map_err(|source| TakeFault::Io { what: "setting an order aside", source })?;
         }
         if let Err(fault) = self.note() {
-            // It was said and is not kept: whoever was named before may have left.
+            // It was said and is not kept: the patient who was named before may have left.
             if heard.is_some() {
                 self.station.hear(&Heard::Unread { by: SourceKind::Order });
             }

@@ -6,10 +6,10 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use super::port::{Door, Port};
+use super::port::{Port, PortOpener};
 use crate::flow::booth::{Heard, Signal};
-use crate::flow::trigger::life::Want;
-use crate::flow::trigger::{Ear, FaultKind, Input, Life, PortFault, PortState};
+use crate::flow::trigger::port_lifecycle::Want;
+use crate::flow::trigger::{FaultKind, Input, InputDecoder, PortFault, PortLifecycle, PortState};
 
 /// How long a port that wakes its reader is listened to at one time: so late the light follows and
 /// the station stops.
@@ -38,10 +38,10 @@ pub struct Manner {
 /// A port that is attended.
 pub struct Attendant {
     manner: Manner,
-    door: Box<dyn Door>,
+    opener: Box<dyn PortOpener>,
     port: Option<Box<dyn Port>>,
-    ear: Ear,
-    life: Life,
+    decoder: InputDecoder,
+    lifecycle: PortLifecycle,
     said: Option<Signal>,
     last_in_place: Duration,
     settling: bool,
@@ -50,14 +50,19 @@ pub struct Attendant {
 
 impl Attendant {
     /// A port that is looked for from `now` on.
-    pub fn new(door: Box<dyn Door>, ear: Ear, manner: Manner, now: Duration) -> Attendant {
-        let life = Life::new(manner.settle, now);
+    pub fn new(
+        opener: Box<dyn PortOpener>,
+        decoder: InputDecoder,
+        manner: Manner,
+        now: Duration,
+    ) -> Attendant {
+        let lifecycle = PortLifecycle::new(manner.settle, now);
         Attendant {
             manner,
-            door,
+            opener,
             port: None,
-            ear,
-            life,
+            decoder,
+            lifecycle,
             said: None,
             last_in_place: now,
             settling: false,
@@ -66,8 +71,8 @@ impl Attendant {
     }
 
     /// How the port is.
-    pub fn life(&mut self) -> &mut Life {
-        &mut self.life
+    pub fn lifecycle(&mut self) -> &mut PortLifecycle {
+        &mut self.lifecycle
     }
 
     /// What came and meant nothing, bytes or keys.
@@ -83,13 +88,13 @@ impl Attendant {
         signal: Signal,
         heard: &mut Vec<Heard>,
     ) -> Duration {
-        match self.life.wants(clock()) {
+        match self.lifecycle.wants(clock()) {
             Want::Wait(pause) => return pause,
             Want::Open => self.open(clock),
             Want::Settle(rest) => self.settle(rest, clock),
             Want::Listen => {
                 if std::mem::take(&mut self.settling) {
-                    self.ear.settled();
+                    self.decoder.settled();
                 }
                 self.say(signal);
                 self.listen(clock, heard);
@@ -101,24 +106,24 @@ impl Attendant {
     fn open(&mut self, clock: &dyn Fn() -> Duration) {
         // The old one is closed first: while it is held, the system gives the next another number.
         self.port = None;
-        match self.door.open() {
+        match self.opener.open() {
             Ok(port) => {
                 self.port = Some(port);
-                self.ear.begin();
+                self.decoder.begin();
                 (self.said, self.settling, self.last_in_place) = (None, true, clock());
-                self.life.opened(clock());
+                self.lifecycle.opened(clock());
             }
-            Err(fault) => self.life.failed(&fault, clock()),
+            Err(fault) => self.lifecycle.failed(&fault, clock()),
         }
     }
 
     fn settle(&mut self, rest: Duration, clock: &dyn Fn() -> Duration) {
         match self.read(rest, clock) {
             // How the contact is must be known; what it and the line say is no press.
-            Ok(input) => drop(self.ear.hear(&input, clock())),
+            Ok(input) => drop(self.decoder.hear(&input, clock())),
             Err(fault) => self.lose(&fault, clock),
         }
-        self.ear.garbage();
+        self.decoder.garbage();
     }
 
     fn listen(&mut self, clock: &dyn Fn() -> Duration, heard: &mut Vec<Heard>) {
@@ -132,9 +137,9 @@ impl Attendant {
         match self.read(LISTEN, clock) {
             Ok(input) => {
                 let now = clock();
-                heard.extend(self.ear.hear(&input, now));
-                self.garbage += self.ear.garbage();
-                self.life.listened(self.ear.is_stuck(now), now);
+                heard.extend(self.decoder.hear(&input, now));
+                self.garbage += self.decoder.garbage();
+                self.lifecycle.listened(self.decoder.is_stuck(now), now);
             }
             Err(fault) => self.lose(&fault, clock),
         }
@@ -143,7 +148,7 @@ impl Attendant {
     /// Reads for as long as nothing else is to be done.
     fn read(&mut self, most: Duration, clock: &dyn Fn() -> Duration) -> Result<Input, PortFault> {
         let most = if self.manner.sampled { most.min(SAMPLE) } else { most };
-        let most = match self.ear.due() {
+        let most = match self.decoder.due() {
             Some(due) => most.min(due.saturating_sub(clock())),
             None => most,
         };
@@ -153,7 +158,7 @@ impl Attendant {
 
     fn lose(&mut self, fault: &PortFault, clock: &dyn Fn() -> Duration) {
         self.port = None;
-        self.life.failed(fault, clock());
+        self.lifecycle.failed(fault, clock());
     }
 
     /// Says what the light shows, once. That it could not be said is no fault of the button: one
@@ -169,6 +174,6 @@ impl Attendant {
 
     /// How the port is, for those who ask.
     pub fn state(&self) -> PortState {
-        self.life.state()
+        self.lifecycle.state()
     }
 }

@@ -8,7 +8,7 @@ use std::time::Duration;
 use evdev::{Device, EventSummary};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
-use super::port::{Door, Port, fault, of_io};
+use super::port::{Port, PortOpener, fault, of_io};
 use crate::config::port::InputPlace;
 use crate::flow::trigger::{FaultKind, Input, PortFault};
 
@@ -18,9 +18,9 @@ const DOWN: i32 = 1;
 
 /// Where an input device is looked for.
 #[derive(Debug)]
-pub struct KeysDoor(pub InputPlace);
+pub struct KeysOpener(pub InputPlace);
 
-impl Door for KeysDoor {
+impl PortOpener for KeysOpener {
     fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
         let path = match &self.0 {
             InputPlace::Path(path) => path.clone(),
@@ -28,7 +28,7 @@ impl Door for KeysDoor {
         };
         let mut device = Device::open(&path).map_err(|error| of_io(&error))?;
         device.set_nonblocking(true).map_err(|error| of_io(&error))?;
-        // Whoever has grabbed it before has it: the pedal must not type into a console too.
+        // The program that grabbed it first has it: the pedal must not type into a console too.
         device.grab().map_err(|error| of_io(&error))?;
         Ok(Box::new(OpenKeys { device, events: VecDeque::new() }))
     }

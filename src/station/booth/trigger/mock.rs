@@ -7,14 +7,14 @@
 //! +10ms  report 01 00           +8ms down 48       +8ms up 48
 //! ```
 //!
-//! Each time counts from the line before. A line with any other word is left to whoever plays the
+//! Each time counts from the line before. A line with any other word is left to the player of the
 //! script; `#` begins a remark.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use super::port::{Door, Port, fault};
+use super::port::{Port, PortOpener, fault};
 use crate::config::port::escaped;
 use crate::flow::trigger::{FaultKind, Input, PortFault};
 
@@ -29,7 +29,7 @@ pub enum Act {
     Vanishes,
     /// It is there and can be opened.
     Plugged,
-    /// For whoever plays the script.
+    /// For the player of the script.
     Other(String),
 }
 
@@ -130,9 +130,9 @@ impl Stage {
         Stage { scene: Arc::new(Mutex::new(scene)), sampled }
     }
 
-    /// The door behind which the port is looked for.
-    pub fn door(&self) -> Box<dyn Door> {
-        Box::new(MockDoor(self.clone()))
+    /// The opener behind which the port is looked for.
+    pub fn opener(&self) -> Box<dyn PortOpener> {
+        Box::new(MockOpener(self.clone()))
     }
 
     /// The time of the script.
@@ -221,9 +221,9 @@ impl Scene {
     }
 }
 
-struct MockDoor(Stage);
+struct MockOpener(Stage);
 
-impl Door for MockDoor {
+impl PortOpener for MockOpener {
     fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
         let mut scene = self.0.scene();
         if let Some(kind) = scene.gone {

@@ -17,21 +17,21 @@ pub use worker::worker;
 
 use crate::config::TriggerConfig;
 use crate::config::trigger::ReaderPlace;
-use crate::flow::trigger::Ear;
-use crate::flow::trigger::ear::Shows;
-use keys::KeysDoor;
-use port::Door;
-use serial::SerialDoor;
-use usb::UsbDoor;
+use crate::flow::trigger::InputDecoder;
+use crate::flow::trigger::input_decoder::Shows;
+use keys::KeysOpener;
+use port::PortOpener;
+use serial::SerialOpener;
+use usb::UsbOpener;
 
 /// A port of the configuration, not attended yet.
 pub struct Attended {
     /// Its name in status, metrics and logs.
     pub name: &'static str,
     /// Where it is looked for.
-    pub door: Box<dyn Door>,
+    pub opener: Box<dyn PortOpener>,
     /// What it is listened to for.
-    pub ear: Ear,
+    pub decoder: InputDecoder,
     /// How.
     pub manner: Manner,
 }
@@ -44,39 +44,39 @@ pub fn of_config(config: &TriggerConfig) -> Vec<Attended> {
         let shows = Shows::Serial { tokens: serial.tokens.clone() };
         ports.push(Attended {
             name: "serial",
-            ear: Ear::for_button(shows, config.hearing),
+            decoder: InputDecoder::for_button(shows, config.hearing),
             manner: Manner {
                 sampled: serial.line.contact.is_some(),
                 say: serial.say.clone(),
                 ..silent.clone()
             },
-            door: Box::new(SerialDoor(serial.line.clone())),
+            opener: Box::new(SerialOpener(serial.line.clone())),
         });
     }
     if let Some(usb) = &config.usb {
         let shows = Shows::Report(usb.pattern.clone());
         ports.push(Attended {
             name: "usb",
-            ear: Ear::for_button(shows, config.hearing),
+            decoder: InputDecoder::for_button(shows, config.hearing),
             manner: Manner { say: usb.say.clone(), ..silent.clone() },
-            door: Box::new(UsbDoor(usb.clone())),
+            opener: Box::new(UsbOpener(usb.clone())),
         });
     }
     if let Some(keys) = &config.keys {
         ports.push(Attended {
             name: "keys",
-            ear: Ear::for_button(Shows::Key(keys.key), config.hearing),
+            decoder: InputDecoder::for_button(Shows::Key(keys.key), config.hearing),
             manner: silent.clone(),
-            door: Box::new(KeysDoor(keys.device.clone())),
+            opener: Box::new(KeysOpener(keys.device.clone())),
         });
     }
     if let Some(reader) = &config.reader {
-        let door: Box<dyn Door> = match &reader.at {
-            ReaderPlace::Serial(line) => Box::new(SerialDoor(line.clone())),
-            ReaderPlace::Keys(place) => Box::new(KeysDoor(place.clone())),
+        let opener: Box<dyn PortOpener> = match &reader.at {
+            ReaderPlace::Serial(line) => Box::new(SerialOpener(line.clone())),
+            ReaderPlace::Keys(place) => Box::new(KeysOpener(place.clone())),
         };
-        let ear = Ear::for_ids(reader.codes.clone());
-        ports.push(Attended { name: "reader", door, ear, manner: silent });
+        let decoder = InputDecoder::for_ids(reader.codes.clone());
+        ports.push(Attended { name: "reader", opener, decoder, manner: silent });
     }
     ports
 }

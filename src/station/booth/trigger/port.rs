@@ -28,7 +28,7 @@ pub trait Port {
 }
 
 /// Where a port is looked for.
-pub trait Door: Send {
+pub trait PortOpener: Send {
     /// Finds and opens it.
     ///
     /// # Errors

@@ -13,7 +13,7 @@ use serialport::{
     TTYPort, available_ports,
 };
 
-use super::port::{Door, Port, fault, of_io};
+use super::port::{Port, PortOpener, fault, of_io};
 use crate::config::port::{self as written, ModemLine, SerialPlace, UsbName};
 use crate::config::trigger::SerialLine;
 use crate::flow::trigger::{FaultKind, Input, PortFault};
@@ -26,9 +26,9 @@ const WRITING: Duration = Duration::from_millis(200);
 
 /// Where a serial port is looked for.
 #[derive(Debug)]
-pub struct SerialDoor(pub SerialLine);
+pub struct SerialOpener(pub SerialLine);
 
-impl Door for SerialDoor {
+impl PortOpener for SerialOpener {
     fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
         let name = match &self.0.place {
             SerialPlace::Path(path) => path.clone(),

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use rusb::{Context, DeviceHandle, Direction, Error, Recipient, RequestType, UsbContext};
 
-use super::port::{Door, Port, fault};
+use super::port::{Port, PortOpener, fault};
 use crate::config::port::UsbName;
 use crate::config::trigger::UsbTrigger;
 use crate::flow::trigger::{FaultKind, Input, PortFault};
@@ -23,9 +23,9 @@ const OUTPUT_REPORT: u16 = 0x0200;
 
 /// Where a USB device is looked for.
 #[derive(Debug)]
-pub struct UsbDoor(pub UsbTrigger);
+pub struct UsbOpener(pub UsbTrigger);
 
-impl Door for UsbDoor {
+impl PortOpener for UsbOpener {
     fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
         // A new context each time: libusb lists what was there when its context was made, and hears
         // of what comes later over a socket that a service without a network does not have. Never

@@ -65,10 +65,10 @@ pub async fn worker(
 }
 
 fn attend(station: &Station, port: Attended, stop: &Stop, pulse: &Pulse) {
-    let Attended { name, door, ear, manner } = port;
+    let Attended { name, opener, decoder, manner } = port;
     let signal = station.booth.signal();
     let clock = || station.now();
-    let mut attendant = Attendant::new(door, ear, manner, clock());
+    let mut attendant = Attendant::new(opener, decoder, manner, clock());
     let mut noted = Noted::new(name);
     let mut heard = Vec::new();
     let (is_button, mut was_open) = (station.config.buttons().contains(name), None);
@@ -94,7 +94,7 @@ fn attend(station: &Station, port: Attended, stop: &Stop, pulse: &Pulse) {
 
 /// One line of the log for each change, seldom enough.
 fn tell(port: &'static str, attendant: &mut Attendant, now: Duration) {
-    let Some(state) = attendant.life().tell(now) else { return };
+    let Some(state) = attendant.lifecycle().tell(now) else { return };
     let event = match state {
         PortState::NotLooked | PortState::Settling | PortState::Open => "trigger-open",
         PortState::Absent => "trigger-absent",
@@ -104,7 +104,7 @@ fn tell(port: &'static str, attendant: &mut Attendant, now: Duration) {
         PortState::Stuck => "trigger-stuck",
         PortState::Hung => "trigger-hung",
     };
-    match (state, attendant.life().why()) {
+    match (state, attendant.lifecycle().why()) {
         (PortState::Open, _) => info!(event, port),
         (_, why) => warn!(event, port, why),
     }
@@ -134,17 +134,17 @@ impl Noted {
     /// Notes what has changed; nothing is done where nothing has.
     fn note(&mut self, station: &Station, attendant: &mut Attendant) {
         let garbage = attendant.garbage();
-        let life = attendant.life();
+        let lifecycle = attendant.lifecycle();
         let known = &mut self.facts;
-        if known.state != life.state() {
-            (known.state, known.since) = (life.state(), Timestamp::now());
+        if known.state != lifecycle.state() {
+            (known.state, known.since) = (lifecycle.state(), Timestamp::now());
         }
         known.garbage = garbage;
-        if known.why.as_deref() != life.why() {
-            known.why = life.why().map(str::to_owned);
+        if known.why.as_deref() != lifecycle.why() {
+            known.why = lifecycle.why().map(str::to_owned);
         }
-        if self.unsound_since != life.unsound_since() {
-            self.unsound_since = life.unsound_since();
+        if self.unsound_since != lifecycle.unsound_since() {
+            self.unsound_since = lifecycle.unsound_since();
             known.unsound_since = self.unsound_since.map(|since| {
                 let age = SignedDuration::try_from(station.now().saturating_sub(since));
                 let now = Timestamp::now();

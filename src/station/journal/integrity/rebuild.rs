@@ -86,7 +86,7 @@ fn of_journal<'a>(error: &'a (dyn std::error::Error + 'static)) -> Option<&'a Jo
     None
 }
 
-/// Sets an open journal aside whose ruin shows only in its use: whoever opens it next finds it
+/// Sets an open journal aside whose ruin shows only in its use: the next start finds it
 /// missing and begins it anew, instead of ending by the same fault for ever.
 ///
 /// # Errors

@@ -101,7 +101,7 @@ pub enum Request {
     Page,
 }
 
-/// Whoever names a patient and says no more means it.
+/// Naming a patient without more is meant.
 fn replaces() -> bool {
     true
 }

@@ -1,4 +1,4 @@
-//! The control socket's server. Whoever hangs on it or floods it holds up others who ask, for a
+//! The control socket's server. Slow or flooding clients only delay other clients, for a
 //! while, and never the station: so many at a time, so long a line, so much time for each.
 
 use std::fs::{self, Permissions};

@@ -1,4 +1,4 @@
-//! The listeners of the doors. They belong to the process and outlive a reload: while workers change,
+//! The listeners of the endpoints. They belong to the process and outlive a reload: while workers change,
 //! clients wait in the kernel, and nobody else on this machine can take the address.
 
 use std::collections::BTreeMap;
@@ -25,7 +25,7 @@ struct Held {
 }
 
 impl Listeners {
-    /// A door's listener and its address; none where the configuration wants no such door.
+    /// A endpoint's listener and its address; none where the configuration wants no such endpoint.
     ///
     /// # Errors
     /// Where the address cannot be had.
@@ -45,7 +45,7 @@ impl Listeners {
         Ok(Some((listener, address)))
     }
 
-    /// The listener at this address, opened where it is not; any other of this door is closed.
+    /// The listener at this address, opened where it is not; any other of this endpoint is closed.
     fn held(
         &self,
         way: Way,
@@ -70,7 +70,7 @@ impl Listeners {
 /// The sockets that the service manager has passed to this process.
 static PASSED: OnceLock<Vec<std::net::TcpListener>> = OnceLock::new();
 
-/// The one of these sockets that is this door's, if there is one. An address that other machines can
+/// The one of these sockets that is this endpoint's, if there is one. An address that other machines can
 /// reach must be that of the configuration, where somebody has thought about it.
 fn given(config: &Config, way: Way) -> io::Result<Option<std::net::TcpListener>> {
     let passed = PASSED.get_or_init(|| {

@@ -1,5 +1,5 @@
 //! What a person decides on the page. It is carried out by the control socket's own answers, and
-//! only for those who show the token from this door's own page.
+//! only for those who show the token from this endpoint's own page.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use tokio::task::spawn_blocking;
 
-use super::{Door, assets, guard};
+use super::{HttpEndpoint, assets, guard};
 use crate::flow::page::{of_fault, words};
 use crate::record::Language;
 use crate::station::operator::control::answer;
@@ -29,8 +29,8 @@ struct Said {
 }
 
 /// Carries a decision out.
-pub async fn ask(State(door): State<Arc<Door>>, request: Request) -> Response {
-    if let Some(refused) = refusal(&door, request.headers()) {
+pub async fn ask(State(endpoint): State<Arc<HttpEndpoint>>, request: Request) -> Response {
+    if let Some(refused) = refusal(&endpoint, request.headers()) {
         return refused;
     }
     let Ok(body) = to_bytes(request.into_body(), MOST).await else {
@@ -40,10 +40,10 @@ pub async fn ask(State(door): State<Arc<Door>>, request: Request) -> Response {
     let Some((asked, verb)) = asked.and_then(|asked| verb(&asked).map(|verb| (asked, verb))) else {
         return refused(StatusCode::BAD_REQUEST, "malformed", "this is no decision");
     };
-    let language = door.station.config.language;
+    let language = endpoint.station.config.language;
     let answered = spawn_blocking(move || {
-        let answered = answer(&door.station, &asked);
-        door.station.page.feed.hurry();
+        let answered = answer(&endpoint.station, &asked);
+        endpoint.station.page.feed.refresh();
         answered
     });
     match answered.await {
@@ -52,10 +52,10 @@ pub async fn ask(State(door): State<Arc<Door>>, request: Request) -> Response {
     }
 }
 
-/// Gives whoever shows the token the cookie for reading.
-pub async fn enter(State(door): State<Arc<Door>>, headers: HeaderMap) -> Response {
-    let token = door.station.page.token.get();
-    match (refusal(&door, &headers), token) {
+/// Gives a reader who shows the token the cookie for reading.
+pub async fn enter(State(endpoint): State<Arc<HttpEndpoint>>, headers: HeaderMap) -> Response {
+    let token = endpoint.station.page.token.get();
+    match (refusal(&endpoint, &headers), token) {
         (None, Some(token)) => {
             let said = Said { code: None, sentence: String::new() };
             ([(header::SET_COOKIE, token.cookie())], json(&said)).into_response()
@@ -66,14 +66,14 @@ pub async fn enter(State(door): State<Arc<Door>>, headers: HeaderMap) -> Respons
 }
 
 /// Why a request may decide nothing.
-fn refusal(door: &Door, headers: &HeaderMap) -> Option<Response> {
+fn refusal(endpoint: &HttpEndpoint, headers: &HeaderMap) -> Option<Response> {
     if !guard::is_own(headers) {
         let why = "only the station's own page can decide";
         return Some(refused(StatusCode::FORBIDDEN, "origin", why));
     }
-    let token = door.station.page.token.get();
+    let token = endpoint.station.page.token.get();
     if !token.is_some_and(|token| token.is_shown_in(headers)) {
-        let why = match door.station.config.language {
+        let why = match endpoint.station.config.language {
             Language::En => "This link does not decide any more: gaiter page prints the right one.",
             Language::De => {
                 "Mit diesem Link kann nicht mehr entschieden werden: gaiter page zeigt \

@@ -7,7 +7,7 @@ use axum::http::header::{CONTENT_TYPE, HeaderName};
 use axum::response::Html;
 use axum::routing::get;
 
-use super::{Door, Way};
+use super::{HttpEndpoint, Way};
 use crate::flow::page::words::{LABELS, label, say};
 use crate::record::report::VIEWER;
 use crate::record::{Language, sha256};
@@ -22,9 +22,9 @@ const ICON: &str = include_str!("icon.svg");
 pub const JSON: (HeaderName, &str) = (CONTENT_TYPE, "application/json");
 
 /// The page, the kiosk and what they load.
-pub fn routes(door: &Door) -> Router<Arc<Door>> {
-    let language = door.station.config.language;
-    let html = |template: &str| Html(fill(template, language, door.way));
+pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
+    let language = endpoint.station.config.language;
+    let html = |template: &str| Html(fill(template, language, endpoint.way));
     let (page, kiosk) = (html(PAGE), html(KIOSK));
     let script = |text: &'static str| ([(CONTENT_TYPE, "text/javascript; charset=utf-8")], text);
     let style = ([(CONTENT_TYPE, "text/css; charset=utf-8")], STYLE);

@@ -8,7 +8,7 @@ use tokio::sync::{Notify, watch};
 use tokio::task::spawn_blocking;
 use tokio::time::sleep;
 
-use super::{briefs, snapshot};
+use super::{snapshot, summaries};
 use crate::flow::Facts;
 use crate::station::assembly::Station;
 use crate::station::booth::BoothState;
@@ -39,12 +39,12 @@ impl Texts {
 pub struct Feed {
     texts: watch::Sender<Option<Texts>>,
     somebody: Notify,
-    hurry: Notify,
+    refresh: Notify,
 }
 
 impl Default for Feed {
     fn default() -> Feed {
-        Feed { texts: watch::Sender::new(None), somebody: Notify::new(), hurry: Notify::new() }
+        Feed { texts: watch::Sender::new(None), somebody: Notify::new(), refresh: Notify::new() }
     }
 }
 
@@ -57,8 +57,8 @@ impl Feed {
     }
 
     /// Something has changed that a person waits for.
-    pub fn hurry(&self) {
-        self.hurry.notify_one();
+    pub fn refresh(&self) {
+        self.refresh.notify_one();
     }
 }
 
@@ -66,7 +66,7 @@ impl Feed {
 #[derive(PartialEq)]
 struct Ground {
     journal: u64,
-    briefs: u64,
+    summaries: u64,
     previews: u64,
     facts: Facts,
     booth: BoothState,
@@ -77,7 +77,7 @@ impl Ground {
     fn of(station: &Station) -> Ground {
         Ground {
             journal: station.custody.journal().changes(),
-            briefs: station.page.briefs.edition(),
+            summaries: station.page.summaries.edition(),
             previews: station.previews.edition(),
             facts: station.board.facts(),
             booth: station.booth.state(station.now()),
@@ -88,7 +88,7 @@ impl Ground {
 /// The snapshot of this moment; none where it could not be taken. Blocks, on the local disk only.
 pub fn texts(station: &Arc<Station>) -> Option<Texts> {
     let (shown, records) = snapshot::take(station);
-    briefs::read(station, records);
+    summaries::read(station, records);
     let with_ids = serde_json::to_string(&shown).ok()?;
     let without_ids = serde_json::to_string(&shown.without_ids()).ok()?;
     Some(Texts { with_ids: with_ids.into(), without_ids: without_ids.into() })
@@ -106,7 +106,7 @@ pub async fn worker(station: &Arc<Station>, mut stop: Stop) {
     let (mut ground, mut taken) = (None, Duration::ZERO);
     while !stop.is_requested() {
         if feed.texts.receiver_count() == 0 {
-            // Whoever comes next is not to see an old one.
+            // The next reader is not to see an old one.
             feed.texts.send_replace(None);
             ground = None;
             tokio::select! {
@@ -130,7 +130,7 @@ pub async fn worker(station: &Arc<Station>, mut stop: Stop) {
             () = stop.requested() => return,
             () = sleep(PACE) => {}
             _ = signal.changed() => {}
-            () = feed.hurry.notified() => {}
+            () = feed.refresh.notified() => {}
         }
     }
 }

@@ -11,7 +11,7 @@ use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use tokio::task::spawn_blocking;
 
-use super::{Door, snapshot};
+use super::{HttpEndpoint, snapshot};
 use crate::flow::ScanId;
 use crate::store::revision;
 
@@ -59,7 +59,7 @@ const MOST: u64 = 32_000_000;
 
 /// `/scan/ID/FILE`: 404 for what is not there, 403 for what this reader may not know.
 pub async fn file(
-    State(door): State<Arc<Door>>,
+    State(endpoint): State<Arc<HttpEndpoint>>,
     Asked((scan, name)): Asked<(String, String)>,
     headers: HeaderMap,
 ) -> Response {
@@ -68,18 +68,18 @@ pub async fn file(
         return none.into_response();
     };
     let Ok(scan) = ScanId::parse(&scan) else { return none.into_response() };
-    if file.names_patient && !door.shows_ids(&headers, None) {
+    if file.names_patient && !endpoint.shows_ids(&headers, None) {
         let sentence = "this names a patient: open the page with the link of gaiter page\n";
         return (StatusCode::FORBIDDEN, sentence).into_response();
     }
-    let Ok(reader) = Arc::clone(&door.station.page.readers).try_acquire_owned() else {
+    let Ok(reader) = Arc::clone(&endpoint.station.page.readers).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "the record store is busy\n").into_response();
     };
     let read = spawn_blocking(move || {
         let _reader = reader;
-        let whole = door.station.custody.journal().whole(&scan);
-        let whole = whole.inspect_err(|error| door.station.mind(error)).ok()??;
-        bytes(&revision::latest(&snapshot::folder(&door.station, &whole)?).join(file.name)).ok()
+        let whole = endpoint.station.custody.journal().whole(&scan);
+        let whole = whole.inspect_err(|error| endpoint.station.check_corruption(error)).ok()??;
+        bytes(&revision::latest(&snapshot::folder(&endpoint.station, &whole)?).join(file.name)).ok()
     });
     match read.await {
         Ok(Some(bytes)) => {

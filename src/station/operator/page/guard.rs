@@ -1,4 +1,4 @@
-//! Who is let in: requests that name this door as their host, from the network for reading only.
+//! Who is let in: requests that name this endpoint as their host, from the network for reading only.
 //! A page of another site that has its own name point to this machine (DNS rebinding) names itself.
 
 use std::net::{IpAddr, SocketAddr};
@@ -9,7 +9,7 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::{Door, Way};
+use super::{HttpEndpoint, Way};
 
 /// What a page of this station may do: show what comes from here, and nothing else.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
@@ -17,8 +17,12 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
                       frame-ancestors 'none'";
 
 /// Lets a request in, or says why not, and sets what holds for every answer.
-pub async fn guard(State(door): State<Arc<Door>>, request: Request, next: Next) -> Response {
-    let mut response = match refusal(&door, &request) {
+pub async fn guard(
+    State(endpoint): State<Arc<HttpEndpoint>>,
+    request: Request,
+    next: Next,
+) -> Response {
+    let mut response = match refusal(&endpoint, &request) {
         Some(refused) => refused,
         None => next.run(request).await,
     };
@@ -36,13 +40,14 @@ pub async fn guard(State(door): State<Arc<Door>>, request: Request, next: Next) 
     response
 }
 
-fn refusal(door: &Door, request: &Request) -> Option<Response> {
-    if !host(request.headers()).is_some_and(|host| names(host, door.address)) {
-        let sentence = format!("this is http://{}/, and no other name is answered\n", door.address);
+fn refusal(endpoint: &HttpEndpoint, request: &Request) -> Option<Response> {
+    if !host(request.headers()).is_some_and(|host| names(host, endpoint.address)) {
+        let sentence =
+            format!("this is http://{}/, and no other name is answered\n", endpoint.address);
         return Some((StatusCode::MISDIRECTED_REQUEST, sentence).into_response());
     }
     let reads = [Method::GET, Method::HEAD].contains(request.method());
-    (door.way == Way::Network && !reads).then(|| {
+    (endpoint.way == Way::Network && !reads).then(|| {
         let sentence = "nothing can be decided over the network, for without TLS the token could be \
                         read on its way; open the page on the station itself\n";
         (StatusCode::FORBIDDEN, sentence).into_response()
@@ -71,7 +76,7 @@ fn names(host: &str, address: SocketAddr) -> bool {
     is_port && is_name
 }
 
-/// Whether a request comes from a page of this very door.
+/// Whether a request comes from a page of this very endpoint.
 pub fn is_own(headers: &HeaderMap) -> bool {
     let origin = headers.get(header::ORIGIN).and_then(|origin| origin.to_str().ok());
     let origin = origin.and_then(|origin| origin.strip_prefix("http://"));

@@ -2,21 +2,21 @@
 //!
 //! ```text
 //! journal, board, booth ─ snapshot ─▶ feed ─▶ /state, /stream ─▶ page.js
-//! record folders, previews ─ briefs ──┘
+//! record folders, previews ─ summaries ──┘
 //! page.js ─▶ /ask ─ guard, token ─▶ control::answer
 //! ```
 //!
-//! One task takes the snapshot for everybody, and only while somebody looks. Whoever hangs on a
-//! stream holds up nobody else.
+//! One task takes the snapshot for everybody, and only while somebody looks. A slow
+//! reader of a stream delays no other.
 
 mod ask;
 mod assets;
-mod briefs;
 mod feed;
 mod files;
 mod guard;
 mod snapshot;
 mod stream;
+mod summaries;
 mod token;
 
 use std::net::SocketAddr;
@@ -31,8 +31,8 @@ use axum::routing::{get, post};
 use tokio::sync::Semaphore;
 use tracing::warn;
 
-use self::briefs::Briefs;
 use self::feed::{Feed, Texts};
+use self::summaries::Summaries;
 use self::token::Token;
 use super::http::SharedLook;
 use crate::config::Config;
@@ -42,7 +42,7 @@ use crate::station::stop::Stop;
 pub use feed::worker;
 pub use files::FILES;
 
-/// So many streams are served at a time at each door; whoever comes later asks again and again.
+/// So many streams are served at a time at each endpoint; later readers poll.
 const MOST_STREAMS: usize = 8;
 
 /// So many files of records are read at a time: a share that does not answer holds up no more.
@@ -55,7 +55,7 @@ const KIOSK: &str = "kiosk";
 #[derive(Debug)]
 pub struct Desk {
     feed: Feed,
-    briefs: Briefs,
+    summaries: Summaries,
     token: OnceLock<Token>,
     local: OnceLock<SocketAddr>,
     readers: Arc<Semaphore>,
@@ -65,7 +65,7 @@ impl Default for Desk {
     fn default() -> Desk {
         Desk {
             feed: Feed::default(),
-            briefs: Briefs::default(),
+            summaries: Summaries::default(),
             token: OnceLock::new(),
             local: OnceLock::new(),
             readers: Arc::new(Semaphore::new(MOST_READERS)),
@@ -81,8 +81,8 @@ impl Desk {
     }
 
     /// Something has changed that a person waits for.
-    pub fn hurry(&self) {
-        self.feed.hurry();
+    pub fn refresh(&self) {
+        self.feed.refresh();
     }
 
     /// Takes the token from the state folder, made where there is none, or made anew. Blocks, on the
@@ -96,7 +96,7 @@ impl Desk {
     }
 }
 
-/// Through which door somebody comes.
+/// Through which endpoint somebody comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Way {
     /// From this machine: reads, and decides with the token.
@@ -117,7 +117,7 @@ impl Way {
 
 /// A listener, and what those find who come through it.
 #[derive(Debug)]
-pub struct Door {
+pub struct HttpEndpoint {
     station: Arc<Station>,
     way: Way,
     address: SocketAddr,
@@ -126,8 +126,8 @@ pub struct Door {
     stop: Stop,
 }
 
-impl Door {
-    /// A door at this address. Where another program had the address, browsers may have sent it
+impl HttpEndpoint {
+    /// A endpoint at this address. Where another program had the address, browsers may have sent it
     /// the token, so a new one holds from now on. Blocks, on the local disk.
     pub fn open(
         station: &Arc<Station>,
@@ -135,17 +135,17 @@ impl Door {
         address: SocketAddr,
         was_lost: bool,
         stop: Stop,
-    ) -> Arc<Door> {
+    ) -> Arc<HttpEndpoint> {
         if way == Way::Local {
             station.page.take_token(&station.config, was_lost);
             _ = station.page.local.set(address);
         }
         let streams = Arc::new(Semaphore::new(MOST_STREAMS));
         let state = Arc::default();
-        Arc::new(Door { station: Arc::clone(station), way, address, streams, state, stop })
+        Arc::new(HttpEndpoint { station: Arc::clone(station), way, address, streams, state, stop })
     }
 
-    /// Whose door it is.
+    /// Whose endpoint it is.
     pub fn station(&self) -> &Arc<Station> {
         &self.station
     }
@@ -164,32 +164,32 @@ impl Door {
     }
 }
 
-/// What is served at a door; `others` are pages for monitors, which are for this machine only.
-pub fn routes(door: &Arc<Door>, others: Router) -> Router {
+/// What is served at a endpoint; `others` are pages for monitors, which are for this machine only.
+pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
     let read = Router::new()
         .route("/state", get(state))
         .route("/stream", get(stream::stream))
         .route("/scan/{scan}/{file}", get(files::file))
-        .merge(assets::routes(door));
-    let routes = match door.way {
+        .merge(assets::routes(endpoint));
+    let routes = match endpoint.way {
         Way::Local => {
             let act = Router::new().route("/ask", post(ask::ask)).route("/enter", post(ask::enter));
-            read.merge(act).with_state(Arc::clone(door)).merge(others)
+            read.merge(act).with_state(Arc::clone(endpoint)).merge(others)
         }
-        Way::Network => read.with_state(Arc::clone(door)),
+        Way::Network => read.with_state(Arc::clone(endpoint)),
     };
-    routes.layer(from_fn_with_state(Arc::clone(door), guard::guard))
+    routes.layer(from_fn_with_state(Arc::clone(endpoint), guard::guard))
 }
 
 /// The snapshot of this moment.
 async fn state(
-    State(door): State<Arc<Door>>,
+    State(endpoint): State<Arc<HttpEndpoint>>,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
 ) -> Response {
-    let shows_ids = door.shows_ids(&headers, query.as_deref());
-    let station = Arc::clone(&door.station);
-    match door.state.of(move || feed::texts(&station)).await.flatten() {
+    let shows_ids = endpoint.shows_ids(&headers, query.as_deref());
+    let station = Arc::clone(&endpoint.station);
+    match endpoint.state.of(move || feed::texts(&station)).await.flatten() {
         Some(texts) => ([assets::JSON], texts.of(shows_ids)).into_response(),
         None => axum::http::StatusCode::SERVICE_UNAVAILABLE.into_response(),
     }

@@ -20,7 +20,7 @@ const UNDECIDED: u32 = 20;
 /// The store whose folders the page reads.
 pub const STORE: &str = "folder";
 
-/// Looks now. Blocks, on the local disk only: what records say comes from the briefs, and the second
+/// Looks now. Blocks, on the local disk only: what records say comes from the summaries, and the second
 /// value names the records that they should read.
 pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
     let overview = Overview::take(station);
@@ -31,7 +31,8 @@ pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
             let wholes = ids.iter().map(|id| journal.whole(id));
             wholes.filter_map(Result::transpose).collect::<Result<Vec<Whole>, _>>()
         });
-        let wholes = wholes.inspect_err(|error| station.mind(error)).unwrap_or_default();
+        let wholes =
+            wholes.inspect_err(|error| station.check_corruption(error)).unwrap_or_default();
         let shown: Vec<ScanShown> = wholes.iter().map(|whole| scan(station, whole)).collect();
         (wholes, shown)
     });
@@ -59,7 +60,7 @@ pub fn take(station: &Station) -> (Shown, Vec<(String, PathBuf)>) {
 
 fn scan(station: &Station, whole: &Whole) -> ScanShown {
     let told =
-        folder(station, whole).and_then(|folder| station.page.briefs.of(&whole.scan, &folder));
+        folder(station, whole).and_then(|folder| station.page.summaries.of(&whole.scan, &folder));
     let mut told = told.unwrap_or_default();
     if let Some(Preview::Impossible(code)) = preview(station, whole) {
         told.unmeasured = Some(code);

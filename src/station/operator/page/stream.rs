@@ -16,7 +16,7 @@ use hyper::body::{Bytes, Frame};
 use tokio::sync::mpsc;
 use tokio::time::sleep;
 
-use super::Door;
+use super::HttpEndpoint;
 use crate::station::operator::http::Connection;
 
 /// How often a beat goes out: a browser that has heard nothing for three beats looks for another way.
@@ -27,29 +27,29 @@ const RETRY_MS: u32 = 1000;
 
 /// A stream, or 503 where there are too many: the page asks for `/state` again and again then.
 pub async fn stream(
-    State(door): State<Arc<Door>>,
+    State(endpoint): State<Arc<HttpEndpoint>>,
     Extension(connection): Extension<Arc<Connection>>,
     RawQuery(query): RawQuery,
     headers: HeaderMap,
 ) -> Response {
-    let Ok(place) = Arc::clone(&door.streams).try_acquire_owned() else {
+    let Ok(place) = Arc::clone(&endpoint.streams).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "too many look already\n").into_response();
     };
     connection.becomes_stream();
-    let shows_ids = door.shows_ids(&headers, query.as_deref());
+    let shows_ids = endpoint.shows_ids(&headers, query.as_deref());
     let (sender, events) = mpsc::channel(1);
     tokio::spawn(async move {
         let _place = place;
-        tell(&door, shows_ids, &sender).await;
+        tell(&endpoint, shows_ids, &sender).await;
     });
     let kind = [(header::CONTENT_TYPE, "text/event-stream")];
     (kind, Body::new(Events(events))).into_response()
 }
 
 /// Tells a reader until he goes away or the station stops.
-async fn tell(door: &Door, shows_ids: bool, sender: &mpsc::Sender<String>) {
-    let mut snapshots = door.station.page.feed.subscribe();
-    let mut stop = door.stop.clone();
+async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<String>) {
+    let mut snapshots = endpoint.station.page.feed.subscribe();
+    let mut stop = endpoint.stop.clone();
     let mut last = None;
     if sender.send(format!("retry: {RETRY_MS}\n\n")).await.is_err() {
         return;

@@ -5,10 +5,10 @@ use super::Told;
 pub(super) const TOLD: [Told; 13] = [
     Told {
         code: "level-absent",
-        title: ["Level absent", "Messstelle fehlt"],
+        title: ["Level absent", "Messpunkt fehlt"],
         meaning: [
             "This level was not found on this leg. Nothing is guessed in its place.",
-            "Diese Messstelle wurde an diesem Bein nicht gefunden. Es ist nichts an ihrer Stelle geraten.",
+            "Dieser Messpunkt wurde an diesem Bein nicht gefunden. An seiner Stelle ist nichts geraten.",
         ],
         action: [
             "Measure it by hand if the stocking needs it.",
@@ -20,7 +20,7 @@ pub(super) const TOLD: [Told; 13] = [
         title: ["Girth not plausible", "Umfang nicht plausibel"],
         meaning: [
             "The girth found there is below 9 or above 120 cm. The level is left out.",
-            "Der dort gefundene Umfang liegt unter 9 oder über 120 cm. Die Messstelle ist weggelassen.",
+            "Der dort gefundene Umfang liegt unter 9 oder über 120 cm. Der Messpunkt ist weggelassen.",
         ],
         action: ["Scan again.", "Erneut scannen."],
     },
@@ -29,7 +29,7 @@ pub(super) const TOLD: [Told; 13] = [
         title: ["Hardly stands out", "Hebt sich kaum ab"],
         meaning: [
             "The girth hardly turns there: the height of the level is uncertain, its girth less so.",
-            "Der Umfang kehrt dort kaum um: die Höhe der Messstelle ist unsicher, ihr Umfang weniger.",
+            "Der Umfang kehrt dort kaum um: die Höhe des Messpunkts ist unsicher, sein Umfang weniger.",
         ],
         action: ["Check the height by hand.", "Die Höhe von Hand prüfen."],
     },
@@ -39,7 +39,7 @@ pub(super) const TOLD: [Told; 13] = [
         meaning: [
             "The girth stays nearly the same over a long stretch, so the height of the level is \
              uncertain by more than 15 mm; at B1 its girth too.",
-            "Der Umfang bleibt über eine lange Strecke fast gleich; die Höhe der Messstelle ist daher \
+            "Der Umfang bleibt über eine lange Strecke fast gleich; die Höhe des Messpunkts ist daher \
              um mehr als 15 mm unsicher, bei B1 auch ihr Umfang.",
         ],
         action: ["Check the height by hand.", "Die Höhe von Hand prüfen."],
@@ -63,11 +63,11 @@ pub(super) const TOLD: [Told; 13] = [
         title: ["At the end of what was seen", "Am Rand des Gesehenen"],
         meaning: [
             "The level lies within 12 mm of the end of what was searched or seen.",
-            "Die Messstelle liegt weniger als 12 mm vom Ende des durchsuchten oder gesehenen Bereichs.",
+            "Der Messpunkt liegt weniger als 12 mm vom Ende des durchsuchten oder gesehenen Bereichs.",
         ],
         action: [
             "Check the level by hand; see whether the leg is whole in the scan.",
-            "Die Messstelle von Hand prüfen; ansehen, ob das Bein ganz im Scan ist.",
+            "Den Messpunkt von Hand prüfen; ansehen, ob das Bein ganz im Scan ist.",
         ],
     },
     Told {
@@ -75,7 +75,7 @@ pub(super) const TOLD: [Told; 13] = [
         title: ["Skin partly not seen", "Haut teilweise nicht zu sehen"],
         meaning: [
             "More than 30° of the skin around the leg was not seen at this level; the girth bridges it.",
-            "An dieser Messstelle waren mehr als 30° der Haut ringsum nicht zu sehen; der Umfang \
+            "An diesem Messpunkt waren mehr als 30° der Haut ringsum nicht zu sehen; der Umfang \
              überbrückt sie.",
         ],
         action: [
@@ -110,7 +110,7 @@ pub(super) const TOLD: [Told; 13] = [
         title: ["Skin not seen", "Haut nicht zu sehen"],
         meaning: [
             "The skin at this level could not be measured; its girth is bridged from above and below.",
-            "Die Haut an dieser Messstelle war nicht zu messen; ihr Umfang ist von oben und unten her \
+            "Die Haut an diesem Messpunkt war nicht zu messen; sein Umfang ist von oben und unten her \
              überbrückt.",
         ],
         action: ["Scan again.", "Erneut scannen."],

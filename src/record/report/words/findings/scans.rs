@@ -40,7 +40,7 @@ pub(super) const TOLD: [Told; 18] = [
         ],
         action: [
             "Look at the levels above that height; scan again with the legs apart if they matter.",
-            "Messstellen über dieser Höhe ansehen; mit gespreizten Beinen erneut scannen, wenn sie \
+            "Messpunkte über dieser Höhe ansehen; mit gespreizten Beinen erneut scannen, wenn sie \
              gebraucht werden.",
         ],
     },
@@ -63,7 +63,7 @@ pub(super) const TOLD: [Told; 18] = [
         title: ["Leg not seen to its top", "Bein nicht bis oben zu sehen"],
         meaning: [
             "The leg is seen up to some height only; levels above it are absent.",
-            "Das Bein ist nur bis zu einer gewissen Höhe zu sehen; Messstellen darüber fehlen.",
+            "Das Bein ist nur bis zu einer gewissen Höhe zu sehen; Messpunkte darüber fehlen.",
         ],
         action: ["Scan again.", "Erneut scannen."],
     },
@@ -153,7 +153,7 @@ pub(super) const TOLD: [Told; 18] = [
         meaning: [
             "They differ by 20 mm of girth or more at a level, or by 10 % of volume or more, and by \
              more than the uncertainty: what clinics call a swelling. Nothing is wrong with the scan.",
-            "Sie unterscheiden sich um mindestens 20 mm Umfang an einer Messstelle oder um mindestens \
+            "Sie unterscheiden sich um mindestens 20 mm Umfang an einem Messpunkt oder um mindestens \
              10 % des Volumens, und um mehr als die Unsicherheit: was als Schwellung gilt. Am Scan ist nichts falsch.",
         ],
         action: ["The clinician decides.", "Die Entscheidung liegt bei der Fachkraft."],

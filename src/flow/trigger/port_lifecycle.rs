@@ -1,4 +1,4 @@
-//! The life of a port: looked for, opened, settling, listened to, lost and looked for again, for
+//! The lifecycle of a port: looked for, opened, settling, listened to, lost and looked for again, for
 //! ever; and how much of that is said.
 
 use std::time::Duration;
@@ -119,9 +119,9 @@ pub enum Want {
     Listen,
 }
 
-/// The life of one port.
+/// The lifecycle of one port.
 #[derive(Debug, Clone)]
-pub struct Life {
+pub struct PortLifecycle {
     settle: Duration,
     state: PortState,
     why: Option<String>,
@@ -134,10 +134,10 @@ pub struct Life {
     told: Option<(PortState, Duration)>,
 }
 
-impl Life {
+impl PortLifecycle {
     /// A port that is to be looked for from `now` on and settles so long once it is open.
-    pub fn new(settle: Duration, now: Duration) -> Life {
-        Life {
+    pub fn new(settle: Duration, now: Duration) -> PortLifecycle {
+        PortLifecycle {
             settle,
             state: PortState::NotLooked,
             why: None,
@@ -242,77 +242,80 @@ mod tests {
 
     #[test]
     fn an_unplugged_port_is_tried_for_ever_and_told_of_once() {
-        let mut life = Life::new(SETTLE, ms(0));
+        let mut lifecycle = PortLifecycle::new(SETTLE, ms(0));
         let (mut now, mut tries, mut lines) = (ms(0), 0, 0);
         while now < ms(3_600_000) {
-            match life.wants(now) {
+            match lifecycle.wants(now) {
                 Want::Open => {
-                    life.failed(&fault(FaultKind::Absent), now);
+                    lifecycle.failed(&fault(FaultKind::Absent), now);
                     tries += 1;
                 }
                 Want::Wait(pause) => now += pause,
                 want => panic!("{want:?}"),
             }
-            lines += usize::from(life.tell(now).is_some());
+            lines += usize::from(lifecycle.tell(now).is_some());
         }
-        assert_eq!((life.state(), lines), (PortState::Absent, 1));
+        assert_eq!((lifecycle.state(), lines), (PortState::Absent, 1));
         // 50, 100, … 1600 ms in six pauses, then every 3 s.
         assert_eq!(tries, 7 + (3_600_000 - 3150) / 3000);
-        assert_eq!(life.unsound_since(), Some(ms(0)));
+        assert_eq!(lifecycle.unsound_since(), Some(ms(0)));
     }
 
     #[test]
     fn a_loose_cable_says_one_line_a_minute_and_is_not_tried_without_a_pause() {
-        let mut life = Life::new(ms(0), ms(0));
+        let mut lifecycle = PortLifecycle::new(ms(0), ms(0));
         let (mut now, mut opened, mut lines) = (ms(0), 0, 0);
         while now < ms(3_600_000) {
-            match life.wants(now) {
+            match lifecycle.wants(now) {
                 Want::Open => {
                     opened += 1;
-                    life.opened(now);
+                    lifecycle.opened(now);
                 }
                 Want::Wait(pause) => now += pause,
                 _ => {
-                    life.listened(false, now);
-                    lines += usize::from(life.tell(now).is_some());
+                    lifecycle.listened(false, now);
+                    lines += usize::from(lifecycle.tell(now).is_some());
                     now += ms(20);
-                    life.failed(&fault(FaultKind::Failed), now);
+                    lifecycle.failed(&fault(FaultKind::Failed), now);
                 }
             }
-            lines += usize::from(life.tell(now).is_some());
+            lines += usize::from(lifecycle.tell(now).is_some());
         }
         assert!(lines <= 60, "{lines} lines");
         assert!(opened < 1300, "opened {opened} times");
-        assert!(life.unsound_since().is_some(), "it never was sound");
+        assert!(lifecycle.unsound_since().is_some(), "it never was sound");
     }
 
     #[test]
     fn a_port_that_was_sound_is_looked_for_at_once() {
-        let mut life = Life::new(SETTLE, ms(0));
-        (0..9).for_each(|_| life.failed(&fault(FaultKind::Busy), ms(0)));
-        assert_eq!((life.state(), life.wants(ms(0))), (PortState::Busy, Want::Wait(LONGEST_PAUSE)));
-        life.opened(ms(3000));
-        assert_eq!(life.wants(ms(3100)), Want::Settle(ms(400)));
-        assert_eq!(life.wants(ms(3500)), Want::Listen);
-        life.listened(false, ms(3500));
-        assert!(life.unsound_since().is_some());
-        life.listened(false, ms(13_000));
-        assert_eq!(life.unsound_since(), None);
-        life.failed(&fault(FaultKind::Absent), ms(20_000));
-        assert_eq!(life.wants(ms(20_000)), Want::Wait(FIRST_PAUSE));
-        assert_eq!(life.unsound_since(), Some(ms(20_000)));
+        let mut lifecycle = PortLifecycle::new(SETTLE, ms(0));
+        (0..9).for_each(|_| lifecycle.failed(&fault(FaultKind::Busy), ms(0)));
+        assert_eq!(
+            (lifecycle.state(), lifecycle.wants(ms(0))),
+            (PortState::Busy, Want::Wait(LONGEST_PAUSE))
+        );
+        lifecycle.opened(ms(3000));
+        assert_eq!(lifecycle.wants(ms(3100)), Want::Settle(ms(400)));
+        assert_eq!(lifecycle.wants(ms(3500)), Want::Listen);
+        lifecycle.listened(false, ms(3500));
+        assert!(lifecycle.unsound_since().is_some());
+        lifecycle.listened(false, ms(13_000));
+        assert_eq!(lifecycle.unsound_since(), None);
+        lifecycle.failed(&fault(FaultKind::Absent), ms(20_000));
+        assert_eq!(lifecycle.wants(ms(20_000)), Want::Wait(FIRST_PAUSE));
+        assert_eq!(lifecycle.unsound_since(), Some(ms(20_000)));
     }
 
     #[test]
     fn what_is_told_last_is_how_it_is() {
-        let mut life = Life::new(SETTLE, ms(0));
-        life.failed(&fault(FaultKind::Denied), ms(0));
-        assert_eq!(life.tell(ms(0)), Some(PortState::Denied));
-        life.opened(ms(100));
-        life.listened(false, ms(600));
-        assert_eq!(life.tell(ms(59_999)), None);
-        assert_eq!(life.tell(ms(60_000)), Some(PortState::Open));
-        assert_eq!(life.tell(ms(600_000)), None);
+        let mut lifecycle = PortLifecycle::new(SETTLE, ms(0));
+        lifecycle.failed(&fault(FaultKind::Denied), ms(0));
+        assert_eq!(lifecycle.tell(ms(0)), Some(PortState::Denied));
+        lifecycle.opened(ms(100));
+        lifecycle.listened(false, ms(600));
+        assert_eq!(lifecycle.tell(ms(59_999)), None);
+        assert_eq!(lifecycle.tell(ms(60_000)), Some(PortState::Open));
+        assert_eq!(lifecycle.tell(ms(600_000)), None);
     }
 
     #[test]

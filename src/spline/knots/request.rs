@@ -38,7 +38,7 @@ pub struct GridDomain {
 
 /// What is asked of the knots of one direction.
 #[derive(Debug, Clone, Copy)]
-pub struct Wish<'a> {
+pub struct KnotRequest<'a> {
     /// "along" or "around".
     pub direction: &'static str,
     /// Where the parameter lives.
@@ -55,25 +55,25 @@ pub struct Wish<'a> {
 ///
 /// # Errors
 /// [`FitFault::MarkOutside`].
-pub fn wishes<'a>(
+pub fn requests<'a>(
     domain: &GridDomain,
     control_points: [usize; 2],
     knots: Knots,
     marks: &'a [Vec<f64>; 2],
-) -> Result<[Wish<'a>; 2], FitFault> {
+) -> Result<[KnotRequest<'a>; 2], FitFault> {
     let [from, to] = domain.along;
     let along = Domain { from, to, periodic: false };
     let (from, to) = (domain.around_from, domain.around_from + domain.period);
     let around = Domain { from, to, periodic: true };
-    let wish = |i: usize, direction, domain: Domain, spans: usize| {
+    let request = |i: usize, direction, domain: Domain, spans: usize| {
         let marks = marks[i].as_slice();
         let Domain { from, to, periodic } = domain;
         let outside = |mark: &&f64| !mark.is_finite() || !periodic && !(from..=to).contains(*mark);
         match marks.iter().find(outside) {
             Some(&mark) => Err(FitFault::MarkOutside { direction, mark, from, to }),
-            None => Ok(Wish { direction, domain, spans, knots, marks }),
+            None => Ok(KnotRequest { direction, domain, spans, knots, marks }),
         }
     };
     let spans = control_points[0].saturating_sub(3);
-    Ok([wish(0, "along", along, spans)?, wish(1, "around", around, control_points[1])?])
+    Ok([request(0, "along", along, spans)?, request(1, "around", around, control_points[1])?])
 }

@@ -12,7 +12,7 @@ use tokio::task::spawn_blocking;
 
 use super::files::FILES;
 use crate::flow::page::Told;
-use crate::record::{Brief, Language, Record};
+use crate::record::{Language, Record, RecordSummary};
 use crate::station::assembly::Station;
 use crate::store::revision;
 
@@ -27,7 +27,7 @@ const RECORD_MOST: u64 = 16_000_000;
 
 /// What was read, by scan.
 #[derive(Debug, Default)]
-pub struct Briefs(Mutex<Inner>);
+pub struct Summaries(Mutex<Inner>);
 
 #[derive(Debug, Default)]
 struct Inner {
@@ -45,7 +45,7 @@ struct Known {
     at: Duration,
 }
 
-impl Briefs {
+impl Summaries {
     /// What is known of a scan's record in this folder.
     pub fn of(&self, scan: &str, folder: &Path) -> Option<Told> {
         let inner = self.inner();
@@ -92,7 +92,7 @@ impl Briefs {
 
 /// Reads in the background what is not known of these records.
 pub fn read(station: &Arc<Station>, records: Vec<(String, PathBuf)>) {
-    let due = station.page.briefs.due(records, station.now());
+    let due = station.page.summaries.due(records, station.now());
     if due.is_empty() {
         return;
     }
@@ -100,10 +100,10 @@ pub fn read(station: &Arc<Station>, records: Vec<(String, PathBuf)>) {
     spawn_blocking(move || {
         for (scan, folder) in due {
             let told = told(&revision::latest(&folder), station.config.language);
-            station.page.briefs.note(scan, folder, told, station.now());
+            station.page.summaries.note(scan, folder, told, station.now());
         }
-        station.page.briefs.inner().is_reading = false;
-        station.page.feed.hurry();
+        station.page.summaries.inner().is_reading = false;
+        station.page.feed.refresh();
     });
 }
 
@@ -111,7 +111,7 @@ fn told(folder: &Path, language: Language) -> Told {
     let is_there = |name: &&str| folder.join(name).is_file();
     let record = record(&folder.join("record.json"));
     Told {
-        measures: record.map(|record| Brief::of(&record, language)),
+        measures: record.map(|record| RecordSummary::of(&record, language)),
         files: FILES.iter().map(|file| file.name).filter(is_there).collect(),
         unmeasured: None,
     }

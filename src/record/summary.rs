@@ -11,27 +11,27 @@ const LEVELS: [&str; 4] = ["B", "B1", "C", "D"];
 
 /// The measures of a record, ready to be shown.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Brief {
+pub struct RecordSummary {
     /// B, B1, C and D, from the foot up.
-    pub levels: Vec<BriefLevel>,
+    pub levels: Vec<SummaryLevel>,
     /// How many findings there are besides those that only inform.
     pub findings: usize,
 }
 
 /// One level of both legs; a leg on which it was not found has none.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct BriefLevel {
+pub struct SummaryLevel {
     /// Its name.
     pub level: &'static str,
     /// On the patient's right leg.
-    pub right: Option<BriefFigures>,
+    pub right: Option<SummaryFigures>,
     /// On the patient's left leg.
-    pub left: Option<BriefFigures>,
+    pub left: Option<SummaryFigures>,
 }
 
 /// The figures of one level of one leg, cm with one decimal, as text in the reader's language.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct BriefFigures {
+pub struct SummaryFigures {
     /// Tape girth.
     pub girth_cm: String,
     /// Height above the floor.
@@ -40,26 +40,26 @@ pub struct BriefFigures {
     pub is_doubted: bool,
 }
 
-impl Brief {
+impl RecordSummary {
     /// The measures of a record in a language.
-    pub fn of(record: &Record, language: Language) -> Brief {
+    pub fn of(record: &Record, language: Language) -> RecordSummary {
         let figures = |side: Side, level: &str| {
             let leg = record.leg(side)?;
-            leg.landmarks.get(level).map(|landmark| BriefFigures::of(landmark, language))
+            leg.landmarks.get(level).map(|landmark| SummaryFigures::of(landmark, language))
         };
-        let levels = LEVELS.map(|level| BriefLevel {
+        let levels = LEVELS.map(|level| SummaryLevel {
             level,
             right: figures(Side::Right, level),
             left: figures(Side::Left, level),
         });
         let findings = record.findings.iter().filter(|finding| finding.severity != "info").count();
-        Brief { levels: levels.into(), findings }
+        RecordSummary { levels: levels.into(), findings }
     }
 }
 
-impl BriefFigures {
-    fn of(landmark: &LandmarkFigures, language: Language) -> BriefFigures {
-        BriefFigures {
+impl SummaryFigures {
+    fn of(landmark: &LandmarkFigures, language: Language) -> SummaryFigures {
+        SummaryFigures {
             girth_cm: rounding::cm_words(landmark.girth_tape_mm, language),
             height_cm: rounding::cm_words(landmark.height_mm, language),
             is_doubted: !landmark.doubts.is_empty(),

@@ -65,26 +65,26 @@ enum Sense {
 
 /// A listener at one port.
 #[derive(Debug, Clone)]
-pub struct Ear {
+pub struct InputDecoder {
     sense: Sense,
     /// How the contact was last told to be, for ports that tell changes only.
     closed: bool,
     garbage: u64,
 }
 
-impl Ear {
+impl InputDecoder {
     /// Listens for a button.
-    pub fn for_button(shows: Shows, hearing: Hearing) -> Ear {
+    pub fn for_button(shows: Shows, hearing: Hearing) -> InputDecoder {
         let contact = contact(&shows, hearing);
         let (lines, button) = (Lines::default(), Button::new(hearing.times));
         let sense = Sense::Button { shows, hearing, lines, contact, button };
-        Ear { sense, closed: false, garbage: 0 }
+        InputDecoder { sense, closed: false, garbage: 0 }
     }
 
     /// Listens for ids.
-    pub fn for_ids(codes: Codes) -> Ear {
+    pub fn for_ids(codes: Codes) -> InputDecoder {
         let (lines, typed) = (Lines::default(), Typed::default());
-        Ear { sense: Sense::Reader { codes, lines, typed }, closed: false, garbage: 0 }
+        InputDecoder { sense: Sense::Reader { codes, lines, typed }, closed: false, garbage: 0 }
     }
 
     /// The port was opened anew: nothing is known of its contact. A lock-out goes on.
