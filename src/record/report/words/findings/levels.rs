@@ -12,7 +12,7 @@ pub(super) const TOLD: [Told; 13] = [
         ],
         action: [
             "Measure it by hand if the stocking needs it.",
-            "Von Hand messen, wenn der Strumpf sie braucht.",
+            "Von Hand messen, wenn der Strumpf ihn braucht.",
         ],
     },
     Told {
@@ -40,7 +40,7 @@ pub(super) const TOLD: [Told; 13] = [
             "The girth stays nearly the same over a long stretch, so the height of the level is \
              uncertain by more than 15 mm; at B1 its girth too.",
             "Der Umfang bleibt über eine lange Strecke fast gleich; die Höhe des Messpunkts ist daher \
-             um mehr als 15 mm unsicher, bei B1 auch ihr Umfang.",
+             um mehr als 15 mm unsicher, bei B1 auch sein Umfang.",
         ],
         action: ["Check the height by hand.", "Die Höhe von Hand prüfen."],
     },
