@@ -10,8 +10,8 @@ use gaiter::spline::{
 };
 use nalgebra::Point3;
 use support::chance::Chance;
-use support::cloud::Faults;
-use support::{cloud, test_leg};
+use support::geometry::cloud::Faults;
+use support::geometry::{cloud, test_leg};
 
 fn main() {
     divan::main();

@@ -18,7 +18,7 @@ use gaiter::leg::parting::segment::segment;
 use gaiter::leg::sections::equidistant::sections;
 use gaiter::leg::{Extraction, LegReport, Level, LevelSection, Method, Side, extract};
 use gaiter::scan::{Format, Scan, read};
-use support::noise::{Fate, quantile, roughened};
+use support::geometry::noise::{Fate, quantile, roughened};
 
 /// Standard deviations of the added noise, mm.
 const NOISE_MM: [f64; 3] = [0.3, 0.5, 1.0];

@@ -19,7 +19,7 @@ use gaiter::leg::Method;
 use gaiter::leg::method::{AxisFit, SectionFit, Unit};
 use gaiter::scan::{Format, Scan, read};
 use rayon::prelude::*;
-use support::wavefront::obj;
+use support::geometry::wavefront::obj;
 use tally::Tally;
 use truth::{Case, cases};
 

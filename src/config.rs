@@ -54,19 +54,19 @@ pub struct Config {
     pub capture: CaptureConfig,
     /// `[patient]`
     pub patient: PatientConfig,
-    /// `[trigger]` and `[patient.reader]`: what hangs on the ports of the booth.
+    /// `[trigger]` and `[patient.reader]`: the devices on the ports of the booth.
     pub trigger: TriggerConfig,
-    /// `[method]` and the export's declarations of `[scanner]`: unit, up, facing.
+    /// `[method]`, and what `[scanner]` declares about exports: unit, up, facing.
     pub method: Method,
     /// `[output]`: which CAD files and meshes are made of each leg.
     pub output: Output,
     /// `[report]`: the language of reports and of the operator's page.
     pub language: Language,
-    /// `[measure]`: what the measurement of one scan may take.
+    /// `[measure]`: limits on the measurement of one scan.
     pub measure: MeasureConfig,
     /// `[store]`
     pub store: StoreConfig,
-    /// `[retention]`: how long what has served is kept.
+    /// `[retention]`: how long data is kept after it is no longer needed.
     pub retention: Retention,
     /// `[status]`
     pub status: StatusConfig,
@@ -74,12 +74,12 @@ pub struct Config {
     pub page: PageConfig,
     /// `[log]`
     pub log: LogConfig,
-    /// The text it was read from, for the process that measures.
+    /// The source text, passed on to the measuring process.
     pub text: String,
 }
 
 impl Config {
-    /// The names of the ports that buttons are on, as the trigger's workers call them.
+    /// The names of the ports with buttons, as the trigger's workers call them.
     pub fn buttons(&self) -> BTreeSet<&'static str> {
         let TriggerConfig { serial, usb, keys, .. } = &self.trigger;
         let ports =
@@ -88,27 +88,27 @@ impl Config {
     }
 }
 
-/// `[measure]`: what the measurement of one scan may take.
+/// `[measure]`: limits on the measurement of one scan.
 #[derive(Debug, Clone, Copy)]
 pub struct MeasureConfig {
     /// Address space, bytes.
     pub memory_bytes: u64,
-    /// Time on processors.
+    /// CPU time.
     pub cpu: Duration,
-    /// Time in all.
+    /// Wall-clock time.
     pub wall: Duration,
-    /// What holds where the kernel cannot confine it.
+    /// What to do where the kernel cannot confine the measuring process.
     pub confine: Confine,
 }
 
-/// `[station]`: who this station is and where it keeps its state.
+/// `[station]`: the station's name and where it keeps its state.
 #[derive(Debug, Clone)]
 pub struct StationConfig {
     /// The station's name in records and folders: letters, digits, `-` and `_`.
     pub id: String,
-    /// Journal, spool and quarantine; a local disk, this station's alone.
+    /// The folder for journal, spool and quarantine; on a local disk, used by this station only.
     pub state_dir: PathBuf,
-    /// So much of the disk of `state_dir` stays free, bytes: intake stops before.
+    /// Bytes that stay free on the disk of `state_dir`; intake stops before that.
     pub disk_floor_bytes: u64,
 }
 
@@ -117,17 +117,17 @@ pub struct StationConfig {
 pub struct ScannerConfig {
     /// Folders watched for exports.
     pub export_dirs: Vec<PathBuf>,
-    /// A file unchanged this long has settled.
+    /// A file unchanged for this long has settled.
     pub quiet: Duration,
-    /// Every folder is looked at this often, whatever the watch says.
+    /// Every folder is looked at with this interval, regardless of the watch.
     pub rescan: Duration,
-    /// A settled file that its own format shows to be cut short is awaited this long.
+    /// How long to wait for the rest of a settled file that its format shows to be truncated.
     pub short_wait: Duration,
-    /// A larger file is refused before it is read, bytes.
+    /// The largest accepted file, bytes; a larger file is refused before it is read.
     pub max_scan_bytes: u64,
-    /// What is watched and when it is believed.
+    /// What is watched and when it is trusted.
     pub watch: WatchConfig,
-    /// Expression on the file name; its group `patient` is the patient's id.
+    /// Regular expression for the file name; its group `patient` is the patient's id.
     pub file_name: Option<Regex>,
 }
 
@@ -136,9 +136,9 @@ pub struct ScannerConfig {
 pub struct StoreConfig {
     /// `[store.folder]`
     pub folder: FolderStoreConfig,
-    /// `[store.copy]`: a second folder that receives every record too, if anybody wants one.
+    /// `[store.copy]`: a second folder that receives every record too, if configured.
     pub copy: Option<FolderStoreConfig>,
-    /// `[store.gdt]`: practice software that is told of every named record, if there is any.
+    /// `[store.gdt]`: practice software that is notified of every named record, if configured.
     pub gdt: Option<GdtStoreConfig>,
 }
 
@@ -149,13 +149,12 @@ pub struct FolderStoreConfig {
     pub path: PathBuf,
 }
 
-/// `[status]`: what the station says of itself, and where.
+/// `[status]`: what the station reports about itself, and where.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StatusConfig {
     /// A scan without a record for longer than this makes the station not ready.
     pub overdue: Duration,
-    /// Where metrics, health and the operator's page can be asked for, on this machine only; nowhere
-    /// if none.
+    /// Address for metrics, health and the operator's page, on this machine only; `None` if off.
     pub listen: Option<SocketAddr>,
 }
 
@@ -166,21 +165,21 @@ pub struct LogConfig {
     pub format: LogFormat,
 }
 
-/// Why a file gave no configuration.
+/// Why a file yields no configuration.
 #[derive(Debug, thiserror::Error)]
 pub enum ConfigError {
     /// The file could not be read.
     #[error("cannot read {}", path.display())]
     Unreadable {
-        /// The file as it was named.
+        /// The file name as given.
         path: PathBuf,
-        /// Why; its kind tells a missing file from others.
+        /// The cause; its kind distinguishes a missing file from other errors.
         source: io::Error,
     },
-    /// The file was read and is wrong; every fault in the order of its lines, at least one.
+    /// The file was read but is wrong; all faults in the order of their lines, at least one.
     #[error("{} has {}", path.display(), counted(faults.len()))]
     Faults {
-        /// The file as it was named.
+        /// The file name as given.
         path: PathBuf,
         /// What is wrong.
         faults: Vec<ConfigFault>,

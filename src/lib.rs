@@ -1,5 +1,30 @@
 //! gaiter: measures both legs from a whole-body scan, unattended.
 //!
+//! ```
+//! use gaiter::leg::{Level, Method, extract};
+//! use gaiter::scan::Format;
+//!
+//! # use std::io::Read;
+//! # let path = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/scans/m_average_clean.obj.gz");
+//! # let mut bytes = Vec::new();
+//! # flate2::read::GzDecoder::new(std::fs::File::open(path)?).read_to_end(&mut bytes)?;
+//! // `bytes` are those of a scan in the scanner's OBJ format.
+//! let extraction = extract(&bytes, Format::Obj, &Method::default())?;
+//! for finding in &extraction.findings {
+//!     eprintln!("{finding}");
+//! }
+//! for leg in &extraction.legs {
+//!     let calf = leg.landmarks.iter().find(|landmark| landmark.level == Level::C);
+//!     let girth_mm = calf.map(|calf| calf.girth_tape_mm);
+//!     println!("{}: the calf's girth is {girth_mm:.0?} mm", leg.side.word());
+//!     # assert!(girth_mm.is_some_and(|girth_mm| (300.0..450.0).contains(&girth_mm)));
+//! }
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! With `default-features = false` gaiter is this library: scan, spline, leg, cad and record. The
+//! feature `station` adds the program.
+//!
 //! Data goes one way, top to bottom; a layer uses only layers above it.
 //!
 //! | layer | kind | what it knows |
@@ -31,12 +56,17 @@
 //! | `flow` | regex, serde, thiserror, jiff (calendar only) |
 
 pub mod cad;
+#[cfg(feature = "station")]
 pub mod cli;
+#[cfg(feature = "station")]
 pub mod config;
+#[cfg(feature = "station")]
 pub mod flow;
 pub mod leg;
 pub mod record;
 pub mod scan;
 pub mod spline;
+#[cfg(feature = "station")]
 pub mod station;
+#[cfg(feature = "station")]
 pub mod store;

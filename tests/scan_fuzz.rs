@@ -12,7 +12,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gaiter::scan::{Format, Scan, ScanFault, completeness, read};
 use peak_alloc::PeakAlloc;
-use support::bodies;
+use support::geometry::bodies;
 use support::writers::{MESHES, Writer};
 
 #[global_allocator]

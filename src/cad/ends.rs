@@ -4,25 +4,25 @@ use nalgebra::{Point3, Unit, Vector3};
 
 use crate::spline::Surface;
 
-/// What a CAD file holds of a leg.
+/// What a CAD file contains of a leg.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Shape {
-    /// The surface alone, open at both ends.
+    /// Only the surface, open at both ends.
     Tube,
-    /// The body inside it, closed by a face at either end.
+    /// The body inside it, closed by a face at each end.
     Solid,
 }
 
-/// An end that lies closer to its plane than this is plane, mm: far above what rounding leaves of
-/// coordinates of some metres, far below the accuracy of any CAD system.
+/// An end that lies closer to its plane than this counts as plane, mm: far above the rounding error
+/// of coordinates of some metres, far below the accuracy of any CAD system.
 pub const PLANE_MM: f64 = 1e-6;
 
 /// One end of a tube.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum End {
-    /// Where u begins.
+    /// The end where u begins.
     First,
-    /// Where u ends.
+    /// The end where u ends.
     Last,
 }
 
@@ -41,22 +41,22 @@ impl End {
 pub struct EndNotPlane {
     /// Which end.
     pub end: End,
-    /// How far its points lie from the plane closest to them, mm; infinite where it has no area.
+    /// How far its points lie from the plane closest to them, mm; infinite if the end has no area.
     pub off_mm: f64,
 }
 
 /// The plane of an end.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct EndPlane {
-    /// A place in it, the middle of the end.
+    /// A point in the plane: the middle of the end.
     pub place: Point3<f64>,
-    /// Square to it, out of the tube.
+    /// The normal of the plane, pointing out of the tube.
     pub outward: Unit<Vector3<f64>>,
-    /// Within it, towards where the end curve begins.
+    /// A direction in the plane, towards where the end curve begins.
     pub across: Unit<Vector3<f64>>,
 }
 
-/// The planes of both ends, the first one first.
+/// The planes of both ends, first end first.
 ///
 /// # Errors
 /// [`EndNotPlane`]: a point of an end's curve may lie further than [`PLANE_MM`] from its plane.
@@ -66,14 +66,14 @@ pub fn planes(surface: &Surface) -> Result<[EndPlane; 2], EndNotPlane> {
     Ok([plane(first, high - low, End::First)?, plane(last, low - high, End::Last)?])
 }
 
-/// The control points of the curves at both ends, around: the first and the last row, since the
+/// The control points of the curves at both ends, around: the first and the last row, because the
 /// surface is clamped along.
 fn rings(surface: &Surface) -> [&[Point3<f64>]; 2] {
     let (points, columns) = (surface.control_points(), surface.around().count());
     [&points[..columns], &points[points.len() - columns..]]
 }
 
-/// The plane of a ring of control points; `inward` leads into the tube. The curve lies within the
+/// The plane of a ring of control points; `inward` points into the tube. The curve lies within the
 /// hull of the points, so it is as plane as they are.
 fn plane(ring: &[Point3<f64>], inward: Vector3<f64>, end: End) -> Result<EndPlane, EndNotPlane> {
     let place = middle(ring);

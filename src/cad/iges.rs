@@ -1,5 +1,5 @@
-//! IGES 5.3: a tube as one B-spline surface (entity 128), or the solid within it and a plane at
-//! either end (entity 186), in millimetres. For CAD systems that read no STEP.
+//! IGES 5.3: a tube as one B-spline surface (entity 128), or the solid inside it with a plane at
+//! each end (entity 186), in millimetres. For CAD systems that do not read STEP.
 
 mod notation;
 mod solid;
@@ -10,19 +10,19 @@ use crate::spline::Surface;
 use crate::spline::basis::DEGREE;
 use notation::{Entities, Entity, Pointer, hollerith, real};
 
-/// Places closer than this are one, mm: as in STEP files.
+/// Points closer than this are the same point, mm; as in STEP files.
 const RESOLUTION_MM: f64 = 1e-4;
 
-/// The date of making, which IGES demands in the form `15HYYYYMMDD.HHNNSS`. Nobody says it, so that
-/// the same leg gives the same bytes.
+/// The creation date, which IGES demands in the form `15HYYYYMMDD.HHNNSS`. It is fixed, so that the
+/// same leg gives the same bytes.
 const NO_DATE: &str = "15H19700101.000000";
 
 /// IGES version 5.3 as the global section numbers it.
 const VERSION: u32 = 11;
 
-/// The surface as an IGES file. Exact: the periodic surface is written with clamped knots around,
-/// and numbers read back as they were. The faces of a solid point outward; the tube alone has no
-/// side, since entity 128 says nothing about one.
+/// Writes the surface as an IGES file. Exact: the periodic surface is written with clamped knots
+/// around, and numbers read back unchanged. The faces of a solid point outward; the tube alone has
+/// no outer side, because entity 128 does not define one.
 ///
 /// # Errors
 /// [`EndNotPlane`] for a solid whose ends are not plane; a tube can always be written.
@@ -42,13 +42,13 @@ fn global(surface: &Surface, header: &FileHeader) -> Vec<String> {
     let largest_mm = coordinates.map(f64::abs).fold(0.0, f64::max);
     let [product, file_name, system] = [header.product, header.file_name, SYSTEM].map(hollerith);
     let words = ["1H,", "1H;", &product, &file_name, &system, &system];
-    // Bits of an integer; largest power of ten and digits of a single and a double.
+    // Bits of an integer; largest power of ten and digits of a single and of a double.
     let machine = ["32", "38", "6", "308", "15"];
-    // The name for the receiver, the scale, millimetres, one weight of line and its width.
+    // The name for the receiver, the scale, the unit (millimetres), one line weight and its width.
     let receiver = [&product, "1.0", "2", "2HMM", "1", "0.01"];
     let (resolution, largest) = (real(RESOLUTION_MM), real(largest_mm));
     let version = VERSION.to_string();
-    // The last but three: no author, no organisation; then no drafting standard.
+    // After the size come: no author, no organisation, the version, no drafting standard.
     let rest = [NO_DATE, &resolution, &largest, "", "", &version, "0", NO_DATE];
     let all = words.iter().chain(&machine).chain(&receiver).chain(&rest);
     all.map(|parameter| (*parameter).to_owned()).collect()
@@ -73,12 +73,12 @@ impl Net {
         self.around.len() - DEGREE - 1
     }
 
-    /// First and last parameter along, and around.
+    /// First and last parameter, along and around.
     fn domain(&self) -> [[f64; 2]; 2] {
         [&self.along, &self.around].map(|knots| [knots[0], knots[knots.len() - 1]])
     }
 
-    /// Entity 128; `alone` unless it belongs to a face.
+    /// Entity 128; `alone` is false if it belongs to a face.
     fn surface(&self, file: &mut Entities, alone: bool) -> Pointer {
         let rows = self.points.len() / self.columns();
         // Open along, closed around, polynomial, not periodic: the knots are clamped.
@@ -96,7 +96,8 @@ impl Net {
         file.add(&entity, parameters)
     }
 
-    /// Entity 126 through control points of a row or a column; `normal` of the plane it lies in.
+    /// Entity 126 through the control points of a row or a column; `normal` is that of its plane,
+    /// if any.
     fn curve<'a>(
         file: &mut Entities,
         knots: &[f64],
@@ -106,7 +107,7 @@ impl Net {
         let points: Vec<f64> = points.flatten().copied().collect();
         let last = points.len() / 3 - 1;
         let flat = usize::from(normal.is_some());
-        // A curve in a plane of its own is a ring here, and so closed. Polynomial, not periodic.
+        // A plane curve is always a ring here, and so closed. Polynomial, not periodic.
         let counts = [last, DEGREE, flat, flat, 1, 0];
         let weights = vec![1.0; last + 1];
         let domain = [knots[0], knots[knots.len() - 1]];

@@ -1,4 +1,4 @@
-//! The kinds of file that can be made of a surface.
+//! The kinds of file that can be made from a surface.
 
 use std::collections::BTreeSet;
 
@@ -26,22 +26,22 @@ pub enum FileFormat {
 /// One kind of file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct FileKind {
-    /// Its notation.
+    /// Its file format.
     pub format: FileFormat,
-    /// What it holds of the leg.
+    /// What it contains of the leg.
     pub shape: Shape,
 }
 
 /// Which files are made of each leg.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Output {
-    /// Their kinds; none: no such file.
+    /// The kinds of file; empty for none.
     pub files: BTreeSet<FileKind>,
     /// How far the triangles of a mesh may lie from the surface, mm, above 0.
     pub mesh_tolerance_mm: f64,
 }
 
-/// A tenth of the noise of the best scans, and beyond what a printer shows.
+/// A tenth of the noise of the best scans, and finer than a printer can show.
 const MESH_TOLERANCE_MM: f64 = 0.05;
 
 impl Default for Output {
@@ -55,10 +55,10 @@ impl Default for Output {
 /// Why a file cannot be made of a surface.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum CadFault {
-    /// It is no solid.
+    /// The surface cannot become a solid.
     #[error(transparent)]
     EndNotPlane(#[from] EndNotPlane),
-    /// It has no triangles.
+    /// The surface cannot become triangles.
     #[error(transparent)]
     Tessellation(#[from] TessellationFault),
 }
@@ -74,7 +74,7 @@ impl CadFault {
 }
 
 impl FileKind {
-    /// What follows the leg's name in the file's: `-ap242-solid.step`.
+    /// The part of the file name after the leg's name: `-ap242-solid.step`.
     pub fn ending(self) -> String {
         let (protocol, ending) = match self.format {
             FileFormat::Step(Schema::Ap214) => ("", "step"),
@@ -91,7 +91,7 @@ impl FileKind {
         format!("{protocol}{shape}.{ending}")
     }
 
-    /// The file. `mesh_tolerance_mm` is for triangles alone; STEP and IGES are exact.
+    /// The bytes of the file. `mesh_tolerance_mm` applies to triangles only; STEP and IGES are exact.
     ///
     /// # Errors
     /// [`CadFault`]: the ends of a solid are not plane, or the surface has no triangles within the

@@ -1,9 +1,9 @@
-//! Surface → CAD files and meshes, as bytes. Knows no legs and no patients: names come in as text.
+//! Surface → CAD files and meshes, as bytes. Independent of legs and patients: names come in as text.
 //!
 //! | file | what it holds |
 //! |---|---|
 //! | [`kind`] | [`FileKind`]: the kinds of file there are, their names and their bytes |
-//! | [`header`] | [`FileHeader`]: what a file says about itself |
+//! | [`header`] | [`FileHeader`]: name, product and writer of a file |
 //! | [`ends`] | the planes that close a tube at its ends |
 //! | [`step`] | STEP AP214 and AP242: the tube as one B-spline face, or a solid |
 //! | `step/boundary.rs`, `step/product.rs` | its faces and edges; its units and its product |
@@ -12,7 +12,7 @@
 //! | `iges/solid.rs`, `iges/notation.rs` | its faces and edges; the notation of IGES files |
 //! | [`mesh`] | STL, OBJ and glTF: triangles within a tolerance |
 //!
-//! Files are in millimetres, in the frame of the surface's control points; glTF alone wants metres
+//! Files are in millimetres, in the frame of the surface's control points; only glTF needs metres
 //! with y up. The same input gives the same bytes.
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]

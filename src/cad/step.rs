@@ -1,10 +1,10 @@
-//! STEP: a tube as one B-spline face of an open shell, or the solid within it and a plane at either
+//! STEP: a tube as one B-spline face of an open shell, or the solid inside it with a plane at each
 //! end, in millimetres.
 //!
-//! The tube's file has 33 instances besides the control points under AP214, the least that is
-//! complete under the schema with units and a product (nurbs.md 7.1; OpenCASCADE reads a face
-//! without a product as nothing). The edges are the surface's own end rows and its seam, so they
-//! lie on it exactly.
+//! Under AP214 the tube's file has 33 instances besides the control points, the minimum that is
+//! complete under the schema with units and a product (nurbs.md 7.1; OpenCASCADE reads nothing from
+//! a face without a product). The edges are the surface's own end rows and its seam, so they lie on
+//! it exactly.
 
 mod boundary;
 mod exchange;
@@ -16,7 +16,7 @@ use crate::spline::Surface;
 use boundary::Boundary;
 use exchange::{Instances, text};
 
-/// The application protocol under which a file is written.
+/// The application protocol that a file follows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Schema {
     /// ISO 10303-214, automotive design: what most CAD systems read.
@@ -38,8 +38,8 @@ impl Schema {
     }
 }
 
-/// The surface as a STEP file. Exact: the periodic surface is written with clamped knots around,
-/// and numbers read back as they were. Faces point outward, whichever way the surface is turned.
+/// Writes the surface as a STEP file. Exact: the periodic surface is written with clamped knots around,
+/// and numbers read back unchanged. Faces point outward, whatever the orientation of the surface.
 ///
 /// # Errors
 /// [`EndNotPlane`] for a solid whose ends are not plane; a tube can always be written.

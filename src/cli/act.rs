@@ -1,5 +1,5 @@
-//! `gaiter retry`, `release`, `assign`, `unassign`, `give-up`, `patient`, `page`, `pause` and `resume`: what a
-//! person decides.
+//! `gaiter retry`, `release`, `assign`, `unassign`, `give-up`, `patient`, `page`, `pause` and `resume`:
+//! the operator's decisions.
 
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 
@@ -7,35 +7,35 @@ use super::args::{AskArgs, OneArgs, PatientVerb};
 use super::{Exit, ask, complain};
 use crate::station::operator::control::protocol::Request;
 
-/// No patient's id is longer, bytes.
+/// The longest patient id that is read, bytes.
 const ID_MOST: u64 = 1024;
 
-/// A refused scan is to be tried again.
+/// Tries a refused scan again.
 pub fn retry(args: &OneArgs) -> Exit {
     ask::sentence(&args.ask, &Request::Retry { scan: args.scan.clone() })
 }
 
-/// A held scan is to be delivered.
+/// Delivers a held scan.
 pub fn release(args: &OneArgs) -> Exit {
     ask::sentence(&args.ask, &Request::Release { scan: args.scan.clone() })
 }
 
-/// A scan is this patient's.
+/// Assigns a scan to a patient.
 pub fn assign(args: &OneArgs) -> Exit {
     with_patient(&args.ask, |patient| Request::Assign { scan: args.scan.clone(), patient })
 }
 
-/// A scan is not its patient's.
+/// Takes a scan back from its patient.
 pub fn unassign(args: &OneArgs) -> Exit {
     ask::sentence(&args.ask, &Request::Unassign { scan: args.scan.clone() })
 }
 
-/// A refused or held scan needs no decision any more.
+/// Marks a refused or held scan as needing no further decision.
 pub fn give_up(args: &OneArgs) -> Exit {
     ask::sentence(&args.ask, &Request::GiveUp { scan: args.scan.clone() })
 }
 
-/// Whose the next scan is.
+/// Sets, clears or shows the patient of the next scan.
 pub fn patient(verb: &PatientVerb) -> Exit {
     match verb {
         PatientVerb::Set(args) => {
@@ -46,7 +46,7 @@ pub fn patient(verb: &PatientVerb) -> Exit {
     }
 }
 
-/// Asks with the patient's id that a person gives.
+/// Reads the patient's id from the operator and sends the request with it.
 fn with_patient(args: &AskArgs, request: impl FnOnce(String) -> Request) -> Exit {
     match read_patient() {
         Ok(patient) if patient.is_empty() => {
@@ -61,7 +61,7 @@ fn with_patient(args: &AskArgs, request: impl FnOnce(String) -> Request) -> Exit
     }
 }
 
-/// The patient's id: a line of standard input, asked for where a person sits at it.
+/// Reads the patient's id as a line of standard input, with a prompt if it is a terminal.
 fn read_patient() -> io::Result<String> {
     let stdin = io::stdin();
     if stdin.is_terminal() {
@@ -74,17 +74,17 @@ fn read_patient() -> io::Result<String> {
     Ok(line.trim().to_owned())
 }
 
-/// Where the operator's page is.
+/// Prints the link to the operator's page.
 pub fn page(args: &AskArgs) -> Exit {
     ask::sentence(args, &Request::Page)
 }
 
-/// No scan is to be taken until somebody resumes.
+/// Stops taking scans until `gaiter resume`.
 pub fn pause(args: &AskArgs) -> Exit {
     ask::sentence(args, &Request::Pause)
 }
 
-/// Go on.
+/// Takes scans again.
 pub fn resume(args: &AskArgs) -> Exit {
     ask::sentence(args, &Request::Resume)
 }

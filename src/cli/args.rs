@@ -18,12 +18,12 @@ use crate::config::words::{
 };
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
 use crate::record::{FigureFormat, Language};
-use crate::station::delivery::measure::VERB;
+use crate::station::measure::VERB;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
 
-/// Where `run` and `check` look for the configuration when nobody names a file.
+/// The configuration file that `run` and `check` read if no file is named.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
 
 /// Measures both legs from a body scan.
@@ -51,24 +51,25 @@ pub enum Verb {
     Demo(DemoArgs),
     /// Run the station: wait for scans and put records into the store
     ///
-    /// Runs until it is told to stop (Ctrl-C or SIGTERM). Usually the system starts it; look at
-    /// the configuration with `gaiter check` first.
+    /// Runs until it is stopped (Ctrl-C or SIGTERM). It is usually started by the system; check the
+    /// configuration with `gaiter check` first.
     Run(RunArgs),
     /// Measure scan files now, without a station
     ///
     /// Prints a table of both legs for every scan, and for several scans a summary with a row for
-    /// each. Of a folder all scans are measured, in the order of their names; hidden files are not.
+    /// each. For a folder, measures all scans in it in the order of their names, without hidden
+    /// files.
     Extract(ExtractArgs),
-    /// Measure the scans of a record store again, by today's method
+    /// Measure the scans of a record store again, with today's method
     ///
-    /// Where that says otherwise than the record, a new revision is written beside it, in a folder of
-    /// the same name with _r2, _r3 …; the old one is never touched. At the end says what changed and
-    /// by how much. A station may run meanwhile. Done again, it adds nothing.
+    /// If the result differs from the record, writes a new revision next to it, in a folder of the
+    /// same name with _r2, _r3 …; never touches the old one. Prints at the end what changed and by
+    /// how much. A station may run at the same time. A second run adds nothing.
     Reextract(ReextractArgs),
-    /// Make the report of a record anew, in either language
+    /// Write the report of a record again, in either language
     ///
-    /// From record.json alone; the scan is not needed, and nothing is measured. The record is not
-    /// changed: its folder's SHA256SUMS would not be true any more.
+    /// Uses record.json alone; the scan is not needed, and nothing is measured. The record is not
+    /// changed, because its folder's SHA256SUMS would then be wrong.
     Report(ReportArgs),
     /// Measure one scan on standard input; the station runs this itself
     #[command(name = VERB, hide = true)]
@@ -78,7 +79,7 @@ pub enum Verb {
     /// Names every fault in the configuration file at once, with its line and a hint. When the
     /// file has none, tries the folders: that exports can be read and that records can be written.
     Check(CheckArgs),
-    /// Tell how the running station is: ready, or what is wrong and what to do
+    /// Show the state of the running station: ready, or what is wrong and what to do
     ///
     /// Ends with 0 when the station is ready and with 74 when it is not. Names no patient and no
     /// file. Run it as root or as the station's user.
@@ -89,34 +90,34 @@ pub enum Verb {
     Scans(ScansArgs),
     /// Show one scan with its deliveries, the patient's id included
     ///
-    /// The patient's id and the record's folder are shown, for that is what a person needs to
-    /// decide what becomes of a scan: mind who looks over your shoulder.
+    /// Shows the patient's id and the record's folder, which are needed to decide about a scan:
+    /// make sure that nobody else can see the screen.
     Show(OneArgs),
-    /// Say in one sentence why a file or a scan is where it is
+    /// Explain in one sentence why a file or a scan is where it is
     Explain(ExplainArgs),
     /// Try a refused scan again, or a waiting one at once
     ///
-    /// For a scan that lies in quarantine, once its cause is mended: after a change of the
-    /// configuration, say, or a new version of gaiter.
+    /// For a scan in quarantine, once the cause is fixed: for example after a change of the
+    /// configuration or with a new version of gaiter.
     Retry(OneArgs),
-    /// Deliver a held scan to the patient for whom it came in
+    /// Deliver a held scan to the patient it arrived for
     ///
-    /// A scan is held when the same bytes came in for a second patient. Look at it first, with
+    /// A scan is held if the same bytes arrived for a second patient. Look at it first, with
     /// `gaiter show ID`: one of the two patients has the wrong legs.
     Release(OneArgs),
-    /// Say whose scan it is that came in for nobody
+    /// Assign a scan that came in without a patient to a patient
     ///
-    /// Asks for the patient's id, or reads it from standard input; it is never an argument, for
+    /// Asks for the patient's id, or reads it from standard input. It is never an argument, because
     /// every user of the machine can read those.
     Assign(OneArgs),
     /// Take a scan back from its patient: its record goes to _unassigned and leaves the patient's folder
     Unassign(OneArgs),
-    /// Say that a refused scan needs no decision any more, or a held one that somebody has already
+    /// Mark a refused scan, or a held one that somebody already has, as needing no further decision
     ///
-    /// It is not asked about any more. Its bytes stay as long as the configuration says, and until then
-    /// it can still be tried again or assigned.
+    /// The station no longer asks about it. The configuration sets how long its bytes are kept;
+    /// until then it can still be tried again or assigned.
     GiveUp(OneArgs),
-    /// Say whose the next scan is
+    /// Set, clear or show the patient of the next scan
     #[command(subcommand)]
     Patient(PatientVerb),
     /// Hand an order of the practice software (GDT 6302) to the running station
@@ -124,16 +125,17 @@ pub enum Verb {
     /// For practice software that starts a program with the order's file. The order names the patient
     /// of the next scan. The file is only read: the practice software removes it.
     GdtOrder(OrderArgs),
-    /// Print the link to the operator's page, with the token without which it is for reading only
+    /// Print the link to the operator's page, with the token; without the token the page is
+    /// read-only
     ///
-    /// People with the link can decide what becomes of scans: open it on the machine itself, and do not
-    /// send it. The browser keeps the token.
+    /// People with the link can decide about scans: open it on the machine itself, and do not send
+    /// it. The browser keeps the token.
     Page(AskArgs),
-    /// Let no scan be taken or delivered until `gaiter resume`; outlasts a restart
+    /// Take and deliver no scans until `gaiter resume`; also after a restart
     Pause(AskArgs),
     /// Go on after `gaiter pause`
     Resume(AskArgs),
-    /// Print the completions of a shell, for its folder of completions
+    /// Print the completions for a shell
     Completions(CompletionsArgs),
     /// Print the manual page, or write a page for every verb into a folder
     Man(ManArgs),
@@ -144,13 +146,13 @@ pub enum Verb {
 pub enum PatientVerb {
     /// Name the patient of the next scan
     ///
-    /// Asks for the patient's id, or reads it from standard input; it is never an argument, for
-    /// every user of the machine can read those. It waits for the next press of the button, or without
-    /// a button for the next export; it is used once.
+    /// Asks for the patient's id, or reads it from standard input. It is never an argument, because
+    /// every user of the machine can read those. It waits for the next press of the button, or
+    /// without a button for the next export; it is used once.
     Set(AskArgs),
-    /// Call off the patient who was named, and the presses that still await their export
+    /// Clear the named patient and the presses that still await their export
     Clear(AskArgs),
-    /// Say who is named for the next scan
+    /// Show the patient of the next scan
     Show(AskArgs),
 }
 
@@ -165,7 +167,7 @@ pub struct DemoArgs {
 /// `gaiter completions`
 #[derive(Debug, clap::Args)]
 pub struct CompletionsArgs {
-    /// Whose
+    /// The shell
     #[arg(value_name = "SHELL", value_parser = of_words(SHELLS))]
     pub shell: Shell,
 }
@@ -178,7 +180,7 @@ pub struct ManArgs {
     pub dir: Option<PathBuf>,
 }
 
-/// The shells whose completions are tried.
+/// The shells whose completions are tested.
 const SHELLS: Words<Shell> = &[("bash", Shell::Bash), ("zsh", Shell::Zsh), ("fish", Shell::Fish)];
 
 /// `gaiter run`
@@ -199,7 +201,7 @@ pub struct ExtractArgs {
     /// Look for scans in the folders within folders, too
     #[arg(long)]
     pub recursive: bool,
-    /// Measure so many scans at a time; as many as there are processors where nothing says otherwise
+    /// Number of scans measured at a time [default: number of processors]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
     /// Print one JSON record per scan and line, for programs
@@ -226,26 +228,27 @@ pub struct ExtractArgs {
         requires = "out"
     )]
     pub figures: Option<Vec<FigureFormat>>,
-    /// The language of the report, with --out; en where nothing says otherwise
+    /// The language of the report, with --out [default: en]
     #[arg(long, value_parser = of_words(LANGUAGES), requires = "out")]
     pub language: Option<Language>,
-    /// What the scan holds: a whole body, or one leg with its foot, whose side it does not show
+    /// What the scan contains: a whole body, or one leg with its foot, whose side the scan does not
+    /// show
     #[arg(long, value_parser = of_words(SCOPES))]
     pub scope: Option<Scope>,
     /// The unit of the scan's coordinates; auto finds it from the height of the body
     #[arg(long, value_parser = of_words(UNITS))]
     pub unit: Option<UnitChoice>,
-    /// The axis of the scan that points up; y where nothing says otherwise
+    /// The axis of the scan that points up [default: y]
     #[arg(long, value_parser = of_words(UPS))]
     pub up: Option<Up>,
     /// The axis of the scan the toes point along; auto finds it from the feet
     #[arg(long, value_parser = of_words(FACINGS), allow_hyphen_values = true)]
     pub facing: Option<FacingChoice>,
-    /// Heights above the floor at which girths are wanted too, in cm: --at 10,20,30.5
+    /// Heights above the floor at which girths are also measured, in cm: --at 10,20,30.5
     #[arg(long, value_name = "CM,…", value_delimiter = ',', value_parser = height_mm)]
     pub at: Option<Vec<f64>>,
-    /// Take unit, up, facing, method and output from this configuration, where no option says
-    /// otherwise
+    /// Take unit, up, facing, method and output from this configuration, unless an option overrides
+    /// them
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
 }
@@ -268,14 +271,14 @@ pub struct CheckArgs {
     pub json: bool,
 }
 
-/// A height in cm, in mm.
+/// Parses a height in cm and returns it in mm.
 fn height_mm(text: &str) -> Result<f64, String> {
     let Range { start, end } = HEIGHTS_CM;
     words::height_mm(text)
         .ok_or_else(|| format!("a height in cm is more than {start} and less than {end}"))
 }
 
-/// A parser of one of the words that the configuration knows too.
+/// A parser for the words of a table that the configuration uses too.
 fn of_words<T: Copy + Send + Sync + 'static>(table: Words<T>) -> impl TypedValueParser<Value = T> {
     PossibleValuesParser::new(table.iter().map(|(word, _)| *word))
         .try_map(move |text| words::meaning(table, &text).ok_or("no such word"))

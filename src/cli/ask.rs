@@ -1,4 +1,4 @@
-//! Asking a running station over its control socket, and how a verb that asks ends.
+//! Queries a running station over its control socket and maps the answer to an exit code.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -14,25 +14,26 @@ use super::{Exit, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, ConfigError, control_path};
 use crate::station::operator::control::protocol::{Answer, Fault, FaultKind, Request};
 
-/// The station answers within its own limits, which are shorter.
+/// The longest wait for an answer. The station's own time limits are shorter.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// A reload takes less; the journal is not rebuilt in it.
+/// The longest wait for the socket during a reload. A reload takes less, because it does not rebuild the
+/// journal.
 const BETWEEN_SOCKETS: Duration = Duration::from_secs(5);
 
-/// The pause before the socket is tried again.
+/// The pause before the next attempt to connect.
 const AGAIN: Duration = Duration::from_millis(100);
 
-/// The longest answer that is read, bytes: a list of the most scans has far less.
+/// The longest answer that is read, bytes. The longest list of scans is far shorter.
 const ANSWER_MOST: u64 = 16 * 1024 * 1024;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
 pub enum AskFault {
-    /// There is no configuration that names the state folder.
+    /// No configuration names the state folder.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// Nobody answers.
+    /// No station answers.
     #[error("no station runs on {}", state_dir.display())]
     NoStation {
         /// Its state folder.
@@ -40,24 +41,24 @@ pub enum AskFault {
         /// The configuration that names it.
         config: PathBuf,
     },
-    /// We may not ask.
-    #[error("only the station's own user and root may ask it")]
+    /// The user has no permission to query the station.
+    #[error("only the station's own user and root may query it")]
     Denied,
-    /// The conversation was cut off.
+    /// The connection failed.
     #[error("asking the station failed: {0}")]
     Io(#[from] io::Error),
-    /// The answer is none that we know.
+    /// The answer cannot be parsed.
     #[error("the station's answer cannot be read: {0}")]
     Answer(#[from] serde_json::Error),
-    /// The station did not do it.
+    /// The station refused the request.
     #[error("{}", .0.message)]
     Refused(Fault),
 }
 
 impl AskFault {
-    /// An answer that nobody asked for.
+    /// The fault for an answer of an unexpected kind.
     pub fn another_answer() -> AskFault {
-        let message = "it is the answer to another question";
+        let message = "the station answered a different request";
         AskFault::Answer(serde::de::Error::custom(message))
     }
 
@@ -85,7 +86,7 @@ impl AskFault {
         }
     }
 
-    /// For programs.
+    /// The fault as JSON, for programs.
     pub fn json(&self) -> serde_json::Value {
         json!({
             "fault": {
@@ -97,7 +98,7 @@ impl AskFault {
         })
     }
 
-    /// What a person can do, if anything.
+    /// What the operator can do, if anything.
     pub fn hint(&self) -> Option<String> {
         match self {
             AskFault::NoStation { config, .. } => Some(format!(
@@ -113,7 +114,7 @@ impl AskFault {
     }
 }
 
-/// Asks the station of this configuration.
+/// Sends a request to the station of this configuration and returns its answer.
 ///
 /// # Errors
 /// See [`AskFault`].
@@ -136,8 +137,8 @@ pub fn ask(config: &Path, request: &Request) -> Result<Answer, AskFault> {
     }
 }
 
-/// The station's control socket. A station that reloads is without one for a moment: where its
-/// process lives it is asked again.
+/// Connects to the station's control socket. During a reload the socket is missing for a moment, so this
+/// tries again while the station's process lives.
 fn connect(state_dir: &Path, config: &Path) -> Result<UnixStream, AskFault> {
     let deadline = Instant::now() + BETWEEN_SOCKETS;
     loop {
@@ -158,14 +159,14 @@ fn connect(state_dir: &Path, config: &Path) -> Result<UnixStream, AskFault> {
     }
 }
 
-/// Whether the process that wrote the state folder's lock lives, as far as one can see.
+/// Reports whether the process that wrote the state folder's lock is alive, as far as `/proc` shows.
 fn process_lives(state_dir: &Path) -> bool {
     let pid = std::fs::read_to_string(state_dir.join("lock")).unwrap_or_default();
     let pid = pid.trim();
     pid.parse::<u32>().is_ok() && Path::new("/proc").join(pid).exists()
 }
 
-/// The state folder; a file with faults elsewhere may still name it.
+/// The state folder. A configuration with faults elsewhere may still name it.
 fn state_dir(config: &Path) -> Result<PathBuf, ConfigError> {
     match config::read(config) {
         Ok(config) => Ok(config.station.state_dir),
@@ -176,8 +177,8 @@ fn state_dir(config: &Path) -> Result<PathBuf, ConfigError> {
     }
 }
 
-/// Asks, prints the answer, and ends. `table` makes the text for people, `json` the value for
-/// programs, each with the end that the answer means.
+/// Sends a request, prints the answer, and returns the exit that `exit` derives from it. `taken`
+/// extracts the value from the answer, which `--json` prints, and `table` renders it for people.
 pub fn told<T: Serialize>(
     args: &AskArgs,
     request: &Request,
@@ -208,7 +209,7 @@ pub fn told<T: Serialize>(
     }
 }
 
-/// Asks, and prints the sentence that answers.
+/// Sends a request and prints the sentence in the answer.
 pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
     let taken = |answer| match answer {
         Answer::Sentence(sentence) => Some(json!({ "sentence": sentence })),
@@ -220,11 +221,11 @@ pub fn sentence(args: &AskArgs, request: &Request) -> Exit {
     told(args, request, taken, table, |_| Exit::Done)
 }
 
-/// Tells why there is no answer; with `--json` as an object, too.
+/// Prints why there is no answer, with `--json` as an object.
 pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
     let exit = fault.exit();
     if args.json {
-        // Where it cannot be printed there is the exit code.
+        // If printing fails, the exit code still tells the caller.
         let _ = print(format_args!("{:#}\n", fault.json()));
         return exit;
     }

@@ -1,4 +1,4 @@
-//! `gaiter check`: the configuration, and when it has no fault the folders and disks it names.
+//! `gaiter check`: checks the configuration and, if it has no fault, the folders and disks it names.
 
 mod environment;
 mod names;
@@ -10,7 +10,7 @@ use anstyle::Style;
 use serde::Serialize;
 
 use super::args::CheckArgs;
-use super::paint::{self, painted};
+use super::terminal::paint::{self, painted};
 use super::{Exit, ask, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, Config, ConfigError, ConfigFault};
 use crate::station::operator::control::protocol::{Answer, Request};
@@ -18,8 +18,8 @@ use row::{Example, Row, Verdict};
 
 /// Checks the configuration, then the environment, and prints both.
 ///
-/// A fault of the environment is none of the configuration: a share that is down today is no reason
-/// to change the file. So it has an exit code of its own.
+/// A fault of the environment, such as a share that is down today, is no reason to change the
+/// configuration file. So it has an exit code of its own.
 pub fn check(args: &CheckArgs) -> Exit {
     let read = config::read(&args.config);
     let (printed, exit) = if args.json {
@@ -51,8 +51,8 @@ pub fn check(args: &CheckArgs) -> Exit {
     }
 }
 
-/// What the running station has seen of the practice's orders, where the configuration should say
-/// otherwise; none where no station runs.
+/// The running station's advice if the configuration does not fit the orders it has seen from the
+/// practice. `None` if no station runs.
 fn habit(file: &Path, config: &Config) -> Option<Row> {
     config.patient.orders.as_ref()?;
     let Ok(Answer::Status(status)) = ask::ask(file, &Request::Status) else { return None };
@@ -73,7 +73,7 @@ fn colour(verdict: Verdict) -> Style {
     }
 }
 
-/// A row a check, the columns aligned, and what it comes to.
+/// One row per check with aligned columns, then the totals.
 fn table(rows: &[Row]) -> String {
     let width = |of: fn(&Row) -> &str| rows.iter().map(|row| of(row).chars().count()).max();
     let check = width(|row| row.check).unwrap_or(0);
@@ -89,31 +89,31 @@ fn table(rows: &[Row]) -> String {
         .collect();
     let count = |verdict| rows.iter().filter(|row| row.verdict == verdict).count();
     let (ok, warn, fail) = (count(Verdict::Ok), count(Verdict::Warn), count(Verdict::Fail));
-    text += &format!("{ok} ok, {warn} to look at, {fail} failed\n");
+    text += &format!("{ok} ok, {warn} to check, {fail} failed\n");
     text
 }
 
-/// A file's name and the patient that it names, below the check that met them.
+/// A file name and the patient it names, printed below the check that found them.
 fn example(example: &Example) -> String {
     format!("      {} → {}\n", shown(&example.name), shown(&example.patient))
 }
 
-/// What `--json` prints: one object, whatever was found.
+/// What `--json` prints: one object in every case.
 #[derive(Debug, Serialize)]
 struct Report {
-    /// The file as it was named.
+    /// The path of the file as given on the command line.
     config: String,
     /// The exit code: 0, 66, 74 or 78.
     exit: u8,
-    /// Why the file could not be read, if so.
+    /// Why the file could not be read, if it could not.
     unreadable: Option<String>,
     /// The faults of the configuration.
     faults: Vec<Fault>,
-    /// The checks of the environment; none while the configuration has faults.
+    /// The checks of the environment; empty if the configuration has faults.
     checks: Vec<Row>,
 }
 
-/// A fault for programs.
+/// A fault as JSON, for programs.
 #[derive(Debug, Serialize)]
 struct Fault {
     line: usize,

@@ -1,7 +1,7 @@
 //! `gaiter demo`: a real station, a simulated button and scanner, four exports, two records.
 //!
-//! The scans are recorded ones, compressed into the binary. One of the four exports is aborted
-//! half-way and one is no body: they must lead to no record.
+//! The scans were recorded and are compressed into the binary. One of the four exports is aborted
+//! half-way and one shows no body: these two must not lead to a record.
 
 mod exports;
 
@@ -18,8 +18,9 @@ use tokio::sync::oneshot;
 use tokio::time::timeout;
 
 use super::args::DemoArgs;
-use super::progress::Progress;
-use super::{Exit, complain, explain_config, print, table};
+use super::terminal::progress::Progress;
+use super::terminal::table;
+use super::{Exit, complain, explain_config, print};
 use crate::config::{self, Config};
 use crate::record::Record;
 use crate::station::demo::button::{self, SimulatedButton};
@@ -27,41 +28,41 @@ use crate::station::demo::scanner;
 use crate::station::{self, Orders, StationEvent};
 use exports::{Expected, exports};
 
-/// Everything the demo makes lies in here, below the working folder.
+/// The folder for everything the demo makes, below the working folder.
 const FOLDER: &str = "demo";
 
-/// Marks a folder as the demo's own, which the next demo may clear.
+/// Marks a folder as made by the demo, so that the next demo may clear it.
 const MARK: &str = ".made-by-gaiter-demo";
 
-/// If nothing happens for this long the demo has failed.
+/// If nothing happens for this long, the demo has failed.
 const PATIENCE: Duration = Duration::from_secs(45);
 
-/// From the press to the first byte of its export; a real scanner takes longer.
+/// The time from the press to the first byte of its export. A real scanner takes longer.
 const SCANNING: Duration = Duration::from_millis(500);
 
 /// Why the demo could not be shown.
 #[derive(Debug, thiserror::Error)]
 enum DemoFault {
-    /// There is something else called `demo`.
+    /// A folder named `demo` exists that no demo made.
     #[error("{} exists and is not of an earlier demo; move it away or work elsewhere", .0.display())]
     NotOurs(PathBuf),
     /// A file could not be read or written.
     #[error("{0}")]
     Io(#[from] io::Error),
-    /// The station ended by itself.
+    /// The station ended unexpectedly.
     #[error("the station ended: {0}")]
     Station(#[from] station::StationError),
-    /// The station's events are not what they must be.
+    /// The station's events are not the expected ones.
     #[error("{0}")]
     Unexpected(String),
 }
 
-/// Shows the station at work; ends as done only if exactly the whole scans led to records.
+/// Shows the station at work. Succeeds only if exactly the complete scans led to records.
 pub fn demo(args: &DemoArgs) -> Exit {
     let button = SimulatedButton::new();
     if let Err(error) = &button {
-        // The station works without one.
-        complain(format_args!("gaiter demo: there is no button: {error}"));
+        // The station works without a button.
+        complain(format_args!("gaiter demo: no button is available: {error}"));
     }
     let mut button = button.ok();
     let config = match prepare(button.as_ref()) {
@@ -87,7 +88,7 @@ fn failed(fault: &DemoFault) -> Exit {
     }
 }
 
-/// A fresh folder with a configuration in it; its path.
+/// Makes a fresh folder with a configuration in it and returns the configuration's path.
 fn prepare(button: Option<&SimulatedButton>) -> Result<PathBuf, DemoFault> {
     let folder = std::env::current_dir()?.join(FOLDER);
     if folder.exists() {
@@ -121,7 +122,7 @@ fn prepare(button: Option<&SimulatedButton>) -> Result<PathBuf, DemoFault> {
     Ok(path)
 }
 
-/// Runs the station, lets the scanner export, and shows what came of it.
+/// Runs the station, lets the scanner export, and shows the results.
 async fn show(
     config: Config,
     button: Option<SimulatedButton>,
@@ -132,7 +133,7 @@ async fn show(
     let (tell, mut events) = unbounded_channel();
     let (stop, stopped) = oneshot::channel::<()>();
     let asked = async {
-        // A dropped sender asks for the end as well.
+        // A dropped sender ends the station too.
         let _ = stopped.await;
     };
     let station = tokio::spawn(station::run(config, Orders::stop_only(asked), Some(tell)));
@@ -157,7 +158,7 @@ async fn show(
     if json { objects(&seen, &state_dir) } else { summary(&seen, &state_dir) }
 }
 
-/// Presses the button, lets the scanner export one scan in the background, and says so.
+/// Presses the button and lets the scanner export one scan in the background, and prints both.
 fn scan(
     export: (scanner::Export, Expected, Duration),
     button: Arc<Mutex<Option<SimulatedButton>>>,
@@ -171,7 +172,7 @@ fn scan(
         let name = name_of(&export.path);
         teller.say(&format!("scanner  exports {name}"));
         match scanner::write(export).await {
-            Ok(()) => teller.say(&format!("scanner  is done with {name}")),
+            Ok(()) => teller.say(&format!("scanner  has exported {name}")),
             Err(error) => complain(format_args!("scanner: {error}")),
         }
     });
@@ -187,14 +188,14 @@ fn press(button: &Mutex<Option<SimulatedButton>>, teller: &Teller) {
     }
 }
 
-/// What the station did in the end.
+/// The results of the station.
 #[derive(Default)]
 struct Seen {
     records: Vec<PathBuf>,
     refusals: usize,
 }
 
-/// Follows the station's events until every scan has ended as it must.
+/// Follows the station's events until every scan has its result.
 async fn watch(
     events: &mut UnboundedReceiver<StationEvent>,
     expected: &[Expected],
@@ -224,17 +225,17 @@ async fn watch(
     Ok(seen)
 }
 
-/// An event in words; none where the scanner's own line says it already.
+/// An event in words. `None` if the scanner's own line already says it.
 fn line(event: &StationEvent) -> Option<String> {
     Some(match event {
         StationEvent::Ready => "station  is ready".to_owned(),
         StationEvent::AwaitsRest { file } => {
-            format!("station  awaits the rest of {}", file.to_string_lossy())
+            format!("station  waits for the rest of {}", file.to_string_lossy())
         }
         StationEvent::Pressed { .. } => "station  heard the button".to_owned(),
-        StationEvent::NoExport { .. } => "station  misses the export of a press".to_owned(),
+        StationEvent::NoExport { .. } => "station  got no export after a press".to_owned(),
         StationEvent::Spooled { file, scan } => {
-            format!("station  has {} safe as {scan}", file.to_string_lossy())
+            format!("station  has saved {} as {scan}", file.to_string_lossy())
         }
         StationEvent::Refused { code, message, .. } => {
             format!("station  made no record [{code}] {message}")
@@ -250,12 +251,12 @@ fn name_of(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Tells what happens, with the seconds since the beginning.
+/// Prints what happens, with the seconds since the start.
 #[derive(Clone)]
 struct Teller {
     began: Instant,
     progress: Arc<Progress>,
-    /// Standard output is for a program.
+    /// Whether standard output is for a program, so that nothing is printed.
     is_silent: bool,
 }
 
@@ -270,12 +271,12 @@ impl Teller {
             return;
         }
         let seconds = self.began.elapsed().as_secs_f64();
-        // A reader that has gone away wants no more; the demo still runs to its end.
+        // A reader that has gone away needs no more output. The demo still runs to its end.
         let _ = self.progress.aside(|| print(format_args!("{seconds:5.1} s  {line}\n")));
     }
 }
 
-/// Every record with its folder, in the order of folders.
+/// Reads every record, sorted by folder.
 fn records(seen: &Seen) -> Result<Vec<(&PathBuf, Record)>, DemoFault> {
     let mut folders: Vec<&PathBuf> = seen.records.iter().collect();
     folders.sort();
@@ -285,7 +286,7 @@ fn records(seen: &Seen) -> Result<Vec<(&PathBuf, Record)>, DemoFault> {
     records.collect()
 }
 
-/// The measures of every record, and where everything lies.
+/// Prints the measures of every record and the paths of all results.
 fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
     let records = records(seen)?;
     for (folder, record) in &records {
@@ -293,7 +294,8 @@ fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
         print(format_args!("\npatient {patient}: {}\n{}\n", folder.display(), table::of(record)))?;
     }
     print(format_args!(
-        "\n{} scans measured; {} were not and led to no record: the reasons lie in\n{}\n",
+        "\n{} scans measured; {} could not be measured and led to no record; the reasons are \
+         in\n{}\n",
         records.len(),
         seen.refusals,
         state_dir.join("quarantine").display()
@@ -301,7 +303,7 @@ fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
     Ok(())
 }
 
-/// The same for programs.
+/// Prints the same as JSON, for programs.
 fn objects(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
     let records = records(seen)?.into_iter();
     let records = records.map(|(folder, record)| json!({ "folder": folder, "record": record }));

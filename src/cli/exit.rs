@@ -1,18 +1,18 @@
-//! How a verb ends: the exit codes of the contract, after `sysexits.h`.
+//! The exit codes of the verbs, after `sysexits.h`.
 
 use std::process::ExitCode;
 
-/// The end of a verb. Later variants are worse: the worst of several ends is their `max`.
+/// The exit of a verb. Later variants are worse, so the worst of several is their `max`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Exit {
-    /// What was asked is done.
+    /// Success.
     Done = 0,
     /// The command line is wrong.
     Usage = 64,
     /// A scan cannot be measured.
     Unmeasurable = 65,
-    /// A file that was named does not exist.
+    /// A named file does not exist.
     NoFile = 66,
     /// A fault of gaiter itself.
     Internal = 70,
@@ -23,7 +23,7 @@ pub enum Exit {
 }
 
 impl Exit {
-    /// The number the process ends with.
+    /// The exit code of the process.
     pub fn code(self) -> u8 {
         self as u8
     }

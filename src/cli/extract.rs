@@ -11,8 +11,9 @@ use std::path::{Path, PathBuf};
 
 use super::args::ExtractArgs;
 use super::parallel::{in_order, usual_jobs};
-use super::progress::Progress;
-use super::{Exit, complain, explain_config, ord, paint, print, shown, table};
+use super::terminal::progress::Progress;
+use super::terminal::{paint, table};
+use super::{Exit, complain, explain_config, ord, print, shown};
 use crate::cad::Output;
 use crate::config::{self, words};
 use crate::leg::{Method, Refusal, extract as measure};
@@ -24,7 +25,7 @@ use found::{FolderFault, found};
 use place::{Foreign, put_folder};
 use summary::{Row, summary};
 
-/// Measures every file, prints a table or a JSON line for each, and ends as the worst of them.
+/// Measures every file, prints a table or a JSON line for each, and returns the worst exit.
 pub fn extract(args: &ExtractArgs) -> Exit {
     let choices = match Choices::of(args) {
         Ok(choices) => choices,
@@ -43,7 +44,7 @@ pub fn extract(args: &ExtractArgs) -> Exit {
         ));
         return Exit::Usage;
     }
-    // A folder may hold one scan today and many tomorrow: it is told alike.
+    // A folder may hold one scan today and many tomorrow, so the output has the same form for both.
     let several = scans.len() > 1 || args.scans.iter().any(|scan| scan.is_dir());
     let jobs = args.jobs.unwrap_or_else(usual_jobs);
     let progress = Progress::of(scans.len(), "measuring");
@@ -84,7 +85,7 @@ fn printed(result: io::Result<()>) -> Exit {
     }
 }
 
-/// Prints what came of a file and writes its folder; how that ended, and its row of the summary.
+/// Prints the result for a file and writes its folder. Returns the exit and the file's summary row.
 fn delivered(
     path: &Path,
     measured: Result<Measured, FileFault>,
@@ -110,7 +111,7 @@ fn delivered(
     }
 }
 
-/// How to measure and what to make of it.
+/// How to measure and what to write.
 struct Choices {
     method: Method,
     output: Output,
@@ -118,7 +119,7 @@ struct Choices {
 }
 
 impl Choices {
-    /// The configuration's, or the default ones, under what the command line says.
+    /// The values of the configuration, or the defaults, overridden by the command line.
     fn of(args: &ExtractArgs) -> Result<Choices, Exit> {
         let (mut method, mut output, language) = match &args.config {
             Some(path) => {
@@ -140,14 +141,14 @@ impl Choices {
             output.files = files.iter().copied().collect();
         }
         if words::faces_up_or_down(method.up, method.facing) {
-            complain("gaiter: --facing points along the up axis; toes point square to it");
+            complain("gaiter: --facing points along the up axis; it must be at right angles to it");
             return Err(Exit::Usage);
         }
         Ok(Choices { method, output, report })
     }
 }
 
-/// Two scans whose records would lie in the same folder.
+/// Finds two scans whose records would go to the same folder.
 fn same_folder(scans: &[Result<PathBuf, FolderFault>]) -> Option<[&Path; 2]> {
     let mut seen = BTreeMap::new();
     scans.iter().flatten().find_map(|scan| {
@@ -162,8 +163,8 @@ enum FileFault {
     /// It cannot be read.
     #[error("{0}")]
     Unreadable(#[source] io::Error),
-    /// A read of it might never end, or give no file's content.
-    #[error("is no regular file (a pipe or a device)")]
+    /// Reading it might block forever, or return no file content.
+    #[error("is not a regular file (a pipe or a device)")]
     NotAFile,
     /// It cannot be measured.
     #[error("cannot be measured [{}]: {refusal}", refusal.code())]
@@ -175,7 +176,7 @@ enum FileFault {
     /// A fault of gaiter itself.
     #[error("cannot be measured [panic]: {0}")]
     Panic(String),
-    /// A file of its record cannot be made.
+    /// A file of its record cannot be created.
     #[error("the record cannot be written: {0}")]
     Files(#[from] FilesFault),
 }
@@ -190,7 +191,7 @@ impl FileFault {
         }
     }
 
-    /// In the summary; those of refusals are stable.
+    /// The code shown in the summary. The codes of refusals are stable.
     fn code(&self) -> &'static str {
         match self {
             FileFault::Unreadable(_) => "unreadable",
@@ -202,17 +203,17 @@ impl FileFault {
     }
 }
 
-/// What came of a file that was measured.
+/// The result for a file that was measured.
 struct Measured {
     record: Record,
-    /// The files of its folder, where `--out` says so.
+    /// The files of its record folder, if `--out` is given.
     files: Option<Vec<RecordFile>>,
 }
 
 impl Measured {
     fn of(path: &Path, args: &ExtractArgs, choices: &Choices) -> Result<Measured, FileFault> {
         let Choices { method, output, report } = choices;
-        // Before it is opened: opening a pipe waits for a writer.
+        // Check before opening, because opening a pipe waits for a writer.
         if !fs::metadata(path).map_err(FileFault::Unreadable)?.is_file() {
             return Err(FileFault::NotAFile);
         }
@@ -233,7 +234,7 @@ impl Measured {
         Ok(Measured { record, files: Some(files) })
     }
 
-    /// Prints the record and, where `--out` says so, writes its folder.
+    /// Prints the record and, if `--out` is given, writes its folder.
     fn deliver(&self, path: &Path, args: &ExtractArgs, several: bool) -> Result<(), Undelivered> {
         if args.json {
             print(format_args!("{}\n", serde_json::to_string(&self.record)?))?;
@@ -243,8 +244,8 @@ impl Measured {
             }
             print(format_args!("{}\n", table::of(&self.record)))?;
         }
-        // Beside its place first, then there whole. An earlier record of the same scan makes way;
-        // anything else stays and is a fault.
+        // Written next to its place first, then moved there as a whole. It replaces an earlier record of
+        // the same scan. Anything else stays and is a fault.
         let (Some(out), Some(files)) = (&args.out, &self.files) else { return Ok(()) };
         let folder = out.join(path.file_stem().unwrap_or_default());
         put_folder(out, &folder, files, &self.record.scan.sha256)
@@ -254,30 +255,30 @@ impl Measured {
 /// Why a measured scan was not printed or written.
 #[derive(Debug, thiserror::Error)]
 enum Undelivered {
-    /// Standard output or the figures themselves.
+    /// Writing to standard output failed.
     #[error("the record cannot be printed: {0}")]
     Print(#[from] io::Error),
     /// The record cannot be written as JSON.
     #[error("the record cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
-    /// A file or folder of the record.
+    /// A file or folder of the record cannot be written.
     #[error("cannot write {}: {source}", shown(path.display()))]
     Write {
-        /// Which.
+        /// Its path.
         path: PathBuf,
-        /// How it failed.
+        /// The underlying error.
         source: io::Error,
     },
-    /// The record's place is taken.
+    /// Something else is in the record's place.
     #[error(
-        "{} is not an untouched record of this scan: {what}; nothing was written there; move it \
+        "{} is not an unchanged record of this scan: {what}; nothing was written there; move it \
          away or choose another --out",
         shown(folder.display())
     )]
     Occupied {
-        /// The record's place.
+        /// The record's folder.
         folder: PathBuf,
-        /// What is wrong with it.
+        /// What was found there.
         what: Foreign,
     },
 }

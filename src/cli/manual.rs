@@ -1,4 +1,4 @@
-//! `gaiter completions` and `gaiter man`: the command line as shells and readers of manuals want it.
+//! `gaiter completions` and `gaiter man`: the command line for shells and as manual pages.
 
 use std::io::{self, Write};
 
@@ -7,17 +7,17 @@ use clap::{Command, CommandFactory};
 use super::args::{Args, CompletionsArgs, ManArgs};
 use super::{Exit, complain, shown};
 
-/// Prints the completions of a shell.
+/// Prints the completions for a shell.
 pub fn completions(args: &CompletionsArgs) -> Exit {
     let (mut command, mut script) = (visible(), Vec::new());
     clap_complete::generate(args.shell, &mut command, "gaiter", &mut script);
     ended("the completions", write(&script))
 }
 
-/// Prints the main page, or writes the pages of all verbs.
+/// Prints the main manual page, or writes the pages of all verbs to a folder.
 pub fn man(args: &ManArgs) -> Exit {
     let Some(dir) = &args.dir else {
-        // As it is done for the folder: no page is made for `gaiter help`.
+        // As for the folder: `gaiter help` gets no page.
         let mut command = visible().disable_help_subcommand(true);
         command.build();
         let mut page = Vec::new();
@@ -33,7 +33,7 @@ pub fn man(args: &ManArgs) -> Exit {
     }
 }
 
-/// The command line as people see it: without the verb by which the station calls itself.
+/// The command line as users see it, without the verb that only the station calls.
 fn visible() -> Command {
     let whole = Args::command();
     let mut command = Command::new("gaiter");

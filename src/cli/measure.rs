@@ -4,7 +4,7 @@ use std::io;
 
 use super::args::MeasureArgs;
 use super::{Exit, complain};
-use crate::station::delivery::measure::child;
+use crate::station::measure::child;
 
 /// Measures the scan on standard input and writes the record's files to standard output.
 pub fn measure(args: &MeasureArgs) -> Exit {

@@ -11,16 +11,13 @@ pub mod manual;
 pub mod measure;
 pub mod ord;
 pub mod order;
-pub mod paint;
 pub mod parallel;
-pub mod progress;
 pub mod reextract;
 pub mod report;
 pub mod run;
 pub mod scans;
-pub mod screen;
 pub mod status;
-pub mod table;
+pub mod terminal;
 
 use std::fmt::Display;
 use std::io::{self, Write};
@@ -32,7 +29,7 @@ use crate::config::ConfigError;
 use args::{Args, Verb};
 pub use exit::Exit;
 
-/// Runs the verb of the command line; the exit codes are those of [`Exit`].
+/// Runs the verb of the command line. The exit codes are those of [`Exit`].
 pub fn main() -> ExitCode {
     let exit = match Args::try_parse() {
         Ok(args) => dispatch(args.verb),
@@ -69,20 +66,20 @@ fn dispatch(verb: Verb) -> Exit {
     }
 }
 
-/// Prints what clap has to say. Help and version were asked for and are no fault; for everything
-/// else the contract has its own code, not clap's 2.
+/// Prints clap's message. Requested help and version text are no fault. For everything else the
+/// documented exit code is used, not clap's 2.
 fn explain(said: &clap::Error) -> Exit {
     let asked_for = !said.use_stderr();
-    // clap writes to a closed pipe without a panic, and there is nobody left to tell.
+    // clap writes to a closed pipe without a panic, and then no reader is left.
     let _ = said.print();
     if asked_for { Exit::Done } else { Exit::Usage }
 }
 
-/// Writes to standard output, as is. A reader that has gone away (`gaiter … | head`) wants no more
-/// and is no fault.
+/// Writes text to standard output unchanged. A reader that has gone away (`gaiter … | head`) needs no
+/// more, so that is no fault.
 ///
 /// # Errors
-/// Anything else that keeps the text from being written, a full disk above all.
+/// Anything else that prevents the write, typically a full disk.
 pub fn print(text: impl Display) -> io::Result<()> {
     let mut out = io::stdout().lock();
     match write!(out, "{text}").and_then(|()| out.flush()) {
@@ -91,14 +88,14 @@ pub fn print(text: impl Display) -> io::Result<()> {
     }
 }
 
-/// Writes a diagnostic and a line end to standard error. Where that fails there is nobody to tell.
+/// Writes a diagnostic line to standard error. A failure is ignored, because it cannot be reported.
 pub fn complain(text: impl Display) {
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
-/// A text from outside, a file's name above all, on one line: control characters, line separators
-/// and marks that turn the writing direction are shown escaped, so that no name can forge a line
-/// or move the cursor.
+/// Text from outside, typically a file name, on one line. Control characters, line separators and marks
+/// that change the writing direction are escaped, so that no name can forge a line or move the
+/// cursor.
 pub fn shown(text: impl Display) -> String {
     let mut shown = String::new();
     for c in text.to_string().chars() {
@@ -111,7 +108,7 @@ pub fn shown(text: impl Display) -> String {
     shown
 }
 
-/// How a verb ends that got no configuration.
+/// The exit of a verb that has no usable configuration.
 pub fn exit_of(error: &ConfigError) -> Exit {
     match error {
         ConfigError::Faults { .. } => Exit::Config,
@@ -122,7 +119,7 @@ pub fn exit_of(error: &ConfigError) -> Exit {
     }
 }
 
-/// Tells why there is no configuration, every fault of it, and how the verb ends.
+/// Prints why there is no usable configuration, with every fault in it, and returns the exit.
 pub fn explain_config(error: &ConfigError) -> Exit {
     match error {
         ConfigError::Unreadable { source, .. } => {

@@ -1,4 +1,4 @@
-//! The scanner's own measures beside a scan file: found, read and compared.
+//! Finds and reads the scanner's own measures next to a scan file and compares them.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
@@ -10,14 +10,14 @@ use crate::leg::comparison::second_opinion::compare;
 use crate::leg::{Extraction, Finding};
 use crate::scan::ord;
 
-/// The measurement file beside a scan and what it says to the scan's extraction; nothing where there
-/// is none.
+/// The measurement file next to a scan and the findings from comparing it with the scan's extraction.
+/// Both are empty if there is no such file.
 pub fn opinions(scan: &Path, extraction: &Extraction) -> (Option<Vec<u8>>, Vec<Finding>) {
     match beside(scan).and_then(|files| one(&files)) {
         Ok(One::None) => (None, Vec::new()),
         Ok(One::Bytes(bytes)) => {
             let findings = opinion(&bytes, extraction);
-            // Of one that is too large only its beginning was read.
+            // Only the beginning of a file that is too large was read.
             ((bytes.len() <= ord::BYTES_MAX).then_some(bytes), findings)
         }
         Ok(One::Several(files)) => (None, vec![SecondOpinion::Ambiguous { files }.into()]),
@@ -25,7 +25,7 @@ pub fn opinions(scan: &Path, extraction: &Extraction) -> (Option<Vec<u8>>, Vec<F
     }
 }
 
-/// What the bytes of a measurement file say to an extraction.
+/// The findings from comparing the bytes of a measurement file with an extraction.
 pub fn opinion(bytes: &[u8], extraction: &Extraction) -> Vec<Finding> {
     match ord::read(bytes) {
         Ok(ord) => compare(extraction, &ord),
@@ -33,7 +33,7 @@ pub fn opinion(bytes: &[u8], extraction: &Extraction) -> Vec<Finding> {
     }
 }
 
-/// What lies beside a scan.
+/// The measurement files next to a scan.
 enum One {
     None,
     Bytes(Vec<u8>),
@@ -48,7 +48,7 @@ fn one(files: &[PathBuf]) -> io::Result<One> {
     }
 }
 
-/// The measurement files that could be this scan's.
+/// The measurement files that may belong to this scan.
 fn beside(scan: &Path) -> io::Result<Vec<PathBuf>> {
     let name = scan.file_name().unwrap_or_default().as_bytes();
     let folder = match scan.parent() {
@@ -65,11 +65,11 @@ fn beside(scan: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(files)
 }
 
-/// The bytes of a file, no more than a measurement file has and one that shows it to be none.
+/// Reads a file up to one byte more than a measurement file can have. That byte shows it is too large.
 fn bytes(file: &Path) -> io::Result<Vec<u8>> {
-    // Before it is opened: opening a pipe waits for a writer.
+    // Check before opening, because opening a pipe waits for a writer.
     if !fs::metadata(file)?.is_file() {
-        return Err(io::Error::other("it is no regular file"));
+        return Err(io::Error::other("it is not a regular file"));
     }
     let mut bytes = Vec::new();
     File::open(file)?.take(ord::BYTES_MAX as u64 + 1).read_to_end(&mut bytes)?;

@@ -1,4 +1,4 @@
-//! `gaiter gdt-order`: practice software starts a program with the order's file.
+//! `gaiter gdt-order`: the practice software starts this program with the order's file.
 
 use std::fs::File;
 use std::io::{self, Read};
@@ -8,10 +8,10 @@ use super::{Exit, ask, complain, shown};
 use crate::record::gdt::order::ORDER_MOST;
 use crate::station::operator::control::protocol::Request;
 
-/// Hands an order to the running station.
+/// Sends an order to the running station.
 pub fn order(args: &OrderArgs) -> Exit {
     let mut bytes = Vec::new();
-    // One byte more than an order has shows the station that it is none.
+    // Reads one byte more than an order can have, so that the station sees that it is too large.
     let read =
         File::open(&args.file).and_then(|file| file.take(ORDER_MOST + 1).read_to_end(&mut bytes));
     match read {

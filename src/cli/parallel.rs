@@ -1,14 +1,14 @@
-//! Many scans on several threads, their results in order.
+//! Processes many scans on several threads and returns the results in order.
 
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 
-use crate::station::caught::caught;
+use crate::station::runtime::caught::caught;
 
-/// How many results may wait for their turn for each thread: a slow scan among quick ones does not
-/// hold the others up, and no more is kept in memory.
+/// The most results per thread that may wait for their turn. A slow scan among quick ones does not block
+/// the others, and memory stays bounded.
 const WAITING_PER_JOB: usize = 2;
 
 /// As many threads as the machine has processors.
@@ -16,8 +16,8 @@ pub fn usual_jobs() -> NonZeroUsize {
     thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
 }
 
-/// Works on all items on so many threads, and hands the results over one by one in the items' order.
-/// Where the work panics, the result is what the panic said.
+/// Processes all items on this many threads and passes the results to `take` one by one, in the order of
+/// the items. If the work panics, the result is the panic's message.
 pub fn in_order<T: Sync, R: Send>(
     items: &[T],
     jobs: NonZeroUsize,
@@ -48,9 +48,9 @@ struct Queue<R> {
 }
 
 struct State<R> {
-    /// The next item to be worked on.
+    /// The next item to work on.
     next: usize,
-    /// How many results were handed over.
+    /// How many results were taken.
     taken: usize,
     /// Results that wait for their turn.
     done: BTreeMap<usize, Result<R, String>>,
@@ -63,7 +63,7 @@ impl<R> Default for State<R> {
 }
 
 impl<R> Queue<R> {
-    /// The next item, once it is no more than `ahead` of the one whose turn it is; none at the end.
+    /// The next item, once it is at most `ahead` past the item whose result is due. `None` at the end.
     fn begin(&self, items: usize, ahead: usize) -> Option<usize> {
         let mut state = self
             .wait(|state| state.next >= items || state.next <= state.taken.saturating_add(ahead));
@@ -77,7 +77,7 @@ impl<R> Queue<R> {
         self.changed.notify_all();
     }
 
-    /// The result of an item, when it is there.
+    /// Waits for the result of an item.
     fn take(&self, at: usize) -> Result<R, String> {
         loop {
             let mut state = self.wait(|state| state.done.contains_key(&at));
@@ -100,8 +100,8 @@ impl<R> Queue<R> {
     }
 }
 
-/// Lets no item be begun any more when it goes: where nobody takes the results, because taking them
-/// panicked, the threads end instead of waiting for ever.
+/// Lets the threads begin no more items when it is dropped. If the consumer panics, no result is taken
+/// any more, and the threads must end instead of waiting forever.
 struct End<'a, R> {
     queue: &'a Queue<R>,
 }
@@ -128,7 +128,7 @@ mod tests {
         for count in [1, 2, 7, 50] {
             let items: Vec<usize> = (0..40).collect();
             let mut seen = Vec::new();
-            // The first of each seven takes longest.
+            // The first of every seven items takes longest.
             let work = |item: &usize| {
                 (0..10_000 * (7 - item % 7)).for_each(|n| {
                     std::hint::black_box(n);
@@ -148,7 +148,7 @@ mod tests {
         let mut taken = 0;
         let work = |_: &usize| begun.fetch_add(1, Ordering::SeqCst);
         in_order(&items, jobs(2), work, |_, _| {
-            // Two wait for each of the two threads, and one is at its turn.
+            // Two results wait for each of the two threads, and one is due.
             assert!(begun.load(Ordering::SeqCst) <= taken + 2 * WAITING_PER_JOB + 2);
             taken += 1;
         });

@@ -1,6 +1,6 @@
-//! `gaiter reextract`: today's method over stored scans, its results beside the old ones.
+//! `gaiter reextract`: applies today's method to stored scans and keeps the old results.
 //!
-//! A running station goes on meanwhile; see [`crate::store::revision`].
+//! A station may run at the same time; see [`crate::store::revision`].
 
 mod again;
 mod choices;
@@ -13,16 +13,17 @@ use serde_json::json;
 
 use super::args::ReextractArgs;
 use super::parallel::{in_order, usual_jobs};
-use super::progress::Progress;
-use super::{Exit, complain, paint, print, shown};
-use crate::station::error::chain;
+use super::terminal::paint;
+use super::terminal::progress::Progress;
+use super::{Exit, complain, print, shown};
+use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::revision::{Family, clear_staging, families};
 use again::{Again, Fault, Intent, Outcome, again};
 use choices::Choices;
 use report::{Told, report};
 
-/// Measures the scan of every record again, and ends as the worst of them.
+/// Measures the scan of every record again and returns the worst exit.
 pub fn reextract(args: &ReextractArgs) -> Exit {
     let choices = match Choices::of(args.config.as_deref()) {
         Ok(choices) => choices,
@@ -61,13 +62,13 @@ pub fn reextract(args: &ReextractArgs) -> Exit {
     worst
 }
 
-/// The records at a path; there is at least one.
+/// The records at a path, at least one.
 fn records(at: &Path) -> Result<Vec<Family>, Exit> {
-    // Its own name may say that it is a record's, or a patient's.
+    // The folder's own name may show that it belongs to a record or a patient.
     let whole = at.canonicalize().unwrap_or_else(|_| at.to_owned());
     let fault = match families(&whole) {
         Ok(records) if records.is_empty() => {
-            complain(format_args!("gaiter: {}: no record lies there", shown(at.display())));
+            complain(format_args!("gaiter: {}: no record was found there", shown(at.display())));
             complain("  hint: name the store's folder, [store.folder] path in the configuration");
             return Err(Exit::NoFile);
         }
@@ -83,8 +84,8 @@ fn records(at: &Path) -> Result<Vec<Family>, Exit> {
     }
 }
 
-/// Removes what killed runs left beside these records. Where that fails, they are only in the way of
-/// tidy people.
+/// Removes what killed runs left next to these records. A failure is ignored, because the leftovers only
+/// look untidy.
 fn clear(records: &[Family]) {
     let patients: BTreeSet<&Path> =
         records.iter().map(|family| family.patient_folder.as_path()).collect();
@@ -93,7 +94,8 @@ fn clear(records: &[Family]) {
     }
 }
 
-/// Says what became of one record as far as that cannot wait for the end; how that ended.
+/// Prints the part of a record's result that cannot wait for the final report. Returns the exit and the
+/// report's entry.
 fn tell(args: &ReextractArgs, family: &Family, done: Result<Again, Fault>) -> (Exit, Option<Told>) {
     let (name, folder) = family.latest();
     let name = if args.names { shown(folder.display()) } else { name.scan.clone() };
@@ -114,7 +116,7 @@ fn tell(args: &ReextractArgs, family: &Family, done: Result<Again, Fault>) -> (E
     }
 }
 
-/// One record for programs.
+/// Prints one record as JSON, for programs.
 fn json_line(
     args: &ReextractArgs,
     family: &Family,

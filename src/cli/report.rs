@@ -1,4 +1,4 @@
-//! `gaiter report`: the report of a record, made anew from `record.json` alone.
+//! `gaiter report`: writes the report of a record again, from `record.json` alone.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -14,10 +14,10 @@ use crate::record::{FilesFault, Record, RecordFault, RecordFile, SUMS, report_fi
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
 
-/// The record within its folder.
+/// The record's file within its folder.
 const RECORD: &str = "record.json";
 
-/// Writes the report and prints where it lies.
+/// Writes the report and prints its paths.
 pub fn report(args: &ReportArgs) -> Exit {
     match made(args) {
         Ok(paths) => match print(told(&paths, args.json)) {
@@ -34,7 +34,7 @@ pub fn report(args: &ReportArgs) -> Exit {
     }
 }
 
-/// Where the report lies, a line for each file or as JSON.
+/// The paths of the report, one line per file or as JSON.
 fn told(paths: &[PathBuf], as_json: bool) -> String {
     if as_json {
         let files: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
@@ -49,63 +49,63 @@ enum Fault {
     /// The record cannot be read.
     #[error("{}: {source}", shown(path.display()))]
     Unreadable {
-        /// Which file.
+        /// Its path.
         path: PathBuf,
-        /// How it failed.
+        /// The underlying error.
         source: io::Error,
     },
-    /// It is no record.
-    #[error("{}: is no record of gaiter: {source}", shown(path.display()))]
+    /// It is not a record.
+    #[error("{}: is not a gaiter record: {source}", shown(path.display()))]
     NoRecord {
-        /// Which file.
+        /// Its path.
         path: PathBuf,
-        /// What is wrong with it.
+        /// Why it cannot be parsed.
         source: serde_json::Error,
     },
-    /// It, or the sums beside it, was changed after it was written.
+    /// The record, or the sums next to it, changed after it was written.
     #[error(
-        "{}: cannot be trusted, for something in its folder was changed after it was written: {}: take \
-         it from a copy, or measure the scan again with gaiter extract",
+        "{}: cannot be trusted, because something in its folder changed after it was written: {}: \
+         use a copy, or measure the scan again with gaiter extract",
         shown(path.display()), shown(source)
     )]
     Changed {
-        /// Which file.
+        /// Its path.
         path: PathBuf,
-        /// What is not as it was.
+        /// What changed.
         source: SumsFault,
     },
-    /// No leg can have its figures.
-    #[error("{}: is no record of a leg: {source}", shown(path.display()))]
+    /// Its figures are impossible for a leg.
+    #[error("{}: is not a record of a leg: {source}", shown(path.display()))]
     Impossible {
-        /// Which file.
+        /// Its path.
         path: PathBuf,
-        /// What cannot be.
+        /// Which figure is impossible.
         source: RecordFault,
     },
-    /// It is a record of another schema.
+    /// It has another schema.
     #[error("{}: has the schema {}, this program knows {SCHEMA}", shown(path.display()), shown(schema))]
     OtherSchema {
-        /// Which file.
+        /// Its path.
         path: PathBuf,
         /// Its schema.
         schema: String,
     },
-    /// The place is a record's own folder.
+    /// The destination is the folder of a record.
     #[error(
-        "{} is a record's own folder, whose {SUMS} vouches for every file in it; nothing was written: \
-         choose another place with --out DIR",
+        "{} is the folder of a record, and {SUMS} covers every file in it; nothing was written: \
+         choose another folder with --out DIR",
         shown(.0.display())
     )]
     RecordFolder(PathBuf),
-    /// The report cannot be made.
+    /// The report cannot be created.
     #[error("the report cannot be made: {0}")]
     Files(#[from] FilesFault),
     /// It cannot be written.
     #[error("cannot write {}: {source}", shown(path.display()))]
     Write {
-        /// Which file or folder.
+        /// The file or folder.
         path: PathBuf,
-        /// How it failed.
+        /// The underlying error.
         source: io::Error,
     },
 }
@@ -127,7 +127,7 @@ impl Fault {
     }
 }
 
-/// The paths of the report's files, which are then there whole.
+/// Writes the report's files and returns their paths.
 fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
     let record = read(&args.record)?;
     let files = report_files(&record, args.language)?;
@@ -145,12 +145,12 @@ fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
     files.iter().map(place).collect()
 }
 
-/// Puts a file in the place of an earlier one of its name: at no time is half a report there.
+/// Replaces an earlier file of the same name. There is never half a report at that path.
 fn put(path: &Path, file: &RecordFile) -> io::Result<()> {
     let beside = path.with_file_name(format!(".{}-{}", file.name, std::process::id()));
     let put = durable::write_new(&beside, &file.bytes).and_then(|()| fs::rename(&beside, path));
     if put.is_err() {
-        // What is left of it says nothing that the error does not.
+        // A failure to remove the leftover adds nothing to the error above.
         let _ = fs::remove_file(&beside);
     }
     put

@@ -14,13 +14,13 @@ use tracing_subscriber::EnvFilter;
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
 use crate::config::{self, ConfigError, LogFormat};
-use crate::station::error::chain;
+use crate::station::runtime::causes::chain;
 use crate::station::{self, Orders, Reload, StationError};
 
-/// Logs that name files, whatever anybody asks for: those names may name patients.
+/// Logs that contain file names stay off in every case, because the names may identify patients.
 const SILENT: &str = "notify=off";
 
-/// What is logged where the environment says nothing else.
+/// The log level if the environment sets none.
 const LOG_LEVEL: &str = "info";
 
 /// Runs the station until SIGTERM or SIGINT.
@@ -44,12 +44,12 @@ pub fn run(args: &RunArgs) -> Exit {
     };
     let orders = Orders { stop, reload };
     let ended = runtime.block_on(station::run(config, orders, None));
-    // A read from a share that does not answer cannot be cut off, and must not hold up the end.
+    // A read from a share that does not answer cannot be interrupted and must not delay the end.
     runtime.shutdown_background();
     ended.map_or_else(|error| explain(&error), |()| Exit::Done)
 }
 
-/// Ends when the process is asked to: SIGTERM by the service manager, SIGINT by Ctrl-C.
+/// Resolves when the process is asked to stop: SIGTERM by the service manager, SIGINT by Ctrl-C.
 fn asked_to_stop() -> io::Result<impl Future<Output = ()>> {
     let mut terminate = signal(SignalKind::terminate())?;
     let mut interrupt = signal(SignalKind::interrupt())?;
@@ -61,8 +61,8 @@ fn asked_to_stop() -> io::Result<impl Future<Output = ()>> {
     })
 }
 
-/// The configuration, read again each time the process is asked to: SIGHUP, as of
-/// `systemctl reload`.
+/// Reads the configuration again on each SIGHUP, which `systemctl reload` sends, and passes it to the
+/// station.
 fn asked_to_reload(path: PathBuf) -> io::Result<mpsc::Receiver<Reload>> {
     let mut hangup = signal(SignalKind::hangup())?;
     let (sender, receiver) = mpsc::channel(1);
@@ -83,7 +83,7 @@ fn asked_to_reload(path: PathBuf) -> io::Result<mpsc::Receiver<Reload>> {
     Ok(receiver)
 }
 
-/// Every fault of a configuration, a line each.
+/// Every fault of a configuration, one per line.
 fn faults(error: &ConfigError) -> String {
     match error {
         ConfigError::Unreadable { source, .. } => format!("{error}: {source}"),
@@ -93,7 +93,7 @@ fn faults(error: &ConfigError) -> String {
     }
 }
 
-/// Log lines go to standard error, where the service manager collects them; `RUST_LOG` chooses.
+/// Log lines go to standard error, where the service manager collects them. `RUST_LOG` sets the filter.
 fn log_to_stderr(format: LogFormat) {
     let chosen = env::var(EnvFilter::DEFAULT_ENV).unwrap_or_else(|_| LOG_LEVEL.to_owned());
     let filter = EnvFilter::builder().parse_lossy(format!("{chosen},{SILENT}"));
@@ -102,14 +102,14 @@ fn log_to_stderr(format: LogFormat) {
         .with_writer(io::stderr)
         .with_ansi(false)
         .with_target(false);
-    // A subscriber that was set before stays.
+    // An existing subscriber stays in place.
     let _ = match format {
         LogFormat::Text => lines.try_init(),
         LogFormat::Json => lines.json().flatten_event(true).try_init(),
     };
 }
 
-/// Tells why the station ended, every cause of it.
+/// Prints why the station ended, with the whole chain of causes, and returns the exit.
 fn explain(error: &StationError) -> Exit {
     complain(format_args!("gaiter: {}", chain(error)));
     match error {
@@ -118,7 +118,7 @@ fn explain(error: &StationError) -> Exit {
         | StationError::Journal { .. }
         | StationError::ExportTaken { .. }
         | StationError::Stuck => Exit::Io,
-        // Not to be tried again and again: it asks of the machine what that does not have.
+        // Not retried, because the station needs something that this machine does not have.
         StationError::Unconfined(_) => Exit::Config,
         _ => Exit::Internal,
     }

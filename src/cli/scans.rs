@@ -1,4 +1,4 @@
-//! `gaiter scans`, `gaiter show` and `gaiter explain`: what the station knows of its scans.
+//! `gaiter scans`, `gaiter show` and `gaiter explain`: what the station knows about its scans.
 
 use std::fmt::Write;
 use std::os::unix::ffi::OsStringExt;
@@ -19,7 +19,7 @@ pub fn scans(args: &ScansArgs) -> Exit {
     ask::told(&args.ask, &request, taken, |scans| list(scans), |_| Exit::Done)
 }
 
-/// A row a scan, the newest first.
+/// One row per scan, newest first.
 pub fn list(scans: &[Listed]) -> String {
     if scans.is_empty() {
         return "no scan\n".to_owned();
@@ -55,7 +55,7 @@ pub fn list(scans: &[Listed]) -> String {
     text
 }
 
-/// Shows one scan, the patient's id included.
+/// Shows one scan, with the patient's id.
 pub fn show(args: &OneArgs) -> Exit {
     let request = Request::Show { scan: args.scan.clone() };
     let taken = |answer| match answer {
@@ -79,13 +79,13 @@ fn detail(whole: &Whole) -> String {
         rows.push(("refused", format!("[{code}] {message}")));
     }
     rows.extend(summary.closed.clone().map(|why| ("closed", why)));
-    rows.extend(whole.candidates.iter().map(|id| ("may be of", id.clone())));
+    rows.extend(whole.candidates.iter().map(|id| ("candidate", id.clone())));
     rows.extend(whole.preview.clone().map(|folder| ("preview", folder)));
     for delivery in &whole.deliveries {
         rows.push(("", String::new()));
         rows.push(("patient", delivery.patient.clone().unwrap_or_else(|| "nobody named".into())));
         let code = delivery.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
-        let to_go = if delivery.is_to_go() { ", to be taken back" } else { "" };
+        let to_go = if delivery.is_to_go() { ", to be withdrawn" } else { "" };
         rows.push(("store", format!("{}: {}{code}{to_go}", delivery.store, delivery.state)));
         if delivery.attempts > 0 {
             let next = delivery.next_at.map(|at| format!(", next {}", utc(at)));
@@ -105,7 +105,7 @@ fn detail(whole: &Whole) -> String {
     lines.collect()
 }
 
-/// Says in a sentence why something is where it is.
+/// Explains in one sentence why a file or scan is where it is.
 pub fn explain(args: &ExplainArgs) -> Exit {
     let request = match Named::of(&args.what) {
         Named::Scan(scan) => Request::ExplainScan { scan },

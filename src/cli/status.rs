@@ -1,4 +1,4 @@
-//! `gaiter status`: how the running station is, on one screen, the most important first.
+//! `gaiter status`: the state of the running station on one screen, the most important first.
 
 mod watch;
 
@@ -9,23 +9,23 @@ use jiff::Timestamp;
 
 use super::args::{AskArgs, StatusArgs};
 use super::ask::{self, AskFault};
-use super::paint::{self, painted};
-use super::screen::{self, wrapped};
+use super::terminal::paint::{self, painted};
+use super::terminal::screen::{self, wrapped};
 use super::{Exit, complain, scans, shown};
 use crate::flow::account::{Filter, Listed};
 use crate::flow::health::{ago, bytes, utc, words};
 use crate::station::operator::control::protocol::{Answer, Request, SourceStatus, Status};
 
-/// So many of the last scans are shown: a screen of 24 lines has room for them.
+/// How many of the last scans are shown. A screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;
 
-/// … and of those that are held so many of them, before all others: a person must look at them.
+/// How many of these may be held scans, shown first because the operator must look at them.
 const HELD_SCANS: u32 = 3;
 
-/// Width of the labels before the figures, with the gap behind it.
+/// Width of the labels before the figures, with the gap after them.
 const LABEL: usize = 11;
 
-/// Asks and prints; ends as [`Exit::Io`] when the station is not ready, as `gaiter check` does.
+/// Queries and prints. Returns [`Exit::Io`] if the station is not ready, as `gaiter check` does.
 pub fn status(args: &StatusArgs) -> Exit {
     if args.watch {
         return watch::watch(&args.ask);
@@ -57,10 +57,10 @@ fn taken(answer: Answer) -> Option<Status> {
     }
 }
 
-/// What is on the screen.
+/// The content of the screen.
 struct Look {
     status: Status,
-    /// The last scans that are held, then the last of all, the newest first.
+    /// The last held scans, then the last of all scans, newest first.
     scans: Vec<Listed>,
 }
 
@@ -68,7 +68,7 @@ impl Look {
     fn take(args: &AskArgs) -> Result<Look, AskFault> {
         let status = ask::ask(&args.config, &Request::Status)?;
         let status = taken(status).ok_or_else(AskFault::another_answer)?;
-        // A station that can only say how it is says that.
+        // A station that only answers the status request is still shown.
         let listed = |filter, limit| match ask::ask(&args.config, &Request::Scans { filter, limit })
         {
             Ok(Answer::Scans(scans)) => scans,
@@ -81,7 +81,7 @@ impl Look {
     }
 }
 
-/// The scans that are held, then the others, as many as there is room for.
+/// The held scans, then the others, as many as fit.
 fn held_first(mut held: Vec<Listed>, mut newest: Vec<Listed>) -> Vec<Listed> {
     newest.retain(|scan| held.iter().all(|held| held.scan != scan.scan));
     held.append(&mut newest);
@@ -89,7 +89,7 @@ fn held_first(mut held: Vec<Listed>, mut newest: Vec<Listed>) -> Vec<Listed> {
     held
 }
 
-/// One screen, painted; the first line says whether all is well.
+/// One screen with colours. The first line shows whether all is well.
 fn table(look: &Look, columns: Option<usize>) -> String {
     let status = &look.status;
     let mut text = String::new();
@@ -129,7 +129,7 @@ fn rows(status: &Status) -> Vec<(String, String)> {
             oldest.scan,
             words(Duration::from_secs(age_s))
         ),
-        _ => "no scan waits for its record".to_owned(),
+        _ => "no scan is waiting for its record".to_owned(),
     };
     let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
     row("oldest", oldest);
@@ -139,7 +139,7 @@ fn rows(status: &Status) -> Vec<(String, String)> {
         .into_iter()
         .collect();
     let back = status.scans.get("withdrawing").filter(|count| **count > 0);
-    counts.extend(back.map(|count| format!("{count} to be taken back")));
+    counts.extend(back.map(|count| format!("{count} to be withdrawn")));
     let counts = if status.scans.is_empty() { "unknown".to_owned() } else { counts.join(", ") };
     row("scans", counts);
     let last = status.last.as_ref().map(|last| {
@@ -151,7 +151,10 @@ fn rows(status: &Status) -> Vec<(String, String)> {
         status.last_measurement_s.map_or(String::new(), |s| format!(", the last in {s:.1} s"));
     row("measured", format!("{} in this run{last}", status.measured));
     if let Some(missing) = status.confinement.and_then(|found| found.missing()) {
-        row("guards", format!("measuring processes lack {missing} on this machine"));
+        row(
+            "guards",
+            format!("measuring processes run without {missing}, which this machine lacks"),
+        );
     }
     let disk = match (status.disk_free_bytes, status.disk_bytes) {
         (Some(free), Some(size)) => format!("{} free of {}", bytes(free), bytes(size)),
@@ -164,12 +167,12 @@ fn rows(status: &Status) -> Vec<(String, String)> {
     rows
 }
 
-/// What stands around the station: export folders, ports, stores.
+/// The surroundings of the station: export folders, ports, stores.
 fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
     let intake = match status.intake.as_str() {
         "open" => "scans are taken in".to_owned(),
-        "paused" => "paused: exports stay where they are".to_owned(),
-        other => format!("{}: exports stay where they are", other.replace('_', " ")),
+        "paused" => "paused: exports are not taken in".to_owned(),
+        other => format!("{}: exports are not taken in", other.replace('_', " ")),
     };
     let mut rows = vec![("intake".to_owned(), intake)];
     rows.extend(
@@ -179,7 +182,7 @@ fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
             .map(|source| (format!("export {}", source.export_dir), said_of(source, now))),
     );
     rows.extend(status.triggers.iter().map(|(port, trigger)| {
-        let since = ago(trigger.since, now);
+        let time = ago(trigger.since, now);
         let state = trigger.state.replace('_', " ");
         let why = trigger.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
         let heard = match (trigger.presses, trigger.ids) {
@@ -187,32 +190,31 @@ fn around(status: &Status, now: Timestamp) -> Vec<(String, String)> {
             (_, ids) => format!("{ids} ids"),
         };
         let garbage = trigger.garbage;
-        let text =
-            format!("{port}: {state} since {since}{why}, {heard}, {garbage} bytes of garbage");
+        let text = format!("{port}: {state} for {time}{why}, {heard}, {garbage} bytes of garbage");
         ("trigger".to_owned(), text)
     }));
     if status.stores.is_empty() {
         rows.push(("store".to_owned(), "nothing delivered yet in this run".to_owned()));
     }
     rows.extend(status.stores.iter().map(|(name, store)| {
-        let since = ago(store.since, now);
+        let time = ago(store.since, now);
         let state = match &store.fault {
-            None => format!("takes records since {since}"),
-            Some(fault) => format!("takes nothing since {since}: {fault}"),
+            None => format!("has accepted records for {time}"),
+            Some(fault) => format!("has accepted no records for {time}: {fault}"),
         };
         ("store".to_owned(), format!("{name}: {state}"))
     }));
     rows
 }
 
-/// What the light shows and what is awaited, in words.
+/// The state of the light and the awaited exports, in words.
 fn at_booth(status: &Status) -> String {
     let booth = &status.booth;
     let mut text = match booth.light.as_str() {
         "ready" => "ready for the next scan",
         "armed" => "waits for the export of a press",
-        "receiving" => "a scan is on its way to its record",
-        "done" => "the last scan has its record",
+        "receiving" => "a scan is being processed",
+        "done" => "the last scan was delivered",
         "no_export" => "no export came after the last press",
         _ => "operator action needed",
     }
@@ -224,19 +226,19 @@ fn at_booth(status: &Status) -> String {
         text.push_str(", a patient is named for the next press");
     }
     if booth.in_doubt {
-        text.push_str(", a press may have gone unheard: scans of named patients are held");
+        text.push_str(", a press may have been missed: scans of named patients are held");
     }
     text
 }
 
-/// One export folder in words.
+/// The state of one export folder in words.
 fn said_of(source: &SourceStatus, now: Timestamp) -> String {
-    let since = ago(source.since, now);
+    let time = ago(source.since, now);
     let why = source.why.as_ref().map_or(String::new(), |why| format!(": {why}"));
     let mut text = match source.state.as_str() {
         "watched" => "looked through".to_owned(),
         "not_looked" => "not looked at yet".to_owned(),
-        state => format!("{} since {since}{why}", state.replace('_', " ")),
+        state => format!("{} for {time}{why}", state.replace('_', " ")),
     };
     if let Some(last) = source.last_look {
         let _ = write!(text, ", last {} ago", ago(last, now));

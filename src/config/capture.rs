@@ -11,18 +11,18 @@ use super::reader::{Absent, Reader};
 use super::words::{CHECK_DIGITS, WITHOUT_TRIGGER, WithoutTrigger};
 use crate::flow::OrdersWhen;
 use crate::flow::capture::Rules;
-use crate::flow::check_digit::CheckDigit;
+use crate::flow::patient::check_digit::CheckDigit;
 
-/// `[capture]`: how the export of a press is awaited.
+/// `[capture]`: how the station waits for the export of a press.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct CaptureConfig {
-    /// How long it is awaited.
+    /// How long to wait for the export.
     pub window: Duration,
-    /// How long after that it may still come, and is held.
+    /// How long after that a late export is still accepted; it is then held.
     pub late: Duration,
-    /// What becomes of an export without a press.
+    /// What happens to an export without a press.
     pub without_trigger: WithoutTrigger,
-    /// How long the name of the next patient waits.
+    /// How long the name of the next patient stays valid.
     pub name_lasts: Duration,
 }
 
@@ -31,25 +31,25 @@ pub struct CaptureConfig {
 pub struct PatientConfig {
     /// What a patient id may be, from any source; matched against the whole id.
     pub pattern: Regex,
-    /// How an id checks itself.
+    /// The check-digit scheme of ids.
     pub check_digit: CheckDigit,
-    /// The expression on a line of the scanner's own measures that holds the id.
+    /// Regular expression that finds the id on a line of the scanner's own measures.
     pub sidecar: Option<Regex>,
-    /// How long a scan waits for those measures; nothing waits without that expression.
+    /// How long a scan waits for those measures; without `sidecar` nothing waits.
     pub sidecar_wait: Duration,
-    /// `[patient.orders]`: where orders of practice software come in, if anywhere.
+    /// `[patient.orders]`: where orders from practice software arrive, if configured.
     pub orders: Option<OrdersConfig>,
 }
 
 impl CaptureConfig {
-    /// The rules of captures, for a station with buttons on these ports and the practice's habit.
+    /// The capture rules for a station with buttons on these ports and the practice's habit.
     pub fn rules(&self, buttons: &BTreeSet<&str>, orders: OrdersWhen) -> Rules {
         let CaptureConfig { window, late, name_lasts, .. } = *self;
         Rules { by_press: !buttons.is_empty(), window, late, name_lasts, orders }
     }
 }
 
-/// Asks for the keys of both sections.
+/// Reads the keys of both sections.
 pub(super) fn config(reader: &mut Reader) -> Option<(CaptureConfig, PatientConfig)> {
     use Absent::Default;
     let bounds = Bounds { least: "5s", most: "1h" };

@@ -1,4 +1,4 @@
-//! A fault of the configuration: where it stands, what is wrong, and what to write instead.
+//! A fault of the configuration: where it is, what is wrong, and what to write instead.
 
 use std::fmt;
 use std::ops::Range;
@@ -8,17 +8,17 @@ use super::words::{COLUMNS, HEIGHTS_CM, ROWS};
 /// One fault in a configuration file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ConfigFault {
-    /// The file as it was named, `station.toml` for bare text.
+    /// The file name as given; `station.toml` for bare text.
     pub file: String,
     /// 1-based line.
     pub line: usize,
     /// 1-based column in characters.
     pub column: usize,
-    /// The key with its sections, `scanner.quiet`; empty for a fault of the notation itself.
+    /// The key with its sections, such as `scanner.quiet`; empty for a syntax fault.
     pub key: String,
     /// The line of the file that holds the fault.
     pub source_line: String,
-    /// How many characters from `column` on are meant; at least 1.
+    /// How many characters are marked, starting at `column`; at least 1.
     pub width: usize,
     /// What is wrong.
     pub what: What,
@@ -27,32 +27,32 @@ pub struct ConfigFault {
 /// What is wrong with a configuration. The message follows the key: `station.id: must be set`.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum What {
-    /// The notation is not TOML.
+    /// The text is not valid TOML.
     #[error("{said}")]
     Notation {
-        /// What the reader of the notation says.
+        /// What the TOML parser reports.
         said: String,
-        /// What to do, where that is known.
+        /// What to do, if known.
         hint: Option<String>,
     },
     /// The file holds bytes that are not UTF-8.
     #[error("this is not UTF-8 text")]
     NotUtf8,
-    /// No such key, or it stands under the wrong section.
+    /// The key does not exist, or is in the wrong section.
     #[error("unknown key")]
     Unknown {
         /// The key that was probably meant.
         similar: Option<String>,
-        /// What could stand here instead.
+        /// The keys that are valid here.
         known: Vec<String>,
     },
-    /// A key without a default is not there.
+    /// A key without a default is missing.
     #[error("must be set")]
     Missing {
         /// The lines that set it.
         example: String,
     },
-    /// A value where a section must be.
+    /// A value where a section is required.
     #[error("must be a section, not {found}")]
     NotASection {
         /// The kind of value found.
@@ -60,14 +60,14 @@ pub enum What {
         /// The section's name.
         name: String,
     },
-    /// A value of another kind.
+    /// A value of the wrong kind.
     #[error("must be {expected}, not {found}")]
     Kind {
-        /// The kind that is needed.
+        /// The required kind.
         expected: &'static str,
         /// The kind that was found.
         found: &'static str,
-        /// A line that is right.
+        /// A correct line.
         example: String,
     },
     /// Not a duration at all.
@@ -82,23 +82,23 @@ pub enum What {
     /// Not a distance at all.
     #[error("\"{0}\" is not a distance")]
     NotADistance(String),
-    /// No number of control points that a leg's surface can have.
+    /// Not a number of control points that a leg's surface can have.
     #[error("\"{0}\" is not a number of control points")]
     NotControlPoints(String),
-    /// A duration, size, length or distance that makes no sense here.
+    /// A duration, size, length or distance outside the allowed range.
     #[error("\"{text}\" is out of range")]
     OutOfRange {
         /// As written.
         text: String,
-        /// The least value allowed, as it would be written.
+        /// The smallest allowed value, as written in the file.
         least: &'static str,
-        /// The largest value allowed, as it would be written.
+        /// The largest allowed value, as written in the file.
         most: &'static str,
     },
-    /// No height of a leg.
+    /// Not a height on a leg.
     #[error("{0} is not a height on a leg")]
     NotAHeight(String),
-    /// None of the words of a choice.
+    /// Not one of the words of a choice.
     #[error("\"{text}\" is not one of {}", quoted(words))]
     NotAWord {
         /// As written.
@@ -108,24 +108,25 @@ pub enum What {
         /// The word that was probably meant.
         similar: Option<&'static str>,
     },
-    /// Not fit as a station's name.
+    /// Not valid as a station's name.
     #[error("\"{0}\" cannot be the name of a station")]
     NotAStationId(String),
     /// A path that does not begin at the root.
     #[error("\"{0}\" is not a full path")]
     RelativePath(String),
-    /// A path that climbs, so that one cannot see where it leads.
+    /// A path with `..`, whose target is not obvious.
     #[error("\"{0}\" contains \"..\"")]
     ClimbingPath(String),
-    /// A path with a control character, mostly a `\r` or `\t` that was meant as a folder's name.
-    #[error("\"{0}\" holds a control character")]
+    /// A path with a control character, usually a `\r` or `\t` that was meant as part of a folder's
+    /// name.
+    #[error("\"{0}\" contains a control character")]
     ControlInPath(String),
-    /// A folder in which the control socket would have a path that the system does not take.
+    /// A state folder whose path is too long for the control socket in it.
     #[error("has {length} bytes; the station's control socket in it allows {most}")]
     LongPath {
         /// Its length, bytes.
         length: usize,
-        /// What is allowed, bytes.
+        /// The longest allowed path, bytes.
         most: usize,
     },
     /// Not an address with a port.
@@ -146,7 +147,7 @@ pub enum What {
     /// The same folder or word twice in a list.
     #[error("\"{0}\" is listed twice")]
     Twice(String),
-    /// Two folders that must be apart lie in one another.
+    /// Two folders that must be separate are nested.
     #[error("\"{inner}\" {} {other_key} \"{outer}\"", if inner == outer { "is also" } else { "lies inside" })]
     Overlap {
         /// The folder the fault is reported for.
@@ -159,41 +160,41 @@ pub enum What {
     /// Not a regular expression.
     #[error("is not a regular expression: {0}")]
     NotARegex(String),
-    /// The expression does not say which part is the patient.
+    /// The expression does not mark the part that is the patient's id.
     #[error("has no group named \"patient\"")]
     NoPatientGroup,
-    /// The expression would let ids through that are unsafe as names of folders.
+    /// The expression accepts ids that are unsafe as folder names.
     #[error("would accept {0:?} as a patient's id")]
     LoosePattern(&'static str),
-    /// Not a rule by which done files are called.
-    #[error("\"{0}\" does not say how a done file is called")]
+    /// Not a valid pattern for the names of done files.
+    #[error("\"{0}\" is not a valid name for done files")]
     NotADoneFile(String),
     /// Not a file name.
     #[error("\"{0}\" is not the name of a file")]
     NotAMarker(String),
-    /// Not what a port, or what is said on it, is written like.
+    /// A wrongly written port, port setting or text for a port.
     #[error("\"{text}\" is not a valid {thing}")]
     Misspelt {
         /// As written.
         text: String,
         /// What it should be.
         thing: &'static str,
-        /// How that is written.
+        /// An example of how to write it.
         example: &'static str,
     },
-    /// A port at which neither a line nor a contact is a press.
-    #[error("has neither tokens nor a contact: nothing would ever be a press")]
+    /// A port on which neither a line nor a contact counts as a press.
+    #[error("has neither tokens nor a contact: no press could be detected")]
     NothingToHear,
-    /// One port for the button and the reader of ids.
-    #[error("is the port of patient.reader too")]
+    /// The button and the id reader use the same port.
+    #[error("is also the port of patient.reader")]
     SamePort,
-    /// A reader of ids at two ports.
-    #[error("is set, and patient.reader.port too")]
+    /// The id reader is configured on two ports.
+    #[error("is set together with patient.reader.port")]
     TwoPorts,
-    /// A value of a report that its mask can never give.
+    /// A report value that its mask can never produce.
     #[error("is longer or shorter than trigger.usb.mask, or has bits that it leaves out")]
     OutsideMask,
-    /// Nothing that GDT, or the exchange with practice software, knows in this place.
+    /// Not a value that GDT, or the exchange with practice software, allows here.
     #[error("\"{text}\" is not a valid {what}")]
     NotGdt {
         /// As written.
@@ -203,18 +204,18 @@ pub enum What {
         /// What to write.
         hint: &'static str,
     },
-    /// The toes cannot point along the axis that points up.
-    #[error("\"{facing}\" lies along the axis that points up, scanner.up = \"{up}\"")]
+    /// The toes cannot point along the up axis.
+    #[error("\"{facing}\" is along the up axis, scanner.up = \"{up}\"")]
     FacesUpOrDown {
         /// `scanner.facing` as written.
         facing: String,
-        /// `scanner.up` as it holds.
+        /// `scanner.up`, as written or by default.
         up: String,
     },
 }
 
 impl What {
-    /// What to write instead, where there is something to say.
+    /// What to write instead, if there is a suggestion.
     pub fn hint(&self) -> Option<String> {
         let hint = match self {
             What::Notation { hint, .. } => return hint.clone(),
@@ -262,16 +263,14 @@ impl What {
                 r#"write "off", or an address of this machine and a port: "127.0.0.1:9184""#.into()
             }
             What::NotLoopback(_) => {
-                r#"what stands there is for this machine only: "127.0.0.1:9184""#.into()
+                r#"the address must be on this machine: "127.0.0.1:9184""#.into()
             }
             What::NotANetworkAddress(_) | What::OnlyLoopback(_) => {
                 r#"write "off", or this machine's address on the local network and a port: "192.168.1.20:9180""#.into()
             }
             What::EmptyList => "name at least one folder that the scanner exports to".into(),
             What::Twice(_) => "remove one of the two".into(),
-            What::Overlap { .. } => {
-                "exports, state and records need folders apart, or one is taken for another".into()
-            }
+            What::Overlap { .. } => "exports, state and records need separate folders".into(),
             What::NotARegex(_) => "in single quotes a \\ needs no doubling: '^P?[0-9]+_'".into(),
             What::NoPatientGroup => {
                 "mark the part that is the patient's id: '^(?<patient>P?[0-9]+)_'".into()
@@ -285,13 +284,13 @@ impl What {
             What::NotAMarker(_) => "a bare name, without a folder: \".mounted\"".into(),
             What::Misspelt { example, .. } => format!("write {example}"),
             What::NothingToHear => r#"write tokens = ["PRESS"] or contact = "cts""#.into(),
-            What::SamePort | What::TwoPorts => "each port is one thing: leave one out".into(),
+            What::SamePort | What::TwoPorts => "a port can have only one use: remove one".into(),
             What::OutsideMask => {
                 r#"write as many bytes in both: mask = "00 01", value = "00 01""#.into()
             }
             What::NotGdt { hint, .. } => (*hint).into(),
             What::FacesUpOrDown { .. } => {
-                "name a level axis, or \"auto\" to find it from the feet".into()
+                "choose a horizontal axis, or \"auto\" to find it from the feet".into()
             }
         };
         Some(hint)
@@ -306,7 +305,7 @@ impl fmt::Display for ConfigFault {
             write!(f, "{key}: ")?;
         }
         writeln!(f, "{}", printable(&what.to_string()))?;
-        // A tab stays a tab under a tab, so that the caret stands right whatever its width is.
+        // A tab is kept as a tab, so that the caret lines up at any tab width.
         let before: String = source_line
             .chars()
             .take(column - 1)
@@ -324,7 +323,7 @@ impl fmt::Display for ConfigFault {
 
 impl std::error::Error for ConfigFault {}
 
-/// Control characters by their escapes: a value may hold them, and they do not go to a terminal.
+/// Escapes control characters: values may contain them, and they must not reach a terminal.
 fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {

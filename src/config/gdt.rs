@@ -11,56 +11,56 @@ use crate::flow::{Mask, OrdersWhen};
 use crate::record::gdt::rules::FileName;
 use crate::record::gdt::{AttachmentFields, Charset, GdtRules, Product, Reference};
 
-/// `[store.gdt]`: practice software that is told of every named record.
+/// `[store.gdt]`: practice software that is notified of every named record.
 #[derive(Debug, Clone)]
 pub struct GdtStoreConfig {
     /// The exchange folder.
     pub path: PathBuf,
     /// How results are written.
     pub rules: GdtRules,
-    /// How their files are called.
+    /// How result files are named.
     pub file_name: FileName,
-    /// Files of the record that go with each.
+    /// Files of the record that are attached to each result.
     pub attach: Vec<String>,
-    /// The folder for them in the exchange folder; none if empty.
+    /// The folder for attachments inside the exchange folder; empty for none.
     pub attach_folder: String,
-    /// How a result says where they lie.
+    /// How a result refers to its attachments.
     pub attach_as: Reference,
-    /// The exchange folder as the practice software sees it; as the station does if empty.
+    /// The exchange folder as the practice software sees it; empty if it is as the station sees it.
     pub attach_root: String,
-    /// Times are told in UTC, not by the machine's clock on the wall.
+    /// Times are in UTC instead of local time.
     pub utc: bool,
 }
 
-/// `[patient.orders]`: where orders of practice software come in.
+/// `[patient.orders]`: where orders from practice software arrive.
 #[derive(Debug, Clone)]
 pub struct OrdersConfig {
     /// The folder.
     pub path: PathBuf,
     /// Which files are orders.
     pub files: Mask,
-    /// When they come.
+    /// When they arrive, relative to the press.
     pub when: OrdersWhen,
-    /// What becomes of an order that was read.
+    /// What happens to an order after it is read.
     pub after: AfterOrder,
-    /// The character set of an order that names none.
+    /// The character set of an order that does not name one.
     pub charset: Charset,
-    /// Lengths are not looked at.
+    /// Lengths are not checked.
     pub lenient: bool,
-    /// How often the folder is looked through.
+    /// How often the folder is checked.
     pub rescan: Duration,
     /// A file unchanged this long is complete.
     pub quiet: Duration,
-    /// An older order names nobody any more.
+    /// An order older than this no longer names a patient.
     pub max_age: Duration,
 }
 
-/// What becomes of an order that was read.
+/// What happens to an order after it is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AfterOrder {
     /// It is deleted.
     Delete,
-    /// It stays, and is remembered.
+    /// It stays in the folder, and the station remembers it.
     Keep,
 }
 
@@ -87,13 +87,13 @@ const AFTERS: Words<AfterOrder> = &[("delete", AfterOrder::Delete), ("keep", Aft
 const WHENS: Words<OrdersWhen> =
     &[("before-press", OrdersWhen::BeforePress), ("after-press", OrdersWhen::AfterPress)];
 
-/// `store.gdt.time`: whether times are told in UTC.
+/// `store.gdt.time`: whether times are in UTC.
 const TIMES: Words<bool> = &[("local", false), ("utc", true)];
 
-/// A folder as it was named, and what its section says. Without a folder the section is off.
+/// The folder as written, and the settings of its section. Without a folder the section is off.
 type Section<T> = (Option<Found<PathBuf>>, Option<Option<T>>);
 
-/// Asks for the keys of `[store.gdt]`.
+/// Reads the keys of `[store.gdt]`.
 pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
     use Absent::Default;
     let path = reader.text("store.gdt.path", Default(""), parse::full_path_or_none);
@@ -117,7 +117,7 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
     let time = reader.text("store.gdt.time", Default("local"), parse::word(TIMES));
 
     let file_name = file_name.and_then(|found| {
-        // What is wrong with a short name is told at its own key.
+        // A fault in a short name is reported at its own key.
         let short = |name: &Option<Found<String>>| {
             name.as_ref().map_or("X".to_owned(), |name| name.value.clone())
         };
@@ -161,7 +161,7 @@ pub(super) fn store(reader: &mut Reader) -> Section<GdtStoreConfig> {
     (path.and_then(named), config)
 }
 
-/// Asks for the keys of `[patient.orders]`.
+/// Reads the keys of `[patient.orders]`.
 pub(super) fn orders(reader: &mut Reader) -> Section<OrdersConfig> {
     use Absent::Default;
     let path = reader.text("patient.orders.path", Default(""), parse::full_path_or_none);
@@ -201,7 +201,7 @@ fn not_gdt(text: &str, what: &'static str, hint: &'static str) -> What {
     What::NotGdt { text: text.into(), what, hint }
 }
 
-/// Short names of programs and examinations: what every character set and file system takes.
+/// Short names of programs and examinations: only what every character set and file system accepts.
 fn short_name(text: &str) -> Result<String, What> {
     let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '_' || c == '-');
     if plain && (1..=8).contains(&text.len()) {

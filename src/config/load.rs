@@ -44,8 +44,8 @@ pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
     }
 }
 
-/// Whether a finding can be relied upon although the notation has faults: a value on a line that
-/// reads well. A key that seems missing or unknown may only have lost its section.
+/// Whether a finding is reliable although the notation has faults: it concerns a value on a line without
+/// syntax faults. A key that seems missing or unknown may only have lost its section.
 fn sound(text: &str, notation: &[Finding], finding: &Finding) -> bool {
     let line = line_of(text, finding.at.start);
     let of_a_key = matches!(
@@ -55,7 +55,7 @@ fn sound(text: &str, notation: &[Finding], finding: &Finding) -> bool {
     !of_a_key && notation.iter().all(|fault| line_of(text, fault.at.start) != line)
 }
 
-/// Asks for every key there is, each with what holds when it is not there.
+/// Reads all keys, each with what applies if it is absent.
 pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     use Absent::{Default, Nothing, Required};
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
@@ -160,7 +160,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     })
 }
 
-/// The keys of `[method]` that say where levels are.
+/// The keys of `[method]` that define where levels are.
 fn level_choices(reader: &mut Reader) -> Option<LevelChoices> {
     use Absent::Default;
     let b1 = reader.text("method.b1", Default("steepest"), parse::word(B1S));
@@ -176,7 +176,7 @@ fn level_choices(reader: &mut Reader) -> Option<LevelChoices> {
     Some(LevelChoices { b1, g_below_crotch_mm: f64::from(below?.value) })
 }
 
-/// The keys of `[method]` that say how the surface is fitted.
+/// The keys of `[method]` that define how the surface is fitted.
 fn surface_method(reader: &mut Reader) -> Option<SurfaceMethod> {
     use Absent::Default;
     let from = reader.text("method.surface", Default("sections"), parse::word(SURFACES));
@@ -244,7 +244,7 @@ fn twice<T: PartialEq>(
     }
 }
 
-/// A folder under the key that names it.
+/// A folder and the key that names it.
 type Named<'f> = (&'static str, &'f Found<PathBuf>);
 
 fn overlaps(
@@ -269,8 +269,7 @@ fn overlaps(
     }
 }
 
-/// The folders that practice software shares with the station lie apart from its own; from each
-/// other they need not.
+/// Notes exchange folders that overlap the station's own folders. They may overlap each other.
 fn exchange_apart(
     reader: &mut Reader,
     exchange: &[(&'static str, Option<Found<PathBuf>>)],
@@ -302,7 +301,7 @@ fn apart(reader: &mut Reader, a: Named, b: Named) {
     reader.note(at, key, what);
 }
 
-/// Whether one of two folders is or lies inside the other, and if so whether it is the first.
+/// `Some(true)` if `a` is or lies inside `b`, `Some(false)` if `b` lies inside `a`, `None` otherwise.
 pub fn nested(a: &Path, b: &Path) -> Option<bool> {
     if a.starts_with(b) {
         Some(true)

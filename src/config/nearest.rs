@@ -1,9 +1,10 @@
-//! "Did you mean": the known word nearest to one that is not known.
+//! "Did you mean": the known word nearest to an unknown one.
 
-/// The nearest of the known words, if it is near enough to be what was meant.
+/// The nearest known word, if it is near enough to be the intended one.
 ///
-/// Near enough is one edit for every three letters, at least one, or a beginning of two letters or
-/// more: `quite` is `quiet` and `inch` is `in`, but `up` is not `mm`.
+/// Near enough means at most one edit per three letters (one is always allowed), or that the word begins
+/// with the known word of two letters or more: `quite` is `quiet` and `inch` is `in`, but `up` is not
+/// `mm`.
 pub(super) fn nearest<'w>(word: &str, known: impl IntoIterator<Item = &'w str>) -> Option<&'w str> {
     let limit = (word.chars().count() / 3).max(1);
     known
@@ -17,8 +18,8 @@ pub(super) fn nearest<'w>(word: &str, known: impl IntoIterator<Item = &'w str>) 
         .map(|(_, candidate)| candidate)
 }
 
-/// How many letters must be put in, left out, changed or swapped with their neighbour to make one
-/// word of the other (optimal string alignment), capital letters or not.
+/// The number of insertions, deletions, changes and swaps of neighbours that turn one word into the
+/// other (optimal string alignment), ignoring case.
 fn edits(a: &str, b: &str) -> usize {
     let a: Vec<char> = a.to_lowercase().chars().collect();
     let b: Vec<char> = b.to_lowercase().chars().collect();

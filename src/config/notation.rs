@@ -1,16 +1,16 @@
-//! Faults of the notation itself, in words for somebody who has never heard of TOML.
+//! Syntax faults, in words for readers who do not know TOML.
 
 use toml::de::Error;
 
 use super::fault::What;
 use super::place::{Finding, line_of};
 
-/// What the parser said, without the consequences of what it said before.
+/// The parser's errors, without those that only follow from earlier ones.
 ///
-/// It goes on after a fault and then often stumbles over the rest of the line; and behind an
-/// unclosed list or section it misreads everything. So only the first fault of each line counts,
-/// and the first that is not known to end with its line is the last. Also says up to which byte the
-/// text was read right, but for the lines with faults.
+/// The parser continues after a fault and then often fails on the rest of the line; after an unclosed
+/// list or section it misreads everything. So only the first fault of each line counts, and the first
+/// one that is not known to end with its line is the last. Also returns up to which byte the text was
+/// read correctly, apart from the lines with faults.
 pub(super) fn findings(text: &str, errors: &[Error]) -> (Vec<Finding>, usize) {
     let mut found: Vec<Finding> = Vec::new();
     for error in errors {
@@ -31,16 +31,16 @@ pub(super) fn findings(text: &str, errors: &[Error]) -> (Vec<Finding>, usize) {
 }
 
 /// The parser's message in plainer words, with a hint, and whether the lines below are still read
-/// right. The messages are those of toml 1.2; one that is not known is passed on as it is.
+/// correctly. Covers the messages of toml 1.2; an unknown message is passed on unchanged.
 fn in_words(message: &str, found: &str) -> (What, bool) {
     let known = [
         ("missing escaped value", "\\ begins a special character here", true),
         ("too few unicode value digits", "\\ begins a special character here", true),
         ("invalid basic string", "the text has no closing quote", true),
         ("invalid literal string", "the text has no closing quote", true),
-        ("duplicate key", "this name stands here for the second time", true),
+        ("duplicate key", "this name is used twice", true),
         ("key with no value", "a key must be followed by = and its value", true),
-        ("unexpected key or value", "something is left over behind the value", true),
+        ("unexpected key or value", "unexpected text after the value", true),
         ("unclosed table", "the section's name has no closing bracket", true),
         ("missing comma between array elements", "the list goes on without a comma", false),
         ("unclosed array", "the list has no closing ]", false),
@@ -58,7 +58,7 @@ fn in_words(message: &str, found: &str) -> (What, bool) {
         }
         "duplicate key" => "remove one of the two",
         "key with no value" => r#"write: name = "value""#,
-        "unexpected key or value" => "begin a new line for a new key, and a remark with #",
+        "unexpected key or value" => "begin a new line for a new key, and a comment with #",
         "unclosed table" => "write the section's name as [name]",
         "missing comma between array elements" | "unclosed array" => {
             r#"write a list as ["one", "two"]; is its closing ] there?"#
@@ -71,9 +71,9 @@ fn in_words(message: &str, found: &str) -> (What, bool) {
 fn unquoted(found: &str) -> (What, bool) {
     let bare = found.trim_matches(['“', '”', '„', '‘', '’', '«', '»']);
     let (said, hint) = if bare.is_empty() {
-        ("a value is missing behind the =".into(), r#"write: name = "value""#.into())
+        ("a value is missing after the =".into(), r#"write: name = "value""#.into())
     } else {
-        (format!("{bare} must stand in straight quotes"), format!("write \"{bare}\""))
+        (format!("{bare} must be in straight quotes"), format!("write \"{bare}\""))
     };
     (What::Notation { said, hint: Some(hint) }, true)
 }

@@ -1,4 +1,4 @@
-//! The keys of `[status]` and `[log]`: how the station is seen.
+//! The keys of `[status]` and `[log]`: how the station is observed.
 
 use std::net::SocketAddr;
 use std::os::unix::ffi::OsStrExt;
@@ -15,7 +15,7 @@ use super::{LogConfig, StatusConfig};
 /// The name of the control socket in the state folder.
 pub const CONTROL_SOCKET: &str = "control.sock";
 
-/// The longest path a socket can have, bytes: the 108 of `sockaddr_un.sun_path` and its final 0.
+/// The longest path of a socket, bytes: the 108 of `sockaddr_un.sun_path` minus the final 0.
 const SOCKET_PATH_MOST: usize = 107;
 
 /// The keys of `[status]`.
@@ -49,8 +49,8 @@ pub fn control_path(state_dir: &Path) -> PathBuf {
     state_dir.join(CONTROL_SOCKET)
 }
 
-/// The state folder that a text names, whatever else is wrong with it: a station that refused a
-/// changed configuration goes on under the old one, and must still be found.
+/// The state folder that a text names, regardless of its other faults: a station that refused a changed
+/// configuration continues with the old one, and must still be found.
 pub fn state_dir(text: &str) -> Option<PathBuf> {
     let (root, _) = DeTable::parse_recoverable(text);
     let mut reader = Reader::new(root.get_ref(), text.len());

@@ -1,4 +1,4 @@
-//! The keys of `[page]`: who may read the operator's page, and whether it tells patients' ids.
+//! The keys of `[page]`: who may read the operator's page, and whether it shows patients' ids.
 
 use std::net::SocketAddr;
 
@@ -8,16 +8,16 @@ use super::reader::{Absent, Reader};
 use super::words::IDS_SHOWN;
 use crate::flow::page::IdsShown;
 
-/// `[page]`: who may read the operator's page, and what it tells them.
+/// `[page]`: who may read the operator's page, and what it shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PageConfig {
-    /// Where others on the local network may read it, and nothing else; nowhere if none.
+    /// Address at which others on the local network may read the page and nothing else; `None` if off.
     pub network: Option<SocketAddr>,
     /// To whom patients' ids are shown.
     pub ids: IdsShown,
 }
 
-/// Asks for the keys.
+/// Reads the keys.
 pub(super) fn config(reader: &mut Reader) -> Option<PageConfig> {
     use Absent::Default;
     let network = reader.text("page.network", Default("off"), reachable);

@@ -1,4 +1,4 @@
-//! The text of one value → what it means. Every function says what is wrong, none says where.
+//! Parses the text of one value. The functions report what is wrong, not where.
 
 use std::path::{Component, Path, PathBuf};
 use std::time::Duration;
@@ -9,7 +9,7 @@ use super::fault::What;
 use super::nearest::nearest;
 use super::words::{self, COLUMNS, ROWS, Words, meaning};
 
-/// A number and one of the units; `None` for anything else, a number too large included.
+/// A number and one of the units; `None` for anything else, including a number that is too large.
 fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
     let digits = text.find(|c: char| !c.is_ascii_digit())?;
     let (number, unit) = text.split_at(digits);
@@ -17,12 +17,12 @@ fn quantity(text: &str, units: &[(&str, u64)]) -> Option<u64> {
     number.parse::<u64>().ok()?.checked_mul(*factor)
 }
 
-/// The bounds of a value, as they would be written in the file.
+/// The bounds of a value, as written in the file.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bounds {
-    /// The least value allowed.
+    /// The smallest allowed value.
     pub least: &'static str,
-    /// The largest value allowed.
+    /// The largest allowed value.
     pub most: &'static str,
 }
 
@@ -126,7 +126,7 @@ pub(super) fn height_mm(text: &str) -> Result<f64, What> {
     words::height_mm(text).ok_or_else(|| What::NotAHeight(text.into()))
 }
 
-/// A station's name: it stands in file names, so only the plainest characters.
+/// A station's name: only the plainest characters, because it is part of file names.
 pub(super) fn station_id(text: &str) -> Result<String, What> {
     let plain = text.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_');
     if plain && (1..=32).contains(&text.len()) {
@@ -136,13 +136,13 @@ pub(super) fn station_id(text: &str) -> Result<String, What> {
     }
 }
 
-/// A folder that may be left out.
+/// A folder that may be omitted.
 pub(super) fn full_path_or_none(text: &str) -> Result<Option<PathBuf>, What> {
     if text.is_empty() { Ok(None) } else { full_path(text).map(Some) }
 }
 
-/// A full path. A relative one is refused: a daemon has no folder a person would think of, and the
-/// folder of the configuration is not where state or records belong.
+/// A full path. A relative one is refused: a daemon has no obvious working folder, and the folder of the
+/// configuration is not the place for state or records.
 pub(super) fn full_path(text: &str) -> Result<PathBuf, What> {
     let path = Path::new(text);
     if text.contains(char::is_control) {
@@ -154,7 +154,7 @@ pub(super) fn full_path(text: &str) -> Result<PathBuf, What> {
     if path.components().any(|part| part == Component::ParentDir) {
         return Err(What::ClimbingPath(text.into()));
     }
-    // Collecting the components drops doubled and trailing slashes, so that equal folders are equal.
+    // Collecting the components drops doubled and trailing slashes, so that equal folders compare equal.
     Ok(path.components().collect())
 }
 
@@ -166,26 +166,26 @@ fn regex(text: &str) -> Result<Regex, What> {
     })
 }
 
-/// An empty text chooses nothing.
+/// An empty text means `None`.
 pub(super) fn or_none<T>(
     parse: impl Fn(&str) -> Result<T, What>,
 ) -> impl Fn(&str) -> Result<Option<T>, What> {
     move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
 }
 
-/// An expression on file names that says which part is the patient's id.
+/// A regular expression for file names that marks the part that is the patient's id.
 pub(super) fn file_name(text: &str) -> Result<Regex, What> {
     let expression = regex(text)?;
     let named = expression.capture_names().flatten().any(|name| name == "patient");
     if named { Ok(expression) } else { Err(What::NoPatientGroup) }
 }
 
-/// Ids no clinic gives out and no expression may let through: patient ids become names of folders.
+/// Ids that no clinic assigns and no expression may accept: patient ids become folder names.
 const UNSAFE_IDS: [&str; 7] = ["", ".", "..", "/", "../x", "a/b", "a\nb"];
 
-/// An expression that patient ids match as a whole, whether it says so itself or not.
+/// An expression that must match the whole patient id, even if it has no anchors.
 pub(super) fn patient_pattern(text: &str) -> Result<Regex, What> {
-    // Compiled alone first: `a)|(b` is wrong and would be right within brackets.
+    // Compiled alone first: `a)|(b` is invalid, but would be valid inside the group.
     regex(text)?;
     let whole = regex(&format!(r"\A(?:{text})\z"))?;
     match UNSAFE_IDS.iter().find(|id| whole.is_match(id)) {

@@ -1,10 +1,10 @@
-//! Byte offsets of a text as a person counts: line, column, the line itself.
+//! Converts byte offsets of a text to line, column and the line itself.
 
 use std::ops::Range;
 
 use super::fault::{ConfigFault, What};
 
-/// A fault by its place in bytes, as the readers find it.
+/// A fault with its place in bytes, as the readers find it.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Finding {
     /// The bytes that are wrong; may be empty where something is missing.
@@ -15,19 +15,19 @@ pub(super) struct Finding {
     pub what: What,
 }
 
-/// The 0-based line a byte offset is in.
+/// The 0-based line of a byte offset.
 pub(super) fn line_of(text: &str, at: usize) -> usize {
     let end = floor(text, at);
     text[..end].matches('\n').count()
 }
 
-/// The finding with line and column, for a file that has no name yet.
+/// The finding with line and column; the file's name is not known here.
 pub(super) fn fault(text: &str, finding: Finding) -> ConfigFault {
     let Finding { at, key, what } = finding;
     let start = floor(text, at.start);
     let line_start = text[..start].rfind('\n').map_or(0, |newline| newline + 1);
     let line_end = text[start..].find('\n').map_or(text.len(), |newline| start + newline);
-    // A byte-order mark stands before the first column; no editor shows or counts it.
+    // A byte-order mark comes before the first column; no editor shows or counts it.
     let marked = line_start == 0 && text.starts_with(BOM);
     let line_start = if marked { BOM.len_utf8() } else { line_start };
     let line = &text[line_start..line_end];
@@ -45,15 +45,16 @@ pub(super) fn fault(text: &str, finding: Finding) -> ConfigFault {
     }
 }
 
-/// The line as it may go to a terminal: what cannot be seen, tabs aside, as a sign that can.
+/// The line in a form that is safe for a terminal: a visible sign replaces invisible characters except
+/// tabs.
 fn shown(line: &str) -> String {
     let hidden = |c: char| c == BOM || (c.is_control() && c != '\t');
     line.chars().map(|c| if hidden(c) { '\u{fffd}' } else { c }).collect()
 }
 
-/// The fault of a file that is not text: the place of the first byte that is wrong.
+/// The fault of a file that is not UTF-8, at its first wrong byte.
 pub(super) fn not_utf8(bytes: &[u8], wrong: usize) -> ConfigFault {
-    // Up to the wrong byte nothing changes, so its place is the same in the mended text.
+    // Nothing before the wrong byte changes, so its place is the same in the repaired text.
     let mended = String::from_utf8_lossy(bytes);
     let at = wrong..wrong + '\u{fffd}'.len_utf8();
     fault(&mended, Finding { at, key: String::new(), what: What::NotUtf8 })

@@ -1,4 +1,4 @@
-//! What is written of a port in the configuration: its name, its line, what is said on it.
+//! How ports are written in the configuration: their names, line settings and data.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -8,14 +8,14 @@ use super::parse;
 use super::words::Words;
 use crate::flow::trigger::lines::LINE_MOST;
 
-/// A USB device by what it says of itself.
+/// A USB device by the ids that it reports.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct UsbName {
     /// Vendor.
     pub vendor: u16,
     /// Product.
     pub product: u16,
-    /// Serial number; any device of the product where none is named.
+    /// Serial number; `None` for any device of the product.
     pub serial: Option<String>,
 }
 
@@ -29,36 +29,36 @@ impl fmt::Display for UsbName {
 /// Where a serial port is found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum SerialPlace {
-    /// Under this path, mostly a link that keeps its name.
+    /// At this path, usually a link with a stable name.
     Path(PathBuf),
-    /// At this USB adapter.
+    /// On this USB adapter.
     Usb(UsbName),
 }
 
 /// Where an input device is found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum InputPlace {
-    /// Under this path.
+    /// At this path.
     Path(PathBuf),
-    /// By the name that it gives itself.
+    /// By the name that it reports.
     Name(String),
 }
 
-/// Whether a parity bit is sent, and which.
+/// The parity bit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parity {
-    /// None is.
+    /// No parity bit.
     None,
-    /// The bits are made even.
+    /// Even parity.
     Even,
-    /// The bits are made odd.
+    /// Odd parity.
     Odd,
 }
 
-/// How bytes go over a serial line.
+/// The speed and the frame of a serial line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Settings {
-    /// Bits a second.
+    /// Bits per second.
     pub baud: u32,
     /// 7 or 8.
     pub data_bits: u8,
@@ -68,10 +68,10 @@ pub struct Settings {
     pub stop_bits: u8,
 }
 
-/// Who may stop whom on a serial line.
+/// Flow control on a serial line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Flow {
-    /// Nobody.
+    /// None.
     None,
     /// RTS and CTS.
     Hardware,
@@ -83,7 +83,7 @@ pub enum Flow {
 pub const FLOWS: Words<Flow> =
     &[("none", Flow::None), ("hardware", Flow::Hardware), ("software", Flow::Software)];
 
-/// A modem line that a contact may pull.
+/// A modem line that a contact can switch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ModemLine {
     /// Clear to send.
@@ -108,17 +108,17 @@ pub const CONTACTS: Words<Option<ModemLine>> = &[
 /// `trigger.serial.active`: whether the line is high while the contact is closed.
 pub const ACTIVES: Words<bool> = &[("high", true), ("low", false)];
 
-/// `trigger.serial.dtr` and `rts`: none leaves the wire as the system sets it.
+/// `trigger.serial.dtr` and `rts`: `None` leaves the wire as the system sets it.
 pub const WIRES: Words<Option<bool>> = &[("leave", None), ("on", Some(true)), ("off", Some(false))];
 
-/// Speeds that serial adapters have, bits a second.
+/// Speeds that serial adapters support, bits per second.
 const BAUDS: std::ops::RangeInclusive<u32> = 300..=921_600;
 
 fn misspelt(text: &str, thing: &'static str, example: &'static str) -> What {
     What::Misspelt { text: text.into(), thing, example }
 }
 
-/// `"vendor:product"` or `"vendor:product:serial"`, the numbers with four hexadecimal digits.
+/// `"vendor:product"` or `"vendor:product:serial"`, the numbers as four hexadecimal digits.
 pub(super) fn usb_name(text: &str) -> Result<UsbName, What> {
     let mut parts = text.splitn(3, ':');
     let mut id = || {
@@ -173,7 +173,7 @@ pub(super) fn settings(text: &str) -> Result<Settings, What> {
     }
 }
 
-/// A line by which a button tells that it was pressed.
+/// A line of text by which a button reports a press.
 pub(super) fn token(text: &str) -> Result<String, What> {
     let plain = text.bytes().all(|byte| byte.is_ascii_graphic() || byte == b' ');
     if plain && (1..=LINE_MOST).contains(&text.len()) {
@@ -187,18 +187,18 @@ pub(super) fn token(text: &str) -> Result<String, What> {
     }
 }
 
-/// What stands around an id.
+/// The text before or after an id.
 pub(super) fn affix(text: &str) -> Result<String, What> {
     if text.is_empty() { Ok(String::new()) } else { token(text) }
 }
 
-/// Bytes to be said, with `\r`, `\n`, `\t`, `\\` and `\xNN` for those that are no characters.
+/// Bytes to send, with `\r`, `\n`, `\t`, `\\` and `\xNN` for those that are not characters.
 pub(super) fn bytes(text: &str) -> Result<Vec<u8>, What> {
     let bytes = escaped(text).filter(|bytes| bytes.len() <= LINE_MOST);
     bytes.ok_or_else(|| misspelt(text, "text for a port", r#"'OK\r\n'; \xNN is the byte NN"#))
 }
 
-/// The bytes of a text with escapes; none where one of them is none.
+/// The bytes of a text with escapes; `None` if an escape is invalid.
 pub fn escaped(text: &str) -> Option<Vec<u8>> {
     let (mut bytes, mut rest) = (Vec::new(), text.chars());
     while let Some(character) = rest.next() {
@@ -250,7 +250,7 @@ pub(super) fn endpoint(text: &str) -> Result<u8, What> {
     inward.ok_or_else(|| misspelt(text, "endpoint into the computer", r#""0x81""#))
 }
 
-/// A key by the name that Linux gives it, or by its number.
+/// A key by its Linux name or by its number.
 pub(super) fn key(text: &str) -> Result<u16, What> {
     let number = text.parse::<evdev::KeyCode>().map(|key| key.0).or_else(|_| text.parse());
     number.map_err(|_| misspelt(text, "key", r#""KEY_B" or "BTN_LEFT", as evtest shows it"#))

@@ -1,6 +1,6 @@
-//! A typed reader of TOML that goes on after a fault, so that all faults are told at once.
+//! A typed TOML reader that continues after a fault, so that all faults are reported at once.
 //!
-//! The keys it knows are those it was asked for; there is no second list of them to go stale.
+//! It knows the keys that it was asked for; there is no second list to keep up to date.
 
 use std::ops::Range;
 
@@ -11,14 +11,14 @@ use super::fault::What;
 use super::nearest::nearest;
 use super::place::Finding;
 
-/// What holds for a key that is not in the file.
+/// What applies if a key is not in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Absent {
-    /// It must be there; a value as an example.
+    /// The key is required; the text is an example value.
     Required(&'static str),
-    /// Nothing is chosen; a value as an example.
+    /// No value applies; the text is an example value.
     Nothing(&'static str),
-    /// This value holds, as it would be written.
+    /// This value applies, as written in the file.
     Default(&'static str),
 }
 
@@ -34,7 +34,7 @@ impl Absent {
 pub(super) struct Key {
     /// The key with its sections.
     pub path: &'static str,
-    /// What holds when it is not there.
+    /// What applies if it is absent.
     pub absent: Absent,
     /// Whether it is a list.
     pub list: bool,
@@ -46,7 +46,7 @@ impl Key {
         self.path.rsplit_once('.').unwrap_or(("", self.path))
     }
 
-    /// A line that sets it to its example.
+    /// A line that sets it to its example value.
     pub fn line(&self) -> String {
         let example = self.absent.example();
         let quote = if example.contains('\\') { '\'' } else { '"' };
@@ -56,23 +56,23 @@ impl Key {
     }
 }
 
-/// A value and where it stands.
+/// A value and its place.
 #[derive(Debug, Clone)]
 pub(super) struct Found<T> {
     /// The value.
     pub value: T,
-    /// Its bytes; for a default those of the section it would stand in.
+    /// Its byte range; for a default, the range of its section.
     pub at: Range<usize>,
 }
 
 enum Seen<'t> {
     Value(&'t Spanned<DeValue<'t>>),
     Absent(Range<usize>),
-    /// A section on the way is a value; that is a fault of the section, told once.
+    /// A parent section is a value; this is a fault of the section, reported once.
     Blocked,
 }
 
-/// Reads keys of one document and keeps what it finds wrong.
+/// Reads keys of one document and collects the faults.
 pub(super) struct Reader<'t> {
     root: &'t DeTable<'t>,
     end: usize,
@@ -95,7 +95,7 @@ impl<'t> Reader<'t> {
         }
     }
 
-    /// A text and its meaning; `None` where it is absent without a default, or wrong.
+    /// A text, parsed; `None` if it is wrong, or absent without a default.
     pub fn text<T>(
         &mut self,
         path: &'static str,
@@ -118,8 +118,8 @@ impl<'t> Reader<'t> {
         self.entry(key, value, &parse)
     }
 
-    /// A list of texts and their meanings, without those that are wrong. One that must be there
-    /// must have an entry; the default of any other is a list of one, or of none where it is "".
+    /// A list of texts, parsed, without the wrong entries. A required list must have an entry; the
+    /// default of any other list is one entry, or none if it is "".
     pub fn list<T>(
         &mut self,
         path: &'static str,
@@ -150,7 +150,7 @@ impl<'t> Reader<'t> {
         entries.iter().filter_map(|entry| self.entry(key, entry, &parse)).collect()
     }
 
-    /// Yes or no; `None` where it is wrong.
+    /// A boolean; `None` if it is wrong.
     pub fn flag(&mut self, path: &'static str, default: &'static str) -> Option<Found<bool>> {
         let key = Key { path, absent: Absent::Default(default), list: false };
         self.keys.push(key);
@@ -168,7 +168,7 @@ impl<'t> Reader<'t> {
         None
     }
 
-    /// A list of numbers and their meanings, without those that are wrong; empty where it is absent.
+    /// A list of numbers, parsed, without the wrong entries; empty if absent.
     pub fn numbers<T>(
         &mut self,
         path: &'static str,
@@ -247,12 +247,12 @@ impl<'t> Reader<'t> {
         table.get(name).map_or(Seen::Absent(at), Seen::Value)
     }
 
-    /// Everything found wrong, in the order of the file. Call it after all keys were asked for:
-    /// what is in the file and was not asked for is unknown.
+    /// All faults, in the order of the file. Call it after all keys were asked for: a key in the file
+    /// that was not asked for is unknown.
     pub fn finish(mut self) -> Vec<Finding> {
         self.walk(self.root, "");
         let meant: Vec<String> = self.findings.iter().filter_map(|f| meant(&f.what)).collect();
-        // A misspelt key is missing under its right name too; that is one fault, not two.
+        // A misspelt key is also missing under its right name; that is one fault, not two.
         self.findings.retain(|finding| {
             !matches!(finding.what, What::Missing { .. })
                 || !meant.iter().any(|path| is_within(&finding.key, path))
@@ -289,7 +289,7 @@ impl<'t> Reader<'t> {
             known.extend(child.filter(|child| known.last() != Some(child)));
         }
         let similar = nearest(name, known.iter().copied()).map(|near| join(prefix, near));
-        // Right name, wrong section: a key that slipped under another header, or half of a header.
+        // Right name, wrong section: a key under the wrong header, or an incomplete header.
         let mut all = self.keys.iter().flat_map(|key| ancestry(key.path));
         let similar = similar
             .or_else(|| all.find(|path| path.rsplit('.').next() == Some(name)).map(String::from));
@@ -304,12 +304,12 @@ fn meant(what: &What) -> Option<String> {
     }
 }
 
-/// Whether a path is a section's own or that of something in it.
+/// Whether a path is the section itself or something in it.
 fn is_within(path: &str, section: &str) -> bool {
     path.strip_prefix(section).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
 }
 
-/// The sections a path lies in, outermost first, and the path itself.
+/// The sections of a path, outermost first, followed by the path itself.
 fn ancestry(path: &str) -> impl Iterator<Item = &str> {
     path.match_indices('.').map(|(dot, _)| &path[..dot]).chain([path])
 }

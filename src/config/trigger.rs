@@ -1,4 +1,4 @@
-//! The keys of `[patient.reader]` and `[trigger]`: what hangs on the ports of the booth.
+//! The keys of `[patient.reader]` and `[trigger]`: the devices on the ports of the booth.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -17,31 +17,31 @@ use crate::flow::trigger::input_decoder::Hearing;
 use crate::flow::trigger::report::Pattern;
 use crate::flow::trigger::token::Tokens;
 
-/// What hangs on the ports of the booth; nothing unless the configuration names it.
+/// The devices on the ports of the booth; none unless the configuration names them.
 #[derive(Debug, Clone)]
 pub struct TriggerConfig {
-    /// How a button is listened to.
+    /// How button signals are interpreted.
     pub hearing: Hearing,
-    /// What comes so soon after a port was opened is not believed.
+    /// Input within this time after a port is opened is ignored.
     pub settle: Duration,
     /// A button at a serial port.
     pub serial: Option<SerialTrigger>,
     /// A button that is a USB device of its own.
     pub usb: Option<UsbTrigger>,
-    /// A button that shows as a keyboard.
+    /// A button that appears as a keyboard.
     pub keys: Option<KeysTrigger>,
     /// A reader of ids.
     pub reader: Option<ReaderConfig>,
 }
 
-/// A serial line and what is to be set on it.
+/// A serial line and its settings.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SerialLine {
     /// Where the port is.
     pub place: SerialPlace,
     /// Speed and frame.
     pub settings: Settings,
-    /// Who may stop whom.
+    /// Flow control.
     pub flow: Flow,
     /// What DTR is set to.
     pub dtr: Option<bool>,
@@ -51,7 +51,7 @@ pub struct SerialLine {
     pub contact: Option<(ModemLine, bool)>,
 }
 
-/// What is said at the booth, by what its light shows.
+/// What is sent to the booth for each signal of its light.
 pub type Say = BTreeMap<Signal, Vec<u8>>;
 
 /// `[trigger.serial]`
@@ -59,9 +59,9 @@ pub type Say = BTreeMap<Signal, Vec<u8>>;
 pub struct SerialTrigger {
     /// The line.
     pub line: SerialLine,
-    /// The lines of text that are presses.
+    /// The lines of text that count as presses.
     pub tokens: Tokens,
-    /// What is written back.
+    /// What is sent back.
     pub say: Say,
 }
 
@@ -74,7 +74,7 @@ pub struct UsbTrigger {
     pub interface: u8,
     /// Its interrupt endpoint into the computer.
     pub endpoint: u8,
-    /// What its reports say while the button is down.
+    /// What its reports contain while the button is down.
     pub pattern: Pattern,
     /// The output reports that are sent back.
     pub say: Say,
@@ -98,7 +98,7 @@ pub struct ReaderConfig {
     pub codes: Codes,
 }
 
-/// What a reader shows as.
+/// How a reader appears to the system.
 #[derive(Debug, Clone)]
 pub enum ReaderPlace {
     /// A serial port.
@@ -125,10 +125,10 @@ const USB_SAY: [&str; 6] = [
     "trigger.usb.say.no_export",
 ];
 
-/// A place that may be left out.
+/// A place that may be omitted.
 type Optional<T> = Option<Found<Option<T>>>;
 
-/// Asks for the keys.
+/// Reads the keys.
 pub(super) fn config(reader: &mut Reader) -> Option<TriggerConfig> {
     use Absent::Default;
     let (ids, ids_at) = reader_config(reader);
@@ -159,12 +159,12 @@ pub(super) fn config(reader: &mut Reader) -> Option<TriggerConfig> {
     })
 }
 
-/// An empty text chooses nothing.
+/// An empty text means `None`.
 fn or_none<T>(parse: impl Fn(&str) -> Result<T, What>) -> impl Fn(&str) -> Result<Option<T>, What> {
     move |text| if text.is_empty() { Ok(None) } else { parse(text).map(Some) }
 }
 
-/// One port cannot be two things.
+/// Notes a port that is used for two things.
 fn twice<T: PartialEq + std::fmt::Debug>(
     reader: &mut Reader,
     key: &'static str,
@@ -280,7 +280,7 @@ fn keys(reader: &mut Reader) -> (Option<Option<KeysTrigger>>, Optional<InputPlac
     (made(), device)
 }
 
-/// What is said for each signal; nothing for those that say nothing.
+/// What is sent for each signal; signals without a text are left out.
 fn say(reader: &mut Reader, keys: [&'static str; 6]) -> Option<Say> {
     let mut ask = |key| reader.text(key, Absent::Default(""), port::bytes);
     let said = keys.map(&mut ask);

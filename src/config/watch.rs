@@ -1,4 +1,4 @@
-//! The keys of `[scanner]` that say what is watched and when it is believed.
+//! The keys of `[scanner]` that control what is watched and when it is trusted.
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -7,26 +7,26 @@ use super::fault::What;
 use super::nearest::nearest;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
-use crate::flow::file_system::KINDS;
-use crate::flow::mount::Expected;
+use crate::flow::export::file_system::KINDS;
+use crate::flow::export::mount::Expected;
 use crate::flow::{DoneFile, FileSystem};
 
 /// How export folders are watched.
 #[derive(Debug, Clone)]
 pub struct WatchConfig {
-    /// Sub-folders are looked through too.
+    /// Subfolders are searched too.
     pub subfolders: bool,
-    /// A scan is taken only while the file that this names is there.
+    /// A scan is taken in only while the file that this names exists.
     pub done_file: Option<DoneFile>,
-    /// A file that is kept from being taken for this long is worth an alarm.
+    /// How long a file may be kept from intake before this raises an alarm.
     pub overdue: Duration,
-    /// What must hold of an export folder for its look to be believed.
+    /// What must be true of an export folder for a look at it to be trusted.
     pub expected: Expected,
     /// A folder at which something must be mounted.
     pub mount_point: Option<PathBuf>,
 }
 
-/// Asks for the keys.
+/// Reads the keys.
 pub(super) fn config(reader: &mut Reader) -> Option<WatchConfig> {
     use Absent::Default;
     let subfolders = reader.flag("scanner.subfolders", "false");

@@ -3,16 +3,16 @@
 use std::ops::{Range, RangeInclusive};
 
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
-use crate::flow::check_digit::CheckDigit;
 use crate::flow::confinement::Confine;
 use crate::flow::page::IdsShown;
+use crate::flow::patient::check_digit::CheckDigit;
 use crate::leg::Side;
 use crate::leg::method::{
     Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
 };
 use crate::record::{FigureFormat, Language};
 
-/// What `method.b1` may be; the distance of the second stands under a key of its own.
+/// The choices for `method.b1`; the distance for the second has a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum B1Word {
     /// Where the girth grows most.
@@ -21,16 +21,16 @@ pub enum B1Word {
     AboveB,
 }
 
-/// What becomes of an export that nobody pressed the button for, or named a patient for.
+/// What happens to an export for which nobody pressed the button or named a patient.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum WithoutTrigger {
-    /// It is taken as its file name says.
+    /// It is processed as its file name says.
     Process,
-    /// It is held until a person decides.
+    /// It is held until the operator decides.
     Hold,
 }
 
-/// How an event of the log is written, one a line.
+/// How a log event is written, one per line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum LogFormat {
     /// For people.
@@ -39,7 +39,7 @@ pub enum LogFormat {
     Json,
 }
 
-/// The words of one choice and what each means, in the order they are shown.
+/// The words of one choice and their meanings, in the order they are shown.
 pub type Words<T> = &'static [(&'static str, T)];
 
 /// `log.format`
@@ -112,8 +112,8 @@ pub const FITS: Words<SectionFit> =
 pub const AXES: Words<AxisFit> =
     &[("centroids", AxisFit::Centroids), ("principal", AxisFit::Principal)];
 
-/// Rows and columns of control points that can be asked for: enough for a leg, and no more than its
-/// sections can hold.
+/// Rows and columns of control points that can be requested: enough for a leg, and no more than its
+/// sections support.
 pub const ROWS: RangeInclusive<usize> = 8..=120;
 /// See [`ROWS`].
 pub const COLUMNS: RangeInclusive<usize> = 8..=60;
@@ -153,12 +153,12 @@ pub const FILES: Words<FileKind> = &[
     ("glb-solid", solid(FileFormat::Glb)),
 ];
 
-/// What a word means; `None` for a word that is none of these.
+/// What a word means; `None` for an unknown word.
 pub fn meaning<T: Copy>(words: Words<T>, word: &str) -> Option<T> {
     words.iter().find(|(known, _)| *known == word).map(|(_, value)| *value)
 }
 
-/// Whether the toes are said to point straight up or down, which no standing body does.
+/// Whether the declared facing is straight up or down, which no standing body has.
 pub fn faces_up_or_down(up: Up, facing: FacingChoice) -> bool {
     let FacingChoice::Declared(axis) = facing else { return false };
     match axis {
@@ -168,11 +168,11 @@ pub fn faces_up_or_down(up: Up, facing: FacingChoice) -> bool {
     }
 }
 
-/// Heights at which a girth can be asked for, cm: above the floor and below every hip.
+/// Heights at which a girth can be requested, cm: above the floor and below every hip.
 pub const HEIGHTS_CM: Range<f64> = 0.0..200.0;
 
-/// A height above the floor in cm as it is written, `10` or `10.5`, in mm; `None` for anything
-/// else, 0 and what no leg reaches included.
+/// Parses a height above the floor in cm, such as `10` or `10.5`, into mm; `None` for anything else,
+/// including 0 and heights that no leg reaches.
 pub fn height_mm(text: &str) -> Option<f64> {
     let cm = text.trim().parse::<f64>().ok()?;
     (cm > HEIGHTS_CM.start && cm < HEIGHTS_CM.end).then_some(cm * 10.0)

@@ -1,17 +1,17 @@
-//! When a scan was taken, as well as the station can know it.
+//! When a scan was taken, as far as the station can know.
 
 use jiff::{SignedDuration, Timestamp};
 
 use crate::record::{Acquired, AcquiredFrom};
 
-/// 2000-01-01: an earlier file time is a clock that was never set.
+/// 2000-01-01: an earlier file time comes from a clock that was never set.
 const EARLIEST: i64 = 946_684_800;
 
-/// How far a scanner's clock may run ahead of ours before its time is not believed.
+/// How far a scanner's clock may run ahead of ours before its time is not trusted.
 const AHEAD: SignedDuration = SignedDuration::from_hours(24);
 
-/// The time of the press that it answered; else the file's own time where it can be one; else the time
-/// at which the station first saw it.
+/// The time of the press that the scan answered; otherwise the file's own time, if plausible; otherwise
+/// the time at which the station first saw the file.
 pub fn acquired(
     pressed_at: Option<Timestamp>,
     file_time: Option<Timestamp>,

@@ -1,4 +1,4 @@
-//! What is said between the booth and the station: what its ports hear, and what its light shows.
+//! Messages between the booth and the station: what the ports hear, and what the light shows.
 
 use super::capture::Doubt;
 use crate::record::SourceKind;
@@ -6,28 +6,28 @@ use crate::record::SourceKind;
 /// What a port has heard.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Heard {
-    /// The button was pressed and is up again, or has been down for as long as a long press takes.
+    /// The button was pressed and released, or was held for the time of a long press.
     Press(Press),
-    /// Somebody named the patient of the next scan: a card or barcode was read, an order came in, or
-    /// a person said so. The id is as it was read; whether it may be one is for the station to judge.
+    /// The patient of the next scan was named: a card or barcode was read, an order arrived, or the
+    /// operator entered the id. The id is as it was read; the station decides whether it is valid.
     Named {
         /// The id.
         id: String,
-        /// Who named it.
+        /// The source that named it.
         by: SourceKind,
     },
-    /// An order names its patient, and whether that one is next is a question: it has the words of one
-    /// that was heard before and a newer time, or it could not be kept when it came.
+    /// An order names a patient, but it is in doubt whether that patient is next: the order repeats the
+    /// words of an earlier one with a newer time, or it could not be kept when it arrived.
     Doubtful {
         /// The id.
         id: String,
-        /// Why it is a question.
+        /// Why it is in doubt.
         doubt: Doubt,
     },
-    /// Somebody tried to name the patient of the next scan, and it could not be understood: an order
-    /// was refused, a card misread, a line cut off, a check digit wrong.
+    /// An attempt to name the patient of the next scan could not be understood: an order was refused, a
+    /// card misread, a line cut off, a check digit wrong.
     Unread {
-        /// Who tried.
+        /// The source that tried.
         by: SourceKind,
     },
 }
@@ -37,7 +37,7 @@ pub enum Heard {
 pub enum Press {
     /// A scan is about to begin.
     Short,
-    /// It is called off: the presses that still wait for their export, and the patient's name.
+    /// The scan is called off: the presses that still wait for their export, and the patient's name.
     Long,
 }
 
@@ -46,15 +46,15 @@ pub enum Press {
 pub enum Signal {
     /// The next press will be heard.
     Ready,
-    /// A press was heard; its export is awaited.
+    /// A press was heard; the station waits for its export.
     Armed,
-    /// Its export is coming in, or is being measured.
+    /// Its export is arriving, or is being measured.
     Receiving,
-    /// Its record lies in every store.
+    /// Its record is in every store.
     Done,
-    /// A person must look: a scan is held or refused, or the station is not ready.
+    /// Operator action is needed: a scan is held or refused, or the station is not ready.
     Attention,
-    /// No export came after a press.
+    /// No export arrived after a press.
     NoExport,
 }
 

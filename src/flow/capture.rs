@@ -1,41 +1,41 @@
 //! Captures: which export belongs to which press of the button, and so to which patient.
 //!
-//! With a button a press opens a capture; without one, naming the patient does. The laws:
+//! With a button, a press opens a capture; without one, naming the patient does. The laws:
 //!
 //! 1. **Written during the capture.** An export belongs to a capture only if its content was written
-//!    after that capture opened and before another one opened ([`super::writing`] tells when). With a
-//!    button only presses open captures; a name that comes during one is for the next.
-//! 2. **Known scans answer nothing**, neither by their bytes nor by their geometry.
-//! 3. **A capture ends** with a measured scan; by a person; or, where no byte of an export was seen for
-//!    it, after `window + late` (without a button: `expires + late`). Until the scan is measured, for
-//!    `window + late` at most, another export may be a second one of it. A refusal opens the capture
-//!    again for the same time; an export without a new press is then its own. A new scan of the same
-//!    patient has a capture of its own, and closes the refused one once it is measured. A press for
-//!    another patient, or without a name, holds the next export for both.
-//! 4. **The booth overrides.** Card, page and verb replace the name that waits. An order never does: two
-//!    orders that wait make both candidates, until the booth says which. An order that comes while a
-//!    press without a name is open, or soon after one, is in doubt with it; where the practice orders
-//!    after the press (`patient.orders.when`) it pairs with the one press that is open.
-//! 5. **A failed naming disarms**: what could not be read puts the name that waits in doubt.
-//! 6. **Journal first.** A command is tried on a copy; the copy counts once it is in the journal.
+//!    after that capture opened and before another one opened ([`super::export::writing`] determines
+//!    when). With a button, only presses open captures; a name that arrives during one is for the next.
+//! 2. **Known scans answer nothing**, whether known by their bytes or by their geometry.
+//! 3. **A capture ends** when its scan is measured; when the operator ends it; or, if no byte of an
+//!    export was seen for it, after `window + late` (without a button: `expires + late`). Until the scan
+//!    is measured, for at most `window + late`, another export may be a second one of it. A refusal
+//!    opens the capture again for the same time; an export without a new press then belongs to it. A new
+//!    scan of the same patient has its own capture, and closes the refused one once it is measured. A
+//!    press for another patient, or without a name, causes the next export to be held for both.
+//! 4. **The booth overrides.** Card, page and verb replace the waiting name. An order never does: two
+//!    waiting orders make both patients candidates, until the booth names one. An order that arrives
+//!    while a press without a name is open, or soon after one, is in doubt together with it; where the
+//!    practice orders after the press (`patient.orders.when`), it pairs with the one open press.
+//! 5. **A failed naming disarms**: an unreadable name puts the waiting name in doubt.
+//! 6. **Journal first.** A command is tried on a copy; the copy takes effect once it is in the journal.
 //!
-//! Where no capture in question has a patient nothing can be mistaken, and nothing is held: what is not
-//! certainly the export of a press counts as one without.
+//! If no capture in question has a patient, nothing can be mistaken and nothing is held: an export that
+//! is not certainly the export of a press counts as one without a press.
 //!
-//! | what happens | what becomes of it |
+//! | what happens | result |
 //! |---|---|
-//! | one press, one export within the window | the export is the capture's |
-//! | no press | [`Judged::Unpressed`]: the configuration says whether it is taken or held |
-//! | a second press, the same patient or none both times | the exports are the captures' in turn |
+//! | one press, one export within the window | the export belongs to the capture |
+//! | no press | [`Judged::Unpressed`]: the configuration decides whether it is processed or held |
+//! | a second press, the same patient or none both times | the exports belong to the captures in turn |
 //! | a second press, another patient or none after one | both exports are held: `capture-ambiguous` |
-//! | two exports after one press | the first is the capture's, the second unpressed |
+//! | two exports after one press | the first belongs to the capture, the second counts as unpressed |
 //! | no export within the window | the capture expires: an alarm |
 //! | an export after the window | held: `export-late` |
 //! | an export that may have been written before the press | held: `capture-unclear` |
-//! | the port was away at or shortly before the press, or since | held: `press-unheard`, where the capture has a patient |
-//! | the station restarts in between | likewise, for it heard nothing meanwhile |
+//! | the port was away at the press, shortly before it, or since | held: `press-unheard`, if the capture has a patient |
+//! | the station restarts in between | the same, because it heard nothing meanwhile |
 //! | the machine restarts in between | the capture expires; an export that may still be its own is held |
-//! | the clock on the wall jumps | nothing: times are since the machine's start |
+//! | the wall clock jumps | nothing: times are since the machine's start |
 
 mod answers;
 mod names;
@@ -46,12 +46,12 @@ mod types;
 use std::collections::BTreeSet;
 use std::time::Duration;
 
-use super::orders_when::OrdersWhen;
-use super::writing::Appeared;
+use super::export::writing::Appeared;
+use super::orders::when::OrdersWhen;
 use answers::Measuring;
 pub use names::{Next, Said};
-pub use outcome::{CalledOff, Judged, NamedNext, Passed, Why};
-pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules};
+pub use outcome::{CalledOff, Judged, NamedNext, Passed};
+pub use types::{Capture, CaptureState, Content, Doubt, Named, Opener, Rules, Why};
 
 /// Finding: the export could belong to captures of different patients.
 pub const AMBIGUOUS: &str = Why::Ambiguous.code();
@@ -59,19 +59,19 @@ pub const AMBIGUOUS: &str = Why::Ambiguous.code();
 /// Finding: the export may have been written before the press.
 pub const UNCLEAR: &str = Why::Unclear.code();
 
-/// Finding: the export came after the window of the press it must belong to.
+/// Finding: the export arrived after the window of the press it must belong to.
 pub const LATE: &str = Why::Late.code();
 
-/// Finding: nobody listened for a while, and a press that was not heard may have made this export.
+/// Finding: the station could not hear for a while, and a missed press may have made this export.
 pub const UNHEARD: &str = Why::Unheard.code();
 
-/// Finding: somebody tried to name a patient before the export, and it could not be read.
+/// Finding: an attempt to name a patient before the export could not be read.
 pub const UNREAD: &str = Why::Unread.code();
 
-/// Finding: the order that names the patient is one that was heard before.
+/// Finding: the order that names the patient repeats an earlier one.
 pub const REPEATED: &str = Why::Repeated.code();
 
-/// The captures whose exports have not come, in the order in which they were opened, and the
+/// The captures whose exports have not arrived, in the order in which they were opened, and the
 /// patients' names that wait for a press.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Captures {
@@ -79,19 +79,19 @@ pub struct Captures {
     waiting: Vec<Capture>,
     next: Option<Next>,
     hearing: Hearing,
-    /// When the button was pressed without a certain name, to which an order may still come.
+    /// When the button was pressed without a certain name; an order for that press may still arrive.
     unsure: Vec<Duration>,
     /// When a naming without a button could not be read: the patient named before may have left.
     unread: Vec<Duration>,
-    /// Captures whose exports were taken and are not measured yet.
+    /// Captures whose exports were taken but are not measured yet.
     measuring: Vec<Measuring>,
 }
 
-/// So many patients may wait, named or pressed for: more than any waiting room holds, and a program that
-/// orders thousands at once is in error.
+/// How many patients may wait, named or pressed for: more than any waiting room holds, and a program
+/// that orders thousands at once is in error.
 const NAMES_MOST: usize = 100;
 
-/// So many of the last unsure presses, and of the last namings that failed, are remembered.
+/// How many of the latest unsure presses, and of the latest failed namings, are remembered.
 const DOUBTS_MOST: usize = 64;
 
 /// Whether presses are heard.
@@ -104,36 +104,36 @@ enum Hearing {
 }
 
 impl Captures {
-    /// As the journal has them after a start, at which nobody has listened yet.
+    /// The state from the journal after a start, before any port is open.
     pub fn new(rules: Rules, waiting: Vec<Capture>, next: Option<Next>) -> Captures {
         let hearing = Hearing::Deaf;
         let (unsure, unread, measuring) = (Vec::new(), Vec::new(), Vec::new());
         let mut captures = Captures { rules, waiting, next, hearing, unsure, unread, measuring };
-        // Whatever was pressed or said before may have been lost with the run before.
+        // Earlier presses and names may have been lost with the previous run.
         for capture in &mut captures.waiting {
             capture.doubt.get_or_insert(Doubt::Unheard);
         }
         captures
     }
 
-    /// The same, where the button was pressed without a certain name and namings failed at these times;
-    /// see [`Captures::unsure_at`] and [`Captures::unread_at`].
+    /// Adds the times at which the button was pressed without a certain name and at which namings
+    /// failed; see [`Captures::unsure_at`] and [`Captures::unread_at`].
     pub fn with_doubts(self, unsure: Vec<Duration>, unread: Vec<Duration>) -> Captures {
         Captures { unsure, unread, ..self }
     }
 
-    /// When somebody was named without a button and it could not be read.
+    /// When a name could not be read, without a button.
     pub fn unread_at(&self) -> &[Duration] {
         &self.unread
     }
 
-    /// A port is away: the exports of presses that are not heard may pass for those of others.
+    /// A port is away: the exports of missed presses may be taken for those of others.
     pub fn deaf(&mut self) {
         self.hearing = Hearing::Deaf;
         self.doubt_presses();
     }
 
-    /// A press was heard and could not be kept: its export may pass for that of another.
+    /// A press was heard but could not be kept: its export may be taken for that of another press.
     pub fn missed_press(&mut self, now: Duration) {
         if self.hearing != Hearing::Deaf {
             self.hearing = Hearing::Since(now);
@@ -155,7 +155,7 @@ impl Captures {
         }
     }
 
-    /// The captures whose exports have not come.
+    /// The captures whose exports have not arrived.
     pub fn waiting(&self) -> &[Capture] {
         &self.waiting
     }
@@ -165,46 +165,47 @@ impl Captures {
         self.next.as_ref()
     }
 
-    /// When the button was pressed without a certain name, so shortly ago that an order may be for it.
+    /// When the button was pressed without a certain name, so recently that an order may be for that
+    /// press.
     pub fn unsure_at(&self) -> &[Duration] {
         &self.unsure
     }
 
-    /// Whether the export of a press is awaited that nobody has seen yet. One that was refused may be
-    /// followed by another, and nobody has pressed for that.
+    /// Whether the station waits for the export of a press and has not seen it yet. A refused export may
+    /// be followed by another, but nobody pressed the button for that one.
     pub fn is_armed(&self) -> bool {
         let is_open =
             |capture: &Capture| capture.state == CaptureState::Open && !capture.is_refused;
         self.waiting.iter().any(is_open)
     }
 
-    /// Whether a press without a name awaits its export, and an order may be for it.
+    /// Whether a press without a name waits for its export, and an order may be for it.
     pub fn has_unnamed_press(&self, now: Duration) -> bool {
         let mut ordered = self.waiting.iter().filter(|capture| self.may_be_ordered(capture, now));
         ordered.any(Capture::is_unnamed)
     }
 
-    /// When orders come, by the configuration.
+    /// When orders arrive, according to the configuration.
     pub fn orders_when(&self) -> OrdersWhen {
         self.rules.orders
     }
 
-    /// Whether a press at this time would be in doubt, for one before it may have gone unheard.
+    /// Whether a press at this time would be in doubt, because an earlier one may have been missed.
     pub fn is_in_doubt(&self, now: Duration) -> bool {
-        // The export of a press that was not heard may still come for as long as any other.
+        // The export of a missed press may arrive as late as any other.
         let awaited = self.rules.awaited();
         let heard_long = matches!(self.hearing, Hearing::Since(at) if now >= at + awaited);
         self.rules.by_press && !heard_long
     }
 
-    /// The button was pressed: a capture with this number, with the patient whose name waited.
+    /// The button was pressed: opens a capture with this number, for the patient whose name waited.
     pub fn pressed(&mut self, number: i64, now: Duration) -> Capture {
         self.drop_old_names(now);
         let (patient, others, doubt) = self.use_next();
         let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
         let doubt = doubt.or(unheard);
         let is_unsure = match (self.rules.orders, doubt) {
-            // Who has been ordered before need not be ordered again.
+            // A patient who was ordered before the press needs no other order.
             (OrdersWhen::BeforePress, None | Some(Doubt::Shared)) => {
                 patient.is_none() && others.is_empty()
             }
@@ -245,7 +246,7 @@ impl Captures {
         &mut self.waiting[last]
     }
 
-    /// A person gives up what waits: captures whose exports will not come, and names.
+    /// The operator gives up what waits: captures whose exports will not arrive, and names.
     pub fn call_off(&mut self) -> CalledOff {
         let measuring: Vec<i64> = self.measuring().collect();
         self.measuring.clear();
@@ -254,7 +255,7 @@ impl Captures {
         CalledOff { captures, name: self.next.take().is_some() }
     }
 
-    /// Which capture an export belongs to; nothing is changed before [`Captures::answer`].
+    /// Which capture an export belongs to; nothing changes before [`Captures::answer`].
     pub fn judge(&self, export: Appeared) -> Judged {
         let late = self.rules.late;
         let all: Vec<&Capture> =
@@ -267,7 +268,7 @@ impl Captures {
         let in_time = |capture: &&&&Capture| {
             capture.state == CaptureState::Open && export.seen <= capture.until
         };
-        // Of a patient who was scanned again the newer scan goes before what may still come of the
+        // If a patient was scanned again, the newer scan goes before what may still arrive of the
         // refused one.
         let its_own = after.iter().filter(in_time).min_by_key(|capture| capture.is_refused);
         let its_own = its_own.map(|capture| (**capture).clone());
@@ -275,7 +276,7 @@ impl Captures {
         let in_question = all.iter().chain(&measuring);
         let ids: BTreeSet<Option<&str>> = in_question.flat_map(|capture| ids(capture)).collect();
         if ids.iter().flatten().next().is_none() {
-            // Whose scan it is cannot be mistaken where no capture in question says it.
+            // No capture in question names a patient, so no patient can be mistaken for another.
             return its_own.map_or(Judged::Unpressed, Judged::Of);
         }
         if !measuring.is_empty() {
@@ -284,8 +285,9 @@ impl Captures {
         let shared = (ids.len() > 1).then_some(Doubt::Shared);
         let unread = all.iter().find_map(|capture| self.unread_between(capture, export));
         if let Some(doubt) = shared.or(all.iter().find_map(|capture| capture.doubt)).or(unread) {
-            // It may be older than all of these captures. Without a button it may also be of the patient
-            // whose name could not be read. In both cases the captures still wait for their own exports.
+            // The export may be older than all of these captures. Without a button it may also belong to
+            // the patient whose name could not be read. In both cases the captures still wait for their
+            // own exports.
             return held(doubt.why(), &all, unread.is_none() && !after.is_empty());
         }
         match (its_own, after.is_empty()) {
@@ -295,14 +297,14 @@ impl Captures {
         }
     }
 
-    /// Whether a naming failed after a name opened a capture and before an export began.
+    /// Whether a naming failed between the name that opened a capture and the start of an export.
     fn unread_between(&self, capture: &Capture, export: Appeared) -> Option<Doubt> {
         let is_between = |at: &Duration| capture.opened <= *at && *at < export.seen;
         let any = capture.by == Opener::Name && self.unread.iter().any(is_between);
         any.then_some(Doubt::Unread)
     }
 
-    /// Which capture a content belongs to; nothing is changed before [`Captures::answer`].
+    /// Which capture a content belongs to; nothing changes before [`Captures::answer`].
     pub fn judge_content(&self, content: &Content) -> Judged {
         if content.is_known {
             return Judged::Unpressed;
@@ -315,7 +317,7 @@ impl Captures {
             (*answered, *doubtful) = (None, Vec::new());
         }
         match (&content.completes, judged) {
-            // The part that came in before is being measured for its capture, and so is this.
+            // The earlier part is being measured for its capture, so this belongs to that capture too.
             (Some(whose), Judged::Unpressed) => self
                 .measuring_of(whose, content.began)
                 .map_or(Judged::Unpressed, |capture| Judged::Of(capture.clone())),
@@ -324,13 +326,13 @@ impl Captures {
         }
     }
 
-    /// Whether an order may still be for a press that waits, rather than for a later one.
+    /// Whether an order may still be for this waiting press rather than for a later one.
     fn may_be_ordered(&self, capture: &Capture, now: Duration) -> bool {
         capture.by == Opener::Press && now <= capture.until + self.rules.late
     }
 }
 
-/// The ids that a capture names; none within where it names nobody.
+/// The ids that a capture names; a single `None` if it names nobody.
 fn ids(capture: &Capture) -> Vec<Option<&str>> {
     if capture.is_unnamed() {
         return vec![None];
@@ -338,7 +340,7 @@ fn ids(capture: &Capture) -> Vec<Option<&str>> {
     capture.named().map(|named| Some(named.id.as_str())).collect()
 }
 
-/// Everybody whom captures name, each once.
+/// Every patient whom the captures name, each once.
 fn candidates<'a>(all: impl Iterator<Item = &'a Capture>) -> Vec<Named> {
     let mut candidates: Vec<Named> = Vec::new();
     for named in all.flat_map(Capture::named) {
@@ -349,8 +351,8 @@ fn candidates<'a>(all: impl Iterator<Item = &'a Capture>) -> Vec<Named> {
     candidates
 }
 
-/// An export that may be a second one of a scan that is being measured and may yet be refused. Either way
-/// the captures that wait are in doubt.
+/// An export that may be a second one of a scan that is being measured and may still be refused. Either
+/// way the waiting captures are in doubt.
 fn held_beside(all: &[&Capture], measuring: &[&Capture]) -> Judged {
     Judged::Held {
         why: Why::Ambiguous,
@@ -361,8 +363,8 @@ fn held_beside(all: &[&Capture], measuring: &[&Capture]) -> Judged {
     }
 }
 
-/// An export that a person must decide upon, for captures that may all be meant. `answers` says
-/// whether the oldest of them waits no more.
+/// An export that the operator must decide on, because each of the captures may be meant. `answers` says
+/// whether the oldest of them stops waiting.
 fn held(why: Why, all: &[&Capture], answers: bool) -> Judged {
     let candidates = candidates(all.iter().copied());
     let patient = match candidates.as_slice() {

@@ -2,24 +2,24 @@
 
 use serde::{Deserialize, Serialize};
 
-/// `measure.confine`: what holds where the kernel lacks a guard.
+/// `measure.confine`: what to do if the kernel lacks a guard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Confine {
-    /// Scans are measured with the guards that there are.
+    /// Scans are measured with the guards that are available.
     #[default]
     WherePossible,
     /// The station does not start.
     Required,
 }
 
-/// How much of a guard a kernel has.
+/// How far a kernel supports a guard.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Enforced {
-    /// All that gaiter asks of it.
+    /// Everything that gaiter asks of it.
     Fully,
-    /// An older one: files are closed to the process; some of what came later is not.
+    /// An older version: files are closed to the process; some newer restrictions are missing.
     Partly,
     /// Nothing.
     Not,
@@ -30,12 +30,12 @@ pub enum Enforced {
 pub struct Confinement {
     /// Landlock: no files, no network.
     pub landlock: Enforced,
-    /// Seccomp: no other system calls than those of a process that computes.
+    /// Seccomp: only the system calls that a process needs for computing.
     pub seccomp: bool,
 }
 
 impl Confinement {
-    /// The guards that the kernel does not have, in words; none where it has both.
+    /// The guards that the kernel lacks, in words; `None` if it has both.
     pub fn missing(&self) -> Option<&'static str> {
         match (self.landlock, self.seccomp) {
             (Enforced::Not, false) => Some("landlock and seccomp"),
@@ -45,7 +45,7 @@ impl Confinement {
         }
     }
 
-    /// The guards that hold, in words.
+    /// The active guards, in words.
     pub fn words(&self) -> &'static str {
         match (self.landlock, self.seccomp) {
             (Enforced::Fully, true) => "landlock and seccomp",

@@ -1,11 +1,11 @@
-//! What a person has decided about a scan, and whose it is by that.
+//! What the operator has decided about a scan, and to whom it belongs as a result.
 
 use std::collections::BTreeSet;
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-/// One decision of a person about a scan.
+/// One decision of the operator about a scan.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Decision {
@@ -13,43 +13,43 @@ pub struct Decision {
     pub at: Timestamp,
     /// What.
     pub what: Decided,
-    /// Whose scan it is by this; of a scan that was taken back, whose it was. None where it is about
-    /// nobody.
+    /// The patient to whom the scan belongs as a result; for a scan that was taken back, the previous
+    /// patient. `None` if the decision concerns no patient.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub patient: Option<String>,
 }
 
-/// What may be decided.
+/// The possible decisions.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Decided {
-    /// The scan is this patient's and nobody else's.
+    /// The scan belongs to this patient and to nobody else.
     Assigned,
-    /// It was taken back from its patient: it is nobody's.
+    /// It was taken back from its patient: it is unassigned.
     Unassigned,
-    /// A held scan is this patient's, too.
+    /// A held scan belongs to this patient, too.
     Released,
-    /// It needs no decision any more.
+    /// It no longer needs a decision.
     GivenUp,
     /// What was given up is tried again.
     Retried,
 }
 
-/// Whose a scan is by everything that was decided about it.
+/// To whom a scan belongs after all decisions about it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ruling {
-    /// Nobody else may have it.
+    /// No other patient may have it.
     is_exclusive: bool,
     patients: BTreeSet<String>,
     is_given_up: bool,
 }
 
 impl Ruling {
-    /// Nothing was decided: everybody may have the scan.
+    /// Nothing was decided: every patient may have the scan.
     pub const OPEN: Ruling =
         Ruling { is_exclusive: false, patients: BTreeSet::new(), is_given_up: false };
 
-    /// The ruling of decisions in their order; without any, everybody may have the scan.
+    /// The ruling of decisions in their order; without any, every patient may have the scan.
     pub fn of(decisions: &[Decision]) -> Ruling {
         let mut ruling = Ruling::OPEN;
         for Decision { what, patient, .. } in decisions {
@@ -68,7 +68,7 @@ impl Ruling {
         ruling
     }
 
-    /// Whether a record of the scan for this patient, or for nobody, may stay where it is.
+    /// Whether a record of the scan for this patient, or unassigned, may stay where it is.
     pub fn allows(&self, patient: Option<&str>) -> bool {
         match patient {
             _ if !self.is_exclusive => true,
@@ -77,17 +77,17 @@ impl Ruling {
         }
     }
 
-    /// Whether nobody but [`Ruling::patients`] may have it; where there are none, it is nobody's.
+    /// Whether only [`Ruling::patients`] may have it; if there are none, it is unassigned.
     pub fn is_exclusive(&self) -> bool {
         self.is_exclusive
     }
 
-    /// The ids of those who were said to be whose it is.
+    /// The ids of the patients to whom the decisions give the scan.
     pub fn patients(&self) -> &BTreeSet<String> {
         &self.patients
     }
 
-    /// Whether it needs no decision any more.
+    /// Whether it no longer needs a decision.
     pub fn is_given_up(&self) -> bool {
         self.is_given_up
     }
@@ -117,8 +117,12 @@ mod tests {
         use Decided::{Assigned, Unassigned};
         let theirs = ruling(&[(Unassigned, Some("1")), (Assigned, Some("2"))]);
         assert!(theirs.allows(Some("2")) && !theirs.allows(Some("1")) && !theirs.allows(None));
-        let nobodys = ruling(&[(Assigned, Some("2")), (Unassigned, Some("2"))]);
-        assert!(nobodys.allows(None) && !nobodys.allows(Some("1")) && !nobodys.allows(Some("2")));
+        let unassigned = ruling(&[(Assigned, Some("2")), (Unassigned, Some("2"))]);
+        assert!(
+            unassigned.allows(None)
+                && !unassigned.allows(Some("1"))
+                && !unassigned.allows(Some("2"))
+        );
     }
 
     #[test]

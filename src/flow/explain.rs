@@ -1,39 +1,39 @@
-//! One sentence that says why a file is where it is.
+//! One sentence that explains why a file is where it is.
 
 use std::path::Path;
 
 use jiff::Timestamp;
 
-use super::companions;
+use super::export::companions;
 use super::facts::{Facts, IntakeState, SourceFacts, SourceState, WaitingFile};
 use super::health::utc;
 
-/// Endings under which scanners and copying programs write what is not finished.
+/// Endings that scanners and copy programs use for unfinished files.
 pub const UNFINISHED: [&str; 2] = [".part", ".tmp"];
 
-/// What the journal says of a file.
+/// What the journal knows about a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Known {
-    /// What became of its scan, in words that follow "it": "was delivered", "is held: a person
+    /// The outcome for its scan, in words that follow "it": "was delivered", "is held: a person
     /// decides", "was refused (scan-cut-short)".
     pub state: String,
-    /// When that was; none where the journal does not say.
+    /// When that was; `None` if the journal does not say.
     pub at: Option<Timestamp>,
-    /// The scan's first digits; none for a file that was refused unread.
+    /// The scan's first digits; `None` for a file that was refused unread.
     pub scan: Option<String>,
 }
 
-/// Why a file of this name is passed over whatever it holds, in words that follow "it".
+/// Why a file of this name is ignored whatever it contains, in words that follow "it".
 pub fn passed_over_by_name(name: &str) -> Option<&'static str> {
     if name.starts_with('.') {
-        return Some("is hidden; hidden files are not looked at");
+        return Some("is hidden; hidden files are ignored");
     }
     let lower = name.to_ascii_lowercase();
     let is_unfinished = UNFINISHED.iter().any(|end| lower.ends_with(end));
-    is_unfinished.then_some("is called like an unfinished file; it is taken once it is renamed")
+    is_unfinished.then_some("has the name of an unfinished file; it is taken in once it is renamed")
 }
 
-/// Says in one sentence where a file is and why.
+/// Explains in one sentence where a file is and why.
 pub fn of_file(facts: &Facts, path: &Path, known: Option<Known>) -> String {
     let source = facts.sources.iter().find(|source| {
         source.folder.as_ref().is_some_and(|folder| path != folder && path.starts_with(folder))
@@ -47,7 +47,7 @@ pub fn of_file(facts: &Facts, path: &Path, known: Option<Known>) -> String {
     }
     match source {
         Some(source) => not_seen(source, path),
-        None => "It does not lie in an export folder of this station.".to_owned(),
+        None => "It is not in an export folder of this station.".to_owned(),
     }
 }
 
@@ -56,9 +56,9 @@ fn waits(file: &WaitingFile, intake: IntakeState) -> String {
     let late = if *overdue { ", longer than a file should wait" } else { "" };
     let shut = match intake {
         IntakeState::Open => String::new(),
-        IntakeState::Paused => "; a person has paused the station".to_owned(),
+        IntakeState::Paused => "; the operator has paused the station".to_owned(),
         IntakeState::DiskLow { free, floor } => {
-            format!("; the disk is nearly full: {free} bytes are free, {floor} must stay so")
+            format!("; the disk is nearly full: {free} bytes are free, {floor} must stay free")
         }
     };
     format!("{why} (seen since {since}{late}){shut}")
@@ -73,7 +73,7 @@ fn said(known: &Known) -> String {
 fn not_seen(source: &SourceFacts, path: &Path) -> String {
     let ignored = path.ancestors().find_map(|place| Some((place, *source.ignored.get(place)?)));
     if let Some((place, why)) = ignored {
-        let which = if place == path { "It" } else { "It lies in a folder that" };
+        let which = if place == path { "It" } else { "It is in a folder that" };
         return format!("{which} {why}.");
     }
     let since = source.since;
@@ -83,9 +83,9 @@ fn not_seen(source: &SourceFacts, path: &Path) -> String {
             format!("Its folder has been out of reach since {since}: {error}.")
         }
         SourceState::NotMounted(why) => {
-            format!("Its folder does not count since {since}: the export folder {why}.")
+            format!("Its folder has been ignored since {since}: the export folder {why}.")
         }
-        SourceState::Taken => "Another station on this machine works its folder.".to_owned(),
+        SourceState::Taken => "Another station on this machine uses its folder.".to_owned(),
         SourceState::Stalled => format!("Its folder has not answered since {since}."),
         SourceState::Watched => unseen(source, path),
     }
@@ -98,7 +98,7 @@ fn unseen(source: &SourceFacts, path: &Path) -> String {
         return format!("It {why}.");
     }
     if companions::is_companion(name) {
-        return "It is no scan; it goes with the scan of the same name.".to_owned();
+        return "It is not a scan; it belongs to the scan of the same name.".to_owned();
     }
     match source.last_look {
         Some(at) => {
@@ -145,9 +145,9 @@ mod tests {
              should wait)."
         );
         facts.intake = IntakeState::Paused;
-        assert!(said(&facts, "/e/a.obj").ends_with("; a person has paused the station."));
+        assert!(said(&facts, "/e/a.obj").ends_with("; the operator has paused the station."));
         facts.intake = IntakeState::DiskLow { free: 1, floor: 2 };
-        assert!(said(&facts, "/e/a.obj").contains("1 bytes are free, 2 must stay so"));
+        assert!(said(&facts, "/e/a.obj").contains("1 bytes are free, 2 must stay free"));
     }
 
     #[test]
@@ -190,14 +190,14 @@ mod tests {
         });
         for (path, expected) in [
             ("/e/pipe.obj", "It is a pipe."),
-            ("/e/sub/deep/a.obj", "It lies in a folder that is a folder."),
-            ("/e/.a.obj", "It is hidden; hidden files are not looked at."),
-            ("/e/a.ord", "It is no scan; it goes with the scan of the same name."),
-            ("/f/a.obj", "It does not lie in an export folder of this station."),
-            ("/e", "It does not lie in an export folder of this station."),
+            ("/e/sub/deep/a.obj", "It is in a folder that is a folder."),
+            ("/e/.a.obj", "It is hidden; hidden files are ignored."),
+            ("/e/a.ord", "It is not a scan; it belongs to the scan of the same name."),
+            ("/f/a.obj", "It is not in an export folder of this station."),
+            ("/e", "It is not in an export folder of this station."),
         ] {
             assert_eq!(said(&facts, path), expected, "{path}");
         }
-        assert!(said(&facts, "/e/a.obj.PART").contains("called like an unfinished file"));
+        assert!(said(&facts, "/e/a.obj.PART").contains("has the name of an unfinished file"));
     }
 }

@@ -1,5 +1,5 @@
-//! What the station knows of itself at one moment, for those who ask: `gaiter status`, metrics,
-//! health. Workers note their own part; nothing here decides anything.
+//! What the station knows about itself at one moment, for `gaiter status`, metrics and health. Workers
+//! record their own part; nothing here makes decisions.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use serde::Serialize;
 use super::confinement::Confinement;
 use super::trigger::PortState;
 
-/// Everything that is known of a running station besides its journal.
+/// Everything that is known about a running station apart from its journal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Facts {
     /// When this run began.
@@ -21,17 +21,17 @@ pub struct Facts {
     pub stores: BTreeMap<&'static str, StoreFacts>,
     /// The ports of the booth by their names: serial, usb, keys, reader.
     pub triggers: BTreeMap<&'static str, TriggerFacts>,
-    /// The endpoints of the page whose address cannot be had, and why: local, network.
+    /// The endpoints of the page whose address is unavailable, and why: local, network.
     pub endpoints: BTreeMap<&'static str, String>,
     /// Whether scans are taken in.
     pub intake: IntakeState,
-    /// What a person must know and nothing else shows, by code; kept until the station restarts.
+    /// What the operator must know and nothing else shows, by code; kept until the station restarts.
     pub alarms: BTreeMap<&'static str, Alarm>,
-    /// What was wrong with the configuration at the last reload; none when it was taken up.
+    /// What was wrong with the configuration at the last reload; `None` if it was accepted.
     pub refused_reload: Option<String>,
-    /// The guards around measuring processes; none where they could not be tried.
+    /// The guards around measuring processes; `None` if they could not be tested.
     pub confinement: Option<Confinement>,
-    /// Scans measured in this run, refused ones included.
+    /// Scans measured in this run, including refused ones.
     pub measured: u64,
     /// How long the last measurement took, seconds.
     pub last_measurement_s: Option<f64>,
@@ -40,42 +40,42 @@ pub struct Facts {
 /// One export folder.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SourceFacts {
-    /// The folder; none before its worker has begun. Paths are never shown in a status.
+    /// The folder; `None` before its worker starts. Paths are never shown in a status.
     #[serde(skip)]
     pub folder: Option<PathBuf>,
-    /// How it is.
+    /// Its state.
     pub state: SourceState,
-    /// Since when.
+    /// Since when it is in this state.
     pub since: Timestamp,
-    /// The kind of file system it lies on, such as "ext4" or "SMB"; none before the first look.
+    /// The kind of its file system, such as "ext4" or "SMB"; `None` before the first look.
     pub file_system: Option<String>,
-    /// Changes are not reported there: it is looked through at its own pace only.
+    /// Changes are not reported there, so that it is only looked through at intervals.
     pub polled: bool,
     /// When it was last looked through to the end.
     pub last_look: Option<Timestamp>,
     /// Files that are not taken yet, and why. Names may name patients: never shown in a status.
     #[serde(skip)]
     pub waiting: BTreeMap<PathBuf, WaitingFile>,
-    /// Files that are passed over, and why. Never shown in a status either.
+    /// Files that are ignored, and why. Never shown in a status either.
     #[serde(skip)]
     pub ignored: BTreeMap<PathBuf, &'static str>,
 }
 
-/// How an export folder is.
+/// The state of an export folder.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "is", content = "why")]
 pub enum SourceState {
     /// It has not been looked at yet.
     NotLooked,
-    /// It is looked through.
+    /// It is looked through regularly.
     Watched,
     /// It cannot be listed; the error without the path.
     OutOfReach(String),
     /// It is there, but what should be mounted is not.
     NotMounted(String),
-    /// Another station on this machine works it.
+    /// Another station on this machine uses it.
     Taken,
-    /// A look has not come back for longer than its deadline.
+    /// A look has not returned within its deadline.
     Stalled,
 }
 
@@ -84,7 +84,7 @@ pub enum SourceState {
 pub struct WaitingFile {
     /// What it waits for, in words that follow "it".
     pub why: String,
-    /// Since when, as the station's wall clock says.
+    /// Since when, by the station's wall clock.
     pub since: Timestamp,
     /// It has waited longer than a file should.
     pub overdue: bool,
@@ -93,28 +93,28 @@ pub struct WaitingFile {
 /// One record store.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct StoreFacts {
-    /// The last attempt's fault; none where it went well.
+    /// The fault of the last attempt; `None` if it succeeded.
     pub fault: Option<String>,
-    /// Since when it is so.
+    /// Since when it is in this state.
     pub since: Timestamp,
 }
 
 /// One port of the booth.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TriggerFacts {
-    /// How it is.
+    /// Its state.
     pub state: PortState,
-    /// Why it is not listened to, without its path.
+    /// Why it is not open, without its path.
     pub why: Option<String>,
-    /// Since when it is so.
+    /// Since when it is in this state.
     pub since: Timestamp,
-    /// Since when it has not been listened to for a while without a break; none where it has.
+    /// Since when it has not worked steadily; `None` if it works steadily.
     pub unsound_since: Option<Timestamp>,
     /// Presses in this run.
     pub presses: u64,
     /// Ids read in this run.
     pub ids: u64,
-    /// Bytes or keys in this run that meant nothing.
+    /// Bytes or keys in this run that had no meaning.
     pub garbage: u64,
 }
 
@@ -137,30 +137,30 @@ impl TriggerFacts {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case", tag = "is")]
 pub enum IntakeState {
-    /// They are.
+    /// Scans are taken in.
     Open,
-    /// A person has paused the station.
+    /// The operator has paused the station.
     Paused,
     /// The disk of the state folder is nearly full; exports stay where they are.
     DiskLow {
-        /// What is free, bytes.
+        /// Free space, bytes.
         free: u64,
-        /// What must stay free, bytes.
+        /// Space that must stay free, bytes.
         floor: u64,
     },
 }
 
-/// Something a person must know.
+/// Something that the operator must know.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Alarm {
-    /// In words.
+    /// The message for the operator.
     pub message: String,
     /// Since when.
     pub since: Timestamp,
 }
 
 impl Facts {
-    /// A station that has just begun.
+    /// A station that has just started.
     pub fn new(started: Timestamp, sources: usize) -> Facts {
         let source = SourceFacts {
             folder: None,

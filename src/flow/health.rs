@@ -1,8 +1,8 @@
 //! Whether the station is ready, end to end: not whether it runs, but whether scans become records.
 //!
-//! A fault that comes and goes must not make the station's word flicker: a source or a store is
-//! complained of once it has been so for [`BLIP`]. Times are of the wall clock, for they outlast a
-//! restart; where it was set back and a time lies in the future, the state is taken to be old.
+//! An intermittent fault must not make the reported state flicker: a source or a store is reported once
+//! the fault has lasted for [`BLIP`]. Times are wall-clock times, because they must outlast a restart;
+//! if the clock was set back and a time is in the future, the state counts as old.
 
 use std::time::Duration;
 
@@ -13,11 +13,11 @@ use super::Facts;
 use super::facts::{IntakeState, SourceFacts, SourceState, TriggerFacts};
 use super::trigger::PortState;
 
-/// How long a source or a store may be out of order without a complaint: longer than a look that
-/// fell into a short break of the network, shorter than a person's patience.
+/// How long a source or a store may be out of order before it is reported: longer than a look that hits
+/// a short network break, shorter than the operator's patience.
 pub const BLIP: Duration = Duration::from_secs(5);
 
-/// How long a port may be out of order without a complaint: long enough to plug it in elsewhere.
+/// How long a port may be out of order before it is reported: long enough to plug it in elsewhere.
 pub const REPLUG: Duration = Duration::from_secs(60);
 
 /// Something that keeps the station from being ready.
@@ -27,14 +27,14 @@ pub struct Complaint {
     pub code: String,
     /// What is wrong, a sentence without its full stop.
     pub message: String,
-    /// What a person can do, likewise.
+    /// What the operator can do, in the same form.
     pub remedy: String,
 }
 
-/// What the journal says of scans without a record.
+/// What the journal knows about scans without a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Backlog {
-    /// Deliveries to be made.
+    /// Deliveries that are still to be made.
     pub pending: u64,
     /// When the oldest of their scans was first seen.
     pub oldest: Option<Timestamp>,
@@ -45,15 +45,15 @@ impl Complaint {
         Complaint { code: code.to_owned(), message, remedy: remedy.to_owned() }
     }
 
-    /// The journal cannot be asked.
+    /// The journal cannot be read.
     pub fn journal() -> Complaint {
         let message = "the station's journal cannot be read".to_owned();
         Complaint::new("journal-failed", message, "look at the disk of the state folder")
     }
 }
 
-/// Everything that keeps the station from being ready, the worst first; nothing when it is.
-/// `overdue` is how long a scan may be without a record.
+/// Everything that keeps the station from being ready, the worst first; empty if it is ready. `overdue`
+/// is how long a scan may be without a record.
 pub fn complaints(
     facts: &Facts,
     backlog: &Backlog,
@@ -68,8 +68,10 @@ pub fn complaints(
     complaints
         .extend(facts.triggers.iter().filter_map(|(port, facts)| of_trigger(port, facts, now)));
     complaints.extend(facts.endpoints.iter().map(|(way, why)| {
-        let message = format!("the {way} address of the page and of monitors cannot be had: {why}");
-        let remedy = "see who listens there (ss -ltnp), and end it; the page has a new link then";
+        let message =
+            format!("the {way} address of the page and of monitors is unavailable: {why}");
+        let remedy = "find the program that listens there (ss -ltnp) and stop it; the page then \
+                      has a new link";
         Complaint::new("page-unavailable", message, remedy)
     }));
     complaints.extend(late(backlog, overdue, now));
@@ -80,20 +82,22 @@ pub fn complaints(
             .map(|(code, alarm)| Complaint::new(code, alarm.message.clone(), remedy(code))),
     );
     complaints.extend(facts.refused_reload.iter().map(|fault| {
-        let message = format!("a changed configuration was refused, the old one holds: {fault}");
-        Complaint::new("reload-refused", message, "run gaiter check, mend the file, reload again")
+        let message =
+            format!("a changed configuration was refused, the old one stays in force: {fault}");
+        Complaint::new("reload-refused", message, "run gaiter check, fix the file, reload again")
     }));
     complaints
 }
 
-/// What helps against the cause of an alarm. Most stay until the station is restarted.
+/// What helps against the cause of an alarm. Most alarms stay until the station is restarted.
 fn remedy(code: &str) -> &'static str {
     match code {
         "measuring-impaired" => {
-            "see the log for what ends or keeps off measuring processes; scans wait, and it goes by itself"
+            "see the log for what stops the measuring processes; scans wait, and the alarm clears \
+             itself"
         }
         "journal-refuses" => "undo what was changed in journal.db, then restart",
-        _ => "see the README at this code, then restart",
+        _ => "look up this code in the README, then restart",
     }
 }
 
@@ -101,7 +105,8 @@ fn intake(facts: &Facts) -> Option<Complaint> {
     match facts.intake {
         IntakeState::Open => None,
         IntakeState::Paused => {
-            let message = "a person has paused the station; exports stay where they are".to_owned();
+            let message =
+                "the operator has paused the station; exports stay where they are".to_owned();
             Some(Complaint::new("paused", message, "gaiter resume"))
         }
         IntakeState::DiskLow { free, floor } => {
@@ -111,7 +116,8 @@ fn intake(facts: &Facts) -> Option<Complaint> {
                 bytes(free),
                 bytes(floor)
             );
-            Some(Complaint::new("disk-low", message, "make room; the station goes on by itself"))
+            let remedy = "free some space; the station continues by itself";
+            Some(Complaint::new("disk-low", message, remedy))
         }
     }
 }
@@ -119,8 +125,9 @@ fn intake(facts: &Facts) -> Option<Complaint> {
 fn stores(facts: &Facts, now: Timestamp) -> impl Iterator<Item = Complaint> {
     facts.stores.iter().filter_map(move |(store, facts)| {
         let fault = facts.fault.as_ref().filter(|_| has_lasted(facts.since, now, BLIP))?;
-        let message = format!("the record store \"{store}\" takes nothing: {fault}");
-        let remedy = "see that it is mounted, writable and has room; nothing is lost meanwhile";
+        let message = format!("the record store \"{store}\" accepts no records: {fault}");
+        let remedy =
+            "check that it is mounted, writable and has free space; nothing is lost meanwhile";
         Some(Complaint::new("store-fault", message, remedy))
     })
 }
@@ -137,12 +144,12 @@ fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complain
         SourceState::NotMounted(why) => Some((
             "source-not-mounted",
             format!("export folder {place} is there, but not what should be mounted on it: {why}"),
-            "mount it; what lies in the bare folder is not taken",
+            "mount it; files in the bare folder are not taken in",
         )),
         SourceState::Taken => Some((
             "source-taken",
-            format!("another station on this machine works export folder {place}"),
-            "end one of the two, or give each its own folder; nothing is taken from it here",
+            format!("another station on this machine uses export folder {place}"),
+            "stop one of the two, or give each its own folder; nothing is taken in from it here",
         )),
         SourceState::Stalled => Some((
             "source-stalled",
@@ -154,7 +161,7 @@ fn of_source(place: usize, source: &SourceFacts, now: Timestamp) -> Vec<Complain
     let state = state.map(|(code, message, remedy)| Complaint::new(code, message, remedy));
     let overdue = source.waiting.values().filter(|file| file.overdue).count();
     let files = (overdue > 0).then(|| {
-        let message = format!("export folder {place} holds {} not taken", counted(overdue, "file"));
+        let message = format!("{} in export folder {place} not taken in", counted(overdue, "file"));
         let remedy = "gaiter explain FILE says what each waits for";
         Complaint::new("export-not-taken", message, remedy)
     });
@@ -173,15 +180,15 @@ fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Comp
         }
         PortState::Denied => (
             "trigger-denied",
-            "may not be opened",
-            "give the station's user the port: see 70-gaiter.rules",
+            "cannot be opened (no permission)",
+            "give the station's user access to the port: see 70-gaiter.rules",
         ),
         PortState::Failed => ("trigger-failed", "does not work", "see its cable and its adapter"),
         PortState::Stuck => {
-            ("trigger-stuck", "has a contact that sticks closed", "see the button and its cable")
+            ("trigger-stuck", "has a contact that is stuck closed", "see the button and its cable")
         }
         PortState::Hung => {
-            ("trigger-hung", "does not come back from its driver", "unplug it and plug it in again")
+            ("trigger-hung", "hangs in its driver", "unplug it and plug it in again")
         }
         PortState::NotLooked | PortState::Settling | PortState::Open => {
             ("trigger-unsteady", "comes and goes", "see its cable and its plug")
@@ -202,12 +209,12 @@ fn late(backlog: &Backlog, overdue: Duration, now: Timestamp) -> Option<Complain
     Some(Complaint::new("delivery-overdue", message, remedy))
 }
 
-/// How long ago a time was; none where it lies in the future, for the clock was set back.
+/// How long ago a time was; `None` if it is in the future because the clock was set back.
 pub fn age(since: Timestamp, now: Timestamp) -> Option<Duration> {
     Duration::try_from(now.duration_since(since)).ok()
 }
 
-/// Whether something has lasted so long; one whose beginning lies in the future is taken to be old.
+/// Whether something has lasted for `least`; a start in the future counts as long ago.
 pub fn has_lasted(since: Timestamp, now: Timestamp, least: Duration) -> bool {
     age(since, now).is_none_or(|age| age >= least)
 }
@@ -217,12 +224,12 @@ pub fn ago(since: Timestamp, now: Timestamp) -> String {
     age(since, now).map_or_else(|| "an unknown time".to_owned(), words)
 }
 
-/// A time as people read it, without its fraction.
+/// A time in readable form, without a fraction.
 pub fn utc(time: Timestamp) -> String {
     time.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()
 }
 
-/// A duration as people say it, the largest unit that fits and no fraction.
+/// A duration in readable form, in the largest unit that fits and without a fraction.
 pub fn words(duration: Duration) -> String {
     const UNITS: [(u64, &str); 4] =
         [(86_400, "day"), (3600, "hour"), (60, "minute"), (1, "second")];
@@ -238,7 +245,7 @@ pub fn counted(count: usize, of: &str) -> String {
     if count == 1 { format!("1 {of}") } else { format!("{count} {of}s") }
 }
 
-/// A size as people say it, in decimal units as disks are sold.
+/// A size in readable form, in decimal units as disks are sold.
 pub fn bytes(size: u64) -> String {
     const UNITS: [(u64, &str); 3] = [(1_000_000_000, "GB"), (1_000_000, "MB"), (1000, "kB")];
     match UNITS.into_iter().find(|(length, _)| size >= *length) {

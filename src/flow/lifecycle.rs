@@ -9,28 +9,28 @@
 //!          refused                                           Retry
 //! ```
 //!
-//! Finish, Deliver, Refuse and Gone are the station's own steps, and so is Keep, back from withdrawing to
-//! delivered; the others need a person.
+//! Finish, Deliver, Refuse and Gone are the station's own steps, and so is Keep, from withdrawing back
+//! to delivered; the others need the operator.
 
 /// Where a scan is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScanState {
     /// Its bytes are in the spool; at least one delivery is to be made.
     Spooled,
-    /// Nothing is left to be delivered without a person.
+    /// Nothing is left to be delivered without operator action.
     Delivered,
-    /// It cannot be measured, or its record cannot be stored; it lies in quarantine.
+    /// It cannot be measured, or its record cannot be stored; it is in quarantine.
     Refused,
 }
 
-/// What may happen to a scan.
+/// The possible steps of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ScanStep {
     /// The last pending delivery was made.
     Finish,
     /// It was refused for good.
     Refuse,
-    /// A person wants a delivery made that was not to be made.
+    /// The operator wants a delivery made that was not to be made.
     Reopen,
 }
 
@@ -41,46 +41,46 @@ pub enum DeliveryState {
     Pending,
     /// The store has given its receipt.
     Delivered,
-    /// A person must say whose scan this is.
+    /// The operator must say whose scan this is.
     Held,
-    /// It will not be made: the scan was refused.
+    /// It will not be made, because the scan was refused.
     Refused,
-    /// It was made, or may have been, for nobody or for somebody whose scan it is not; now that whose it
-    /// is has the record, this one is to be taken back.
+    /// It was made, or may have been, without a patient or for the wrong one; now the right patient has
+    /// the record, and this one is to be taken back.
     Withdrawing,
     /// It was taken back.
     Withdrawn,
 }
 
-/// The code of a delivered record that a person takes back from its patient.
+/// The code of a delivered record that the operator takes back from its patient.
 pub const UNASSIGNED: &str = "unassigned";
 
-/// The code of a delivery that was to be made when a person decided otherwise: it may have been made.
+/// The code of a delivery that was due when the operator decided otherwise: it may have been made.
 pub const SUPERSEDED: &str = "superseded";
 
 /// The code of a record that was to be taken back from a store that gives nothing back.
 pub const HANDED_OVER: &str = "result-handed-over";
 
-/// What may happen to a delivery.
+/// The possible steps of a delivery.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum DeliveryStep {
     /// The store gave its receipt.
     Deliver,
     /// The scan was refused.
     Refuse,
-    /// A person wants it tried again.
+    /// The operator wants it tried again.
     Retry,
-    /// A person says that the scan is this patient's.
+    /// The operator says that the scan is this patient's.
     Release,
     /// The record of the same scan has reached the patient it belongs to.
     Withdraw,
     /// The store has taken it back.
     Gone,
-    /// The store gives nothing back: it stays there.
+    /// The store gives nothing back: the record stays there.
     Keep,
 }
 
-/// A step that the state does not allow; always a fault of ours.
+/// A step that the state does not allow; always a bug in gaiter.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the state \"{state}\" does not allow the step {step}")]
 pub struct IllegalStep {
@@ -111,7 +111,7 @@ impl ScanState {
     /// The state after a step.
     ///
     /// # Errors
-    /// [`IllegalStep`] where the state does not allow it.
+    /// [`IllegalStep`] if the state does not allow it.
     pub fn after(self, step: ScanStep) -> Result<ScanState, IllegalStep> {
         match (self, step) {
             (ScanState::Spooled, ScanStep::Finish) => Ok(ScanState::Delivered),
@@ -154,7 +154,7 @@ impl DeliveryState {
     /// The state after a step.
     ///
     /// # Errors
-    /// [`IllegalStep`] where the state does not allow it.
+    /// [`IllegalStep`] if the state does not allow it.
     pub fn after(self, step: DeliveryStep) -> Result<DeliveryState, IllegalStep> {
         use DeliveryState::{Delivered, Held, Pending, Refused, Withdrawing, Withdrawn};
         use DeliveryStep::{Deliver, Gone, Keep, Refuse, Release, Retry, Withdraw};

@@ -1,42 +1,51 @@
-//! What the light at the booth shows. It is bound to delivery, not to receipt: it says "done" when
-//! the record lies in every store. It does not flicker: each signal stands for a while, but a press
-//! is answered at once.
+//! What the light at the booth shows. It follows delivery, not receipt: it shows "done" when the record
+//! is in every store. It does not flicker: each signal stays for a while, but a press is answered at
+//! once.
 
 use std::time::Duration;
 
 use super::booth::Signal;
+use super::health::Complaint;
 
-/// How long a signal stands at least; a shorter one is not seen.
+/// The shortest time for which a signal is shown; a shorter one would not be seen.
 const STANDS: Duration = Duration::from_secs(1);
 
-/// How long "done" stands: the operator is helping the patient out of the booth.
+/// How long "done" is shown: the operator is helping the patient out of the booth.
 const DONE_STANDS: Duration = Duration::from_secs(30);
 
 /// How the last scan ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// Its record lies in every store.
+    /// Its record is in every store.
     Delivered,
-    /// It was refused, or a person must say whose it is.
+    /// It was refused, or the operator must say whose it is.
     NeedsPerson,
 }
 
-/// What is so at the station.
+/// The current situation at the station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Scene {
-    /// The station is not ready, and has said so.
+    /// The station is not ready, and has reported it.
     pub not_ready: bool,
-    /// No export came after the last press.
+    /// No export arrived after the last press.
     pub missed: bool,
-    /// The export of a press is awaited.
+    /// The station waits for the export of a press.
     pub armed: bool,
-    /// A file is coming in, or a scan that came in is on its way to its record.
+    /// A file is arriving, or a scan that has arrived is on its way to its record.
     pub busy: bool,
-    /// How the last scan ended since the last press, and when.
+    /// How the last scan since the last press ended, and when.
     pub last: Option<(Outcome, Duration)>,
 }
 
-/// The light and since when it shows what it shows.
+/// The alarm for an export that did not arrive. The light has its own signal for it.
+pub const NO_EXPORT: &str = "no-export";
+
+/// Whether the station is not ready in a way for which the light has no signal of its own.
+pub fn is_not_ready(complaints: &[Complaint]) -> bool {
+    complaints.iter().any(|complaint| complaint.code != NO_EXPORT)
+}
+
+/// The light, and since when it shows its signal.
 #[derive(Debug, Clone, Copy)]
 pub struct Light {
     shown: Signal,
@@ -60,15 +69,16 @@ impl Light {
     }
 }
 
-/// What matters most comes first. A fresh press is answered even where a person should have looked
-/// at an earlier scan; where the station is not ready nothing else counts.
+/// The most important signal comes first. A new press is answered even if the operator has not dealt
+/// with an earlier scan; if the station is not ready, nothing else counts.
 fn wanted(scene: &Scene, now: Duration) -> Signal {
     match scene {
         Scene { not_ready: true, .. } => Signal::Attention,
         Scene { busy: true, .. } => Signal::Receiving,
         Scene { armed: true, .. } => Signal::Armed,
-        Scene { missed: true, .. } => Signal::NoExport,
+        // The export that is missing may be the one that was held.
         Scene { last: Some((Outcome::NeedsPerson, _)), .. } => Signal::Attention,
+        Scene { missed: true, .. } => Signal::NoExport,
         Scene { last: Some((Outcome::Delivered, at)), .. }
             if now.saturating_sub(*at) < DONE_STANDS =>
         {
@@ -131,11 +141,21 @@ mod tests {
     }
 
     #[test]
+    fn an_export_that_did_not_arrive_is_shown_as_such_and_not_as_a_station_that_is_not_ready() {
+        let no_export =
+            Complaint { code: NO_EXPORT.to_owned(), message: String::new(), remedy: String::new() };
+        assert!(!is_not_ready(&[]) && !is_not_ready(std::slice::from_ref(&no_export)));
+        assert!(is_not_ready(&[no_export, Complaint::journal()]));
+    }
+
+    #[test]
     fn what_a_person_must_see_stays_until_the_next_press() {
         let mut light = Light::new(at(0));
         let held = Scene { last: Some((Outcome::NeedsPerson, at(10))), ..Scene::default() };
         assert_eq!(light.show(&held, at(20)), Signal::Attention);
         assert_eq!(light.show(&held, at(20) + 3600 * SECOND), Signal::Attention);
+        let both = Scene { missed: true, ..held };
+        assert_eq!(light.show(&both, at(20) + 3650 * SECOND), Signal::Attention);
         let missed = Scene { missed: true, ..Scene::default() };
         assert_eq!(light.show(&missed, at(20) + 3700 * SECOND), Signal::NoExport);
         let armed = Scene { armed: true, ..missed };

@@ -1,20 +1,20 @@
-//! The outbox: which delivery is tried when. Each store has its own pace and each delivery its own
-//! pauses, so that neither a store that is away nor a record that cannot be put delays another.
+//! The outbox: when each delivery is tried. Each store has its own pace and each delivery its own
+//! pauses, so that neither a store that is away nor a record that cannot be stored delays another.
 //!
-//! A delivery is tried only at a store that is known to be in reach; a store that is not is asked
-//! from time to time, for ever. Whatever fails is tried again, for ever.
+//! A delivery is tried only at a store that is known to be in reach; a store that is not is asked from
+//! time to time, without limit. Whatever fails is tried again, without limit.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use super::{ScanId, backoff};
 
-/// One delivery, by name.
+/// Identifies one delivery.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Key {
     /// The scan.
     pub scan: ScanId,
-    /// The patient's id; none while nobody named the patient.
+    /// The patient's id; `None` while no patient is named.
     pub patient: Option<String>,
     /// The store's name.
     pub store: String,
@@ -25,25 +25,25 @@ pub struct Key {
 pub enum Ended {
     /// For good: delivered, refused or taken back.
     ForGood,
-    /// It is to be tried again; the fault is not the store's.
+    /// It will be tried again; the fault is not the store's.
     PutOff,
-    /// A record that was to be taken back was changed by somebody and stays until a person has looked
-    /// after it: it is tried again.
+    /// A record that was to be taken back was changed by someone, and stays until the operator has dealt
+    /// with it: taking it back is tried again.
     Kept,
-    /// It is to be tried again, and the store asked whether it is in reach.
+    /// It will be tried again, and the store is asked whether it is in reach.
     StoreFailed,
 }
 
-/// What is to be begun now.
+/// What to start now.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Plan {
-    /// Stores to be asked whether they are in reach.
+    /// Stores to ask whether they are in reach.
     pub ask: Vec<String>,
-    /// Deliveries to be tried, those of one scan and patient together: they share a measurement.
+    /// Deliveries to try, those of one scan and patient together: they share a measurement.
     pub attempts: Vec<Vec<Key>>,
 }
 
-/// What is known of the deliveries' attempts.
+/// What is known about the attempts at deliveries.
 #[derive(Debug, Default)]
 pub struct Outbox {
     stores: BTreeMap<String, Store>,
@@ -51,18 +51,18 @@ pub struct Outbox {
     in_hand: BTreeSet<Key>,
 }
 
-/// How a store is.
+/// The state of a store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Reach {
-    /// Not asked yet, or something failed there since.
+    /// Not asked yet, or something has failed there since.
     Unknown,
     /// It is being asked.
     Asked,
     /// It answered.
     Answers,
-    /// It is to be asked again then.
+    /// It is to be asked again at this time.
     Away { until: Duration },
-    /// Something that was begun there does not come back.
+    /// An operation that was started there does not return.
     Stalled,
 }
 
@@ -79,11 +79,11 @@ struct Pause {
 }
 
 impl Outbox {
-    /// Decides what to begin. `due` are all deliveries to be made, in the order in which they are
-    /// wanted; at most `hands` scans are in hand at a time, those at stalled stores aside.
+    /// Decides what to start. `due` are all deliveries to be made, in the order in which they are
+    /// wanted; at most `hands` scans are in progress at a time, not counting those at stalled stores.
     pub fn plan(&mut self, due: &[Key], now: Duration, hands: usize) -> Plan {
         let mut plan = Plan::default();
-        // What is not due any more needs no pause; so nothing here grows with the years.
+        // A delivery that is no longer due needs no pause; so nothing here grows over the years.
         let names: BTreeSet<&Key> = due.iter().collect();
         self.pauses.retain(|key, _| names.contains(key));
         let mut free = hands.saturating_sub(self.busy());
@@ -100,8 +100,8 @@ impl Outbox {
             let same = |group: &&mut Vec<Key>| {
                 group.first().is_some_and(|k| k.scan == key.scan && k.patient == key.patient)
             };
-            // A person may have decided otherwise while a delivery was in hand: what replaces it comes
-            // after it.
+            // The operator may have decided otherwise while a delivery was in progress: its replacement
+            // comes after it.
             let is_behind =
                 self.in_hand.iter().chain(plan.attempts.iter().flatten()).any(|other| {
                     other.scan == key.scan
@@ -122,7 +122,7 @@ impl Outbox {
         plan
     }
 
-    /// How many scans are in hand at stores that answer.
+    /// How many scans are in progress at stores that answer.
     pub fn busy(&self) -> usize {
         let stalled = |key: &&Key| {
             self.stores.get(&key.store).is_some_and(|store| store.reach == Reach::Stalled)
@@ -147,12 +147,12 @@ impl Outbox {
         };
     }
 
-    /// Something begun at a store does not come back: nothing else is begun there until it does.
+    /// An operation started at a store does not return: nothing else is started there until it does.
     pub fn stalled(&mut self, store: &str) {
         self.stores.entry(store.to_owned()).or_insert(Store::NEW).reach = Reach::Stalled;
     }
 
-    /// An attempt ended; says how long the pause is where there is one.
+    /// An attempt ended; returns the length of the pause, if there is one.
     pub fn ended(
         &mut self,
         key: &Key,
@@ -175,12 +175,12 @@ impl Outbox {
         Some(pause)
     }
 
-    /// A person wants a scan tried now.
+    /// The operator wants a scan tried now.
     pub fn retry_now(&mut self, scan: &ScanId) {
         self.pauses.retain(|key, _| key.scan != *scan);
     }
 
-    /// How long nothing is to be begun by the passing of time alone; none where nothing waits.
+    /// How long until something can start by the passing of time alone; `None` if nothing waits.
     pub fn next_in(&self, now: Duration) -> Option<Duration> {
         let waiting = self.pauses.iter().filter(|(key, _)| !self.in_hand.contains(key));
         let pauses = waiting.map(|(_, pause)| pause.until);

@@ -1,23 +1,23 @@
-//! How long what has served is kept.
+//! How long data is kept after it is no longer needed.
 
 use std::time::Duration;
 
 use jiff::Timestamp;
 
-/// How long each kind of thing is kept; none: for ever.
+/// How long each kind of data is kept; `None` means for ever.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Retention {
-    /// The station's own copy of a scan, counted from the day its last record reached its store.
-    /// Nothing at all keeps it: it goes with the receipt.
+    /// The station's own copy of a scan, counted from the day its last record reached its store. Zero
+    /// means that it is deleted with the receipt.
     pub spool: Duration,
     /// A refused scan and its reason, from the day it was refused.
     pub quarantine: Option<Duration>,
-    /// What the journal knows of a scan whose records all reached their stores, from that day.
+    /// What the journal knows about a scan whose records all reached their stores, from that day.
     pub journal: Option<Duration>,
 }
 
-/// The time before which something must have served to be let go now; none where it is kept.
-/// A clock that jumps back lets nothing go.
+/// Data that was last needed before this time is deleted now; `None` if it is kept. A clock that jumps
+/// back causes no deletion.
 pub fn before(kept: Option<Duration>, now: Timestamp) -> Option<Timestamp> {
     now.checked_sub(kept?).ok()
 }

@@ -2,16 +2,16 @@
 
 use std::fmt;
 
-/// How many characters of an id stand in logs and folder names.
+/// How many characters of an id are used in logs and folder names.
 const SHORT: usize = 8;
 
 /// The SHA-256 of a scan's bytes, 64 lower-case hexadecimal digits; safe as a file name.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
 pub struct ScanId(String);
 
-/// A text that is no scan id.
+/// A text that is not a scan id.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("a scan id has 64 lower-case hexadecimal digits, this text has {len} bytes or others")]
+#[error("a scan id has 64 lower-case hexadecimal digits; this text ({len} bytes) is not one")]
 pub struct NoScanId {
     /// Length of the text, bytes.
     pub len: usize,
@@ -25,7 +25,7 @@ impl ScanId {
         ScanId(digest.iter().flat_map(|byte| [digit(byte >> 4), digit(*byte)]).collect())
     }
 
-    /// Reads an id as it stands in the journal and in folder names.
+    /// Parses an id as written in the journal and in folder names.
     ///
     /// # Errors
     /// [`NoScanId`] for anything but 64 lower-case hexadecimal digits.

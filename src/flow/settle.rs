@@ -1,10 +1,10 @@
-//! When a file has settled: nobody has changed it, or what belongs to it, for the quiet time of our
-//! own monotonic clock.
+//! When a file has settled: neither it nor what belongs to it has changed for the quiet time of our own
+//! monotonic clock.
 //!
-//! The file's own times are compared for change only, never for age: copies may keep old times,
-//! and other machines' clocks differ. A file that goes on changing is waited for without limit.
+//! The file's own times are compared for change only, never for age: copies may keep old times, and
+//! other machines' clocks differ. A file that keeps changing is waited for without limit.
 //!
-//! A settled file is offered at every look until the caller says what became of it:
+//! A settled file is offered at every look until the caller reports the outcome:
 //! [`Settling::taken`], [`Settling::cut_short`], [`Settling::changed`] or [`Settling::failed`].
 
 mod lineage;
@@ -18,9 +18,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::backoff;
-use super::companions::{Companion, Done, Group};
-use super::stamp::Stamp;
-use super::writing::{Appeared, Mark, Writing};
+use super::export::companions::{Companion, Done, Group};
+use super::export::stamp::Stamp;
+use super::export::writing::{Appeared, Mark, Writing};
 use lineage::Departed;
 pub use lineage::Passer;
 pub use memory::{Memory, Remembered};
@@ -30,14 +30,14 @@ pub use wait::{Wait, Waiting};
 /// What one look at a folder found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Look {
-    /// The folder's scans and what belongs to each.
+    /// The folder's scans and the files that belong to each.
     Seen(BTreeMap<PathBuf, Group>),
-    /// The folder could not be listed, or is not the one that should be there.
+    /// The folder could not be listed, or is not the expected one.
     OutOfReach,
 }
 
-/// When a look was taken, on the daemon's monotonic clock. A look at a slow share takes time, and
-/// a file may change in it: quiet time counts from the end of one look to the start of another.
+/// When a look was taken, on the daemon's monotonic clock. A look at a slow share takes time, and a file
+/// may change meanwhile: quiet time counts from the end of one look to the start of another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LookTime {
     /// Before the folder was listed.
@@ -53,24 +53,24 @@ pub struct Settled {
     pub path: PathBuf,
     /// The state in which it was unchanged for the quiet time.
     pub stamp: Stamp,
-    /// What goes with it, unchanged for as long.
+    /// The files that go with it, unchanged for as long.
     pub companions: Vec<Companion>,
-    /// How many files beside it do not, because they are too large or too many.
+    /// How many files beside it do not go with it, because they are too large or too many.
     pub left_out: usize,
-    /// Files beside it may as well belong to another scan, and go with neither.
+    /// Files beside it could equally belong to another scan, and go with neither.
     pub is_shared: bool,
-    /// Its rest has been awaited long enough: it is to be taken even if it is cut short.
+    /// The wait for its rest is over: it is to be taken even if it is cut short.
     pub awaited: bool,
     /// How it was written, as far as looks can tell, on their clock.
     pub writing: Writing,
-    /// It was taken before, and what lies beside it has come or changed since.
+    /// It was taken before, and a file beside it has appeared or changed since.
     pub has_late_companion: bool,
 }
 
 impl Settled {
-    /// What it takes of a disk with what goes with it, bytes.
+    /// Its disk space together with the files that go with it, bytes.
     pub fn bytes(&self) -> u64 {
-        super::companions::bytes(&self.stamp, &self.companions)
+        super::export::companions::bytes(&self.stamp, &self.companions)
     }
 }
 
@@ -80,17 +80,17 @@ pub struct Settling {
     quiet: Duration,
     short_wait: Duration,
     overdue: Duration,
-    /// How long a scan's companions are awaited; none where they name nobody.
+    /// How long to wait for a scan's companions; `None` if they name nobody.
     companion_wait: Option<Duration>,
     files: BTreeMap<PathBuf, Watched>,
-    /// Files that are no scans, by their present names: temporary names of scans to come.
+    /// Files that are not scans, by their present names: temporary names of scans to come.
     passers: BTreeMap<PathBuf, Passer>,
-    /// What the run before knew of files that were not taken, and what is known of those that have just
-    /// left a name that is no scan's.
+    /// What the previous run knew about files that were not taken, and what is known about files that
+    /// have just left a name that is not a scan's.
     remembered: Vec<Remembered>,
-    /// Files that were not taken and have gone; see [`lineage`].
+    /// Files that were not taken and have disappeared; see [`lineage`].
     departed: Vec<Departed>,
-    /// When the last look at the folder began that could be believed.
+    /// When the last look at the folder began that could be trusted.
     last_look: Option<Duration>,
     /// How many files have had their turn; see [`turns`].
     turns: usize,
@@ -100,21 +100,21 @@ pub struct Settling {
 struct Watched {
     group: Group,
     writing: Writing,
-    /// When it appeared, or changed after it was taken: it waits to be taken since then, however often
-    /// it changes.
+    /// When it appeared, or changed after it was taken: it has waited to be taken since then, however
+    /// often it changes.
     since: Duration,
-    /// Its content has changed since part of it was read last.
+    /// Its content has changed since part of it was last read.
     is_unmarked: bool,
     /// Since when the scan itself has not changed.
     unchanged_since: Duration,
-    /// Since when neither it nor what belongs to it has changed.
+    /// Since when neither it nor the files that belong to it have changed.
     quiet_since: Duration,
     failures: u32,
     next: Next,
     /// The folder was out of reach; the quiet time starts when the file is seen again.
     is_lost: bool,
     is_overdue: bool,
-    /// What lies beside it has come or changed since it was taken.
+    /// A file beside it has appeared or changed since it was taken.
     has_late_companion: bool,
 }
 
@@ -123,7 +123,7 @@ struct Watched {
 enum Next {
     /// The end of its quiet time.
     Quiet,
-    /// Its rest, or the end of the wait for it.
+    /// The rest of its content, or the end of the wait for it.
     Rest,
     /// The time of the next attempt to take it.
     Attempt(Duration),
@@ -148,8 +148,8 @@ impl Watched {
         }
     }
 
-    /// The file as it is after a look that found it like this; `news` is what is known of the content
-    /// of a file whose stamp has changed, and `asks` whether what lies beside it names the patient.
+    /// The file after a look that found it like this; `news` is what is known about the content of a
+    /// file whose stamp has changed, and `asks` is whether the files beside it name the patient.
     fn seen(mut self, group: Group, news: Option<Writing>, now: Duration, asks: bool) -> Watched {
         let is_taken = self.next == Next::Taken;
         if news.is_some() || self.is_lost {
@@ -160,7 +160,7 @@ impl Watched {
         }
         let has_news_beside = self.group.companions != group.companions;
         if is_taken && asks && has_news_beside && !group.companions.is_empty() {
-            // It comes late, and may name the patient all the same.
+            // It arrives late, but may still name the patient.
             (self.next, self.has_late_companion) = (Next::Quiet, true);
             (self.since, self.quiet_since) = (now, now);
         } else if self.group != group && !is_taken {
@@ -172,8 +172,9 @@ impl Watched {
 }
 
 impl Settling {
-    /// Nothing seen yet. `quiet` unchanged is settled; a file cut short is awaited `short_wait`
-    /// since its last change; one that is kept from being taken for `overdue` is worth an alarm.
+    /// Nothing seen yet. A file unchanged for `quiet` has settled; the rest of a file cut short is
+    /// waited for until `short_wait` after its last change; a file kept from being taken for `overdue`
+    /// raises an alarm.
     pub fn new(quiet: Duration, short_wait: Duration, overdue: Duration) -> Settling {
         let short_wait = short_wait.max(quiet);
         let files = BTreeMap::new();
@@ -193,13 +194,14 @@ impl Settling {
         }
     }
 
-    /// The same where what lies beside a scan names its patient: a scan waits so long for it, and is
-    /// offered once more where it comes later.
+    /// For scans whose patient is named by the files beside them: a scan waits this long for such a
+    /// file, and is offered once more if one arrives later.
     pub fn awaiting_companions(self, wait: Duration) -> Settling {
         Settling { companion_wait: Some(wait), ..self }
     }
 
-    /// Takes in a look; returns the files to be taken now, each in its turn: fresh files first, and of every few one that waits long.
+    /// Processes a look; returns the files to take now, each in its turn: fresh files first, but every
+    /// few turns one that has waited long.
     pub fn observe(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
         let Look::Seen(seen) = look else {
             self.slept();
@@ -224,15 +226,15 @@ impl Settling {
         self.due(when.began)
     }
 
-    /// Time has passed that is not quiet time: the folder was out of reach, or the machine slept, and the
-    /// writer may have been cut off, too.
+    /// Time has passed that is not quiet time: the folder was out of reach, or the machine slept, and
+    /// the writer may have been cut off, too.
     pub fn slept(&mut self) {
         for file in self.files.values_mut() {
             file.is_lost = file.next != Next::Taken;
         }
     }
 
-    /// What is known of the contents of files that are new or have changed since the last look.
+    /// What is known about the contents of files that are new or have changed since the last look.
     fn news(&self, seen: &BTreeMap<PathBuf, Group>, when: LookTime) -> BTreeMap<PathBuf, Writing> {
         let is_news = |(path, group): &(&PathBuf, &Group)| {
             self.files.get(*path).is_none_or(|known| known.group.stamp != group.stamp)
@@ -270,8 +272,8 @@ impl Settling {
         self.due_at(file).is_some_and(|at| at <= now)
     }
 
-    /// When a file may be taken if it does not change before; none once it is taken, and none
-    /// while something else must happen first.
+    /// When a file can be taken if it does not change before; `None` once it is taken, and while
+    /// something else must happen first.
     fn due_at(&self, file: &Watched) -> Option<Duration> {
         if file.group.done == Done::Missing || file.is_lost {
             return None;
@@ -290,13 +292,12 @@ impl Settling {
         }
     }
 
-    /// When the next file may be due, so that a look before then finds nothing to take.
+    /// When the next file may be due; a look before then finds nothing to take.
     pub fn next_due(&self) -> Option<Duration> {
         self.files.values().filter_map(|file| self.due_at(file)).min()
     }
 
-    /// The file has been taken in this state, or refused unread; it is not offered again until it
-    /// changes.
+    /// The file was taken in this state, or refused unread; it is not offered again until it changes.
     pub fn taken(&mut self, settled: &Settled) {
         self.had_its_turn(settled, |file| file.next = Next::Taken);
     }
@@ -310,8 +311,8 @@ impl Settling {
         }
     }
 
-    /// The file's own format shows that more is to come; it is offered again once it has changed
-    /// and settled, or has been awaited long enough.
+    /// The file's own format shows that more is to come; it is offered again once it has changed and
+    /// settled, or has been waited for long enough.
     pub fn cut_short(&mut self, settled: &Settled) {
         self.had_its_turn(settled, |file| file.next = Next::Rest);
     }
@@ -348,7 +349,7 @@ impl Settling {
         untaken.map(move |(path, file)| (path.as_path(), self.wait(file, now)))
     }
 
-    /// How many files have become overdue since this was asked last.
+    /// How many files have become overdue since the last call.
     pub fn newly_overdue(&mut self, now: Duration) -> usize {
         let mut files = std::mem::take(&mut self.files);
         let mut count = 0;

@@ -1,24 +1,24 @@
-//! The time by which old things are let go. A clock on the wall that has jumped ahead makes everything
-//! old; what such a jump makes due waits until the station has run for a day, in which somebody may
-//! notice and set the clock right.
+//! The time by which old data is deleted. A wall clock that has jumped ahead makes everything look old;
+//! deletions caused by such a jump wait until the station has run for a day, in which someone may notice
+//! and correct the clock.
 
 use std::time::Duration;
 
 use jiff::{SignedDuration, Timestamp};
 use serde::{Deserialize, Serialize};
 
-/// A clock that is set by more than this has jumped. Clocks that drift are set by seconds, summer time
-/// by none: times are UTC.
+/// A clock that is set by more than this has jumped. Drifting clocks are corrected by seconds, and
+/// summer time has no effect: times are UTC.
 const JUMP: SignedDuration = SignedDuration::from_hours(1);
 
-/// What a jump makes due waits for so long, while the station runs.
+/// How long deletions caused by a jump wait, while the station runs.
 const WAIT: Duration = Duration::from_hours(24);
 
-/// The clock on the wall, and the jumps ahead that are not believed yet.
+/// The wall clock, and the jumps ahead that are not trusted yet.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct TrustedTime {
     seen: Option<Seen>,
-    /// How long the station has been running in all.
+    /// How long the station has been running in total.
     running: Duration,
     ahead: Vec<Jump>,
 }
@@ -26,18 +26,18 @@ pub struct TrustedTime {
 /// The clocks at one moment.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Seen {
-    /// The clock on the wall.
+    /// The wall clock.
     pub wall: Timestamp,
     /// The machine's clock since its start.
     pub since_boot: Duration,
-    /// What tells this start of the machine from another.
+    /// Identifies this start of the machine.
     pub boot: String,
 }
 
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 struct Jump {
     by: SignedDuration,
-    /// How long the station had been running.
+    /// How long the station had been running in total.
     at: Duration,
 }
 
@@ -52,7 +52,7 @@ impl Seen {
         now.since_boot.saturating_sub(before)
     }
 
-    /// By how much the clock on the wall has gone on beyond that.
+    /// How far the wall clock has moved beyond that.
     fn jump(&self, now: &Seen) -> SignedDuration {
         let passed = SignedDuration::try_from(self.until(now)).unwrap_or(SignedDuration::MAX);
         now.wall.duration_since(self.wall).saturating_sub(passed)
@@ -60,8 +60,8 @@ impl Seen {
 }
 
 impl TrustedTime {
-    /// The same at this moment. `ran` says whether the station has been running since the last one. While
-    /// the machine is off nothing tells how much time passes, so that counts as a jump, too.
+    /// The state at this moment. `ran` is whether the station has been running since the last one. While
+    /// the machine is off, nothing measures how much time passes, so that counts as a jump, too.
     pub fn at(mut self, now: Seen, ran: bool) -> TrustedTime {
         if let Some(seen) = &self.seen {
             if ran && seen.is_same_start(&now) {
@@ -80,12 +80,12 @@ impl TrustedTime {
         self
     }
 
-    /// Whether the clock has jumped since.
+    /// Whether the clock has jumped since the last moment.
     pub fn is_jump(&self, now: &Seen) -> bool {
         self.seen.as_ref().is_some_and(|seen| seen.jump(now).abs() > JUMP)
     }
 
-    /// The clock was set back: that takes back the last jumps ahead.
+    /// The clock was set back: that undoes the latest jumps ahead.
     fn goes_back(&mut self, mut by: SignedDuration) {
         while let Some(jump) = self.ahead.last_mut() {
             jump.by = jump.by.saturating_add(by);
@@ -97,7 +97,7 @@ impl TrustedTime {
         }
     }
 
-    /// The time that is believed; none before the first moment.
+    /// The trusted time; `None` before the first moment.
     pub fn now(&self) -> Option<Timestamp> {
         let ahead = self.ahead.iter().map(|jump| jump.by);
         let ahead = ahead.fold(SignedDuration::ZERO, SignedDuration::saturating_add);
@@ -121,7 +121,7 @@ mod tests {
         Seen { wall: wall(wall_s), since_boot, boot: boot.to_owned() }
     }
 
-    /// From the beginning, an hour of running at a time.
+    /// Runs the station from `from` on, an hour at a time.
     fn run(time: TrustedTime, from: Seen, hours: u64) -> (TrustedTime, Seen) {
         let hour = Duration::from_secs(HOUR);
         (0..hours).fold((time, from), |(time, last), _| {
@@ -161,7 +161,7 @@ mod tests {
         let time = time.at(seen(400 * DAY + HOUR, 60 + HOUR, "a"), true);
         let time = time.at(seen(2 * HOUR, 60 + 2 * HOUR, "a"), true);
         assert_eq!(time.now(), Some(wall(2 * HOUR)));
-        // One that is only set back makes nothing due.
+        // A clock that is only set back makes nothing due.
         let time = time.at(seen(0, 60 + 3 * HOUR, "a"), true);
         assert_eq!(time.now(), Some(wall(0)));
     }

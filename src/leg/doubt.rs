@@ -3,58 +3,58 @@
 /// A reason not to trust a landmark blindly.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Doubt {
-    /// The extremum hardly stands out.
+    /// The extremum is hardly prominent.
     #[error("the extremum stands out by only {prominence_mm:.1} mm")]
     Shallow {
-        /// How far it stands out, mm.
+        /// Its prominence, mm.
         prominence_mm: f64,
     },
-    /// The height of the extremum is not determined.
+    /// The height of the extremum is poorly determined.
     #[error("the girth is flat there: its height is uncertain by {height_sd_mm:.0} mm")]
     Flat {
         /// Standard error of the height, mm.
         height_sd_mm: f64,
     },
-    /// Another extremum of the same kind cannot be told from this one.
+    /// Another extremum of the same kind is equal to this one within the noise.
     #[error("the girth at {other_height_mm:.0} mm is the same within the noise")]
     Double {
-        /// Height of the other's centre above the floor, mm.
+        /// Height of the other extremum's centre above the floor, mm.
         other_height_mm: f64,
     },
-    /// The extremum lies at an end of what was searched.
+    /// The extremum lies at an end of the searched range.
     #[error("the extremum lies {end_mm:.0} mm from the end of what was searched or seen")]
     Edge {
         /// Distance to the end along the axis, mm.
         end_mm: f64,
     },
-    /// The skin there has a gap.
+    /// The skin at the level has a gap.
     #[error("{gap_deg:.0} degrees of the skin were not seen there")]
     Gap {
         /// Width of the gap as seen from the section's centre, degrees.
         gap_deg: f64,
     },
-    /// The points there are not one skin.
+    /// The points at the level do not form a single skin.
     #[error("the points scatter by {rms_mm:.1} mm there: cloth, a second layer, or a movement?")]
     Scatter {
         /// Root mean square distance of the points from the section, mm.
         rms_mm: f64,
     },
-    /// The skin there is longer than a tape around it.
+    /// The skin at the level is longer than a tape around it.
     #[error("the skin is {percent:.1} % longer than a tape around it: is it folded there?")]
     Folds {
         /// Excess of the contour over the tape girth, percent.
         percent: f64,
     },
-    /// The sections there could not be measured; the curve bridges them.
+    /// The sections at the level could not be measured; the curve bridges them.
     #[error("the skin there was not seen; the girth is bridged")]
     NotSeen,
-    /// A knee that would lie below D.
+    /// The knee would lie below D.
     #[error("by its proportion the knee would lie below D, which is at {d_height_mm:.0} mm")]
     BelowD {
         /// Height of D, mm.
         d_height_mm: f64,
     },
-    /// The tape is closed along the floor, where no scanner looks.
+    /// The tape is closed along the floor, which no scanner sees.
     #[error("the sole is not seen; the tape is closed along the floor")]
     SoleNotSeen,
 }

@@ -1,4 +1,6 @@
-//! What the operator or a later step must know: findings about a scan or leg, doubts about a level.
+//! Information for the operator or a later step: findings about a scan or leg, doubts about a level.
+
+use std::fmt;
 
 use super::doubt::Doubt;
 use super::level::Level;
@@ -16,7 +18,7 @@ use crate::leg::surface::nurbs::NoSurface;
 pub enum Severity {
     /// Worth knowing.
     Info,
-    /// Look before you use the record.
+    /// Check before you use the record.
     Warning,
     /// Something was not measured.
     Error,
@@ -33,18 +35,18 @@ impl Severity {
     }
 }
 
-/// Something that must be known about a scan, a leg or a level.
+/// Information about a scan, a leg or a level.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Finding {
-    /// Which leg, where it is one leg's.
+    /// The leg, if the finding is about one leg.
     pub side: Option<Side>,
-    /// Which level, where it is one level's.
+    /// The level, if the finding is about one level.
     pub level: Option<Level>,
-    /// What.
+    /// What was found.
     pub what: What,
 }
 
-/// What was found, with its figures.
+/// What was found, with its values.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum What {
     /// The level is not on this leg.
@@ -53,13 +55,13 @@ pub enum What {
     /// A girth that no leg has.
     #[error("a girth of {girth_mm:.0} mm is no leg's: the level is left out")]
     LevelImplausible {
-        /// What was measured, mm.
+        /// The measured girth, mm.
         girth_mm: f64,
     },
-    /// Nobody saw the feet, and the declared facing was believed.
+    /// The feet were not seen, so the declared facing is unchecked.
     #[error("left and right rest on the declared facing alone: {0}")]
     FacingUnchecked(FeetUnclear),
-    /// An OBJ that holds not one face: where it was cut is not to be seen.
+    /// An OBJ file without any faces, so a cut cannot be detected.
     #[error(
         "the file holds points but no faces, and was measured by its points: was the export cut \
          short, or the mesh left out?"
@@ -71,10 +73,10 @@ pub enum What {
          parted along the fold, and the skin in it was not seen"
     )]
     ThighsTouch {
-        /// Height from which on they touch, mm.
+        /// Height above which they touch, mm.
         from_mm: f64,
     },
-    /// A crotch where hardly anybody has it.
+    /// A crotch at an unusual height.
     #[error(
         "the crotch is at {percent:.0} % of the stature, where nearly everybody has it at 44 to 53 %: \
          are head and feet whole in the scan?"
@@ -83,10 +85,10 @@ pub enum What {
         /// Height of the crotch, percent of the stature.
         percent: f64,
     },
-    /// A leg that ends below the crotch.
+    /// The leg ends below the crotch.
     #[error("the leg is seen up to {end_mm:.0} mm only: nothing was measured above")]
     LegCut {
-        /// Height of its last skin, mm.
+        /// Height of its highest skin, mm.
         end_mm: f64,
     },
     /// A doubt about a landmark.
@@ -112,7 +114,7 @@ pub enum What {
         /// Wanted upper end, height in mm.
         wanted_to_mm: f64,
     },
-    /// The surface bridges what the scanner did not see.
+    /// The surface bridges areas that the scanner did not see.
     #[error(
         "the surface bridges {count} {}; the largest is {length_mm:.0} mm long, {width_mm:.0} mm wide, \
          at {height_mm:.0} mm and {angle_deg:.0} degrees from the front",
@@ -130,18 +132,18 @@ pub enum What {
         /// Angle of its middle, degrees: 0 front, 90 lateral.
         angle_deg: f64,
     },
-    /// There is no girth at a height that was asked for.
+    /// No girth at a requested height.
     #[error("no girth at {height_mm:.0} mm: {why}")]
     HeightNotMeasured {
         /// The height above the floor, mm.
         height_mm: f64,
-        /// Why not.
+        /// The reason.
         why: NoGirth,
     },
-    /// The legs differ as much as by a swelling.
+    /// The legs differ enough for a swelling.
     #[error(transparent)]
     LegsDiffer(#[from] LegsDiffer),
-    /// What the scanner's own measures say to these.
+    /// The scanner's own measures disagree with ours.
     #[error(transparent)]
     SecondOpinion(#[from] SecondOpinion),
 }
@@ -149,13 +151,13 @@ pub enum What {
 /// Why a leg could not be measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LegFault {
-    /// It is not in the scan.
+    /// The leg is not in the scan.
     #[error("it is not in the scan, or ends below the calf")]
     NotThere,
-    /// It has no axis.
+    /// The leg has no axis.
     #[error(transparent)]
     Axis(#[from] AxisFault),
-    /// It has hardly any points.
+    /// The leg has hardly any points.
     #[error("the leg has too few points")]
     TooFewPoints,
     /// Too few sections close.
@@ -171,6 +173,19 @@ pub enum LegFault {
 impl From<SecondOpinion> for Finding {
     fn from(opinion: SecondOpinion) -> Finding {
         Finding { side: None, level: None, what: What::SecondOpinion(opinion) }
+    }
+}
+
+impl fmt::Display for Finding {
+    /// In English, with the leg and the level.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.side, self.level) {
+            (Some(side), Some(level)) => write!(f, "{} leg, {}: ", side.word(), level.name())?,
+            (Some(side), None) => write!(f, "{} leg: ", side.word())?,
+            (None, Some(level)) => write!(f, "{}: ", level.name())?,
+            (None, None) => {}
+        }
+        self.what.fmt(f)
     }
 }
 

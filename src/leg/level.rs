@@ -1,4 +1,4 @@
-//! The levels of a leg by name, and by what each is found.
+//! The levels of a leg: their names and how each is found.
 
 use std::fmt;
 
@@ -7,12 +7,12 @@ use std::fmt;
 pub enum Level {
     /// Around the heads of the metatarsals.
     A,
-    /// Over heel and instep, the tape at 45°: no section across the leg.
+    /// Over heel and instep, the tape at 45°; not a section across the leg.
     Y,
     /// Smallest girth above the malleoli.
     B,
-    /// Where the Achilles tendon meets the muscle: largest slope of the girth between B and C, or
-    /// at a fixed height above B.
+    /// Where the Achilles tendon meets the muscle: the largest slope of the girth between B and C,
+    /// or a fixed height above B.
     B1,
     /// Largest girth of the calf.
     C,
@@ -31,8 +31,8 @@ impl Level {
     pub const ALL: [Level; 9] =
         [Level::A, Level::Y, Level::B, Level::B1, Level::C, Level::D, Level::E, Level::F, Level::G];
 
-    /// The levels that every leg is searched for, lowest first (paper 1.2): each is found or its
-    /// absence is a finding.
+    /// The levels that are searched for on every leg, lowest first (paper 1.2): each is found, or
+    /// its absence is a finding.
     pub const SOUGHT: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
 
     /// The name used on paper and in records.
@@ -51,7 +51,7 @@ impl Level {
     }
 }
 
-/// By what a level is found or, where it is not on the skin, estimated.
+/// How a level is found or, if it is not visible on the skin, estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum By {
     /// A turning point of the girth curve.
@@ -68,7 +68,7 @@ pub enum By {
         /// The distance, mm.
         distance_mm: f64,
     },
-    /// A tape at 45° from where heel and floor meet, over the instep.
+    /// A tape at 45° from the point where heel and floor meet, over the instep.
     HeelTape,
     /// A share of the crotch's height.
     CrotchShare {

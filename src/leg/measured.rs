@@ -1,4 +1,4 @@
-//! What is measured on one leg, as data.
+//! The measurements of one leg, as data.
 
 use super::level::Level;
 use super::side::Side;
@@ -13,34 +13,34 @@ use crate::leg::sections::section::Section;
 use crate::leg::surface::nurbs::LegSurface;
 use crate::leg::surface::shape::{OnPlane, Shape};
 
-/// Everything measured on one leg.
+/// All measurements of one leg.
 #[derive(Debug, Clone)]
 pub struct LegReport {
     /// Whose leg.
     pub side: Side,
     /// The leg's axis and the frame of its sections.
     pub axis: LegAxis,
-    /// Levels found, lowest first; absent ones are not here.
+    /// Levels found, lowest first; absent ones are not included.
     pub landmarks: Vec<Landmark>,
-    /// Levels that only a proportion gives, lowest first.
+    /// Levels known only by proportion, lowest first.
     pub estimates: Vec<Estimate>,
-    /// The foot, where it is seen from heel to toes.
+    /// The foot, if it was seen from heel to toes.
     pub foot: Option<Foot>,
     /// Girth over height.
     pub girth_curve: GirthCurve,
     /// The section at each level found from the ankle up, with its feature points.
     pub level_sections: Vec<LevelSection>,
-    /// The surface, where enough of the leg is seen.
+    /// The surface, if enough of the leg was seen.
     pub surface: Option<LegSurface>,
     /// Its shape, for pictures.
     pub shape: Shape,
     /// Volumes.
     pub volume: LegVolume,
-    /// Girths at the heights that were asked for.
+    /// Girths at the requested heights.
     pub at: Vec<AtHeight>,
 }
 
-/// The section at a level and what was found on it.
+/// The section at a level and its features.
 #[derive(Debug, Clone)]
 pub struct LevelSection {
     /// Which level.
@@ -49,6 +49,6 @@ pub struct LevelSection {
     pub section: Section,
     /// The scan's own points on its plane, for pictures.
     pub scan: Vec<OnPlane>,
-    /// P1, P2, … in order around from the front.
+    /// P1, P2, … in order around the section from the front.
     pub features: Vec<Feature>,
 }

@@ -1,9 +1,10 @@
-//! The choices of the method: what the export declares, and which of the paper's steps are used.
+//! The choices of the method: the properties declared for the export, and the steps of the paper to
+//! use.
 
 use super::side::Side;
 pub use crate::spline::Knots;
 
-/// How to read and measure a scan. `Default` is what gaiter does when nobody chooses.
+/// How to read and measure a scan. `Default` is the method without any choices by the user.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Method {
     /// What is in the scan.
@@ -12,33 +13,32 @@ pub struct Method {
     pub unit: UnitChoice,
     /// The export's axis that points up.
     pub up: Up,
-    /// Where the toes are declared to point, if anybody declared it.
+    /// The declared direction of the toes, if any.
     pub facing: FacingChoice,
-    /// What the sections are taken from.
+    /// The source of the sections.
     pub fit: SectionFit,
-    /// What a leg is made upright by.
+    /// The axis along which a leg is made upright.
     pub axis: AxisFit,
     /// How the surface is fitted.
     pub surface: SurfaceMethod,
-    /// Heights above the floor at which girths are wanted besides the levels, mm, in the order
-    /// they are reported in.
+    /// Additional heights above the floor at which girths are wanted, mm, in the order of the report.
     pub at_heights_mm: Vec<f64>,
-    /// Which of several definitions holds for levels that have more than one.
+    /// The chosen definitions of levels that have more than one.
     pub levels: LevelChoices,
 }
 
 /// How a leg's surface is fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfaceMethod {
-    /// What it is fitted to.
+    /// The data it is fitted to.
     pub from: SurfaceFrom,
-    /// Rows and columns of control points, along and around; none: as many as the leg is long.
+    /// Rows and columns of control points, along and around; `None` chooses them by the leg's length.
     pub control_points: Option<[usize; 2]>,
-    /// Where its knots lie.
+    /// The placement of its knots.
     pub knots: Knots,
 }
 
-/// What a surface is fitted to.
+/// The data that a surface is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SurfaceFrom {
     /// The grid of the sections.
@@ -64,13 +64,13 @@ impl Default for SurfaceMethod {
     }
 }
 
-/// What is in the scan.
+/// The contents of the scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Scope {
     /// A whole standing body.
     #[default]
     Body,
-    /// One leg or lower leg with its foot, alone; a lone leg does not show whose it is.
+    /// One leg or lower leg with its foot, alone; the scan does not show which side it is.
     Leg(Side),
 }
 
@@ -85,19 +85,19 @@ impl Scope {
     }
 }
 
-/// The definitions of the levels that makers define in more than one way.
+/// The definitions of the levels that manufacturers define in more than one way.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LevelChoices {
-    /// Where B1 is.
+    /// The definition of B1.
     pub b1: B1,
     /// How far below the crotch G is, mm.
     pub g_below_crotch_mm: f64,
 }
 
-/// Where B1 is.
+/// The definition of B1.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum B1 {
-    /// Where the girth grows most between B and C (the paper's).
+    /// Where the girth grows fastest between B and C (the paper's definition).
     #[default]
     Steepest,
     /// At a fixed height above B.
@@ -109,8 +109,9 @@ pub enum B1 {
 
 impl Default for LevelChoices {
     fn default() -> LevelChoices {
-        // Makers put G 2 to 5 cm below the crotch. 5 cm, since a section square to a leg that leans
-        // by 10° reaches 15 mm higher on the medial side, and thighs that touch do so at the top.
+        // Manufacturers put G 2 to 5 cm below the crotch. 5 cm is used, because a section
+        // perpendicular to a leg that leans by 10° reaches 15 mm higher on the medial side, and
+        // thighs that touch do so at the top.
         LevelChoices { b1: B1::Steepest, g_below_crotch_mm: 50.0 }
     }
 }
@@ -128,7 +129,7 @@ impl B1 {
 /// The unit of the export's coordinates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum UnitChoice {
-    /// The one unit that alone gives a plausible stature.
+    /// The only unit that gives a plausible stature.
     #[default]
     Auto,
     /// Declared; still checked against a plausible stature.
@@ -196,13 +197,13 @@ impl Up {
     }
 }
 
-/// Where the toes point in the export's own axes.
+/// The direction of the toes in the export's own axes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum FacingChoice {
     /// Found from the feet.
     #[default]
     Auto,
-    /// Declared; feet that contradict it refuse the scan.
+    /// Declared; feet that contradict it cause a refusal.
     Declared(Axis),
 }
 
@@ -238,7 +239,7 @@ pub enum Axis {
     MinusZ,
 }
 
-/// What the sections of a leg are taken from, and which curve each of them is.
+/// The source of a leg's sections and the curve that each of them is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SectionFit {
     /// The section through the leg's skin as one smooth function of angle and height, fitted to all
@@ -248,8 +249,8 @@ pub enum SectionFit {
     /// Radius over angle as a periodic smoothing spline, C2 across the seam, through the crossings
     /// of the mesh with the plane.
     Periodic,
-    /// The paper's: radius over angle in (−π, π] as a polynomial of order 15, through where the
-    /// lines between nearest points on both sides of the plane meet it.
+    /// The paper's method: radius over angle in (−π, π] as a polynomial of order 15, through the
+    /// points where the lines between nearest points on both sides of the plane intersect it.
     Paper,
 }
 
@@ -264,13 +265,13 @@ impl SectionFit {
     }
 }
 
-/// The line laid through a leg as its axis.
+/// The line used as a leg's axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AxisFit {
-    /// Through the centroids of its sections between ankle and groin, each of equal weight.
+    /// Through the centroids of its sections between ankle and groin, all with equal weight.
     #[default]
     Centroids,
-    /// The paper's: the first principal component of its points from the floor to the crotch.
+    /// The paper's method: the first principal component of its points from the floor to the crotch.
     Principal,
 }
 

@@ -1,5 +1,5 @@
-//! [`Scan`](crate::scan::Scan) → [`Extraction`]: the method of Wang, Wu and Li (2022), a folder per
-//! step and a file per stage.
+//! [`Scan`](crate::scan::Scan) → [`Extraction`]: the method of Wang, Wu and Li (2022), with one
+//! folder per step and one file per stage.
 //!
 //! | step | paper | where |
 //! |---|---|---|
@@ -11,8 +11,8 @@
 //! | quasi-grid, NURBS surface, its error and holes | 2 | [`surface`] |
 //! | volumes, the legs' differences, the scanner's own measures | – | [`comparison`] |
 //!
-//! [`report`] calls them in this order for one leg; what it says of the leg is in [`measured`],
-//! [`finding`] and [`doubt`].
+//! [`report`] calls them in this order for one leg; its results are in [`measured`], [`finding`]
+//! and [`doubt`].
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
@@ -47,7 +47,7 @@ pub use parting::crotch::{Crotch, CrotchFrom};
 pub use parting::segment::SegmentFault;
 pub use side::Side;
 
-/// What one scan gave: the legs that could be measured and what must be known about them.
+/// The result for one scan: the legs that could be measured, and the findings.
 #[derive(Debug, Clone)]
 pub struct Extraction {
     /// The body they belong to.
@@ -62,30 +62,30 @@ pub struct Extraction {
     pub crotch: Crotch,
     /// Measured legs, left before right; at least one.
     pub legs: Vec<LegReport>,
-    /// How they differ; none where there is only one.
+    /// The differences between the legs; `None` if there is only one.
     pub differences: Option<Differences>,
-    /// What must be known, in the order of the stages.
+    /// Findings, in the order of the stages.
     pub findings: Vec<Finding>,
 }
 
 /// Why a whole scan cannot be measured.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Refusal {
-    /// The bytes are no scan.
+    /// The bytes are not a scan.
     #[error(transparent)]
     Scan(#[from] ScanFault),
-    /// The scan is no standing body.
+    /// The scan is not a standing body.
     #[error(transparent)]
     Body(#[from] BodyFault),
-    /// The legs cannot be parted.
+    /// The legs cannot be separated.
     #[error(transparent)]
     Segment(#[from] SegmentFault),
     /// Neither leg can be measured.
     #[error("neither leg can be measured: left: {left}; right: {right}")]
     NoLeg {
-        /// Why not the left.
+        /// The fault of the left leg.
         left: LegFault,
-        /// Why not the right.
+        /// The fault of the right leg.
         right: LegFault,
     },
 }
@@ -105,7 +105,7 @@ impl Refusal {
 /// Measures both legs in the bytes of one export.
 ///
 /// # Errors
-/// A [`Refusal`] where nothing at all can be measured; a leg or level that cannot be measured is a
+/// A [`Refusal`] if nothing at all can be measured; a leg or level that cannot be measured is a
 /// finding in the extraction, not an error.
 pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extraction, Refusal> {
     let scan = scan::read(bytes, format)?;
@@ -120,7 +120,7 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
         return Err(Refusal::NoLeg { left: left.clone(), right: right.clone() });
     }
     let mut findings = about_body(&body, &cut.crotch);
-    // Other formats of points say themselves how many there are, or are meant for nothing else.
+    // Other point formats state their number of points, or contain only points by design.
     if scan.triangles.is_empty() && format == Format::Obj {
         findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
     }
@@ -131,7 +131,7 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
                 legs.push(leg);
                 findings.extend(found);
             }
-            // The scan of a lone leg lacks no other.
+            // A scan of a lone leg is not missing the other one.
             Err(LegFault::NotThere) if body.stature_mm.is_none() => {}
             Err(fault) => {
                 let what = What::LegNotMeasured(fault);
@@ -154,11 +154,12 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
     })
 }
 
-/// Crotches of standing people as shares of stature: ANSUR II, mean 0.48, first to last percentile
-/// 0.45 to 0.52, with some room. A head or the feet that are missing move it out.
+/// Usual crotch heights of standing people as shares of stature: ANSUR II, mean 0.48, first to last
+/// percentile 0.45 to 0.52, with some room. A missing head or missing feet shift the share out of
+/// this range.
 const CROTCH_USUAL_SHARE: [f64; 2] = [0.435, 0.535];
 
-/// What must be known about the body as a whole.
+/// The findings about the body as a whole.
 fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
     let mut found = Vec::new();
     if let FacingFrom::Declared(unclear) = body.facing_from {
@@ -176,7 +177,7 @@ fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
     found.into_iter().map(|what| Finding { side: None, level: None, what }).collect()
 }
 
-/// The findings about legs that differ.
+/// The findings about differences between the legs.
 fn swellings(differences: &Differences) -> impl Iterator<Item = Finding> {
     let finding = |(level, differ)| Finding { side: None, level, what: What::LegsDiffer(differ) };
     differences.swellings().into_iter().map(finding)

@@ -27,7 +27,7 @@ use crate::leg::surface::shape::{Shape, on_planes};
 /// The surface covers at least this much below B and above D, mm.
 const SURFACE_MARGIN_MM: f64 = 20.0;
 
-/// Where B is absent the surface begins above the malleoli, as a share of stature.
+/// The surface begins here if B is absent, as a share of stature: above the malleoli.
 const ANKLE_STATURE_SHARE: f64 = 0.06;
 
 /// The lowest section, as a share of stature: above the instep, below every malleolus.
@@ -36,7 +36,7 @@ const LOWEST_STATURE_SHARE: f64 = 0.035;
 /// Measures one leg.
 ///
 /// # Errors
-/// A [`LegFault`] where the leg has no axis or hardly any closed section.
+/// A [`LegFault`] if the leg has no axis or hardly any closed section.
 pub fn leg_report(
     leg: &Leg,
     body: &Body,
@@ -116,7 +116,7 @@ pub fn leg_report(
     Ok((report, findings.found))
 }
 
-/// What is measured at the levels of a leg.
+/// The measurements at the levels of a leg.
 struct Measures {
     levels: Levels,
     estimates: Vec<Estimate>,
@@ -154,7 +154,7 @@ fn measures(
     Measures { levels, estimates, foot: figures }
 }
 
-/// The heights between which the surface must lie, mm.
+/// The heights that the surface must cover, mm.
 fn surface_heights_mm(landmarks: &[Landmark], stature_mm: f64, crotch_height_mm: f64) -> [f64; 2] {
     let at = |level: Level| landmarks.iter().find(|l| l.level == level).map(|l| l.height_mm);
     let ankle_mm = ANKLE_STATURE_SHARE * stature_mm;
@@ -165,7 +165,7 @@ fn surface_heights_mm(landmarks: &[Landmark], stature_mm: f64, crotch_height_mm:
     ]
 }
 
-/// The findings of one leg, collected as its stages pass.
+/// The findings of one leg, collected during its stages.
 struct Findings {
     side: Side,
     found: Vec<Finding>,
@@ -176,7 +176,7 @@ impl Findings {
         self.found.push(Finding { side: Some(self.side), level, what });
     }
 
-    /// Levels that are absent and doubts about those that are not.
+    /// Findings for absent levels, and doubts about the others.
     fn about_levels(&mut self, levels: &Levels) {
         for level in Level::ALL {
             if let Some((_, absence)) = levels.absent.iter().find(|(absent, _)| *absent == level) {
@@ -195,7 +195,7 @@ impl Findings {
         }
     }
 
-    /// Heights that were asked for and have no girth.
+    /// Findings for requested heights without a girth.
     fn about_heights(&mut self, at: &[AtHeight]) {
         for AtHeight { height_mm, found } in at {
             if let Err(why) = *found {
@@ -204,7 +204,7 @@ impl Findings {
         }
     }
 
-    /// A surface that lacks a part of the wanted heights.
+    /// A finding if the surface does not cover all of the wanted heights.
     fn about_extent(&mut self, surface: &LegSurface, wanted_mm: [f64; 2]) {
         let [from_mm, to_mm] = surface.height_mm;
         let [wanted_from_mm, wanted_to_mm] = wanted_mm;
@@ -213,7 +213,7 @@ impl Findings {
         }
     }
 
-    /// Holes that a surface bridges.
+    /// A finding if the surface bridges holes.
     fn about_holes(&mut self, surface: &LegSurface) {
         let Some(largest) = surface.holes().first() else { return };
         let (height_mm, angle_deg) = surface.middle_of(largest);

@@ -13,7 +13,8 @@ impl Side {
     /// Both sides, left first.
     pub const BOTH: [Side; 2] = [Side::Left, Side::Right];
 
-    /// Both sides as they are told and drawn: seen from the front, the patient's right is on the left.
+    /// Both sides in the order of text and drawings: seen from the front, the patient's right is on
+    /// the left.
     pub const FROM_FRONT: [Side; 2] = [Side::Right, Side::Left];
 
     /// `left` or `right`.
@@ -41,7 +42,7 @@ impl Side {
     }
 }
 
-/// One thing for each of the patient's sides.
+/// One value for each of the patient's sides.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Sides<T> {
     /// The patient's left.
@@ -51,12 +52,12 @@ pub struct Sides<T> {
 }
 
 impl<T> Sides<T> {
-    /// What `of` gives for each side.
+    /// Calls `of` for each side.
     pub fn of_each(mut of: impl FnMut(Side) -> T) -> Sides<T> {
         Sides { left: of(Side::Left), right: of(Side::Right) }
     }
 
-    /// One side's.
+    /// The value of one side.
     pub fn get(&self, side: Side) -> &T {
         match side {
             Side::Left => &self.left,
@@ -64,7 +65,7 @@ impl<T> Sides<T> {
         }
     }
 
-    /// One side's, to be changed.
+    /// The value of one side, mutable.
     pub fn get_mut(&mut self, side: Side) -> &mut T {
         match side {
             Side::Left => &mut self.left,

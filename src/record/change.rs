@@ -1,4 +1,4 @@
-//! What a later record of a scan says otherwise than the earlier one.
+//! The differences between an earlier and a later record of a scan.
 
 use serde::Serialize;
 use serde_json::Value;
@@ -7,32 +7,32 @@ use super::Record;
 use super::rounding::mm;
 use super::schema::{FindingNote, LegFigures};
 
-/// What differs between two records of the same scan.
+/// The differences between two records of the same scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Changes {
-    /// How far the records say the same.
+    /// How far the records agree.
     pub sameness: Sameness,
-    /// Levels that both records hold, in the order of legs and names.
+    /// Levels in both records, in the order of legs and names.
     pub levels: Vec<LevelChange>,
-    /// Levels that only the later one holds.
+    /// Levels that are only in the later record.
     pub came: Vec<Place>,
-    /// Levels that only the earlier one holds.
+    /// Levels that are only in the earlier record.
     pub went: Vec<Place>,
-    /// Findings that only the later one has.
+    /// Findings that are only in the later record.
     pub new_findings: Vec<FindingNote>,
-    /// Findings that only the earlier one has.
+    /// Findings that are only in the earlier record.
     pub gone_findings: Vec<FindingNote>,
 }
 
-/// How far two records say the same of a scan. Who made them, when and how does not count.
+/// How far two records of a scan agree. Who made them, when and how does not count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Sameness {
     /// In everything.
     Same,
-    /// In everything that the earlier one holds; the later one holds keys of a newer gaiter, too.
+    /// In everything the earlier record holds. The later one also holds keys of a newer gaiter.
     Gained,
-    /// Some figure or finding is another.
+    /// Some figure or finding differs.
     Differs,
 }
 
@@ -45,10 +45,10 @@ pub struct Place {
     pub level: String,
 }
 
-/// A level in both records.
+/// A level that is in both records.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LevelChange {
-    /// Which.
+    /// The level.
     #[serde(flatten)]
     pub place: Place,
     /// Tape girth, mm.
@@ -57,31 +57,31 @@ pub struct LevelChange {
     pub height_mm: Change,
 }
 
-/// A figure in both records.
+/// A figure that is in both records.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Change {
-    /// The earlier record's.
+    /// In the earlier record.
     pub old: f64,
-    /// The later record's.
+    /// In the later record.
     pub new: f64,
 }
 
 impl Change {
-    /// By how much it grew.
+    /// The increase, negative if the figure shrank.
     pub fn by(self) -> f64 {
         mm(self.new - self.old)
     }
 }
 
-/// Keys of a record that say who made it and not what the scan shows.
+/// Keys of a record that describe how it was made and not what the scan shows.
 const NOT_OF_THE_SCAN: [&str; 6] =
     ["schema", "revision", "station", "patient", "acquired", "made_by"];
 
-/// Objects whose keys are found in the scan: one more is a change of the result.
+/// Objects whose keys come from the scan, so that an added key is a change of the result.
 const FOUND: [&str; 2] = ["landmarks", "estimates"];
 
-/// Compares two records of a scan. `old_json` is the earlier one as it is written, for it shows which
-/// keys an older gaiter did not know.
+/// Compares two records of a scan. `old_json` is the earlier one as written, which shows the keys that
+/// an older gaiter did not know.
 pub fn changes(old: &Record, old_json: &Value, new: &Record) -> Result<Changes, serde_json::Error> {
     let (mut earlier, mut later) = (old_json.clone(), serde_json::to_value(new)?);
     for record in [&mut earlier, &mut later] {
@@ -125,12 +125,12 @@ fn level(place: &Place, old: &Record, new: &Record) -> Option<LevelChange> {
     })
 }
 
-/// Findings of one meaning at one place; their figures may differ.
+/// Whether two findings have the same meaning and place. Their figures may differ.
 fn is_same(one: &FindingNote, other: &FindingNote) -> bool {
     (&one.code, &one.leg, &one.level) == (&other.code, &other.leg, &other.level)
 }
 
-/// `found` tells that the keys of these objects are found in the scan.
+/// `found` means that the keys of these objects come from the scan.
 fn sameness(old: &Value, new: &Value, found: bool) -> Sameness {
     match (old, new) {
         (Value::Object(old), Value::Object(new)) => {
@@ -153,7 +153,7 @@ fn sameness(old: &Value, new: &Value, found: bool) -> Sameness {
     }
 }
 
-/// Nothing that a key of a newer gaiter could add.
+/// Whether a value is empty, so that a key of a newer gaiter adds nothing with it.
 fn is_empty(value: &Value) -> bool {
     match value {
         Value::Null => true,
@@ -202,7 +202,7 @@ mod tests {
         differs(&|new| new["findings"] = json!([]));
     }
 
-    /// A record without legs, with these doubts of C by leg.
+    /// A record without legs, with a finding about C on each of these legs.
     fn record(doubts: &[&str]) -> Record {
         let note = |leg: &&str| json!({"code": "gap", "severity": "warning", "leg": leg, "level": "C", "message": ""});
         let findings: Vec<Value> = doubts.iter().map(note).collect();
@@ -252,7 +252,7 @@ mod tests {
         let record = record(&[]);
         let mut written = serde_json::to_value(&record).unwrap();
         assert_eq!(changes(&record, &written, &record).unwrap().sameness, Sameness::Same);
-        // As it was written it had a leg, which the later one has lost.
+        // As written, the record had a leg, which the later one has lost.
         written["legs"] = json!([{"side": "left", "tilt_deg": 3.1}]);
         assert_eq!(changes(&record, &written, &record).unwrap().sameness, Sameness::Differs);
     }

@@ -1,5 +1,5 @@
-//! What clinics chart of a swollen leg: volumes, girths at any height, and how the legs differ.
-//! Figures as they stand in `record.json`.
+//! Figures that clinics chart for a swollen leg, as in `record.json`: volumes, girths at any height, and
+//! how the legs differ.
 
 use serde::{Deserialize, Serialize};
 
@@ -13,18 +13,18 @@ use crate::leg::levels::at_height::AtHeight;
 /// Volumes of one leg.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct VolumeFigures {
-    /// From the lowest measured section to the highest, at the crotch; null where a section between
-    /// them is open.
+    /// From the lowest measured section to the highest, at the crotch; null if a section between them is
+    /// open.
     pub whole_ml: Option<f64>,
-    /// Height of the lowest section's centre; as `whole_ml`.
+    /// Height of the lowest section's centre; null like `whole_ml`.
     pub from_height_mm: Option<f64>,
-    /// Height of the highest section's centre; as `whole_ml`.
+    /// Height of the highest section's centre; null like `whole_ml`.
     pub to_height_mm: Option<f64>,
-    /// Standard error of `whole_ml`; null where it cannot be judged.
+    /// Standard error of `whole_ml`; null if unknown.
     pub sd_ml: Option<f64>,
-    /// Between B and D; null where one of them is absent or a section between them is open.
+    /// Between B and D; null if one of them is absent or a section between them is open.
     pub b_to_d_ml: Option<f64>,
-    /// Standard error of `b_to_d_ml`; null where it cannot be judged.
+    /// Standard error of `b_to_d_ml`; null if unknown.
     pub b_to_d_sd_ml: Option<f64>,
     /// Slices of 4 cm along the axis from the floor up.
     pub slices: Vec<SliceFigures>,
@@ -37,26 +37,26 @@ pub struct SliceFigures {
     pub from_mm: f64,
     /// Upper end, along the axis from the floor.
     pub to_mm: f64,
-    /// What lies between; null where the slice was not measured whole.
+    /// The volume between the ends; null if the slice was not measured completely.
     pub ml: Option<f64>,
-    /// Standard error; null where it cannot be judged.
+    /// Standard error; null if unknown.
     pub sd_ml: Option<f64>,
 }
 
-/// The girth at a height that was asked for; null where it was not measured.
+/// The girth at a requested height; null if it was not measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AtFigures {
-    /// Vertical height of the section's centre above the floor, as asked for.
+    /// Requested vertical height of the section's centre above the floor.
     pub height_mm: f64,
     /// Distance along the leg's axis from the floor.
     pub along_axis_mm: Option<f64>,
-    /// Circumference of the convex hull, what a tape reads.
+    /// Circumference of the convex hull, as a tape reads it.
     pub girth_tape_mm: Option<f64>,
     /// Circumference along the skin.
     pub girth_contour_mm: Option<f64>,
     /// Standard error of the tape girth.
     pub girth_sd_mm: Option<f64>,
-    /// Codes of doubts; `height-not-measured` where there is no girth, its finding says why.
+    /// Codes of doubts; `height-not-measured` if there is no girth, and then its finding says why.
     pub doubts: Vec<String>,
 }
 
@@ -65,24 +65,24 @@ pub struct AtFigures {
 pub struct DifferenceFigures {
     /// Levels found on both legs, lowest first.
     pub levels: Vec<LevelDifferenceFigures>,
-    /// Whole volume over the range that both legs have; null where one has none.
+    /// Whole volume over the range that both legs have; null if a leg has no whole volume.
     pub whole: Option<VolumeDifferenceFigures>,
-    /// Slices that were measured whole on both legs.
+    /// Slices that were measured completely on both legs.
     pub slices: Vec<VolumeDifferenceFigures>,
 }
 
 /// The difference at one level, left minus right.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LevelDifferenceFigures {
-    /// Which level.
+    /// The level.
     pub level: String,
-    /// Of the tape girths.
+    /// Difference of the tape girths.
     pub girth_tape_mm: f64,
-    /// Its standard error; null where it cannot be judged.
+    /// Its standard error; null if unknown.
     pub girth_sd_mm: Option<f64>,
-    /// Of the heights of the level.
+    /// Difference of the heights of the level.
     pub height_mm: f64,
-    /// Its standard error; null where it cannot be judged.
+    /// Its standard error; null if unknown.
     pub height_sd_mm: Option<f64>,
 }
 
@@ -93,15 +93,15 @@ pub struct VolumeDifferenceFigures {
     pub from_mm: f64,
     /// Upper end, along the axis from the floor.
     pub to_mm: f64,
-    /// Of the volumes.
+    /// Difference of the volumes.
     pub ml: f64,
-    /// Its standard error; null where it cannot be judged.
+    /// Its standard error; null if unknown.
     pub sd_ml: Option<f64>,
-    /// The same in % of the smaller of the two.
+    /// The difference in % of the smaller volume.
     pub percent: f64,
 }
 
-/// A figure that may not be known.
+/// Rounds a value. `None` if it is not finite, which means unknown.
 fn known(value: f64, rounded: fn(f64) -> f64) -> Option<f64> {
     value.is_finite().then(|| rounded(value))
 }

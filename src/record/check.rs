@@ -1,12 +1,12 @@
-//! Whether a record that was read back can be one: what is drawn and told of it must be figures that a
-//! leg can have, for a file can have been changed since it was written.
+//! Checks a record that was read back. The file may have been changed since it was written, so its
+//! figures must be possible for a leg before they are drawn or printed.
 
 use super::Record;
 use super::schema::LegFigures;
 use super::shape::{OutlineFigures, ShapeFigures};
 use crate::leg::Side;
 
-/// Heights above the floor, mm: no leg reaches further, and none far below.
+/// Heights above the floor, mm: no leg reaches higher, and none far below the floor.
 const HEIGHTS_MM: [f64; 2] = [-500.0, 3000.0];
 
 /// Girths, standard errors and lengths along the skin, mm.
@@ -15,56 +15,59 @@ const LENGTHS_MM: [f64; 2] = [0.0, 3000.0];
 /// Radii of a section, mm.
 const RADII_MM: [f64; 2] = [0.0, 1000.0];
 
-/// Curvatures, 1/mm: a section's finest waves have less than 1.
+/// Curvatures, 1/mm: the finest waves of a section have less than 1.
 const CURVATURES_PER_MM: [f64; 2] = [-2.0, 2.0];
 
-/// Growth of the girth along the leg, mm a mm: heel and instep have some 10.
+/// Growth of the girth along the leg, mm per mm: heel and instep have about 10.
 const SLOPES: [f64; 2] = [-100.0, 100.0];
 
 /// Angles around a section, degrees.
 const ANGLES_DEG: [f64; 2] = [-180.0, 180.0];
 
-/// Why a record cannot be one.
+/// Why a record is not valid.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RecordFault {
-    /// A leg is neither left nor right, or one is there twice.
-    #[error("side {side:?} in legs[{index}]: each leg is left or right, and each is there once")]
+    /// A leg is neither left nor right, or a side occurs twice.
+    #[error(
+        "side {side:?} in legs[{index}]: each leg must be left or right, and no side may occur \
+         twice"
+    )]
     Side {
         /// Which leg, from 0.
         index: usize,
-        /// What it is called.
+        /// Its side as written.
         side: String,
     },
-    /// A figure is outside of what can be.
+    /// A figure is outside its possible range.
     #[error("{side} leg, {place}: {found} is not within {low} to {high}")]
     Range {
-        /// Of which leg.
+        /// The leg's side.
         side: String,
-        /// Which figure.
+        /// The figure.
         place: String,
-        /// What was found.
+        /// The value found.
         found: f64,
-        /// The least that can be.
+        /// The smallest possible value.
         low: f64,
-        /// The most that can be.
+        /// The largest possible value.
         high: f64,
     },
-    /// A row has another number of figures than the row that it belongs to.
+    /// A row has a different number of figures than the row it belongs to.
     #[error("{side} leg, {place}: {found} figures, where there must be {needed}")]
     Count {
-        /// Of which leg.
+        /// The leg's side.
         side: String,
-        /// Which row.
+        /// The row.
         place: String,
-        /// How many were found.
+        /// The number found.
         found: usize,
-        /// How many there must be.
+        /// The required number.
         needed: usize,
     },
 }
 
 impl Record {
-    /// The record, if legs can have its figures.
+    /// Returns the record if its figures are possible for a leg.
     ///
     /// # Errors
     /// The first [`RecordFault`].
@@ -80,7 +83,7 @@ impl Record {
     }
 }
 
-/// The leg that is being checked.
+/// The leg being checked.
 struct Checked<'a> {
     side: &'a str,
 }

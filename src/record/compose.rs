@@ -1,4 +1,4 @@
-//! Extraction and provenance → [`Record`], every figure rounded by the one rule.
+//! Extraction and provenance → [`Record`], with every figure rounded by the same rule.
 
 use std::collections::BTreeMap;
 
@@ -8,6 +8,7 @@ use super::schema::{
     BodyFigures, EstimateFigures, FeatureFigures, FindingNote, FootFigures, GirthColumns,
     LandmarkFigures, LegFigures, MadeBy, Record, SCHEMA, ScanFile, SectionFigures,
 };
+use super::statement::Statement;
 use super::surface::surface;
 use super::{chart, shape};
 use crate::leg::doubt::Doubt;
@@ -17,7 +18,7 @@ use crate::leg::method::{B1, SurfaceMethod, UnitChoice};
 use crate::leg::sections::axis::LegAxis;
 use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 
-/// The record of an extraction.
+/// Makes the record of an extraction.
 pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method) -> Record {
     let (body, crotch) = (&extraction.body, &extraction.crotch);
     Record {
@@ -72,14 +73,14 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
     words.chain(level_words(method)).chain(surface_words(method)).collect()
 }
 
-/// The heights that were asked for, where there are any.
+/// The requested heights, if any.
 fn at_words(method: &Method) -> Option<(String, String)> {
     let heights: Vec<String> =
         method.at_heights_mm.iter().map(|height| mm(*height).to_string()).collect();
     (!heights.is_empty()).then(|| ("at_heights_mm".to_owned(), heights.join(", ")))
 }
 
-/// Where levels were measured that makers define in more than one way.
+/// The chosen definitions of levels that makers define in more than one way.
 fn level_words(method: &Method) -> Vec<(String, String)> {
     let choices = &method.levels;
     let mut words = vec![
@@ -131,6 +132,7 @@ fn leg(report: &LegReport) -> LegFigures {
 fn landmark(landmark: &Landmark) -> LandmarkFigures {
     LandmarkFigures {
         by: landmark.by.to_string(),
+        rule: Some(Statement::from(&landmark.by)),
         height_mm: mm(landmark.height_mm),
         along_axis_mm: mm(landmark.along_mm),
         surface_length_mm: landmark.surface_length_mm.map(mm),
@@ -145,6 +147,7 @@ fn landmark(landmark: &Landmark) -> LandmarkFigures {
 fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
     let figures = |estimate: &Estimate| EstimateFigures {
         by: estimate.by.to_string(),
+        rule: Some(Statement::from(&estimate.by)),
         height_mm: mm(estimate.height_mm),
         along_axis_mm: mm(estimate.along_mm),
         girth_tape_mm: mm(estimate.girth_tape_mm),
@@ -155,7 +158,7 @@ fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
     report.estimates.iter().map(|one| (one.level.name().to_owned(), figures(one))).collect()
 }
 
-/// A standard error; none where it cannot be judged.
+/// A standard error; `None` if unknown.
 fn judged(sd_mm: f64) -> Option<f64> {
     sd_mm.is_finite().then(|| mm(sd_mm))
 }
@@ -218,5 +221,6 @@ fn note(finding: &Finding) -> FindingNote {
         leg: finding.side.map(|side| side.word().to_owned()),
         level: finding.level.map(|level| level.name().to_owned()),
         message: finding.what.to_string(),
+        says: Statement::of_finding(&finding.what),
     }
 }

@@ -1,5 +1,5 @@
-//! `measurements.csv`: one line a leg and level, and a leg and height that was asked for, for
-//! spreadsheets. RFC 4180, comma, point.
+//! `measurements.csv` for spreadsheets: one line per leg and level, and one per leg and requested
+//! height. RFC 4180, comma, point.
 
 use super::chart::AtFigures;
 use super::rounding;
@@ -9,9 +9,9 @@ use crate::leg::Level;
 const HEADER: &str = "leg,level,height_mm,along_axis_mm,girth_tape_mm,girth_contour_mm,\
                       height_sd_mm,girth_sd_mm,doubts,surface_length_mm,by\r\n";
 
-/// All levels of the measured legs. The doubts of a level by proportion begin with `estimate`; the
-/// figures of an absent level are empty and its doubts say `absent`. The heights that were asked
-/// for follow as levels `at 10 cm`.
+/// All levels of the measured legs. The doubts of a level by proportion begin with `estimate`. An absent
+/// level has no figures, and its doubts contain `absent`. The requested heights follow as levels
+/// `at 10 cm`.
 pub fn measurements(record: &Record) -> String {
     let mut text = HEADER.to_owned();
     for leg in &record.legs {
@@ -29,7 +29,7 @@ pub fn measurements(record: &Record) -> String {
     text
 }
 
-/// A figure, or nothing where there is none.
+/// A figure, or nothing if it is unknown.
 fn judged(figure: Option<f64>) -> String {
     figure.map_or(String::new(), |figure| figure.to_string())
 }
@@ -63,7 +63,7 @@ fn estimate(estimate: &EstimateFigures) -> String {
     )
 }
 
-/// A height that was asked for is exact, so its standard error stays empty.
+/// A requested height is exact, so its standard error stays empty.
 fn at_height(at: &AtFigures) -> String {
     format!(
         "{},{},{},{},,{},{},,",

@@ -7,36 +7,37 @@ use super::picture::figures;
 use super::report::PdfFault;
 use super::report_files::{self, FilesFault, ReportChoice};
 use super::schema::FindingNote;
+use super::statement::Statement;
 use super::{Provenance, Record, compose, csv};
 use crate::cad::{CadFault, FileHeader, Output};
 use crate::leg::finding::Severity;
 use crate::leg::{Extraction, Method, Side};
 use crate::scan::Format;
 
-/// The list of all other files' hashes, as `sha256sum -c` reads it.
+/// The list of the hashes of all other files, in the format of `sha256sum -c`.
 pub const SUMS: &str = "SHA256SUMS";
 
 /// The file of a record that holds the scanner's own measures of the scan.
 pub const ORD: &str = "scanner.ord";
 
-/// What was measured.
+/// The file that was measured.
 #[derive(Debug, Clone, Copy)]
 pub struct ScanFile<'a> {
     /// Its bytes.
     pub bytes: &'a [u8],
     /// Their format.
     pub format: Format,
-    /// The scanner's own measures (`.ord`) that came with it, if any.
+    /// The scanner's own measures (`.ord`) that came with the scan, if any.
     pub ord: Option<&'a [u8]>,
 }
 
-/// The record and all files of its folder in the order in which they are to be written:
-/// `record.json` first, the scan's own bytes and what came with it, and `SHA256SUMS` over all others
-/// last. The same arguments give the same bytes. The scan's hash is the provenance's. A CAD file, or a
-/// report on paper, that cannot be made is a finding of the record.
+/// Makes the record and all files of its folder, in the order in which they must be written:
+/// `record.json` first, then the scan's own bytes and what came with it, and last `SHA256SUMS` over all
+/// others. The same arguments give the same bytes. The scan's hash is taken from the provenance. If a
+/// CAD file or the PDF report cannot be made, the record gets a finding.
 ///
 /// # Errors
-/// Where a figure cannot be written as JSON, or not drawn as a file of its own.
+/// If a figure cannot be written as JSON, or not drawn as a file of its own.
 pub fn record_files(
     extraction: &Extraction,
     provenance: &Provenance,
@@ -48,7 +49,7 @@ pub fn record_files(
     let mut record = compose::record(extraction, provenance, method);
     let (surfaces, notes) = surface_files(extraction, output);
     record.findings.extend(notes);
-    // A finding that is added from here on is in no figure.
+    // Findings added from here on are not in any figure.
     let figures = figures::all(&record, choice.language);
     let paper = report_files::paper(&record, choice.language, &figures);
     record.findings.extend(paper.as_ref().err().map(no_paper));
@@ -66,14 +67,14 @@ pub fn record_files(
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
     let mut sums: String = files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect();
     let scan = file(&format!("scan.{}", scan.format.ending()), scan.bytes.to_vec());
-    // Hashed already, and larger than all the others together.
+    // This hash is known already, and the scan is larger than all the other files together.
     sums.push_str(&sum(&provenance.sha256, &scan.name));
     files.push(scan);
     files.push(file(SUMS, sums.into_bytes()));
     Ok((record, files))
 }
 
-/// The files that are made of each leg's surface, and what is to be said of those that are not.
+/// Makes the files of each leg's surface, and the findings for those that cannot be made.
 fn surface_files(extraction: &Extraction, output: &Output) -> (Vec<RecordFile>, Vec<FindingNote>) {
     let (mut files, mut notes) = (Vec::new(), Vec::new());
     for leg in &extraction.legs {
@@ -99,6 +100,7 @@ fn not_made(side: Side, name: &str, fault: &CadFault) -> FindingNote {
         leg: Some(side.word().to_owned()),
         level: None,
         message: format!("{name} was not made: {fault}"),
+        says: Some(Statement::of_missing_file(name, fault)),
     }
 }
 
@@ -109,6 +111,7 @@ fn no_paper(fault: &PdfFault) -> FindingNote {
         leg: None,
         level: None,
         message: fault.to_string(),
+        says: None,
     }
 }
 

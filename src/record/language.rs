@@ -1,4 +1,4 @@
-//! The languages of what people read.
+//! The languages of texts for people.
 
 /// The language of a report and of the operator's page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -11,7 +11,7 @@ pub enum Language {
 }
 
 impl Language {
-    /// What is said in this language.
+    /// Returns the text for this language.
     pub fn pick<T>(self, english: T, german: T) -> T {
         match self {
             Language::En => english,
@@ -19,7 +19,7 @@ impl Language {
         }
     }
 
-    /// Its tag on pages (BCP 47).
+    /// Its language tag on pages (BCP 47).
     pub fn tag(self) -> &'static str {
         self.pick("en", "de")
     }

@@ -19,6 +19,7 @@ pub mod rounding;
 pub mod schema;
 pub mod shape;
 pub mod shown;
+pub mod statement;
 mod summary;
 pub mod surface;
 

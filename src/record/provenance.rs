@@ -1,35 +1,35 @@
-//! Where a record comes from: station, patient, time, scan. Known to the station, not to the leg.
+//! Where a record comes from: station, patient, time, scan. The station knows this, the leg does not.
 
 use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
-/// A scan measured for the first time; later results for it count on from here.
+/// The revision of a scan that is measured for the first time. Later results count on from here.
 pub const FIRST_REVISION: u32 = 1;
 
-/// What the station knows about a scan before it is measured.
+/// What the station knows about a scan before measuring it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Provenance {
-    /// The station's id; none for a bare `extract`.
+    /// The station's id; `None` for a bare `extract`.
     pub station: Option<String>,
-    /// Whose legs these are; none while nobody said so.
+    /// The patient; `None` while unknown.
     pub patient: Option<Patient>,
-    /// When the scan was taken, as well as it is known.
+    /// When the scan was taken, as precisely as known.
     pub acquired: Option<Acquired>,
     /// SHA-256 of the scan's bytes, lower-case hexadecimal.
     pub sha256: String,
-    /// [`FIRST_REVISION`], or more where the scan is measured again.
+    /// [`FIRST_REVISION`], or more if the scan is measured again.
     pub revision: u32,
 }
 
 impl Provenance {
-    /// Of a scan of which nothing is known but its bytes.
+    /// The provenance of a scan of which only the bytes are known.
     pub fn of_scan(sha256: String) -> Provenance {
         let revision = FIRST_REVISION;
         Provenance { station: None, patient: None, acquired: None, sha256, revision }
     }
 }
 
-/// A patient's id and who named it.
+/// A patient's id and the sources that named it.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Patient {
     /// The id, matching the configured pattern.
@@ -41,27 +41,27 @@ pub struct Patient {
 /// One source of a patient id.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Source {
-    /// What kind of source.
+    /// The kind of source.
     pub kind: SourceKind,
-    /// How far it is to be relied upon; older records do not say.
+    /// How reliable it is; missing in older records.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub confidence: Option<Confidence>,
 }
 
-/// How far a source of a patient's id is to be relied upon.
+/// How reliable a source of a patient's id is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Confidence {
-    /// A machine read or sent it, and it was bound to the press of this scan.
+    /// A device read or sent it, and it was bound to the press of this scan.
     High,
-    /// A person typed it, here or at the scanner.
+    /// A person typed it, at the station or at the scanner.
     Medium,
-    /// It was found beside the scan, by an expression.
+    /// An expression found it next to the scan.
     Low,
 }
 
 impl Source {
-    /// A source of this kind, with the confidence that the kind has.
+    /// A source of this kind, with the confidence of the kind.
     pub fn of(kind: SourceKind) -> Source {
         let confidence = match kind {
             SourceKind::Reader | SourceKind::Order => Some(Confidence::High),
@@ -77,13 +77,13 @@ impl Source {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SourceKind {
-    /// The scan's file name, by the configured expression.
+    /// The scan's file name, matched by the configured expression.
     FileName,
-    /// The scanner's own measures (`.ord`) beside the scan.
+    /// The scanner's own measures (`.ord`) next to the scan.
     Sidecar,
     /// A person at the station.
     Operator,
-    /// A card or barcode that was read at the booth.
+    /// A card or barcode read at the booth.
     Reader,
     /// An order of the practice software (GDT 6302).
     Order,
@@ -91,23 +91,23 @@ pub enum SourceKind {
     Record,
 }
 
-/// A time of acquisition and where it is from.
+/// A time of acquisition and its source.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Acquired {
     /// UTC.
     pub at: Timestamp,
-    /// What the time was taken from.
+    /// The source of the time.
     pub from: AcquiredFrom,
 }
 
-/// What a time of acquisition was taken from.
+/// The source of a time of acquisition.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum AcquiredFrom {
-    /// The button.
+    /// The press of the button.
     Press,
     /// The export's modification time.
     FileTime,
-    /// Nothing reliable.
+    /// No reliable source.
     Unknown,
 }

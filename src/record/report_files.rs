@@ -1,4 +1,4 @@
-//! The files of a record that are made for people: its report as a page and on paper, and figures.
+//! The files of a record for people: its report as a page and as a PDF, and figures.
 
 use std::collections::BTreeSet;
 
@@ -9,34 +9,34 @@ use super::picture::{Theme, svg};
 use super::report::{self, PdfFault};
 use super::{Language, Record};
 
-/// The report as a page.
+/// The report as an HTML page.
 const PAGE: &str = "report.html";
 
-/// The report on paper.
+/// The report as a PDF.
 const PAPER: &str = "report.pdf";
 
 /// Both legs at a glance.
 const DRAWING: &str = "legs.svg";
 
-/// Pixels of a PNG a px of its picture: sharp on paper, 250 to the inch where a figure is as wide as
-/// an A4 page.
+/// Pixels of a PNG per px of its picture: sharp on paper, with 250 per inch if a figure is as wide as an
+/// A4 page.
 const PNG_SCALE: f64 = 2.0;
 
-/// What is made of a record for people.
+/// Which files for people are made of a record.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ReportChoice {
     /// The language of the report and its figures.
     pub language: Language,
-    /// The notations in which each figure is a file of its own besides; none: only in the report.
+    /// The formats in which each figure also gets a file of its own. If empty, it is only in the report.
     pub figures: BTreeSet<FigureFormat>,
 }
 
-/// The notation of a figure's file.
+/// The format of a figure's file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum FigureFormat {
-    /// Lines and words, for pages and for editing.
+    /// Vector graphics, for pages and for editing.
     Svg,
-    /// Pixels on white, for programs that show nothing else.
+    /// Pixels on white, for programs that do not show SVG.
     Png,
 }
 
@@ -46,15 +46,15 @@ pub enum FilesFault {
     /// A figure of the record cannot be written as JSON.
     #[error(transparent)]
     Json(#[from] serde_json::Error),
-    /// There is no report on paper.
+    /// The PDF cannot be made.
     #[error(transparent)]
     Paper(#[from] PdfFault),
-    /// There is no PNG of a figure.
+    /// The PNG of a figure cannot be made.
     #[error(transparent)]
     Png(#[from] PngFault),
 }
 
-/// The report of a record: of the same record in the same language the same bytes, whether it was
+/// The report of a record. The same record in the same language gives the same bytes, whether it was
 /// just measured or read back.
 ///
 /// # Errors
@@ -80,12 +80,12 @@ pub(super) fn paper(
     Ok(file(PAPER, report::paper(record, language, figures)?))
 }
 
-/// Both legs and their girths as one drawing, which practice software and pages show.
+/// Both legs and their girths as one drawing, shown by practice software and pages.
 pub(super) fn drawing(figures: &[Figure], language: Language) -> RecordFile {
     file(DRAWING, svg::file(&figures::overview(figures, language)).into_bytes())
 }
 
-/// The figures as files of their own, in the notations that are wanted.
+/// The figures as files of their own, in the requested formats.
 pub(super) fn figure_files(
     figures: &[Figure],
     formats: &BTreeSet<FigureFormat>,

@@ -1,10 +1,10 @@
-//! The one rounding rule: what a figure is worth, decimal places by its kind. Everything that is
-//! printed or stored goes through here, so that no two places show different last digits.
+//! The one rounding rule: the number of decimal places for each kind of figure. Everything that is
+//! printed or stored uses it, so that the last digits agree everywhere.
 
 use super::Language;
 
-/// A figure's uncertainty is told as this many of its standard errors: about 95 % of repeated scans
-/// lie within.
+/// The uncertainty of a figure is shown as this many standard errors: about 95 % of repeated scans lie
+/// within it.
 pub const MARGIN_SDS: f64 = 2.0;
 
 /// Lengths, to 1 µm.
@@ -12,19 +12,27 @@ pub fn mm(value: f64) -> f64 {
     to_places(value, 3)
 }
 
-/// Lengths in mm as cm, to 1 mm: what a tape shows, for practice software.
+/// Lengths in mm as cm, to 1 mm, as on a tape, for practice software.
 pub fn cm(value_mm: f64) -> f64 {
     to_places(value_mm / 10.0, 1)
 }
 
-/// Lengths in mm as people read them: cm with one decimal, and the decimal sign of their language.
+/// Lengths in mm as text: cm with one decimal and the decimal sign of the language.
 pub fn cm_words(value_mm: f64, language: Language) -> String {
     number(cm(value_mm), 1, language)
 }
 
-/// A figure with so many decimals, and the decimal sign of a language.
+/// A figure with this many decimals and the decimal sign of a language.
 pub fn number(value: f64, places: usize, language: Language) -> String {
-    let text = format!("{:.places$}", to_places(value, places as i32));
+    in_language(format!("{:.places$}", to_places(value, places as i32)), language)
+}
+
+/// A figure with all its decimals and the decimal sign of a language.
+pub fn shortest(value: f64, language: Language) -> String {
+    in_language(value.to_string(), language)
+}
+
+fn in_language(text: String, language: Language) -> String {
     match language {
         Language::En => text,
         Language::De => text.replace('.', ","),
@@ -61,38 +69,38 @@ pub fn share(value: f64) -> f64 {
     to_places(value, 6)
 }
 
-/// Parts of a unit vector, to 10⁻⁹: 1 µm at a kilometre.
+/// Components of a unit vector, to 10⁻⁹: 1 µm at a distance of a kilometre.
 pub fn unit(value: f64) -> f64 {
     to_places(value, 9)
 }
 
-/// The uncertainty of a length in mm, of its standard error: cm, rounded up to the next millimetre,
-/// so that it is never told smaller than it is, and never as nothing.
+/// The uncertainty of a length, from its standard error in mm: cm, rounded up to the next millimetre, so
+/// that it is never shown as smaller than it is, and never as zero.
 pub fn cm_margin(sd_mm: f64) -> f64 {
     up(MARGIN_SDS * sd_mm) / 10.0
 }
 
-/// A length in mm to a hundredth, for distances from a surface.
+/// A length in mm to a hundredth as text, for distances from a surface.
 pub fn mm_words(value_mm: f64, language: Language) -> String {
     number(value_mm, 2, language)
 }
 
-/// Volumes in mL as people read them: whole ones.
+/// Volumes in mL for people: whole numbers.
 pub fn whole_ml(value_ml: f64) -> f64 {
     to_places(value_ml, 0)
 }
 
-/// The uncertainty of a volume, of its standard error: mL, rounded up.
+/// The uncertainty of a volume, from its standard error: mL, rounded up.
 pub fn ml_margin(sd_ml: f64) -> f64 {
     up(MARGIN_SDS * sd_ml)
 }
 
-/// A percentage or an area in cm² to a tenth.
+/// A percentage or an area in cm² to a tenth as text.
 pub fn tenths_words(value: f64, language: Language) -> String {
     number(value, 1, language)
 }
 
-/// A rounded figure's words with the sign of a difference; none at zero.
+/// The text of a rounded figure with the sign of a difference; no sign at zero.
 pub fn signed(value: f64, words: &str) -> String {
     let is_zero = !words.contains(|digit: char| ('1'..='9').contains(&digit));
     let figure = words.trim_start_matches('-');
@@ -103,12 +111,12 @@ pub fn signed(value: f64, words: &str) -> String {
     }
 }
 
-/// Up to the next whole number, one at least; what rounding of the record itself added is not counted.
+/// Rounds up to a whole number, at least 1. Tiny excesses from the record's rounding do not count.
 fn up(value: f64) -> f64 {
     (value - 1e-9).ceil().max(1.0)
 }
 
-/// Half away from zero; a negative zero becomes zero.
+/// Rounds half away from zero; a negative zero becomes zero.
 fn to_places(value: f64, places: i32) -> f64 {
     let scale = 10.0_f64.powi(places);
     (value * scale).round() / scale + 0.0

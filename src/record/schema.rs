@@ -1,7 +1,7 @@
-//! The record as it is written: `record.json`, schema `gaiter.leg-record/1`.
+//! The written form of the record: `record.json`, schema `gaiter.leg-record/1`.
 //!
-//! Millimetres and degrees, in the body frame. Fields may be added; none changes its meaning
-//! without a new schema number. Units are in the names.
+//! Millimetres and degrees, in the body frame. Units are in the names. Fields may be added; the meaning
+//! of a field never changes without a new schema number.
 
 use std::collections::BTreeMap;
 
@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
 use super::provenance::{Acquired, Patient};
 use super::shape::{AxisFigures, OutlineFigures, ShapeFigures};
+use super::statement::Statement;
 use super::surface::SurfaceFigures;
 use crate::leg::{Level, Side};
 
@@ -21,25 +22,25 @@ pub const SCHEMA: &str = "gaiter.leg-record/1";
 pub struct Record {
     /// [`SCHEMA`].
     pub schema: String,
-    /// 1, or more where the same scan was measured again.
+    /// 1, or more if the same scan was measured again.
     pub revision: u32,
     /// The station that made it; null for a bare `extract`.
     pub station: Option<String>,
-    /// Whose legs; null where unknown.
+    /// The patient; null if unknown.
     pub patient: Option<Patient>,
-    /// When the scan was taken; null where unknown.
+    /// When the scan was taken; null if unknown.
     pub acquired: Option<Acquired>,
     /// Program and method.
     pub made_by: MadeBy,
-    /// The file it was made from.
+    /// The measured file.
     pub scan: ScanFile,
     /// The body as a whole.
     pub body: BodyFigures,
     /// The measured legs.
     pub legs: Vec<LegFigures>,
-    /// How they differ, left minus right; null where one leg is missing.
+    /// The differences of the legs, left minus right; null if one leg is missing.
     pub differences: Option<DifferenceFigures>,
-    /// What must be known.
+    /// Findings that readers of the record must know.
     pub findings: Vec<FindingNote>,
 }
 
@@ -49,7 +50,7 @@ impl Record {
         self.legs.iter().find(|leg| leg.side == side.word())
     }
 
-    /// Whether a level has a row in tables: one for which every leg is searched, or that a leg has.
+    /// Whether a level has a row in tables: it is searched on every leg, or a leg has it.
     pub fn has_row(&self, level: Level) -> bool {
         let name = level.name();
         let has =
@@ -63,16 +64,16 @@ impl Record {
 pub struct MadeBy {
     /// gaiter's version.
     pub gaiter: String,
-    /// The choices it was made with, by name.
+    /// The options it was made with, by name.
     pub method: BTreeMap<String, String>,
 }
 
 /// The file that was measured.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ScanFile {
-    /// Of its bytes, lower-case hexadecimal.
+    /// SHA-256 of its bytes, lower-case hexadecimal.
     pub sha256: String,
-    /// Its format's usual ending.
+    /// The usual file ending of its format.
     pub format: String,
     /// Unit of its coordinates.
     pub unit: String,
@@ -89,11 +90,11 @@ pub struct ScanFile {
 pub struct BodyFigures {
     /// Height of the highest point above the floor; null for a lone leg.
     pub stature_mm: Option<f64>,
-    /// Height of the crotch above the floor; null where it is not in the scan.
+    /// Height of the crotch above the floor; null if it is not in the scan.
     pub crotch_height_mm: Option<f64>,
-    /// Where the toes point in the export.
+    /// Direction of the toes in the export.
     pub facing_deg: f64,
-    /// `feet` or `declared`.
+    /// Source of the facing: `feet` or `declared`.
     pub facing_from: String,
     /// 4 × 4, row by row: from the export's coordinates to the body frame. Not rounded.
     pub from_export: [f64; 16],
@@ -102,7 +103,7 @@ pub struct BodyFigures {
 /// Figures of one leg.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LegFigures {
-    /// `left` or `right`, the patient's.
+    /// The patient's `left` or `right`.
     pub side: String,
     /// Angle between the leg's axis and the vertical.
     pub tilt_deg: f64,
@@ -111,10 +112,10 @@ pub struct LegFigures {
     pub axis: Option<AxisFigures>,
     /// Levels found, by name; an absent level has no key.
     pub landmarks: BTreeMap<String, LandmarkFigures>,
-    /// Levels that only a proportion gives, by name; no landmarks.
+    /// Levels estimated by a proportion only, by name. They are not landmarks.
     #[serde(default)]
     pub estimates: BTreeMap<String, EstimateFigures>,
-    /// The foot; null where it is not seen from heel to toes.
+    /// The foot; null if it is not seen from heel to toes.
     #[serde(default)]
     pub foot: Option<FootFigures>,
     /// Girth over height.
@@ -123,15 +124,15 @@ pub struct LegFigures {
     pub sections: Vec<SectionFigures>,
     /// Feature points of these sections.
     pub features: Vec<FeatureFigures>,
-    /// The surface; null where there is none.
+    /// The surface; null if there is none.
     pub surface: Option<SurfaceFigures>,
     /// Volumes.
     #[serde(default)]
     pub volume: VolumeFigures,
-    /// Girths at the heights that were asked for.
+    /// Girths at the requested heights.
     #[serde(default)]
     pub at: Vec<AtFigures>,
-    /// What pictures are drawn from; null in records of older versions.
+    /// The shape from which pictures are drawn; null in records of older versions.
     #[serde(default)]
     pub shape: Option<ShapeFigures>,
 }
@@ -139,9 +140,12 @@ pub struct LegFigures {
 /// Figures of one level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct LandmarkFigures {
-    /// By what it was found.
+    /// The rule by which it was found, in English.
     #[serde(default)]
     pub by: String,
+    /// The rule as data; missing in older records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rule: Option<Statement>,
     /// Vertical height of the section's centre above the floor.
     pub height_mm: f64,
     /// Distance along the leg's axis from the floor.
@@ -149,13 +153,13 @@ pub struct LandmarkFigures {
     /// Length from the floor along the skin of the leg's medial side; null on the foot.
     #[serde(default)]
     pub surface_length_mm: Option<f64>,
-    /// Circumference of the convex hull, what a tape reads.
+    /// Circumference of the convex hull, as a tape reads it.
     pub girth_tape_mm: f64,
     /// Circumference along the skin.
     pub girth_contour_mm: f64,
-    /// Standard error of the height; null where it cannot be judged.
+    /// Standard error of the height; null if unknown.
     pub height_sd_mm: Option<f64>,
-    /// Standard error of the tape girth; null where it cannot be judged.
+    /// Standard error of the tape girth; null if unknown.
     pub girth_sd_mm: Option<f64>,
     /// Codes of doubts.
     pub doubts: Vec<String>,
@@ -164,17 +168,20 @@ pub struct LandmarkFigures {
 /// Figures of one level that is estimated by proportion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EstimateFigures {
-    /// By which proportion.
+    /// The proportion by which it was estimated, in English.
     pub by: String,
+    /// The proportion as data; missing in older records.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rule: Option<Statement>,
     /// Vertical height of the section's centre above the floor.
     pub height_mm: f64,
     /// Distance along the leg's axis from the floor.
     pub along_axis_mm: f64,
     /// Circumference of the convex hull there.
     pub girth_tape_mm: f64,
-    /// Standard error of the height, from how much people differ; null where it cannot be judged.
+    /// Standard error of the height, from the variation between people; null if unknown.
     pub height_sd_mm: Option<f64>,
-    /// Standard error of the girth that comes of it; null where it cannot be judged.
+    /// The standard error of the girth that follows from it; null if unknown.
     pub girth_sd_mm: Option<f64>,
     /// Codes of doubts.
     pub doubts: Vec<String>,
@@ -185,11 +192,11 @@ pub struct EstimateFigures {
 pub struct FootFigures {
     /// From the heel to the longest toe, along the foot.
     pub length_mm: f64,
-    /// Largest breadth, square to the length.
+    /// Largest breadth, at right angles to the length.
     pub breadth_mm: f64,
 }
 
-/// The girth curve as columns of equal length; null where a section is open.
+/// The girth curve as columns of equal length; null if a section is open.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GirthColumns {
     /// Heights of the sections' centres.
@@ -213,7 +220,7 @@ pub struct GirthColumns {
 /// Figures of the section at a level.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SectionFigures {
-    /// Which level.
+    /// The level.
     pub level: String,
     /// Height of its centre.
     pub height_mm: f64,
@@ -223,7 +230,7 @@ pub struct SectionFigures {
     pub rms_mm: f64,
     /// Widest gap in its points.
     pub largest_gap_deg: f64,
-    /// Where it runs; null in records of older versions.
+    /// Its course; null in records of older versions.
     #[serde(default)]
     pub outline: Option<OutlineFigures>,
 }
@@ -231,7 +238,7 @@ pub struct SectionFigures {
 /// One feature point.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FeatureFigures {
-    /// Which level's section.
+    /// The level of its section.
     pub level: String,
     /// P1, P2, … around from the front towards lateral.
     pub label: String,
@@ -241,18 +248,18 @@ pub struct FeatureFigures {
     pub angle_deg: f64,
     /// Place in the body frame.
     pub position_mm: [f64; 3],
-    /// Standard error of the place along the skin; null where it cannot be judged.
+    /// Standard error of the place along the skin; null if unknown.
     pub position_sd_mm: Option<f64>,
     /// Curvature, positive where convex.
     pub curvature_per_mm: f64,
-    /// By how much it stands out from its neighbours.
+    /// How much it stands out from its neighbours.
     pub prominence_per_mm: f64,
 }
 
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FindingNote {
-    /// Stable code; the README's table says what to do.
+    /// Stable code; the README's table explains what to do.
     pub code: String,
     /// `info`, `warning` or `error`.
     pub severity: String,
@@ -260,6 +267,9 @@ pub struct FindingNote {
     pub leg: Option<String>,
     /// A level or null.
     pub level: Option<String>,
-    /// The finding in words, with figures.
+    /// The finding in English, with figures.
     pub message: String,
+    /// The finding as data; missing in older records and for findings with an English text only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub says: Option<Statement>,
 }

@@ -1,5 +1,5 @@
-//! The shape of a leg as it stands in `record.json`: what the pictures of reports and pages are drawn
-//! from. Coarser than what was measured; measure on the surface's CAD files instead.
+//! The shape of a leg in `record.json`, from which the pictures of reports and pages are drawn. It is
+//! coarser than what was measured. To measure, use the CAD files of the surface.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -14,19 +14,19 @@ use crate::leg::surface::error_map::ErrorMap;
 use crate::leg::surface::shape::{COLUMNS, Shape, radii};
 use crate::leg::{LegReport, LevelSection};
 
-/// Angles at which an outline is told: every third degree.
+/// Number of angles of an outline: every third degree.
 const OUTLINE_ANGLES: usize = 120;
 
-/// Coordinates are told in units of this, mm: a leg of 3 m fits.
+/// Unit of coordinates, mm. A leg of 3 m fits.
 const POINT_UNIT_MM: f64 = 0.1;
 
-/// Distances from the surface are told in units of this, mm.
+/// Unit of distances from the surface, mm.
 const ERROR_UNIT_MM: f64 = 0.01;
 
-/// What was not seen.
+/// Marks a place that was not seen.
 const UNSEEN: i16 = i16::MIN;
 
-/// The leg's axis with the frame of its sections; unit vectors of the body frame.
+/// The leg's axis with the frame of its sections: unit vectors in the body frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct AxisFigures {
     /// Where the axis meets the floor.
@@ -47,11 +47,11 @@ pub struct OutlineFigures {
     pub centre_mm: [f64; 3],
     /// The fitted radius at −180°, −177°, … 177°.
     pub radius_mm: Vec<f64>,
-    /// The curvature in which feature points are found, at the same angles, positive where convex.
+    /// The curvature by which feature points are found, at the same angles, positive where convex.
     pub curvature_per_mm: Vec<f64>,
     /// Angles of the scan's own points on the plane, ascending.
     pub scan_angle_deg: Vec<f64>,
-    /// Their distances from the centre.
+    /// The distances of these points from the centre.
     pub scan_radius_mm: Vec<f64>,
 }
 
@@ -60,45 +60,45 @@ pub struct OutlineFigures {
 pub struct ShapeFigures {
     /// The measured skin.
     pub skin: GridFigures,
-    /// The surface with its error; null where there is none.
+    /// The surface with its error; null if there is none.
     pub surface: Option<SurfaceGridFigures>,
     /// A share of the scan's own points.
     pub scan: CloudFigures,
 }
 
-/// Points on rows upwards and at equal angles around, −180° first.
+/// Points in rows from the bottom up, at equal angles around the leg, −180° first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GridFigures {
     /// Number of rows.
     pub rows: usize,
-    /// Number of places around.
+    /// Number of points around the leg.
     pub columns: usize,
     /// x, y, z of each in 0.1 mm, row by row; −32768 where the skin does not close.
     pub points: Packed,
 }
 
-/// A surface on rows upwards and at equal angles around, −180° first.
+/// A surface in rows from the bottom up, at equal angles around the leg, −180° first.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceGridFigures {
     /// Number of rows.
     pub rows: usize,
-    /// Number of places around.
+    /// Number of points around the leg.
     pub columns: usize,
     /// x, y, z of each in 0.1 mm, row by row.
     pub points: Packed,
-    /// How far the scan's points lie outside it in the mean, in 0.01 mm; −32768 where none was seen.
+    /// Mean distance of the scan's points outside the surface, in 0.01 mm; −32768 if none was seen.
     pub error: Packed,
 }
 
-/// Points in no order.
+/// Points in no particular order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CloudFigures {
     /// x, y, z of each in 0.1 mm.
     pub points: Packed,
 }
 
-/// Whole numbers of 16 bits, least byte first, as base64 (RFC 4648, section 4): a tenth of the room
-/// that digits take.
+/// 16-bit integers, low byte first, as base64 (RFC 4648, section 4). This takes a tenth of the space of
+/// decimal digits.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Packed(Vec<i16>);
 
@@ -115,7 +115,7 @@ impl Packed {
         Packed(errors.iter().map(packed).collect())
     }
 
-    /// Its numbers as points, mm; none where not seen. What is left over of three is left out.
+    /// The numbers as points, mm; `None` for a point that was not seen. Drops an incomplete triple.
     pub fn as_points(&self) -> Vec<Option<Point3<f64>>> {
         let point = |of: &[i16]| {
             let mm = |at: usize| f64::from(of[at]) * POINT_UNIT_MM;
@@ -124,14 +124,14 @@ impl Packed {
         self.0.chunks_exact(3).map(point).collect()
     }
 
-    /// Its numbers as distances from the surface, mm; none where not seen.
+    /// The numbers as distances from the surface, mm; `None` if not seen.
     pub fn as_errors_mm(&self) -> Vec<Option<f64>> {
         let error = |of: &i16| (*of != UNSEEN).then(|| f64::from(*of) * ERROR_UNIT_MM);
         self.0.iter().map(error).collect()
     }
 }
 
-/// A length in whole units, the nearest that fits and is not [`UNSEEN`].
+/// A length in whole units: the nearest number that fits and is not [`UNSEEN`].
 fn whole(mm: f64, unit_mm: f64) -> i16 {
     (mm / unit_mm).round().clamp(f64::from(UNSEEN + 1), f64::from(i16::MAX)) as i16
 }

@@ -1,7 +1,7 @@
-//! Text from outside as it may be shown to people.
+//! Text from outside in a form that is safe to show to people.
 
-/// An id in which nothing is hidden: characters that are not seen, or that turn those around them
-/// about, stand as their code points, so that no id is taken for another.
+/// An id with nothing hidden in it. Characters that are invisible, or that change the text direction,
+/// are replaced by their code points, so that no id is mistaken for another.
 pub fn id(text: &str) -> String {
     let mut shown = String::new();
     for letter in text.chars() {
@@ -14,8 +14,8 @@ pub fn id(text: &str) -> String {
     shown
 }
 
-/// Control characters; blanks other than the plain one; format characters, among them those that
-/// change the direction of writing; what is for private use; and the marks of other scripts' fillers.
+/// Control characters, blanks other than the plain one, format characters, including those that change
+/// the text direction, private-use characters, and fillers of other scripts.
 fn is_hidden(letter: char) -> bool {
     let is_blank = letter.is_whitespace() && letter != ' ';
     let is_format = matches!(u32::from(letter),
@@ -38,14 +38,14 @@ mod tests {
     #[test]
     fn every_kind_of_letter_that_nobody_sees_is_shown() {
         let hidden = [
-            // Blanks, and marks that are seen at the end of a line only.
+            // Blanks, and marks that are only visible at the end of a line.
             "\u{A0}\u{2003}\u{2028}\u{3000}\u{AD}\u{34F}",
-            // Directions of writing, and their ends.
+            // Changes of text direction, and their ends.
             "\u{61C}\u{200E}\u{200F}\u{202A}\u{202E}\u{2066}\u{2069}",
-            // Joiners, variants, what fills or begins a text.
+            // Joiners, variation selectors, fillers, and marks at the beginning of a text.
             "\u{200B}\u{200D}\u{2060}\u{FE00}\u{FE0F}\u{FEFF}\u{115F}\u{1160}\u{17B4}\u{180B}",
             "\u{3164}\u{FFA0}\u{FFF9}\u{FFFB}",
-            // Private use, tags, more variants; controls.
+            // Private use, tags, more variation selectors, controls.
             "\u{E000}\u{F8FF}\u{E0001}\u{E0FFF}\u{F0000}\u{10FFFF}\u{7F}\u{85}",
         ];
         for letter in hidden.concat().chars() {

@@ -1,4 +1,4 @@
-//! Both legs at a glance, as the operator's page shows them: girth and height at B, B1, C and D.
+//! Both legs at a glance for the operator's page: girth and height at B, B1, C and D.
 
 use serde::Serialize;
 
@@ -9,16 +9,16 @@ use crate::leg::Side;
 /// The levels of a stocking that ends below the knee, from the foot up.
 const LEVELS: [&str; 4] = ["B", "B1", "C", "D"];
 
-/// The measures of a record, ready to be shown.
+/// The measures of a record, ready to show.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RecordSummary {
     /// B, B1, C and D, from the foot up.
     pub levels: Vec<SummaryLevel>,
-    /// How many findings there are besides those that only inform.
+    /// Number of findings, without those that are only information.
     pub findings: usize,
 }
 
-/// One level of both legs; a leg on which it was not found has none.
+/// One level of both legs. A leg on which it was not found has no figures.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct SummaryLevel {
     /// Its name.
@@ -36,12 +36,12 @@ pub struct SummaryFigures {
     pub girth_cm: String,
     /// Height above the floor.
     pub height_cm: String,
-    /// A doubt hangs on it.
+    /// Whether there is a doubt about it.
     pub is_doubted: bool,
 }
 
 impl RecordSummary {
-    /// The measures of a record in a language.
+    /// The measures of a record as text in a language.
     pub fn of(record: &Record, language: Language) -> RecordSummary {
         let figures = |side: Side, level: &str| {
             let leg = record.leg(side)?;

@@ -1,4 +1,4 @@
-//! The surface of a leg as it stands in `record.json`: its extent, its error, and what it bridges.
+//! The surface of a leg in `record.json`: its extent, its error, and the holes it bridges.
 
 use std::collections::BTreeMap;
 
@@ -14,9 +14,9 @@ use crate::spline::DEGREE;
 /// The surface's extent and error.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SurfaceFigures {
-    /// Along, around.
+    /// Number along and around the leg.
     pub control_points: [usize; 2],
-    /// Along, around.
+    /// Degree along and around the leg.
     pub degree: [usize; 2],
     /// Where the knots lie along and around: `uniform`, `adaptive`, `polished`, …
     #[serde(default)]
@@ -25,17 +25,17 @@ pub struct SurfaceFigures {
     pub from_height_mm: f64,
     /// Height of the upper end's centre.
     pub to_height_mm: f64,
-    /// Distance of the measured sections, holes left out.
+    /// Distances of the measured sections, without holes.
     pub to_sections: ErrorFigures,
-    /// Distance of the sections in holes, where both are bridges; null without holes.
+    /// Distances of the sections in holes, where both only bridge the hole; null without holes.
     #[serde(default)]
     pub in_holes: Option<ErrorFigures>,
-    /// Distance of the scan's own points.
+    /// Distances of the scan's own points.
     pub to_points: ErrorFigures,
-    /// Its girth at the levels it covers, by name.
+    /// The surface's girth at the levels it covers, by name.
     #[serde(default)]
     pub girths: BTreeMap<String, SurfaceGirth>,
-    /// The holes that it bridges, largest first.
+    /// The holes it bridges, largest first.
     #[serde(default)]
     pub holes: Vec<HoleFigures>,
 }
@@ -47,10 +47,10 @@ pub struct ErrorFigures {
     pub mean_relative: f64,
     /// Root mean square.
     pub rms_mm: f64,
-    /// 95 % of the area are no further away.
+    /// 95 % of the area lies within this distance.
     #[serde(default)]
     pub p95_mm: f64,
-    /// Largest.
+    /// The largest distance.
     pub max_mm: f64,
 }
 
@@ -59,7 +59,7 @@ pub struct ErrorFigures {
 pub struct SurfaceGirth {
     /// Along the surface's own section.
     pub contour_mm: f64,
-    /// That less the girth of the section the level was measured on.
+    /// The same minus the girth of the section on which the level was measured.
     pub minus_section_mm: f64,
 }
 
@@ -78,7 +78,7 @@ pub struct HoleFigures {
     pub area_cm2: f64,
 }
 
-/// The figures of a leg's surface; none where it has none.
+/// The figures of a leg's surface; `None` if it has none.
 pub fn surface(report: &LegReport) -> Option<SurfaceFigures> {
     let leg = report.surface.as_ref()?;
     let [from_mm, to_mm] = leg.height_mm;

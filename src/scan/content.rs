@@ -1,8 +1,8 @@
-//! What a file's content looks like, whatever its name says.
+//! The apparent type of a file's content, regardless of its name.
 
 use super::format::Format;
 
-/// What a content looks like.
+/// The apparent type of a content.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Content {
     /// A scan format that gaiter reads.
@@ -11,7 +11,7 @@ pub enum Content {
     Utf16,
     /// A ZIP archive.
     Zip,
-    /// A gzip archive, which VRML scenes are at times.
+    /// A gzip archive, as sometimes used for VRML scenes.
     Gzip,
 }
 
@@ -27,7 +27,7 @@ impl std::fmt::Display for Content {
 }
 
 impl Content {
-    /// What to do about such a content.
+    /// The recommended action for such a content.
     pub(super) fn advice(self) -> &'static str {
         match self {
             Content::Scan(_) => "rename the file or mend the exporter",

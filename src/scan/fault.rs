@@ -1,4 +1,4 @@
-//! Why bytes are not a scan: the fault, its place and its figures.
+//! Why bytes are not a scan: the fault, its place and its details.
 
 use super::content::Content;
 use super::format::Format;
@@ -6,37 +6,37 @@ use super::format::Format;
 /// Why bytes are not a scan. `code` is stable and goes into `reason.json`.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum ScanFault {
-    /// The file has no bytes or only white space.
+    /// The file is empty or contains only white space.
     #[error("the file is empty; export it again")]
     Empty,
-    /// The file-name ending is none that gaiter reads.
+    /// The file-name ending is not one that gaiter reads.
     #[error(
         "the ending {ending:?} is no scan format that gaiter reads (it reads .obj, .ply, .stl, \
          .wrl, .xyz, .asc and .txt)"
     )]
     UnknownEnding {
-        /// The ending as found, without the dot; empty when the name has none.
+        /// The ending as found, without the dot; empty if the name has none.
         ending: String,
     },
-    /// The content is plainly something else than the ending says.
+    /// The content is clearly something other than the ending says.
     #[error("the content looks like {content}, not {format}; {}", content.advice())]
     LooksLike {
-        /// What the content is.
+        /// The detected content.
         content: Content,
-        /// What the ending says.
+        /// The format given by the ending.
         format: Format,
     },
-    /// The content is not what the ending says, and nothing else that gaiter knows.
+    /// The content does not match the ending, and is not anything else that gaiter knows.
     #[error("line {line}: \"{found}\" is not {format}; is this file really {}?", format.in_full())]
     NotThisFormat {
-        /// What the ending says.
+        /// The format given by the ending.
         format: Format,
-        /// 1-based line of the first statement that does not belong.
+        /// 1-based line of the first statement that does not belong to the format.
         line: usize,
-        /// That statement's beginning, printable characters only.
+        /// The beginning of that statement, printable characters only.
         found: String,
     },
-    /// The bytes hold characters that no text format holds.
+    /// The bytes include characters that do not occur in any text format.
     #[error("byte {at} is {value:#04x}: the file is binary, not the text its ending says")]
     Binary {
         /// 0-based offset of the first such byte.
@@ -44,57 +44,57 @@ pub enum ScanFault {
         /// The byte.
         value: u8,
     },
-    /// The file stops in the middle: more is expected.
+    /// The file stops in the middle.
     #[error("the file is cut short: {what}")]
     CutShort {
-        /// What shows it, with figures.
+        /// The evidence, with details.
         what: CutSign,
     },
-    /// The file goes on after what it says of itself.
+    /// The file is longer than it declares.
     #[error("the file has {has} {what} where it says {says}; which is true? Export it again")]
     TooLong {
-        /// What is counted: bytes, lines, points.
+        /// The unit of the counts: bytes, lines, points.
         what: &'static str,
-        /// How many are there.
+        /// The actual number.
         has: usize,
-        /// How many the file says.
+        /// The declared number.
         says: usize,
     },
     /// A coordinate is not a finite number.
     #[error("{place}the coordinate \"{found}\" is not a finite number")]
     NotFinite {
-        /// Where it stands.
+        /// Its place.
         place: Place,
         /// The text of the coordinate.
         found: String,
     },
-    /// Statements but not one point.
+    /// The file has statements but no points.
     #[error("the file holds not one point: there is no body in it; scan and export again")]
     NoPoints,
-    /// Something is wrong within the format.
+    /// The file violates the format.
     #[error("{place}{what}")]
     Malformed {
-        /// Where.
+        /// Its place.
         place: Place,
-        /// What is wrong, what was found and what to do.
+        /// What is wrong, what was found and how to correct it.
         what: String,
     },
 }
 
-/// Where in a file a fault lies. Displayed as the beginning of a message.
+/// The place of a fault in a file. Displayed as the beginning of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Place {
-    /// The reader does not say.
+    /// Unknown.
     Unknown,
-    /// A 1-based line of a text.
+    /// A 1-based line of a text file.
     Line(usize),
     /// One record of a binary file.
     Record {
-        /// What the record is: vertex, face, triangle.
+        /// The kind of record: vertex, face, triangle.
         name: &'static str,
         /// Its 1-based number.
         number: usize,
-        /// 0-based offset of the first byte that is wrong.
+        /// 0-based offset of the first wrong byte.
         byte: usize,
     },
 }
@@ -109,7 +109,7 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// What shows that a file was cut short.
+/// Evidence that a file was cut short.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CutSign {
     /// The last line has no line end.
@@ -121,7 +121,7 @@ pub enum CutSign {
         /// 1-based number of that line.
         line: usize,
     },
-    /// Points that no face uses: the face list was cut.
+    /// Points that no face uses, so the face list was cut.
     #[error("{unused} of {points} points belong to no face; export it again")]
     UnusedPoints {
         /// Number of points that no face uses.
@@ -129,20 +129,20 @@ pub enum CutSign {
         /// Number of points.
         points: usize,
     },
-    /// Fewer records than the file itself says.
+    /// Fewer records than declared.
     #[error("{has} of {of} {what}; export it again")]
     Missing {
-        /// What is counted.
+        /// The kind of record.
         what: &'static str,
-        /// How many whole ones are there.
+        /// The number of complete records.
         has: usize,
-        /// How many the file says.
+        /// The declared number.
         of: usize,
     },
-    /// The mark that ends every file of this format is not there.
+    /// The mark that ends every file of this format is missing.
     #[error("its end, {mark}, is missing; export it again")]
     NoEnd {
-        /// The mark as a reader would look for it.
+        /// The mark, as the operator would search for it.
         mark: &'static str,
     },
     /// Space that was reserved but not written yet.
@@ -151,7 +151,7 @@ pub enum CutSign {
         /// Number of zero bytes at the end.
         bytes: usize,
     },
-    /// As [`CutSign::Unwritten`], in the middle of a text.
+    /// Like [`CutSign::Unwritten`], but in the middle of a text.
     #[error("{bytes} bytes from byte {at} on are zero, not written yet; export it again")]
     Hole {
         /// 0-based offset of the first zero byte.
@@ -177,18 +177,18 @@ impl ScanFault {
         }
     }
 
-    /// Whether more bytes could still mend the file, so that waiting makes sense.
+    /// Whether more bytes could still complete the file, so that waiting makes sense.
     pub fn may_be_mended_by_waiting(&self) -> bool {
         matches!(self, ScanFault::Empty | ScanFault::CutShort { .. })
     }
 }
 
-/// A [`ScanFault::CutShort`] for its sign.
+/// Creates a [`ScanFault::CutShort`] from its evidence.
 pub(super) fn cut_short(what: CutSign) -> ScanFault {
     ScanFault::CutShort { what }
 }
 
-/// A [`ScanFault::Malformed`] in a line of text.
+/// Creates a [`ScanFault::Malformed`] for a line of text.
 pub(super) fn malformed(line: usize, what: impl Into<String>) -> ScanFault {
     ScanFault::Malformed { place: Place::Line(line), what: what.into() }
 }

@@ -1,11 +1,9 @@
-//! The formats of scans, by file-name ending.
-
-use super::ScanFault;
+//! The formats of scans.
 
 /// A scan format that gaiter reads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Format {
-    /// Wavefront OBJ, text: a mesh, or points alone.
+    /// Wavefront OBJ, text: a mesh, or only points.
     Obj,
     /// Polygon File Format of Stanford, text or binary of either byte order: a mesh or points.
     Ply,
@@ -13,27 +11,11 @@ pub enum Format {
     Stl,
     /// VRML 1 and VRML 2 (97), text: a scene of meshes or points.
     Wrl,
-    /// Plain points, a line each, text.
+    /// Plain points, one per line, text.
     Xyz,
 }
 
 impl Format {
-    /// The format of a file name, by its ending, letter case aside.
-    ///
-    /// # Errors
-    /// [`ScanFault::UnknownEnding`] where the ending is none of ours.
-    pub fn of_file_name(name: &str) -> Result<Format, ScanFault> {
-        let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
-        match ending.to_ascii_lowercase().as_str() {
-            "obj" => Ok(Format::Obj),
-            "ply" => Ok(Format::Ply),
-            "stl" => Ok(Format::Stl),
-            "wrl" => Ok(Format::Wrl),
-            "xyz" | "asc" | "txt" => Ok(Format::Xyz),
-            _ => Err(ScanFault::UnknownEnding { ending: ending.to_owned() }),
-        }
-    }
-
     /// The usual ending of files of this format, without the dot.
     pub fn ending(self) -> &'static str {
         match self {
@@ -45,7 +27,7 @@ impl Format {
         }
     }
 
-    /// The format's name with its article, for a question.
+    /// The format's name with its article, for use in a question.
     pub(super) fn in_full(self) -> &'static str {
         match self {
             Format::Obj => "a Wavefront OBJ",
@@ -66,36 +48,5 @@ impl std::fmt::Display for Format {
             Format::Wrl => "VRML",
             Format::Xyz => "XYZ",
         })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_ending_names_its_format_in_any_letter_case() {
-        let endings = [
-            ("a.obj", Format::Obj),
-            ("4711_a.PLY", Format::Ply),
-            ("a.b.Stl", Format::Stl),
-            ("a.WRL", Format::Wrl),
-            ("a.xyz", Format::Xyz),
-            ("a.ASC", Format::Xyz),
-            ("a.txt", Format::Xyz),
-        ];
-        for (name, format) in endings {
-            assert_eq!(Format::of_file_name(name), Ok(format));
-        }
-        for name in ["a", "a.obj.part", "a.x3d", "obj"] {
-            assert!(Format::of_file_name(name).is_err(), "{name}");
-        }
-    }
-
-    #[test]
-    fn the_usual_ending_leads_back_to_the_format() {
-        for format in [Format::Obj, Format::Ply, Format::Stl, Format::Wrl, Format::Xyz] {
-            assert_eq!(Format::of_file_name(&format!("scan.{}", format.ending())), Ok(format));
-        }
     }
 }

@@ -1,7 +1,7 @@
-//! The geometry of a scan as its file writes it: coordinates and faces, without comments.
+//! The geometry of a scan as written in its file: coordinates and faces, without comments.
 //!
-//! An export made twice differs in a comment with the time, and is the same scan. Numbers are compared
-//! as they are written: a scan written with other digits is another.
+//! Two exports of the same scan may differ only in a comment with the time. Numbers are compared as
+//! text, so a scan written with different digits is a different scan.
 
 use std::ops::Range;
 
@@ -10,8 +10,8 @@ use super::Format;
 /// The length of the comment at the beginning of a binary STL, bytes.
 const STL_COMMENT: usize = 80;
 
-/// The parts of a file that hold its coordinates and faces, in their order; none is empty, and there is
-/// none where the file holds no geometry.
+/// The parts of a file that contain its coordinates and faces, in order. No part is empty; the list
+/// is empty if the file has no geometry.
 pub fn geometry(bytes: &[u8], format: Format) -> Vec<Range<usize>> {
     let mut parts = match format {
         Format::Obj => lines(bytes, |line| is_word(line, b"v") || is_word(line, b"f")),
@@ -35,7 +35,7 @@ pub fn geometry(bytes: &[u8], format: Format) -> Vec<Range<usize>> {
     parts
 }
 
-/// The runs of lines that count, each line with its end but the last.
+/// The runs of lines that count, each line with its line end, except at the end of the last one.
 fn lines(bytes: &[u8], counts: impl Fn(&[u8]) -> bool) -> Vec<Range<usize>> {
     let (mut runs, mut run, mut at) = (Vec::new(), 0..0, 0);
     for line in bytes.split_inclusive(|byte| *byte == b'\n') {
@@ -48,7 +48,7 @@ fn lines(bytes: &[u8], counts: impl Fn(&[u8]) -> bool) -> Vec<Range<usize>> {
         }
         at = end;
     }
-    // The last line may lack its end.
+    // The last line may lack its line end.
     run.end = run.start + bytes[run.clone()].trim_ascii_end().len();
     runs.push(run);
     runs
@@ -60,7 +60,7 @@ fn is_word(line: &[u8], word: &[u8]) -> bool {
     rest.is_some_and(|rest| rest.first().is_none_or(u8::is_ascii_whitespace))
 }
 
-/// Where the body of a PLY begins; its end where there is no body.
+/// Offset of the body of a PLY; the end of the file if there is no body.
 fn ply_body(bytes: &[u8]) -> usize {
     let mut at = 0;
     for line in bytes.split_inclusive(|byte| *byte == b'\n') {
@@ -72,7 +72,7 @@ fn ply_body(bytes: &[u8]) -> usize {
     bytes.len()
 }
 
-/// Whether an STL is text: it has a facet in its first lines.
+/// Whether an STL is text: its first lines contain a facet.
 fn is_text_stl(bytes: &[u8]) -> bool {
     let beginning = &bytes[..bytes.len().min(1024)];
     beginning.starts_with(b"solid") && beginning.windows(5).any(|word| word == b"facet")
@@ -82,7 +82,7 @@ fn is_text_stl(bytes: &[u8]) -> bool {
 mod tests {
     use super::*;
 
-    /// What counts of a file; none where nothing does.
+    /// The geometry of a file; `None` if it has none.
     fn geometry(bytes: &[u8], format: Format) -> Option<Vec<u8>> {
         let parts = super::geometry(bytes, format);
         let of = |part: std::ops::Range<usize>| bytes[part].to_vec();

@@ -1,17 +1,18 @@
 //! Bytes → [`Scan`]: points and triangles as the scanner wrote them, in the export's own unit.
 //!
-//! One decoder per format. The file-name ending says the format; the content must agree with it.
-//! A decoder also says when a file is cut short, so that the station can wait for the rest.
+//! One decoder per format. The file-name ending determines the format; the content must match it. A
+//! decoder also detects files that are cut short, so that the station can wait for the rest.
 //!
-//! Memory: besides the input, a decoder needs at most 16 MB and twelve times the bytes of the
-//! points (24 each) and triangles (12 each) that it has met. What a header announces is believed
-//! only as far as the bytes for it are there.
+//! Memory: besides the input, a decoder needs at most 16 MB plus twelve times the bytes of the
+//! points (24 each) and triangles (12 each) read so far. Counts in a header are trusted only as far
+//! as the bytes for them are present.
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 
 pub mod content;
+pub mod ending;
 pub mod fault;
-pub mod format;
+mod format;
 pub mod geometry;
 mod obj;
 pub mod ord;
@@ -30,17 +31,17 @@ pub use fault::{CutSign, Place, ScanFault};
 pub use format::Format;
 pub use geometry::geometry;
 
-/// One export of the scanner, undecorated: no unit, no up axis, no order that means anything.
+/// One export of the scanner as it is: without unit or up axis, and in arbitrary order.
 ///
-/// Invariants, held by the decoders: there is at least one point; every coordinate is finite;
-/// every triangle index is within `points`; no triangle uses a point twice. Where there are
-/// triangles, no two points coincide and every point belongs to a triangle. `triangles` may be
-/// empty: a bare point cloud.
+/// Invariants, guaranteed by the decoders: there is at least one point; every coordinate is finite;
+/// every triangle index is within `points`; no triangle uses a point twice. If there are triangles,
+/// no two points coincide and every point belongs to a triangle. `triangles` may be empty, for a
+/// bare point cloud.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scan {
     /// Points in the export's own unit and axes.
     pub points: Vec<Point3<f64>>,
-    /// Triangles as indices into `points`; their orientation is not relied upon.
+    /// Triangles as indices into `points`; their orientation is not significant.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -63,11 +64,11 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scan, ScanFault> {
     if scan.points.is_empty() { Err(ScanFault::NoPoints) } else { Ok(scan) }
 }
 
-/// Says whether bytes are cut short, without decoding them whole; cheap enough for every look.
+/// Checks whether bytes are cut short, without decoding them completely; cheap enough for every look.
 ///
 /// # Errors
-/// [`ScanFault::Empty`] or [`ScanFault::CutShort`], which waiting may mend, or a fault that plainly
-/// comes first; all others are left to [`read`].
+/// [`ScanFault::Empty`] or [`ScanFault::CutShort`], which waiting may resolve, or an obvious
+/// earlier fault; all others are left to [`read`].
 pub fn completeness(bytes: &[u8], format: Format) -> Result<(), ScanFault> {
     if text::is_blank(bytes) {
         return Err(ScanFault::Empty);
@@ -84,7 +85,7 @@ pub fn completeness(bytes: &[u8], format: Format) -> Result<(), ScanFault> {
     }
 }
 
-/// The fault of a content that is plainly not of the format that the ending says.
+/// The fault if the content clearly has another format than the ending says.
 fn misnamed(bytes: &[u8], format: Format) -> Option<ScanFault> {
     let content = sniff::of(bytes)?;
     (content != Content::Scan(format)).then_some(ScanFault::LooksLike { content, format })

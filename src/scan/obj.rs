@@ -1,10 +1,10 @@
-//! Wavefront OBJ, decoded by tobj behind checks of our own.
+//! Wavefront OBJ, decoded by tobj after our own checks.
 //!
 //! tobj never panics, but it accepts NaN and infinity, a cut face line, and a file without faces,
-//! and it refuses a whole file for one Latin-1 letter in an object's name. So only the statements
-//! that carry geometry are handed on. The checks have read every corner of every face already, so
-//! tobj is not given the faces again: it is asked for the points, in the order in which the faces
-//! use them. A file without faces is read without tobj, which loses points that no face uses.
+//! and it refuses a whole file because of one Latin-1 letter in an object's name. So it receives
+//! only the statements with geometry. The checks have already read every corner of every face, so
+//! tobj does not get the faces again: it returns the points, in the order in which the faces use
+//! them. A file without faces is read without tobj, which drops points that no face uses.
 
 mod statements;
 
@@ -16,13 +16,12 @@ use super::text::{self, Decimals, numbered};
 use super::weld::{Unwelded, welded};
 use statements::{Statements, each_geometry, keyword, refuse_others};
 
-/// More unused points than this share of all means that the face list was cut off. Every known
-/// export of a whole surface uses all of its points. A test body cut at
-/// 90 % of its bytes leaves 1.6 % unused and lacks a leg, so no more than a few stray points are
-/// let through: 57 of 57 000.
+/// A larger share of unused points than this means that the face list was cut off. Every known
+/// export of a whole surface uses all of its points. A test body cut at 90 % of its bytes leaves
+/// 1.6 % unused and lacks a leg, so only a few stray points are accepted: 57 of 57 000.
 const UNUSED_POINTS_MAX_SHARE: f64 = 0.001;
 
-/// Decodes an OBJ file that is complete.
+/// Decodes a complete OBJ file.
 ///
 /// # Errors
 /// See [`ScanFault`]; the first fault found, with its line.
@@ -48,16 +47,16 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     drop(statements);
     match decoded {
         Ok(mesh) if mesh.0.iter().flat_map(|p| p.iter()).all(|c| c.is_finite()) => Ok(welded(mesh)),
-        // tobj names no line: the points are read once more by a reader that does.
+        // tobj does not report a line, so a reader that does reads the points again.
         Ok(_) => Err(points(bytes).err().unwrap_or(unplaced("a coordinate is not finite"))),
         Err(said) => Err(points(bytes).err().unwrap_or(unplaced(&said))),
     }
 }
 
-/// Whether the text ends where a text may end.
+/// Whether the text has a proper end.
 ///
 /// # Errors
-/// [`ScanFault::CutShort`] where the last line has no line end, [`ScanFault::Binary`].
+/// [`ScanFault::CutShort`] if the last line has no line end, [`ScanFault::Binary`].
 pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     text::refuse_binary(bytes)?;
     text::refuse_open_line(bytes)
@@ -67,7 +66,7 @@ fn unplaced(what: &str) -> ScanFault {
     ScanFault::Malformed { place: Place::Unknown, what: what.to_owned() }
 }
 
-/// Points by tobj and triangles, both in the order of the faces.
+/// Points from tobj, and triangles, both in the order of the faces.
 fn decode(statements: &Statements) -> Result<Unwelded, String> {
     let options = tobj::LoadOptions::default();
     let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
@@ -79,10 +78,10 @@ fn decode(statements: &Statements) -> Result<Unwelded, String> {
     Ok((coordinates.map(|c| Point3::new(c[0], c[1], c[2])).collect(), triangles))
 }
 
-/// All points, whether a face uses them or not, in the order of the file.
+/// All points, used by a face or not, in the order of the file.
 ///
 /// # Errors
-/// The first coordinate that is none, with its line.
+/// The first invalid coordinate, with its line.
 fn points(bytes: &[u8]) -> Result<Vec<Point3<f64>>, ScanFault> {
     let mut found = Vec::new();
     let mut decimals = Decimals::default();

@@ -1,22 +1,22 @@
-//! The measurement file that a \[TC\]2 scanner writes beside a scan (`.ord`): one measure a line,
-//! `MEASURE Name=value`, in the unit of the line `OPTION UNITS=cm`.
+//! The measurement file that a \[TC\]2 scanner writes next to a scan (`.ord`): one measure per
+//! line, `MEASURE Name=value`, in the unit of the line `OPTION UNITS=cm`.
 //!
-//! No public description of the format was found. What is read here is what programs that read
-//! such files expect; lines of any other kind are passed over.
+//! No public description of the format was found. This reader accepts what other programs expect of
+//! such files; lines of any other kind are skipped.
 
-/// A measurement file larger than this is none, bytes: real ones hold some hundred lines.
+/// Maximum size of a measurement file, bytes; real ones have some hundred lines.
 pub const BYTES_MAX: usize = 1 << 20;
 
-/// Characters of a line that a fault shows.
+/// Maximum number of characters of a line shown in a fault.
 const EXCERPT_CHARS: usize = 40;
 
-/// The measures that the scanner's own program took.
+/// The measures taken by the scanner's own program.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ord {
     /// The unit that the file declares.
     pub unit: OrdUnit,
-    /// Names as written and values in mm, in the order of the file. Angles and counts, which the
-    /// file does not mark, are multiplied too and mean nothing.
+    /// Names as written and values in mm, in the order of the file. The file does not mark angles
+    /// and counts, so they are converted too and are meaningless.
     pub measures: Vec<(String, f64)>,
 }
 
@@ -32,7 +32,7 @@ pub enum OrdUnit {
 }
 
 impl OrdUnit {
-    /// The unit of a word, letter case aside.
+    /// The unit of a word; upper and lower case are equal.
     fn of_word(word: &str) -> Option<OrdUnit> {
         match word.to_ascii_lowercase().as_str() {
             "mm" | "millimeter" | "millimeters" => Some(OrdUnit::Mm),
@@ -61,19 +61,19 @@ impl OrdUnit {
     }
 }
 
-/// Why bytes are no measurement file. Lines count from 1.
+/// Why bytes are not a measurement file. Lines count from 1.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum OrdFault {
-    /// It is too large.
+    /// The file is too large.
     #[error("more than {BYTES_MAX} bytes are no measurement file")]
     TooLarge,
-    /// It is no text.
+    /// The file is not text.
     #[error("line {line}: the file is binary, not text")]
     Binary {
-        /// The line of the first byte that no text holds.
+        /// The line of the first byte that cannot occur in a text.
         line: usize,
     },
-    /// A value begins as a number and is none.
+    /// A value begins like a number but is not one.
     #[error("line {line}: \"{found}\" is no number")]
     NotANumber {
         /// Its line.
@@ -89,7 +89,7 @@ pub enum OrdFault {
         /// The line's beginning, printable ASCII only.
         found: String,
     },
-    /// A unit that is not known.
+    /// An unknown unit.
     #[error("line {line}: the unit \"{found}\" is none of mm, cm and in")]
     UnknownUnit {
         /// Its line.
@@ -97,7 +97,7 @@ pub enum OrdFault {
         /// The word's beginning, printable ASCII only.
         found: String,
     },
-    /// Another unit than declared before.
+    /// A different unit than declared before.
     #[error("line {line}: the unit is {}, and it was {} before", now.word(), before.word())]
     TwoUnits {
         /// The line of the second.
@@ -107,13 +107,13 @@ pub enum OrdFault {
         /// The second.
         now: OrdUnit,
     },
-    /// No line says the unit.
+    /// No line declares the unit.
     #[error("none of its {lines} lines says the unit (OPTION UNITS=cm)")]
     NoUnit {
         /// Number of lines.
         lines: usize,
     },
-    /// No line holds a measure.
+    /// No line contains a measure.
     #[error("none of its {lines} lines holds a measure (MEASURE Name=value)")]
     NoMeasures {
         /// Number of lines.
@@ -121,11 +121,10 @@ pub enum OrdFault {
     },
 }
 
-/// Reads a measurement file. A value that does not begin as a number is no measure and is passed
-/// over.
+/// Reads a measurement file. A value that does not begin like a number is not a measure and is skipped.
 ///
 /// # Errors
-/// The first [`OrdFault`] with its line.
+/// The first [`OrdFault`], with its line.
 pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
     if bytes.len() > BYTES_MAX {
         return Err(OrdFault::TooLarge);
@@ -164,9 +163,9 @@ pub fn read(bytes: &[u8]) -> Result<Ord, OrdFault> {
     Ok(Ord { unit, measures: written.into_iter().map(in_mm).collect() })
 }
 
-/// Whether a file of this name is the measurement file of a scan of that name: the ending is
-/// `.ord`, letter case aside, and the stems are alike where space, `+` and `_` are the same.
-/// Names as bytes, so that no encoding of them is in the way.
+/// Whether a file of this name is the measurement file of a scan of that name: the ending is `.ord`
+/// in upper or lower case, and the stems are equal if space, `+` and `_` count as the same. Names
+/// are bytes, so that their encoding does not matter.
 pub fn belongs(name: &[u8], scan_name: &[u8]) -> bool {
     let (Some((stem, ending)), Some((scan_stem, _))) = (parted(name), parted(scan_name)) else {
         return false;
@@ -174,19 +173,19 @@ pub fn belongs(name: &[u8], scan_name: &[u8]) -> bool {
     ending == b"ord" && stem == scan_stem
 }
 
-/// The stem of a file name, as files of one scan share it, and its ending in lower case.
+/// The normalised stem of a file name, which all files of one scan share, and its ending in lower case.
 pub fn parted(name: &[u8]) -> Option<(Vec<u8>, Vec<u8>)> {
     let dot = name.iter().rposition(|&byte| byte == b'.')?;
     let alike = |&byte: &u8| if matches!(byte, b' ' | b'+') { b'_' } else { byte };
     Some((name[..dot].iter().map(alike).collect(), name[dot + 1..].to_ascii_lowercase()))
 }
 
-/// A byte that no text of this kind holds: control characters but tab and line ends.
+/// Whether a byte cannot occur in such a text: control characters except tab and line ends.
 fn is_binary(byte: u8) -> bool {
     (byte < b' ' && !matches!(byte, b'\t' | b'\n' | b'\r')) || byte == 0x7f
 }
 
-/// The text: UTF-8 where it is, else Latin-1, in which every byte is a character.
+/// The text: UTF-8 if valid, otherwise Latin-1, in which every byte is a character.
 fn decoded(bytes: &[u8]) -> String {
     match std::str::from_utf8(bytes) {
         Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text).to_owned(),
@@ -194,14 +193,14 @@ fn decoded(bytes: &[u8]) -> String {
     }
 }
 
-/// The lines that mean something.
+/// The keywords of lines that are read.
 #[derive(Debug, Clone, Copy)]
 enum Keyword {
     Option,
     Measure,
 }
 
-/// The keyword of a line and what follows it.
+/// The keyword of a line and the rest of the line.
 fn statement(line: &str) -> Option<(Keyword, &str)> {
     let (word, rest) = line.trim().split_once([' ', '\t'])?;
     let keyword = match word.to_ascii_uppercase().as_str() {
@@ -212,13 +211,13 @@ fn statement(line: &str) -> Option<(Keyword, &str)> {
     Some((keyword, rest.trim()))
 }
 
-/// The word of `UNITS=word`; none for other options.
+/// The word of `UNITS=word`; `None` for other options.
 fn units(rest: &str) -> Option<&str> {
     let (name, word) = rest.split_once('=')?;
     name.trim().eq_ignore_ascii_case("units").then_some(word.trim())
 }
 
-/// Name and value of `Name=value`; none where the value does not begin as a number.
+/// Name and value of `Name=value`; `None` if the value does not begin like a number.
 fn measure(rest: &str, line: usize) -> Result<Option<(String, f64)>, OrdFault> {
     let parts = rest.split_once('=').map(|(name, value)| (name.trim(), value.trim()));
     let Some((name, value)) = parts.filter(|(name, _)| !name.is_empty()) else {
@@ -227,13 +226,13 @@ fn measure(rest: &str, line: usize) -> Result<Option<(String, f64)>, OrdFault> {
     if !value.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c)) {
         return Ok(None);
     }
-    // A decimal comma is the point of half of Europe; with both, one of them parts thousands.
+    // Half of Europe uses a decimal comma; if both occur, one of them separates thousands.
     let number = value.replace(',', ".").parse::<f64>().ok().filter(|number| number.is_finite());
     let number = number.ok_or_else(|| OrdFault::NotANumber { line, found: excerpt(value) })?;
     Ok(Some((name.to_owned(), number)))
 }
 
-/// The beginning of a text, printable ASCII only, so that no log can be written through it.
+/// The beginning of a text, printable ASCII only, so that it cannot inject anything into a log.
 fn excerpt(text: &str) -> String {
     let printable = |c: char| if c.is_ascii_graphic() || c == ' ' { c } else { '?' };
     text.chars().take(EXCERPT_CHARS).map(printable).collect()

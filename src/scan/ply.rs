@@ -1,8 +1,8 @@
-//! PLY, the Polygon File Format of Stanford: a text header that names elements and their
+//! PLY, the Polygon File Format of Stanford: a text header that lists elements and their
 //! properties, then the elements as text or binary in either byte order.
 //!
-//! Read are the `x`, `y`, `z` of `vertex`, and the list `vertex_indices` or `vertex_index` of
-//! `face` and `tristrips`. All other elements and properties are passed over, whatever their type.
+//! Only the `x`, `y`, `z` of `vertex` are read, and the list `vertex_indices` or `vertex_index` of
+//! `face` and `tristrips`. All other elements and properties are skipped, whatever their type.
 
 mod ascii;
 mod binary;
@@ -14,8 +14,8 @@ use super::weld::welded;
 use super::{Scan, text};
 use header::{Encoding, Header};
 
-/// Decodes a PLY file that is complete. One that is longer than its header says is refused: either
-/// the header or the rest is wrong.
+/// Decodes a complete PLY file. A file that is longer than its header declares is refused, because
+/// either the header or the rest is wrong.
 ///
 /// # Errors
 /// See [`ScanFault`]; the first fault found, with its line, or its element and byte.
@@ -36,11 +36,11 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     Ok(welded(mesh))
 }
 
-/// Whether all elements that the header announces are there: by arithmetic in binary files, where
+/// Whether all elements that the header announces are present: by arithmetic in binary files, where
 /// only the lengths of lists are read, and by counting lines in text.
 ///
 /// # Errors
-/// [`ScanFault::CutShort`] with figures; a header that cannot be read is left to [`read`].
+/// [`ScanFault::CutShort`] with details; a header that cannot be read is left to [`read`].
 pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     let bytes = text::without_mark(bytes);
     let header = match Header::of(bytes) {

@@ -1,16 +1,16 @@
-//! A look at a file's head: what its content plainly is, whatever its name says.
+//! Detects the content of a file from its head, regardless of its name.
 
 use super::content::Content;
 use super::format::Format;
 use super::{stl, text, xyz};
 
-/// Bytes at the head of a file that are looked at to tell what it is.
+/// Number of bytes at the head of a file that are examined.
 const HEAD_BYTES: usize = 4096;
 
-/// Statements that an OBJ file begins with. Each needs a word after it.
+/// Statements that can begin an OBJ file. Each needs a word after it.
 const OBJ_OPENINGS: [&[u8]; 8] = [b"v", b"vn", b"vt", b"f", b"o", b"g", b"mtllib", b"usemtl"];
 
-/// What the bytes plainly are; `None` where their head does not tell.
+/// The detected content; `None` if the head is inconclusive.
 pub(super) fn of(bytes: &[u8]) -> Option<Content> {
     if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Some(Content::Utf16);
@@ -30,7 +30,7 @@ pub(super) fn of(bytes: &[u8]) -> Option<Content> {
     if opens(b"#VRML ") {
         return Some(Content::Scan(Format::Wrl));
     }
-    // The header of a binary STL may be any text, so its length speaks first.
+    // The header of a binary STL may be any text, so its length is checked first.
     if stl::is_binary_by_length(bytes) {
         return Some(Content::Scan(Format::Stl));
     }

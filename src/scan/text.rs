@@ -1,30 +1,30 @@
-//! What all text formats share: lines, words, numbers, and what is no text at all.
+//! Common parts of all text formats: lines, words, numbers, and detection of binary content.
 
 use super::fault::{CutSign, Place, ScanFault, cut_short, malformed};
 
-/// What some editors and exporters put before UTF-8 text.
+/// The mark that some editors and exporters put before UTF-8 text.
 const BYTE_ORDER_MARK: &[u8] = b"\xef\xbb\xbf";
 
-/// Longest piece of a faulty statement that an error repeats, characters.
+/// Maximum length of the excerpt of a faulty statement in an error, characters.
 const EXCERPT_CHARS: usize = 40;
 
-/// Longest number with a decimal comma, characters. No exporter writes more than 25 digits.
+/// Maximum length of a number with a decimal comma, characters. No exporter writes more than 25 digits.
 const COMMA_NUMBER_CHARS: usize = 64;
 
-/// The smallest piece in which disks and shares leave a hole, bytes.
+/// The smallest hole that disks and shares leave in a file, bytes.
 pub(super) const SECTOR_BYTES: usize = 512;
 
-/// The text without its UTF-8 mark.
+/// The text without its UTF-8 byte order mark.
 pub(super) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(BYTE_ORDER_MARK).unwrap_or(bytes)
 }
 
-/// Whether there is nothing but white space.
+/// Whether there is only white space.
 pub(super) fn is_blank(bytes: &[u8]) -> bool {
     without_mark(bytes).iter().all(u8::is_ascii_whitespace)
 }
 
-/// The lines of a text without their ends, which are LF, CR LF or, as old Macs wrote, CR alone.
+/// The lines of a text without their line ends: LF, CR LF or, as on old Macs, CR alone.
 pub(super) fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let mut rest = text;
     std::iter::from_fn(move || {
@@ -38,7 +38,7 @@ pub(super) fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     })
 }
 
-/// Length of the first line. Whole blocks without a line end are passed at a stroke.
+/// Length of the first line. Blocks without a line end are skipped as a whole.
 fn line_length(text: &[u8]) -> usize {
     const BLOCK: usize = 16;
     let is_end = |byte: &u8| *byte == b'\n' || *byte == b'\r';
@@ -48,22 +48,22 @@ fn line_length(text: &[u8]) -> usize {
     passed + rest.iter().position(is_end).unwrap_or(rest.len())
 }
 
-/// The lines that are not blank, without outer white space, with their 1-based numbers.
+/// The non-blank lines, without surrounding white space, with their 1-based numbers.
 pub(super) fn numbered(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     let trimmed = lines(text).enumerate().map(|(index, line)| (index + 1, line.trim_ascii()));
     trimmed.filter(|(_, line)| !line.is_empty())
 }
 
-/// Words of a line: what stands between white space.
+/// The words of a line, separated by white space.
 pub(super) fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
     line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty())
 }
 
-/// Refuses bytes that no text export holds.
+/// Refuses bytes that do not occur in text exports.
 ///
 /// # Errors
-/// [`ScanFault::Binary`] with the first such byte; [`ScanFault::CutShort`] where it begins a space
-/// that was reserved and is not written yet.
+/// [`ScanFault::Binary`] with the first such byte; [`ScanFault::CutShort`] if it begins space that
+/// was reserved and is not written yet.
 pub(super) fn refuse_binary(bytes: &[u8]) -> Result<(), ScanFault> {
     if !bytes.iter().fold(false, |any, &byte| any | is_binary(byte)) {
         return Ok(());
@@ -74,8 +74,8 @@ pub(super) fn refuse_binary(bytes: &[u8]) -> Result<(), ScanFault> {
     }
 }
 
-/// The fault of zeros from `at` on that somebody reserved to fill them later: up to the end of the
-/// file, or at least a disk sector of them, for copies may write their blocks in any order.
+/// The fault of reserved but unwritten zeros from `at` on: up to the end of the file, or at least a
+/// disk sector of them, because copying may write blocks in any order.
 fn unwritten(bytes: &[u8], at: usize) -> Option<ScanFault> {
     let zeros = bytes[at..].iter().take_while(|&&byte| byte == 0).count();
     if zeros == 0 {
@@ -87,10 +87,10 @@ fn unwritten(bytes: &[u8], at: usize) -> Option<ScanFault> {
     }
 }
 
-/// Refuses a file that ends in space reserved and not filled, whatever stands before it.
+/// Refuses a file that ends in reserved but unwritten space, whatever comes before it.
 ///
 /// # Errors
-/// [`ScanFault::CutShort`] where it ends in at least a disk sector of zeros.
+/// [`ScanFault::CutShort`] if it ends in at least a disk sector of zeros.
 pub(super) fn refuse_reserved(bytes: &[u8]) -> Result<(), ScanFault> {
     let zeros = bytes.iter().rev().take_while(|&&byte| byte == 0).count();
     if zeros < SECTOR_BYTES {
@@ -99,10 +99,10 @@ pub(super) fn refuse_reserved(bytes: &[u8]) -> Result<(), ScanFault> {
     Err(cut_short(CutSign::Unwritten { bytes: zeros }))
 }
 
-/// Whether the last line of a text has its end.
+/// Checks that the last line of a text has a line end.
 ///
 /// # Errors
-/// [`ScanFault::CutShort`] where it has none.
+/// [`ScanFault::CutShort`] if it has none.
 pub(super) fn refuse_open_line(bytes: &[u8]) -> Result<(), ScanFault> {
     if bytes.ends_with(b"\n") || bytes.ends_with(b"\r") {
         return Ok(());
@@ -110,22 +110,22 @@ pub(super) fn refuse_open_line(bytes: &[u8]) -> Result<(), ScanFault> {
     Err(cut_short(CutSign::NoLineEnd { line: lines(bytes).count() }))
 }
 
-/// Control characters that no text export holds; a Ctrl-Z end mark of old systems is let through.
+/// Control characters that do not occur in text exports; the Ctrl-Z end mark of old systems is allowed.
 pub(super) fn is_binary(byte: u8) -> bool {
     const CTRL_Z: u8 = 0x1a;
     const DELETE: u8 = 0x7f;
-    // Without branches, because every byte of every text comes by.
+    // Branch-free, because this runs for every byte of every text.
     let is_white = (b'\t'..=b'\r').contains(&byte);
     ((byte < b' ') & !is_white & (byte != CTRL_Z)) | (byte == DELETE)
 }
 
-/// The beginning of a statement, printable ASCII only, so that no log can be written through it.
+/// The beginning of a statement, printable ASCII only, so that it cannot inject anything into a log.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     let printable = |&b: &u8| if b.is_ascii_graphic() || b == b' ' { b as char } else { '?' };
     bytes.iter().take(EXCERPT_CHARS).map(printable).collect()
 }
 
-/// A binary number that is not finite, as text formats spell it.
+/// A non-finite binary number, spelled as in text formats.
 pub(super) fn spelled(value: f64) -> String {
     if value.is_nan() { "nan".to_owned() } else { value.to_string() }
 }
@@ -135,8 +135,8 @@ pub(super) fn whole<T: std::str::FromStr>(word: &[u8]) -> Option<T> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// Reads numbers with a decimal point or a decimal comma, but not both in one file: where both
-/// occur, one of them may group thousands, and nobody can tell.
+/// Reads numbers with a decimal point or a decimal comma, but not both in one file: if both occur,
+/// one of them may be a thousands separator, which is ambiguous.
 #[derive(Debug, Default)]
 pub(super) struct Decimals {
     /// Line of the first number with a point.
@@ -146,11 +146,11 @@ pub(super) struct Decimals {
 }
 
 impl Decimals {
-    /// The coordinate that a word of a line is.
+    /// Parses a word of a line as a coordinate.
     ///
     /// # Errors
-    /// [`ScanFault::NotFinite`] for what exporters write where there is no number, and
-    /// [`ScanFault::Malformed`] for what is none.
+    /// [`ScanFault::NotFinite`] for the substitutes that exporters write for missing numbers, and
+    /// [`ScanFault::Malformed`] for anything else that is not a number.
     pub(super) fn number(&mut self, word: &[u8], line: usize) -> Result<f64, ScanFault> {
         let parsed = std::str::from_utf8(word).ok().and_then(|text| text.parse::<f64>().ok());
         let value = match parsed {
@@ -183,8 +183,8 @@ impl Decimals {
     }
 }
 
-/// The number that a word with one decimal comma and no point is. Digits must stand on both sides:
-/// in `1 ,2 ,3` the commas part columns.
+/// Parses a word with one decimal comma and no point. Digits must be on both sides: in `1 ,2 ,3`
+/// the commas separate columns.
 fn with_comma(word: &[u8]) -> Option<f64> {
     let mut text = [0; COMMA_NUMBER_CHARS];
     let text = text.get_mut(..word.len())?;

@@ -1,7 +1,7 @@
-//! Coincident points become one, so that triangles that touch are connected.
+//! Merges coincident points, so that touching triangles are connected.
 //!
-//! Triangle soups repeat every corner, exporters repeat points along seams of texture. The shells
-//! of the body are told apart by the points their triangles share.
+//! Triangle soups repeat every corner, and exporters repeat points along texture seams. The shells
+//! of the body are distinguished by the points that their triangles share.
 
 use std::cmp::Ordering;
 
@@ -9,13 +9,13 @@ use nalgebra::Point3;
 
 use super::Scan;
 
-/// Points and triangles as a file has them.
+/// Points and triangles as in the file.
 pub(super) type Unwelded = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 
-/// The mesh in which points of exactly the same coordinates are one, triangles that use a point
-/// twice are gone, and points that no triangle uses too. The order of points and triangles stays.
+/// The mesh after merging points with exactly the same coordinates and removing triangles that use
+/// a point twice and points that no triangle uses. The order of points and triangles is kept.
 ///
-/// Where no triangle is left the points stay as they are: a bare point cloud.
+/// If no triangle remains, the points are unchanged: a bare point cloud.
 pub(super) fn welded((points, mut triangles): Unwelded) -> Scan {
     let firsts = first_at_each_place(&points);
     triangles.retain_mut(|triangle| {
@@ -29,13 +29,13 @@ pub(super) fn welded((points, mut triangles): Unwelded) -> Scan {
     without_unused(points, triangles, firsts)
 }
 
-/// For each point the number of the first point at the same place.
+/// For each point the index of the first point at the same position.
 ///
-/// The points are sorted by a hash of their place, which is much faster than by the place itself,
-/// and those of one hash by their place.
+/// The points are sorted by a hash of their position, which is much faster than sorting by the
+/// position itself; points with equal hashes are then sorted by position.
 fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
     let mut firsts: Vec<u32> = (0..points.len() as u32).collect();
-    // Upper half hash, lower half number.
+    // Upper half: hash; lower half: index.
     let keyed = (0_u64..).zip(points).map(|(number, point)| hash(point) << 32 | number);
     let mut keys: Vec<u64> = keyed.collect();
     keys.sort_unstable();
@@ -53,7 +53,7 @@ fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
     firsts
 }
 
-/// 32 bits that are the same for the same place, the two zeros included (after Fx, rustc's hash).
+/// A 32-bit hash that is equal for equal positions; +0 and −0 are equal (after Fx, rustc's hash).
 fn hash(point: &Point3<f64>) -> u64 {
     const MIX: u64 = 0x517c_c1b7_2722_0a95;
     let mixed = point.iter().fold(0, |hash: u64, value| {
@@ -62,7 +62,7 @@ fn hash(point: &Point3<f64>) -> u64 {
     mixed >> 32
 }
 
-/// Leaves out the points that no triangle uses. `numbers` is room for the new numbers.
+/// Removes the points that no triangle uses. `numbers` is reused for the new indices.
 fn without_unused(
     mut points: Vec<Point3<f64>>,
     mut triangles: Vec<[u32; 3]>,

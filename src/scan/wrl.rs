@@ -1,11 +1,11 @@
 //! VRML 1 and VRML 2 (97) scenes, as text.
 //!
-//! Read are `IndexedFaceSet` and `PointSet` with their `Coordinate` or `Coordinate3`, wherever they
-//! stand in groups and transforms, once for every `USE`. Of a `Switch` the chosen child is read, of
-//! an `LOD` the first, which is the finest. Everything that only colours, lights or moves the scene
-//! is passed over, `ROUTE` included; so are lines, text and the plain solids.
-//! Refused is what could hide a part of the body: `PROTO`, `EXTERNPROTO`, `Inline`, `WWWInline`,
-//! and points within a node that gaiter does not know.
+//! Reads `IndexedFaceSet` and `PointSet` with their `Coordinate` or `Coordinate3`, anywhere in
+//! groups and transforms, once for every `USE`. Of a `Switch` it reads the chosen child, of an
+//! `LOD` the first, which is the finest. Everything that only colours, lights or moves the scene is
+//! skipped, including `ROUTE`; so are lines, text and the primitive solids.
+//! Refuses everything that could hide a part of the body: `PROTO`, `EXTERNPROTO`, `Inline`,
+//! `WWWInline`, and points within a node that gaiter does not know.
 
 mod placement;
 mod reader;
@@ -18,16 +18,16 @@ use super::format::Format;
 use super::weld::welded;
 use super::{Scan, text};
 
-/// The version of VRML, which decides what a node means.
+/// The version of VRML, which determines the meaning of nodes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Version {
-    /// 1.0: nodes change a state that later nodes meet.
+    /// 1.0: nodes change a state that applies to later nodes.
     One,
-    /// 2.0, also called VRML 97: nodes hold each other in fields.
+    /// 2.0, also called VRML 97: nodes contain each other in fields.
     Two,
 }
 
-/// Decodes a VRML scene that is complete.
+/// Decodes a complete VRML scene.
 ///
 /// # Errors
 /// See [`ScanFault`]; the first fault found, with its line.
@@ -38,10 +38,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     Ok(welded(walk::geometry(scene)?))
 }
 
-/// Whether every bracket is closed and the scene ends behind one.
+/// Checks that every bracket is closed and that the scene ends after one.
 ///
 /// # Errors
-/// [`ScanFault::CutShort`] where a bracket is open, [`ScanFault::Binary`].
+/// [`ScanFault::CutShort`] if a bracket is open, [`ScanFault::Binary`].
 pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     text::refuse_binary(bytes)?;
     if words::is_closed(text::without_mark(bytes)) {
@@ -50,7 +50,7 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     Err(cut_short(CutSign::NoEnd { mark: "the last \"}\"" }))
 }
 
-/// The version in the first line, which must be there.
+/// The version in the first line, which is mandatory.
 fn version(bytes: &[u8]) -> Result<Version, ScanFault> {
     let first = text::lines(bytes).next().unwrap_or_default();
     let mut words = text::words(first);

@@ -1,16 +1,16 @@
-//! Plain points, a line each: `.xyz`, `.asc`, `.txt`.
+//! Plain points, one per line: `.xyz`, `.asc`, `.txt`.
 //!
 //! Lines that begin with `#`, `//` or `;` are comments. Before the first point there may be one
-//! line of column names and one line that is the number of points. The first point decides, for
-//! the whole file, what parts its columns:
+//! line of column names and one line with the number of points. The first point determines the
+//! column separator for the whole file:
 //!
-//! 1. a `;` where there is one; commas are then decimal signs;
-//! 2. else white space, where it parts three columns or more; a comma at the end of a column parts
-//!    too, a comma within one is a decimal sign;
-//! 3. else the comma, so that `1,2,3,4,5,6` has six columns.
+//! 1. a `;` if there is one; commas are then decimal marks;
+//! 2. otherwise white space, if it separates three columns or more; a comma at the end of a column
+//!    is then also a separator, and a comma within one is a decimal mark;
+//! 3. otherwise the comma, so that `1,2,3,4,5,6` has six columns.
 //!
-//! Every point has as many columns as the first. Names that say `x`, `y` and `z` say which ones
-//! count; else the first three do. The others, normals and colours, are passed over unread.
+//! Every point has as many columns as the first. If there are names `x`, `y` and `z`, they select the
+//! coordinates; otherwise the first three columns do. The others, normals and colours, are skipped.
 
 mod columns;
 
@@ -33,7 +33,7 @@ pub(super) fn is_point(line: &[u8]) -> bool {
     (0..3).all(|_| columns.next().is_some_and(is_number))
 }
 
-/// Whether the last line has its end, and as many points follow as the file says.
+/// Checks that the last line has a line end, and that as many points follow as declared.
 ///
 /// # Errors
 /// [`ScanFault::CutShort`], [`ScanFault::Binary`].
@@ -50,7 +50,7 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     text::refuse_open_line(bytes)
 }
 
-/// Decodes a list of points that is complete.
+/// Decodes a complete list of points.
 ///
 /// # Errors
 /// See [`ScanFault`]; the first fault found, with its line.
@@ -94,11 +94,11 @@ fn statements(text: &[u8]) -> impl Iterator<Item = (usize, &[u8])> {
     numbered(text).filter(|(_, line)| !is_comment(line))
 }
 
-/// What stands before the second point.
+/// Everything before the second point.
 struct Head<'a> {
     /// The line of column names.
     names: Option<&'a [u8]>,
-    /// The number of points that the file says.
+    /// The declared number of points.
     count: Option<usize>,
     /// The first point and its line.
     first: Option<(usize, &'a [u8])>,
@@ -125,7 +125,7 @@ impl<'a> Head<'a> {
     }
 }
 
-/// Whether a column is a number, or what exporters write where there is none.
+/// Whether a column is a number, or a substitute that exporters write for a missing one.
 fn is_number(column: &[u8]) -> bool {
     !matches!(Decimals::default().number(column, 0), Err(ScanFault::Malformed { .. }))
 }

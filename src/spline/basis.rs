@@ -2,29 +2,29 @@
 
 use nalgebra::DMatrix;
 
-/// The degree of every spline here.
+/// The degree of all splines in this module.
 pub const DEGREE: usize = 3;
 
 /// The cubic B-spline functions over strictly increasing breakpoints.
 ///
-/// Clamped: the spline lives on `[a, b]` and starts and ends in its first and last coefficient.
-/// Periodic: it repeats with period `b − a` and is C2 everywhere, the seam included.
-/// In both, the functions that do not vanish on interval `s` are `s..s + 4`, folded by
-/// [`Basis::count`] where periodic.
+/// Clamped: the spline lives on `[a, b]`, and its first and last coefficients are its end values.
+/// Periodic: it repeats with period `b − a` and is C2 everywhere, including the seam. In both cases
+/// the functions that are nonzero on interval `s` are `s..s + 4`, taken modulo [`Basis::count`] if
+/// periodic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Basis {
     breakpoints: Vec<f64>,
     /// `knots[s + DEGREE] == breakpoints[s]` for every breakpoint `s`.
     knots: Vec<f64>,
-    /// For each interval, one over the distances of knots that the Cox-de Boor triangle divides by
-    /// there, column by column: a division costs as much as all else of a column.
+    /// For each interval, the reciprocals of the knot distances by which the Cox-de Boor triangle
+    /// divides there, column by column: a division costs as much as the rest of a column.
     reciprocals: Vec<[f64; 6]>,
     /// Intervals per unit of x on average.
     density: f64,
     periodic: bool,
 }
 
-/// Why breakpoints make no basis.
+/// Why breakpoints do not form a basis.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BasisFault {
     /// A clamped basis needs 2 breakpoints, a periodic one 5 (4 intervals).
@@ -35,16 +35,16 @@ pub enum BasisFault {
         /// Number needed.
         needed: usize,
     },
-    /// A breakpoint is infinite or no number.
+    /// A breakpoint is infinite or NaN.
     #[error("breakpoint {index} is not finite")]
     NotFinite {
-        /// 0-based place of the first such breakpoint.
+        /// 0-based index of the first such breakpoint.
         index: usize,
     },
-    /// A breakpoint does not lie above the one before it.
+    /// A breakpoint is not greater than the one before it.
     #[error("breakpoint {index} at {value} does not lie above its predecessor {before}")]
     NotIncreasing {
-        /// 0-based place of the first such breakpoint, at least 1.
+        /// 0-based index of the first such breakpoint, at least 1.
         index: usize,
         /// The breakpoint before it.
         before: f64,
@@ -53,10 +53,10 @@ pub enum BasisFault {
     },
 }
 
-/// The basis functions, or one derivative of them, that do not vanish at one abscissa.
+/// The basis functions, or one of their derivatives, that are nonzero at one abscissa.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Row {
-    /// Which coefficients take part; all different, below [`Basis::count`], already folded where
+    /// The indices of these coefficients; all different, below [`Basis::count`], already wrapped if
     /// the basis is periodic.
     pub indices: [usize; 4],
     /// The value of each of those functions.
@@ -64,7 +64,7 @@ pub struct Row {
 }
 
 impl Row {
-    /// The value that these functions give with all `coefficients` ([`Basis::count`] of them).
+    /// The value of these functions with all `coefficients` ([`Basis::count`] of them).
     pub fn dot(&self, coefficients: &[f64]) -> f64 {
         let [i, j, k, l] = self.indices.map(|index| coefficients[index]);
         let [a, b, c, d] = self.values;
@@ -131,40 +131,41 @@ impl Basis {
         Basis::periodic(&equidistant(from, from + period, intervals))
     }
 
-    /// Number of basis functions and so of coefficients: intervals + 3 clamped, intervals periodic.
+    /// Number of basis functions, and so of coefficients: intervals + 3 if clamped, intervals if
+    /// periodic.
     pub fn count(&self) -> usize {
         if self.periodic { self.intervals() } else { self.intervals() + DEGREE }
     }
 
-    /// Whether the basis repeats.
+    /// Whether the basis is periodic.
     pub fn is_periodic(&self) -> bool {
         self.periodic
     }
 
-    /// First and last breakpoint; their difference is the period of a periodic basis.
+    /// First and last breakpoint; for a periodic basis their difference is the period.
     pub fn domain(&self) -> (f64, f64) {
         (self.breakpoints[0], self.breakpoints[self.intervals()])
     }
 
-    /// The breakpoints as given, intervals + 1 of them.
+    /// The breakpoints as given; intervals + 1 of them.
     pub fn breakpoints(&self) -> &[f64] {
         &self.breakpoints
     }
 
-    /// The full knot vector, intervals + 7 values: clamped with 4-fold ends, periodic with the 3
-    /// wrapped neighbours on either side.
+    /// The full knot vector, intervals + 7 values: clamped with 4-fold ends, periodic with 3
+    /// wrapped neighbours on each side.
     pub fn knots(&self) -> &[f64] {
         &self.knots
     }
 
-    /// The values of the functions at `x`; see [`Basis::rows`] about `x` outside the domain.
+    /// The values of the functions at `x`; see [`Basis::rows`] for `x` outside the domain.
     #[inline]
     pub fn row(&self, x: f64) -> Row {
         let x = self.wrapped(x);
         self.blossom(self.span(x), [x; DEGREE])
     }
 
-    /// The values of all functions at each place: places × functions.
+    /// The values of all functions at each position: positions × functions.
     pub(super) fn design(&self, places: &[f64]) -> DMatrix<f64> {
         let mut design = DMatrix::zeros(places.len(), self.count());
         for (i, place) in places.iter().enumerate() {
@@ -175,7 +176,7 @@ impl Basis {
     }
 
     /// The functions' derivatives 0 to 3 at `x`, the third from the right at a breakpoint (from the
-    /// left at a clamped end). A periodic `x` is wrapped; a clamped one outside the domain is taken
+    /// left at a clamped end). A periodic `x` is wrapped; a clamped `x` outside the domain is moved
     /// to the nearer end.
     #[inline]
     pub fn rows(&self, x: f64) -> [Row; 4] {
@@ -188,7 +189,7 @@ impl Basis {
         [value, first, second, third].map(|values| Row { indices, values })
     }
 
-    /// The interval that holds `x`, and there the functions' values and derivatives 1 and 2.
+    /// The interval that contains `x`, and the functions' values and derivatives 1 and 2 there.
     #[inline]
     pub(super) fn rows_to_second(&self, x: f64) -> (usize, [[f64; 4]; 3]) {
         let x = self.wrapped(x);
@@ -203,8 +204,8 @@ impl Basis {
     }
 
     /// The functions' polar forms on interval `span` (below the number of intervals) at three
-    /// arguments; with three equal arguments these are the functions' values there. At three
-    /// consecutive knots of a refined basis they give the refined coefficient (Ramshaw 1989).
+    /// arguments; for three equal arguments these are the functions' values. At three consecutive
+    /// knots of a refined basis they give the refined coefficient (Ramshaw 1989).
     #[inline]
     pub fn blossom(&self, span: usize, arguments: [f64; DEGREE]) -> Row {
         let (knots, [a, b, c]) = (self.triangle(span), arguments.map(Raise::Value));
@@ -213,7 +214,7 @@ impl Basis {
     }
 
     /// The Greville abscissa of each function, the mean of its three inner knots; wrapped into the
-    /// domain where periodic. A clamped spline with these as coefficients is the identity.
+    /// domain if periodic. A clamped spline with these as coefficients is the identity.
     pub fn greville(&self) -> Vec<f64> {
         (0..self.count())
             .map(|i| self.wrapped(self.knots[i + 1..=i + DEGREE].iter().sum::<f64>() / 3.0))
@@ -224,16 +225,17 @@ impl Basis {
         self.breakpoints.len() - 1
     }
 
-    /// The functions that do not vanish on interval `span`.
+    /// The functions that are nonzero on interval `span`.
     #[inline]
     pub(super) fn indices(&self, span: usize) -> [usize; 4] {
         let count = self.count();
-        // At most once around; a division would take as long as the functions themselves.
+        // At most one wrap is needed, and a division would take as long as the functions themselves.
         let folded = |index: usize| if index < count { index } else { index - count };
         [0, 1, 2, 3].map(|i| folded(span + i))
     }
 
-    /// The knots on which the functions of interval `span` depend; it lies between the middle two.
+    /// The knots that the functions of interval `span` depend on; the interval lies between the
+    /// middle two.
     #[inline]
     fn triangle(&self, span: usize) -> Triangle {
         let mut knots = [0.0; 2 * DEGREE];
@@ -252,12 +254,13 @@ impl Basis {
             return x;
         }
         let wrapped = from + (x - from).rem_euclid(to - from);
-        // Rounding can leave the wrapped value a hair outside.
+        // Rounding can put the wrapped value slightly outside.
         if wrapped < from || wrapped >= to { from } else { wrapped }
     }
 
-    /// The interval that holds `x` of the domain; the last one for its end. The search begins where
-    /// `x` lies among equal intervals, as most are.
+    /// The interval that contains `x` within the domain; the last one for the end of the domain.
+    /// The search begins at the interval that `x` would have among equal intervals, because most
+    /// intervals are equal.
     #[inline]
     pub(super) fn span(&self, x: f64) -> usize {
         let last = self.intervals() - 1;
@@ -273,12 +276,12 @@ impl Basis {
     }
 }
 
-/// The degrees that the Cox-de Boor triangle raises to, one after the other.
+/// The degrees of the columns of the Cox-de Boor triangle, in order.
 const COLUMNS: [usize; DEGREE] = [1, 2, 3];
 
-/// What the Cox-de Boor triangle of one interval is made of.
+/// The data of the Cox-de Boor triangle of one interval.
 struct Triangle {
-    /// The knots about the interval, which lies between the middle two.
+    /// The knots around the interval, which lies between the middle two.
     knots: [f64; 2 * DEGREE],
     /// See [`Basis`].
     reciprocals: [f64; 6],
@@ -288,13 +291,13 @@ struct Triangle {
 const ONE: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 /// The `TO + 1` functions of degree `TO` on the interval in the middle of a triangle's knots, or
-/// their slopes, from the functions `lower` of one degree less: one column of the Cox-de Boor
+/// their slopes, from the functions `lower` of the next lower degree: one column of the Cox-de Boor
 /// triangle (The NURBS Book, equations 2.5 and 2.7).
 #[inline]
 fn raised<const TO: usize>(triangle: &Triangle, lower: [f64; 4], step: Raise) -> [f64; 4] {
     let mut values = [0.0; 4];
     for r in 0..TO {
-        // The interval itself lies between the two knots, so their distance is none of 0.
+        // The interval itself lies between the two knots, so their distance is not 0.
         let per_distance = triangle.reciprocals[TO * (TO - 1) / 2 + r];
         let (falling, rising) = match step {
             Raise::Value(x) => {
@@ -313,18 +316,18 @@ fn raised<const TO: usize>(triangle: &Triangle, lower: [f64; 4], step: Raise) ->
     values
 }
 
-/// How one column of the Cox-de Boor triangle comes from the last.
+/// How one column of the Cox-de Boor triangle is computed from the previous one.
 #[derive(Clone, Copy)]
 enum Raise {
     /// The values at this abscissa.
     Value(f64),
-    /// The derivative of what the functions of one degree less stand for.
+    /// The derivative of the functions of the next lower degree.
     Slope,
 }
 
 fn equidistant(from: f64, to: f64, intervals: usize) -> Vec<f64> {
     let step = (to - from) / intervals as f64;
-    // The last value is `to` itself, so that data at the end do not fall outside by rounding.
+    // The last value is exactly `to`, so that rounding does not put data at the end outside.
     (0..intervals).map(|i| from + step * i as f64).chain([to]).collect()
 }
 

@@ -4,39 +4,39 @@ use super::basis::{Basis, DEGREE};
 use super::normal::{Design, NormalEquations, RIDGE, Solution};
 use super::solve::{Singular, Skyline};
 
-/// How much the fit may smooth.
+/// The smoothing of a fit.
 ///
-/// The penalty is the integral of the squared second derivative: straight lines (a constant where
-/// periodic) cost nothing, and gaps in the data are bridged as a thin beam would. Its factor lambda
-/// has no unit: 1 makes the penalty's trace equal that of the data, so it depends neither on the
-/// number nor the unit of the data, nor on the knots' unit.
+/// The penalty is the integral of the squared second derivative: straight lines (constants if
+/// periodic) cost nothing, and gaps in the data are bridged as by a thin beam. Its factor lambda is
+/// dimensionless: 1 makes the penalty's trace equal to that of the data, so it depends neither on
+/// the number or unit of the data nor on the unit of the knots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Smoothing {
-    /// Plain least squares. A lambda of 1e-12 stays as ridge, so that a gap in the data leaves
-    /// coefficients determined.
+    /// Plain least squares. A lambda of 1e-12 remains as a ridge, so that coefficients are
+    /// determined even in gaps of the data.
     None,
-    /// This lambda, at least 0; the ridge is its floor.
+    /// This lambda, at least 0; the ridge is its minimum.
     Fixed(f64),
-    /// The lambda of least generalised cross-validation score (Craven, Wahba 1979). Right for
-    /// independent errors; correlated ones are taken for signal.
+    /// The lambda with the smallest generalised cross-validation score (Craven, Wahba 1979).
+    /// Correct for independent errors; correlated ones are treated as signal.
     Gcv,
 }
 
-/// A fitted scalar function and how well it is known.
+/// A fitted scalar function and its accuracy.
 #[derive(Debug, Clone)]
 pub struct Spline {
-    /// The basis fitted in.
+    /// The basis of the fit.
     pub basis: Basis,
     /// One coefficient for each function of the basis, in the unit of the data.
     pub coefficients: Vec<f64>,
-    /// The lambda used, the ridge included; at least 1e-12.
+    /// The lambda used, including the ridge; at least 1e-12.
     pub lambda: f64,
-    /// Effective degrees of freedom: trace of the matrix that turns data into fitted values.
+    /// Effective degrees of freedom: trace of the matrix that maps data to fitted values.
     pub edf: f64,
     /// Standard deviation of a datum of weight 1, √(weighted RSS / (m − edf)) over the m data of
-    /// positive weight. Infinite where the data leave less than half a degree of freedom.
+    /// positive weight. Infinite if the data leave less than half a degree of freedom.
     pub sigma: f64,
-    /// Weighted share of the data's variance that is explained; 1 where the data are constant.
+    /// Weighted share of the data's variance that is explained; 1 for constant data.
     pub r2: f64,
     /// Weighted root mean square of the residuals.
     pub rms: f64,
@@ -44,13 +44,13 @@ pub struct Spline {
     inverse: Skyline,
 }
 
-/// Residuals with fewer degrees of freedom than this say nothing about the data's errors.
+/// Residuals with fewer degrees of freedom than this give no information about the data's errors.
 pub(super) const LEAST_FREEDOM: f64 = 0.5;
 
 /// Why data cannot be fitted.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FitFault {
-    /// Abscissae, values and weights must be as many.
+    /// The numbers of abscissae, values and weights must be equal.
     #[error("{x} abscissae, {y} values and {weights} weights; they must be as many")]
     LengthsDiffer {
         /// Number of abscissae.
@@ -70,16 +70,16 @@ pub enum FitFault {
         /// Number of columns.
         around: usize,
     },
-    /// A datum is infinite or no number.
+    /// A datum is infinite or NaN.
     #[error("datum {index} is not finite")]
     NotFinite {
-        /// 0-based place of the first such datum.
+        /// 0-based index of the first such datum.
         index: usize,
     },
     /// A weight is negative.
     #[error("datum {index} has the negative weight {weight}")]
     NegativeWeight {
-        /// 0-based place of the first such datum.
+        /// 0-based index of the first such datum.
         index: usize,
         /// Its weight.
         weight: f64,
@@ -87,7 +87,7 @@ pub enum FitFault {
     /// A datum lies outside the domain of a clamped basis.
     #[error("datum {index} at {x} lies outside the domain {from} to {to}")]
     OutsideDomain {
-        /// 0-based place of the first such datum.
+        /// 0-based index of the first such datum.
         index: usize,
         /// Its abscissa.
         x: f64,
@@ -96,20 +96,20 @@ pub enum FitFault {
         /// End of the domain.
         to: f64,
     },
-    /// The data of positive weight lie at fewer different places than one cubic piece needs.
+    /// The data of positive weight have fewer distinct abscissae than one cubic piece needs.
     #[error("data at {found} different places, where a fit needs at least {needed}")]
     TooFewPlaces {
-        /// Number of such places.
+        /// Number of distinct abscissae.
         found: usize,
         /// Number needed.
         needed: usize,
     },
-    /// Each point of a cloud needs its place around.
+    /// Each point of a cloud needs its position around.
     #[error("{points} points with {around} places around; they must be as many")]
     PlacesDiffer {
         /// Number of points.
         points: usize,
-        /// Number of places.
+        /// Number of positions.
         around: usize,
     },
     /// A cloud has fewer points than its surface has control points.
@@ -120,17 +120,17 @@ pub enum FitFault {
         /// Number of control points.
         control_points: usize,
     },
-    /// Too much of the surface has no points: the rest would be invention.
+    /// Too much of the surface has no points, so the rest would be invented.
     #[error("{found} of {of} equal regions of the surface hold points, fewer than {needed}")]
     TooLittleSeen {
-        /// Number of regions that hold a point.
+        /// Number of regions with a point.
         found: usize,
         /// Number of regions.
         of: usize,
         /// Number needed.
         needed: usize,
     },
-    /// All points of a section are one, so that it has no length to go by.
+    /// All points of a section coincide, so it has no length.
     #[error("all points of row {row} are the same")]
     NoLength {
         /// 0-based row.
@@ -146,31 +146,31 @@ pub enum FitFault {
         /// 0-based, the other.
         second: usize,
     },
-    /// A direction has fewer different places than it is to have control points.
+    /// A direction has fewer distinct positions than requested control points.
     #[error("{found} places {direction} for {needed} control points")]
     FewerThanControlPoints {
         /// "along" or "around".
         direction: &'static str,
         /// Number of rows or columns.
         found: usize,
-        /// Number of control points asked for.
+        /// Number of requested control points.
         needed: usize,
     },
-    /// A stretch without data, too wide to be bridged, or at an end of the domain.
+    /// A range without data that is too wide to be bridged, or lies at an end of the domain.
     #[error(
         "no data {direction} from {from} to {to}, which leaves {functions} functions without any"
     )]
     Gap {
         /// "along" or "around".
         direction: &'static str,
-        /// The last place before the widest stretch, or the domain's end.
+        /// The last position before the widest range, or the domain's end.
         from: f64,
-        /// The first place after it.
+        /// The first position after it.
         to: f64,
-        /// Functions of equal spans that have no datum of their own.
+        /// Functions of equal spans without a datum of their own.
         functions: usize,
     },
-    /// A place that is to be a knot lies outside the domain or is no number.
+    /// A mark, which must become a knot, lies outside the domain or is NaN.
     #[error("the mark {mark} {direction} lies outside the domain {from} to {to}")]
     MarkOutside {
         /// "along" or "around".
@@ -182,33 +182,33 @@ pub enum FitFault {
         /// End of the domain.
         to: f64,
     },
-    /// The domain and the control points asked for make no basis.
+    /// The domain and the requested control points do not form a basis.
     #[error(transparent)]
     Basis(#[from] super::basis::BasisFault),
-    /// A fixed lambda below 0 or no finite number.
+    /// A fixed lambda is negative or not finite.
     #[error("lambda is {lambda}; it must be finite and not negative")]
     BadLambda {
         /// The lambda given.
         lambda: f64,
     },
-    /// The data leave the function undetermined even with the ridge.
+    /// The data leave the function undetermined, even with the ridge.
     #[error(transparent)]
     Singular(#[from] Singular),
-    /// The bases do not make a surface.
+    /// The bases do not form a surface.
     #[error(transparent)]
     Surface(#[from] super::surface::SurfaceFault),
 }
 
 /// Fits a spline to the data `(x[i], y[i])` with relative inverse variances `weights[i]`.
 ///
-/// Order and spacing of the data do not matter; a periodic basis wraps `x`. Gaps are bridged: by
-/// the penalty, or by the ridge without one. Source: nurbs.md 6.3, 6.6, 6.7 in one dimension;
-/// normal equations of The NURBS Book 9.4.
+/// Order and spacing of the data do not matter; a periodic basis wraps `x`. Gaps are bridged by the
+/// penalty, or by the ridge if there is no penalty. Source: nurbs.md 6.3, 6.6, 6.7 in one
+/// dimension; normal equations of The NURBS Book 9.4.
 ///
 /// # Errors
-/// A [`FitFault`]: lengths that differ, data that are not finite or (clamped) outside the domain
-/// by more than rounding, negative weights, a lambda below 0, data of positive weight at fewer than
-/// 4 different places.
+/// A [`FitFault`]: different lengths, data that are not finite or (clamped) outside the domain by
+/// more than rounding, negative weights, a lambda below 0, data of positive weight at fewer than 4
+/// distinct abscissae.
 pub fn fit(
     basis: &Basis,
     x: &[f64],
@@ -227,14 +227,14 @@ pub fn fit(
     Ok(judged(basis, y, weights, solution))
 }
 
-/// A given lambda with the ridge as its floor.
+/// Raises a given lambda to at least the ridge.
 pub(super) fn ridged(lambda: f64) -> Result<f64, FitFault> {
     let usable = lambda.is_finite() && lambda >= 0.0;
     if usable { Ok(lambda.max(RIDGE)) } else { Err(FitFault::BadLambda { lambda }) }
 }
 
 impl Spline {
-    /// The function at `x`; see [`Basis::rows`] about `x` outside the domain.
+    /// The function at `x`; see [`Basis::rows`] for `x` outside the domain.
     pub fn value(&self, x: f64) -> f64 {
         self.basis.row(x).dot(&self.coefficients)
     }
@@ -259,17 +259,17 @@ impl Spline {
     }
 }
 
-/// The spline of a solution, with the figures that say how good it is.
+/// The spline of a solution, with its quality statistics.
 pub(super) fn judged(basis: &Basis, y: &[f64], weights: &[f64], solution: Solution) -> Spline {
     let Solution { lambda, coefficients, inverse, edf, rss } = solution;
     let total: f64 = weights.iter().sum();
     let data = weights.iter().filter(|weight| **weight > 0.0).count() as f64;
     let mean = y.iter().zip(weights).map(|(y, weight)| weight * y).sum::<f64>() / total;
     let spread: f64 = y.iter().zip(weights).map(|(y, weight)| weight * (y - mean).powi(2)).sum();
-    // An interpolation leaves of m − edf what rounding and the ridge take from edf.
+    // For an interpolation, m − edf consists only of rounding errors and the effect of the ridge.
     let freedom = data - edf;
     let sigma = if freedom > LEAST_FREEDOM { (rss / freedom).sqrt() } else { f64::INFINITY };
-    // Values that differ by rounding only are constant.
+    // Values that differ only by rounding count as constant.
     let r2 = if spread > 1e-18 * mean * mean * total { 1.0 - rss / spread } else { 1.0 };
     let rms = (rss / total).sqrt();
     Spline { basis: basis.clone(), coefficients, lambda, edf, sigma, r2, rms, inverse }
@@ -290,9 +290,9 @@ pub(super) fn check(basis: &Basis, x: &[f64], y: &[f64], weights: &[f64]) -> Res
     check_places(basis, x, &weighty.map(|(x, _)| *x).collect::<Vec<_>>())
 }
 
-/// Refuses abscissae `x` outside a clamped domain, which would otherwise be taken to its end in
-/// silence, and data at fewer than 4 different places: the ridge leaves lines free here and
-/// parabolas in [`crate::spline::grid::given`], which the data must hold.
+/// Refuses abscissae `x` outside a clamped domain, which would otherwise be silently moved to its
+/// end, and data at fewer than 4 distinct abscissae: the ridge leaves lines undetermined here and
+/// parabolas in [`crate::spline::grid::given`], so the data must determine them.
 pub(super) fn check_places(basis: &Basis, x: &[f64], weighty: &[f64]) -> Result<(), FitFault> {
     let (from, to) = basis.domain();
     let rounding = 1e-9 * (to - from);
@@ -302,7 +302,7 @@ pub(super) fn check_places(basis: &Basis, x: &[f64], weighty: &[f64]) -> Result<
     }
     let mut sorted = weighty.to_vec();
     sorted.sort_by(f64::total_cmp);
-    // Places nearer than this cannot hold a slope against rounding.
+    // Abscissae closer than this cannot determine a slope despite rounding.
     sorted.dedup_by(|next, last| *next - *last < 1e-6 * (to - from));
     let (found, needed) = (sorted.len(), DEGREE + 1);
     if found < needed { Err(FitFault::TooFewPlaces { found, needed }) } else { Ok(()) }

@@ -4,7 +4,7 @@ use nalgebra::{Matrix2, Point3, Vector2};
 
 use super::surface::{Derivatives, Surface};
 
-/// Where a surface comes closest to a point, near a first guess.
+/// The point where a surface is closest to a given point, near an initial guess.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot {
     /// Parameter along, within the domain.
@@ -13,30 +13,30 @@ pub struct Foot {
     pub v: f64,
     /// Distance from the point, mm, not negative.
     pub distance_mm: f64,
-    /// Whether the steps came to rest; otherwise the foot is merely the best place found.
+    /// Whether the steps converged; otherwise the foot is only the best point found.
     pub converged: bool,
-    /// Whether the foot lies on the first or last row, so that the distance need not be square to
-    /// the surface.
+    /// Whether the foot lies on the first or last row, so that the connecting line need not be
+    /// perpendicular to the surface.
     pub at_end: bool,
 }
 
 /// Newton needs 3 to 6 steps from a guess within a knot interval.
 const MOST_STEPS: usize = 50;
 
-/// A step that would move the foot by less than this is rest. Coordinates are millimetres.
+/// A step that would move the foot by less than this counts as converged. Coordinates are millimetres.
 const REST_MM: f64 = 1e-9;
 
-/// A step this short, mm, need not be taken to know the distance after it: what the squared distance
-/// loses by it is known but for the cube of the step, and so the distance to 1e-8 mm.
+/// A step this short, mm, need not be taken to know the distance after it: the resulting decrease of
+/// the squared distance is known except for the cube of the step, and so the distance to 1e-8 mm.
 const FORESEEN_MM: f64 = 1e-3;
 
-/// Distances closer than this are equal: what rounding leaves of coordinates of some metres.
+/// Distances closer than this are equal: the rounding error for coordinates of some metres.
 const ROUNDING_MM: f64 = 1e-12;
 
 impl Surface {
     /// The point of the surface nearest to `point`, mm, searched downhill from `u0`, `v0`: a local
     /// minimum of the distance. Steps wrap across the seam and stop at the end rows. Source: The
-    /// NURBS Book 6.1, with negative curvatures turned round and step halving.
+    /// NURBS Book 6.1, with inverted negative curvatures and step halving.
     pub fn closest(&self, point: &Point3<f64>, u0: f64, v0: f64) -> Foot {
         let (here, step) = self.downhill(point, u0, v0, REST_MM);
         let (first, last) = self.along().domain();
@@ -46,13 +46,14 @@ impl Surface {
         Foot { u: here.u, v, distance_mm: here.distance_mm, converged, at_end }
     }
 
-    /// The distance alone that [`Surface::closest`] finds, to 1e-8 mm, in two thirds of the time.
+    /// Only the distance that [`Surface::closest`] finds, to 1e-8 mm, in two thirds of the time.
     pub fn distance_mm(&self, point: &Point3<f64>, u0: f64, v0: f64) -> f64 {
         let (here, step) = self.downhill(point, u0, v0, FORESEEN_MM);
         let (first, last) = self.along().domain();
         match step {
             Some(step) if (first..=last).contains(&(here.u + step.x)) => {
-                // A Newton step lessens half the squared distance by half the gradient's share.
+                // A Newton step reduces half the squared distance by half of the gradient along the
+                // step.
                 let gain = here.gradient.dot(&step.component_mul(&here.lengths));
                 (here.distance_mm * here.distance_mm + gain).max(0.0).sqrt()
             }
@@ -60,8 +61,8 @@ impl Surface {
         }
     }
 
-    /// The place from which the next step would move the foot by less than `rest_mm`, and that
-    /// step, which is not taken; the best place found, and none, where the steps find no rest.
+    /// The position from which the next step would move the foot by less than `rest_mm`, and that
+    /// step, which is not taken; if the steps do not converge, the best position found, and `None`.
     fn downhill(
         &self,
         point: &Point3<f64>,
@@ -94,7 +95,7 @@ impl Surface {
     }
 }
 
-/// A place on the surface, seen from the point. Gradient and Hessian are those of half the squared
+/// A position on the surface relative to the point. Gradient and Hessian are those of half the squared
 /// distance, for steps in mm along the tangents, so that the units of u and v do not matter.
 struct Place {
     u: f64,
@@ -121,7 +122,7 @@ impl Place {
         Place { u, v, distance_mm: away.norm(), derivatives, lengths, gradient, hessian }
     }
 
-    /// The step downhill in u and v; along the end row where it would lead out of the domain.
+    /// The downhill step in u and v; along the end row if it would leave the domain.
     fn step(&self, first: f64, last: f64) -> Vector2<f64> {
         let free = newton(&self.hessian, &self.gradient);
         let leaves = (self.u <= first && free.x < 0.0) || (self.u >= last && free.x > 0.0);
@@ -134,11 +135,11 @@ impl Place {
     }
 }
 
-/// The Newton step with negative curvatures turned round, so that it always leads downhill.
+/// The Newton step with negative curvatures inverted, so that it always leads downhill.
 fn newton(hessian: &Matrix2<f64>, gradient: &Vector2<f64>) -> Vector2<f64> {
     let (trace, determinant) = (hessian.trace(), hessian.determinant());
-    // Of two positive curvatures the smaller one is more than their product by their sum: where
-    // that is steep enough there is nothing to turn round.
+    // The smaller of two positive curvatures exceeds their product divided by their sum: if that is
+    // steep enough, no curvature needs to be inverted.
     if trace > 0.0 && determinant > FLAT * trace {
         return Vector2::new(
             hessian.m12 * gradient.y - hessian.m22 * gradient.x,
@@ -150,8 +151,8 @@ fn newton(hessian: &Matrix2<f64>, gradient: &Vector2<f64>) -> Vector2<f64> {
     -(eigen.eigenvectors * along_axes.component_div(&eigen.eigenvalues.map(steepness)))
 }
 
-/// The least curvature to divide by. The tangents' own share of a curvature is 1, so it only turns
-/// away what is flat beyond use.
+/// The minimum curvature to divide by. The tangents' own contribution to a curvature is 1, so this
+/// only excludes curvatures that are too flat to be useful.
 const FLAT: f64 = 1e-9;
 
 fn steepness(curvature: f64) -> f64 {

@@ -1,13 +1,13 @@
-//! Penalised least squares in one direction, for as many right-hand sides as there are.
+//! Penalised least squares in one direction, for any number of right-hand sides.
 
 use crate::spline::basis::{Basis, Row};
 use crate::spline::penalty::roughness;
 use crate::spline::solve::{Cholesky, Singular, Skyline};
 
-/// The derivative that is penalised, so that missing data are bridged much as by a quintic.
+/// The penalised derivative; with the third, missing data are bridged much as by a quintic.
 pub const PENALISED: usize = 3;
 
-/// Data at fixed places in the terms of a basis, with the factor of BᵀB plus the penalty.
+/// Data at fixed positions in terms of a basis, with the factor of BᵀB plus the penalty.
 pub struct LeastSquares {
     rows: Vec<Row>,
     factor: Cholesky,
@@ -15,11 +15,11 @@ pub struct LeastSquares {
 }
 
 impl LeastSquares {
-    /// The equations of data at `places` with the penalty `lambda` on the squared third
-    /// derivative. Lambda has no unit: at 1 the penalty's trace equals that of the data.
+    /// The equations of data at `places` with the penalty `lambda` on the squared third derivative.
+    /// Lambda is dimensionless: at 1 the penalty's trace equals that of the data.
     ///
     /// # Errors
-    /// [`Singular`] where data and penalty leave a coefficient undetermined.
+    /// [`Singular`] if data and penalty leave a coefficient undetermined.
     pub fn new(basis: &Basis, places: &[f64], lambda: f64) -> Result<LeastSquares, Singular> {
         let rows: Vec<Row> = places.iter().map(|place| basis.row(*place)).collect();
         let mut gram = Skyline::zero(basis);
@@ -36,8 +36,8 @@ impl LeastSquares {
         self.factor.smallest_pivot()
     }
 
-    /// The coefficients of each column of `values`, which has a row for each place; row-major, a
-    /// row for each function.
+    /// The coefficients for each column of `values`, which has one row per position; row-major, one
+    /// row per function.
     pub fn coefficients(&self, values: &[f64]) -> Vec<f64> {
         let width = values.len() / self.rows.len();
         let mut moments = vec![0.0; self.count * width];
@@ -51,7 +51,7 @@ impl LeastSquares {
         moments
     }
 
-    /// What the fit leaves of `values`, in their order.
+    /// The residuals of `values`, in the same order.
     pub fn residuals(&self, values: &[f64]) -> Vec<f64> {
         let width = values.len() / self.rows.len();
         let coefficients = self.coefficients(values);

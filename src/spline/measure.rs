@@ -7,21 +7,21 @@ use super::gauss::composite;
 use super::surface::{Surface, combined};
 
 impl Surface {
-    /// The area of the tube without lids, mm². Gauss-Legendre quadrature of |dv × du|, five nodes a
-    /// span each way: on a leg with spans of a bump's width right to 1e-7.
+    /// The area of the tube without lids, mm². Gauss-Legendre quadrature of |dv × du|, five nodes
+    /// per span in each direction: on a leg whose spans are as wide as a bump, accurate to 1e-7.
     pub fn area_mm2(&self) -> f64 {
         self.integral(|_, du, dv| dv.cross(du).norm())
     }
 
-    /// The volume of the tube closed by a lid at each end, mm³; positive where normals point
-    /// outward. Exact but for rounding: the lids are cones from the middle of the end curve's
-    /// control points, which is the plane lid where the curve is planar. Source: divergence theorem.
+    /// The volume of the tube closed by a lid at each end, mm³; positive if normals point outward.
+    /// Exact except for rounding: the lids are cones from the middle of the end curve's control
+    /// points, which equals the plane lid if the curve is planar. Source: divergence theorem.
     pub fn volume_mm3(&self) -> f64 {
         let (_, last) = self.along().domain();
         let columns = self.around().count();
         let control = self.control_points();
         let middle_of = |row: usize| middle(&control[row * columns..(row + 1) * columns]);
-        // Measured from the apex of the lower lid, which itself then adds nothing.
+        // Measured from the apex of the lower lid, so that lid contributes nothing.
         let origin = middle_of(0);
         let apex = middle_of(self.along().count() - 1) - origin;
         let tube = self.integral(|point, du, dv| (point - origin).dot(&dv.cross(du)));
@@ -33,15 +33,15 @@ impl Surface {
         (tube + lid) / 3.0
     }
 
-    /// Whether ∂P/∂u × ∂P/∂v points out of the tube. It points in where v runs counter-clockwise
-    /// seen against the direction of u, and out around the mirror image. Depends on no frame, nor on
-    /// ends that are horizontal or plane.
+    /// Whether ∂P/∂u × ∂P/∂v points out of the tube. It points in if v runs counter-clockwise seen
+    /// against the direction of u, and out for the mirror image. Independent of the frame, and of
+    /// whether the ends are horizontal or plane.
     pub fn along_cross_around_is_outward(&self) -> bool {
         self.volume_mm3() < 0.0
     }
 
-    /// The length of the closed curve at one `u`, mm, `u` taken into the domain. Gauss-Legendre
-    /// quadrature of |dv|, five nodes a span.
+    /// The length of the closed curve at one `u`, mm; `u` is clamped to the domain. Gauss-Legendre
+    /// quadrature of |dv|, five nodes per span.
     pub fn girth_mm(&self, u: f64) -> f64 {
         let nodes = composite(self.around().breakpoints());
         nodes.into_iter().map(|(v, weight)| weight * self.derivatives(u, v).dv.norm()).sum()

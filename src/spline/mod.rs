@@ -1,26 +1,26 @@
-//! Cubic B-splines: bases, solvers, fits and surfaces. Knows no legs.
+//! Cubic B-splines: bases, solvers, fits and surfaces. Independent of legs.
 //!
 //! | file | what it holds |
 //! |---|---|
 //! | [`basis`] | [`Basis`]: knots, values and derivatives of the basis functions |
-//! | [`solve`] | Cholesky factors of the matrices that such bases give |
+//! | [`solve`] | Cholesky factors of the matrices of such bases |
 //! | `penalty`, `gauss` | roughness matrices, the integrals of squared derivatives; quadrature |
 //! | [`mod@fit`] | [`Spline`]: smoothing fit of a scalar function, with standard errors |
-//! | `least_squares` | the same for many right-hand sides at fixed places |
+//! | `least_squares` | the same for many right-hand sides at fixed positions |
 //! | `normal` | the normal equations behind it and the choice of lambda by GCV |
-//! | `robust` | [`robust_fit`]: the same with outliers weighed down |
+//! | `robust` | [`robust_fit`]: the same with outliers down-weighted |
 //! | [`tensor`] | [`Tensor`]: a function of two variables, fitted to scattered data |
 //! | [`surface`] | [`Surface`]: clamped along, periodic around |
-//! | [`foot`] | the nearest point of a surface, downhill from a first guess |
-//! | `nearest` | the nearest point of all |
+//! | [`foot`] | the nearest point of a surface, downhill from an initial guess |
+//! | `nearest` | the globally nearest point of a surface |
 //! | [`curvature`], [`measure`] | Gauss and mean curvature; area, volume, girths |
-//! | [`tessellate`] | [`Facets`]: triangles that keep to a surface within a tolerance |
+//! | [`tessellate`] | [`Facets`]: triangles that approximate a surface within a tolerance |
 //! | [`grid`] | the surface through a grid of points |
-//! | [`knots`] | where its knots lie |
+//! | [`knots`] | the placement of its knots |
 //! | [`cloud`] | the surface through a cloud of points |
 //!
-//! Everything is of degree 3. Bases are clamped (functions on an interval) or periodic (closed
-//! curves, C2 at the seam by construction). Nothing here depends on the unit of the abscissa.
+//! All splines have degree 3. Bases are clamped (functions on an interval) or periodic (closed curves,
+//! C2 at the seam by construction). Nothing in this module depends on the unit of the abscissa.
 
 #![deny(clippy::disallowed_methods, clippy::disallowed_types)]
 

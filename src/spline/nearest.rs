@@ -1,4 +1,4 @@
-//! The point of a surface nearest to a given point, wherever it lies: branch and bound over cells.
+//! The point of a surface nearest to any given point: branch and bound over cells.
 
 use nalgebra::{Point3, Vector3};
 
@@ -6,15 +6,15 @@ use super::basis::{Basis, DEGREE};
 use super::foot::Foot;
 use super::surface::Surface;
 
-/// How often the cells that could hold the nearest place are cut into four: from whole spans to
-/// eighths, a few millimetres of a leg. In one so small the distance has one lowest place, which
-/// Newton steps find.
+/// How often the cells that could contain the nearest point are split into four: from whole spans
+/// to eighths, a few millimetres on a leg. In such a small cell the distance has a single minimum,
+/// which Newton steps find.
 const CUTS: usize = 3;
 
 impl Surface {
-    /// The point of the surface nearest to `point`, mm, wherever that lies. Spans and their parts
-    /// are left out only where the speed of the surface shows that they hold no nearer place;
-    /// [`Surface::closest`] starts from the middle of every part that is left.
+    /// The point of the surface nearest to `point`, mm, anywhere on the surface. Spans and their
+    /// parts are skipped only if the surface's speed proves that they contain no nearer point;
+    /// [`Surface::closest`] starts from the middle of every remaining part.
     pub fn closest_from_anywhere(&self, point: &Point3<f64>) -> Foot {
         let mut cells = Cell::spans(self, point);
         let mut best = self.lowest(point, &cells);
@@ -32,7 +32,7 @@ impl Surface {
         best
     }
 
-    /// The foot downhill of the cell whose middle is nearest.
+    /// The foot downhill from the cell with the nearest middle.
     fn lowest(&self, point: &Point3<f64>, cells: &[Cell]) -> Foot {
         let nearest = cells.iter().min_by(|a, b| a.distance_mm.total_cmp(&b.distance_mm));
         let (u, v) = nearest.map_or((self.along().domain().0, 0.0), |cell| (cell.u, cell.v));
@@ -47,9 +47,9 @@ struct Cell {
     v: f64,
     /// Half the widths in u and v.
     half: (f64, f64),
-    /// No less than the lengths of ∂P/∂u and ∂P/∂v anywhere in the cell, mm per unit.
+    /// Upper bounds of the lengths of ∂P/∂u and ∂P/∂v in the cell, mm per unit.
     speed: (f64, f64),
-    /// From the point to the middle.
+    /// Distance from the point to the middle.
     distance_mm: f64,
 }
 
@@ -86,14 +86,14 @@ impl Cell {
         })
     }
 
-    /// No place of the cell is nearer to the point than this.
+    /// A lower bound of the distance of the cell's points from the point.
     fn bound_mm(&self) -> f64 {
         self.distance_mm - self.half.0 * self.speed.0 - self.half.1 * self.speed.1
     }
 }
 
-/// The greatest lengths of the derivatives' control points that take part in a span: the
-/// derivatives lie in their convex hull. Source: The NURBS Book, 3.3 and P3.5.
+/// The maximum lengths of the derivatives' control points that influence a span: the derivatives
+/// lie in their convex hull. Source: The NURBS Book, 3.3 and P3.5.
 fn speed(surface: &Surface, row: usize, column: usize) -> (f64, f64) {
     let (along, around) = (surface.along(), surface.around());
     let (rows, columns) = (along.indices(row), around.indices(column));
@@ -110,7 +110,7 @@ fn speed(surface: &Surface, row: usize, column: usize) -> (f64, f64) {
     speed
 }
 
-/// The length of the derivative's control point between two coefficients `step` apart.
+/// The length of the derivative's control point between two coefficients that differ by `step`.
 fn pace(basis: &Basis, function: usize, step: Vector3<f64>) -> f64 {
     let knots = basis.knots();
     DEGREE as f64 * step.norm() / (knots[function + DEGREE + 1] - knots[function + 1])

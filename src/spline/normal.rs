@@ -1,5 +1,5 @@
-//! The normal equations of a scalar fit, their solution at a given lambda, and the lambda of least
-//! generalised cross-validation score.
+//! The normal equations of a scalar fit, their solution at a given lambda, and the lambda with the
+//! smallest generalised cross-validation score.
 
 use std::collections::BTreeMap;
 
@@ -7,24 +7,24 @@ use super::basis::{Basis, Row};
 use super::penalty::roughness;
 use super::solve::{Singular, Skyline};
 
-/// The relative lambda that remains where nothing is to be smoothed; nurbs.md 6.6.
+/// The relative lambda that remains if nothing is to be smoothed; nurbs.md 6.6.
 pub const RIDGE: f64 = 1e-12;
 
 /// The derivative whose square is penalised.
 const PENALISED: usize = 2;
 
-/// The exponents of the lambdas that the search tries first, in half decades from the ridge to where
-/// even one wave around 60 intervals is flattened.
+/// The exponents of the lambdas that the search tries first, in half decades, from the ridge to
+/// where even one wave around 60 intervals is flattened.
 const SEARCH_HALF_DECADES: std::ops::RangeInclusive<i32> = -24..=16;
 
-/// How often the search halves its step around the best lambda; 10^(1/16) remains.
+/// How often the search halves its step around the best lambda; the final step is 10^(1/16).
 const SEARCH_HALVINGS: i32 = 3;
 
-/// The score has no meaning where the fit all but interpolates: at least this share of the data
-/// must remain as degrees of freedom.
+/// The score is meaningless if the fit nearly interpolates: at least this share of the data must
+/// remain as degrees of freedom.
 const LEAST_FREEDOM: f64 = 0.1;
 
-/// Where the data lie, in the terms of a basis; serves any values and weights there.
+/// The data's positions in terms of a basis; usable for any values and weights there.
 pub struct Design {
     rows: Vec<Row>,
     /// The zero matrix of the basis.
@@ -33,7 +33,7 @@ pub struct Design {
 }
 
 impl Design {
-    /// The design of data at `x`, all finite.
+    /// The design for data at `x`, all of them finite.
     pub fn new(basis: &Basis, x: &[f64]) -> Design {
         Design {
             rows: x.iter().map(|x| basis.row(*x)).collect(),
@@ -42,13 +42,13 @@ impl Design {
         }
     }
 
-    /// The values of a spline with these coefficients where the data lie.
+    /// The values of a spline with these coefficients at the data's positions.
     pub fn values(&self, coefficients: &[f64]) -> Vec<f64> {
         self.rows.iter().map(|row| row.dot(coefficients)).collect()
     }
 }
 
-/// Weighted data in the terms of a basis.
+/// Weighted data in terms of a basis.
 pub struct NormalEquations<'a> {
     design: &'a Design,
     y: &'a [f64],
@@ -76,8 +76,8 @@ pub struct Solution {
 }
 
 impl<'a> NormalEquations<'a> {
-    /// The equations of as many `y` and `weights` as the design has places, all finite, some weight
-    /// positive.
+    /// The equations for one of `y` and `weights` per position of the design. All must be finite,
+    /// and at least one weight positive.
     pub fn new(design: &'a Design, y: &'a [f64], weights: &'a [f64]) -> Self {
         let mut gram = design.zero.clone();
         let mut moments = vec![0.0; gram.size()];
@@ -92,7 +92,7 @@ impl<'a> NormalEquations<'a> {
         NormalEquations { design, y, weights, gram, moments, penalty }
     }
 
-    /// The coefficients at `lambda`, without what it takes to judge them.
+    /// The coefficients at `lambda`, without the statistics needed to judge them.
     pub fn coefficients(&self, lambda: f64) -> Result<Vec<f64>, Singular> {
         let factor = self.gram.plus(lambda, &self.penalty).factor()?;
         let mut coefficients = self.moments.clone();
@@ -114,7 +114,7 @@ impl<'a> NormalEquations<'a> {
         Ok(Solution { lambda, coefficients, inverse, edf, rss })
     }
 
-    /// The fit of least score RSS / (m − edf)²; lambda as in nurbs.md 6.7, in one dimension.
+    /// The fit with the smallest score RSS / (m − edf)²; lambda as in nurbs.md 6.7, in one dimension.
     pub fn best_by_gcv(&self) -> Result<Solution, Singular> {
         let data = self.weights.iter().filter(|weight| **weight > 0.0).count() as f64;
         let tried = |exponent: f64| {
@@ -122,7 +122,7 @@ impl<'a> NormalEquations<'a> {
             Some(Tried { exponent, score: score(&solution, data), solution })
         };
         let Some(mut best) = best_of_halves(&tried, data) else {
-            // Every lambda leaves too few degrees of freedom: the smoothest is all there is.
+            // Every lambda leaves too few degrees of freedom, so the smoothest fit is used.
             return self.solution(10.0_f64.powf(0.5 * f64::from(*SEARCH_HALF_DECADES.end())));
         };
         for halving in 1..=SEARCH_HALVINGS {
@@ -138,16 +138,16 @@ impl<'a> NormalEquations<'a> {
     }
 }
 
-/// The fit at a lambda that was tried.
+/// The fit at one of the lambdas that were tried.
 struct Tried {
-    /// Of ten.
+    /// Exponent of ten.
     exponent: f64,
-    /// Infinite where it has no meaning.
+    /// Infinite if meaningless.
     score: f64,
     solution: Solution,
 }
 
-/// The score of a fit of so many data; infinite where it leaves them too little freedom.
+/// The score of a fit to this number of data; infinite if it leaves too few degrees of freedom.
 fn score(solution: &Solution, data: f64) -> f64 {
     let freedom = data - solution.edf;
     if freedom < LEAST_FREEDOM * data {
@@ -156,12 +156,12 @@ fn score(solution: &Solution, data: f64) -> f64 {
     solution.rss / (freedom * freedom)
 }
 
-/// The fit of least score among the lambdas of [`SEARCH_HALF_DECADES`], the least of equal ones;
-/// none where no score has a meaning.
+/// The fit with the smallest score among the lambdas of [`SEARCH_HALF_DECADES`], the smallest
+/// lambda among equal scores; `None` if all scores are meaningless.
 ///
-/// With lambda the residuals grow and so does the freedom that the fit leaves. So no score between
-/// two lambdas is less than the residuals at the one over the freedom at the other, and most
-/// lambdas need not be tried.
+/// Both the residuals and the remaining degrees of freedom grow with lambda. So no score between
+/// two lambdas is below the residuals at the lower one divided by the squared freedom at the higher
+/// one, and most lambdas need not be tried.
 fn best_of_halves(tried: &impl Fn(f64) -> Option<Tried>, data: f64) -> Option<Tried> {
     let at = |half: i32| tried(0.5 * f64::from(half));
     let (from, to) = SEARCH_HALF_DECADES.into_inner();
@@ -175,7 +175,7 @@ fn best_of_halves(tried: &impl Fn(f64) -> Option<Tried>, data: f64) -> Option<Tr
                 let freedom = data - high.solution.edf;
                 low.solution.rss / (freedom * freedom)
             }
-            // Nothing is known about what lies beside a system that cannot be solved.
+            // There is no lower bound next to a system that cannot be solved.
             _ => 0.0,
         };
         if high - low < 2 || least > best {

@@ -7,7 +7,7 @@ use super::solve::Skyline;
 /// The Gram matrix of the functions' derivatives of `order` 2 or 3 over the domain: for
 /// coefficients c the integral of the squared derivative is cᵀ R c.
 ///
-/// Two Gauss-Legendre nodes an interval are exact, since the integrand is at most quadratic.
+/// Two Gauss-Legendre nodes per interval are exact, because the integrand is at most quadratic.
 pub fn roughness(basis: &Basis, order: usize) -> Skyline {
     let mut matrix = Skyline::zero(basis);
     for pair in basis.breakpoints().windows(2) {

@@ -8,30 +8,30 @@ use super::normal::{Design, NormalEquations};
 /// with normal errors (Huber, Robust Statistics, 1981).
 const TUKEY: f64 = 4.685;
 
-/// Median absolute deviation to standard deviation, for normal errors.
+/// Factor from median absolute deviation to standard deviation, for normal errors.
 pub(super) const MAD_TO_SD: f64 = 1.4826;
 
-/// Rounds of reweighting at most.
+/// Maximum number of reweighting rounds.
 const ROUNDS_MAX: usize = 8;
 
-/// Weights that change by less than this have settled.
+/// Weights that change by less than this have converged.
 const SETTLED: f64 = 0.02;
 
-/// A robust fit and the weight that each datum kept.
+/// A robust fit and the final weight of each datum.
 #[derive(Debug, Clone)]
 pub struct Robust {
     /// The fit with these weights.
     pub spline: Spline,
-    /// One weight a datum, 0 to 1.
+    /// One weight per datum, 0 to 1.
     pub weights: Vec<f64>,
 }
 
 /// Fits a spline with Tukey's biweights, found by repeated fits with the same relative `lambda`
 /// (see [`super::Smoothing::Fixed`]). Residuals of `least_scale`, in the unit of the data, are
-/// never outliers: perfect data must not throw out their own rounding.
+/// never outliers, so that perfect data are not rejected because of their rounding.
 ///
 /// # Errors
-/// As [`super::fit()`]; also where the outliers leave too few data.
+/// As for [`super::fit()`]; also if the outliers leave too few data.
 pub fn robust_fit(
     basis: &Basis,
     x: &[f64],
@@ -59,8 +59,8 @@ pub fn robust_fit(
     Ok(Robust { spline: judged(basis, y, &weights, solution), weights })
 }
 
-/// The standard deviation of normal errors whose sizes have the residuals' median, at least `least`.
-/// There must be residuals.
+/// The standard deviation of normal errors whose absolute values have the same median as the
+/// residuals', at least `least`. There must be at least one residual.
 pub(super) fn scale(residuals: &[f64], least: f64) -> f64 {
     let mut sizes: Vec<f64> = residuals.iter().map(|residual| residual.abs()).collect();
     let middle = sizes.len() / 2;

@@ -1,8 +1,8 @@
-//! Cholesky factors of the symmetric matrices that a cubic basis gives, in their own shape.
+//! Cholesky factors of the symmetric matrices of a cubic basis, in their native sparsity pattern.
 //!
 //! A clamped basis gives half-bandwidth 3. A periodic one adds the two corners, which lie in the
-//! last 3 rows; factorising fills those rows and nothing else. So one skyline, a band and a number
-//! of full rows at its foot, serves both.
+//! last 3 rows; factorising fills only those rows. So one skyline, a band plus some full rows at
+//! the bottom, is sufficient for both.
 
 use std::ops::Range;
 
@@ -10,13 +10,13 @@ use nalgebra::DMatrix;
 
 use super::basis::{Basis, DEGREE, Row};
 
-/// A symmetric matrix with a row and column for each function of a basis. Only pairs of functions
-/// that overlap have an entry; the lower triangle is kept, row by row.
+/// A symmetric matrix with a row and column for each function of a basis. Only pairs of overlapping
+/// functions have an entry; the lower triangle is stored, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Skyline {
-    /// Where row `i` starts in `entries`; one more value marks the end.
+    /// Start of row `i` in `entries`; one additional value marks the end.
     starts: Vec<usize>,
-    /// The rows from here on reach back to column 0.
+    /// The rows from here on extend to column 0.
     full_from: usize,
     entries: Vec<f64>,
 }
@@ -25,9 +25,9 @@ pub struct Skyline {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("row {row} of the equations is left with {relative_pivot:e} of its diagonal: singular")]
 pub struct Singular {
-    /// 0-based row, that is coefficient, where the factorisation stopped.
+    /// 0-based row (that is, coefficient) at which the factorisation stopped.
     pub row: usize,
-    /// What elimination left of that row's diagonal entry, as a fraction of it.
+    /// The remainder of that row's diagonal entry after elimination, as a fraction of the entry.
     pub relative_pivot: f64,
 }
 
@@ -53,12 +53,12 @@ impl Skyline {
         self.starts.len() - 1
     }
 
-    /// The entry at `i`, `j`, two functions that overlap.
+    /// The entry at `i`, `j`, for two functions that overlap.
     pub fn entry(&self, i: usize, j: usize) -> f64 {
         self.entries[self.place(i.max(j), i.min(j))]
     }
 
-    /// Adds `weight · row rowᵀ`: one datum to a Gram matrix, one quadrature node to a penalty.
+    /// Adds `weight · row rowᵀ`: one datum to a Gram matrix, or one quadrature node to a penalty.
     pub fn add_square(&mut self, row: &Row, weight: f64) {
         for (i, a) in row.indices.into_iter().zip(row.values) {
             for (j, b) in row.indices.into_iter().zip(row.values) {
@@ -70,13 +70,13 @@ impl Skyline {
         }
     }
 
-    /// `self + factor · other`, two matrices of the same basis.
+    /// `self + factor · other`, for two matrices of the same basis.
     pub fn plus(&self, factor: f64, other: &Skyline) -> Skyline {
         let entries = self.entries.iter().zip(&other.entries).map(|(a, b)| a + factor * b);
         Skyline { entries: entries.collect(), ..self.clone() }
     }
 
-    /// The matrix with all its entries.
+    /// The matrix in dense form.
     pub fn dense(&self) -> DMatrix<f64> {
         let size = self.size();
         let mut dense = DMatrix::zeros(size, size);
@@ -95,7 +95,7 @@ impl Skyline {
         self.diagonal().sum()
     }
 
-    /// The trace of `self · other`, two matrices of the same basis.
+    /// The trace of `self · other`, for two matrices of the same basis.
     pub fn trace_of_product(&self, other: &Skyline) -> f64 {
         let all: f64 = self.entries.iter().zip(&other.entries).map(|(a, b)| a * b).sum();
         let diagonal: f64 = self.diagonal().zip(other.diagonal()).map(|(a, b)| a * b).sum();
@@ -105,7 +105,7 @@ impl Skyline {
     /// The Cholesky factor.
     ///
     /// # Errors
-    /// [`Singular`] where the matrix is not positive definite beyond rounding.
+    /// [`Singular`] if the matrix is not positive definite beyond rounding.
     pub fn factor(&self) -> Result<Cholesky, Singular> {
         let mut lower = self.clone();
         let mut smallest_pivot = f64::INFINITY;
@@ -136,7 +136,7 @@ impl Skyline {
         self.starts[1..].iter().map(|end| self.entries[end - 1])
     }
 
-    /// Where the entry of row `i` and column `j ≤ i` is kept.
+    /// The index of the entry at row `i` and column `j ≤ i`.
     fn place(&self, i: usize, j: usize) -> usize {
         self.starts[i + 1] - 1 - (i - j)
     }
@@ -163,14 +163,14 @@ pub struct Cholesky {
 }
 
 impl Cholesky {
-    /// What the worst-determined coefficient kept of its diagonal entry, in (0, 1]; near 1e-12 and
-    /// below, data do not determine it and the ridge does.
+    /// The fraction of its diagonal entry that the worst-determined coefficient kept, in (0, 1];
+    /// near 1e-12 and below, the ridge determines it and the data do not.
     pub fn smallest_pivot(&self) -> f64 {
         self.smallest_pivot
     }
 
     /// Solves in place for `width` right-hand sides at once. `rows` is row-major, one row of
-    /// `width` values for each row of the matrix.
+    /// `width` values per row of the matrix.
     pub fn solve(&self, rows: &mut [f64], width: usize) {
         if width == 1 {
             return self.solve_one(rows);
@@ -197,7 +197,7 @@ impl Cholesky {
         }
     }
 
-    /// Solves in place for one right-hand side, which has no rows to run along.
+    /// Solves in place for one right-hand side, which has no rows to vectorise over.
     fn solve_one(&self, values: &mut [f64]) {
         let ends = &self.lower.starts[1..];
         for (i, end) in ends.iter().enumerate() {
@@ -220,7 +220,8 @@ impl Cholesky {
         let mut inverse = lower.clone();
         for i in (0..lower.size()).rev() {
             let pivot = lower.entry(i, i);
-            // The rows below with an entry in this column, a few band rows and full ones, with it.
+            // The rows below with an entry in this column (a few band rows and full ones), with
+            // that entry.
             let mut below = [(0, 0.0); 2 * DEGREE];
             let rows = lower.rows_below(i);
             let filled = below.iter_mut().zip(rows).map(|(own, k)| *own = (k, lower.entry(k, i)));

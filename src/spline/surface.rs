@@ -4,7 +4,8 @@ use nalgebra::{Isometry3, Point3, Unit, Vector3};
 
 use super::basis::{Basis, DEGREE, Row};
 
-/// A C2 surface P(u, v), u along and v around, closed without a seam. As a NURBS its weights are 1.
+/// A C2 surface P(u, v), u along and v around, closed without a seam. As a NURBS, all its weights
+/// are 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     along: Basis,
@@ -13,7 +14,7 @@ pub struct Surface {
     control_points: Vec<Point3<f64>>,
 }
 
-/// Why bases and control points make no surface.
+/// Why bases and control points do not form a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SurfaceFault {
     /// The basis along must be clamped and the one around periodic.
@@ -24,7 +25,7 @@ pub enum SurfaceFault {
         /// "clamped" or "periodic".
         needed: &'static str,
     },
-    /// There must be a control point for each pair of basis functions.
+    /// There must be one control point per pair of basis functions.
     #[error("{found} control points, where the bases need {along} rows of {around}")]
     WrongCount {
         /// Number of control points given.
@@ -44,7 +45,7 @@ pub enum SurfaceFault {
     },
 }
 
-/// A point of a surface and the derivatives there, in mm per unit of u and v.
+/// A point of a surface with its derivatives, in mm per unit of u and v.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Derivatives {
     /// The point.
@@ -65,16 +66,16 @@ impl Derivatives {
     /// See [`Surface::normal`].
     pub(super) fn normal(&self) -> Option<Unit<Vector3<f64>>> {
         let Derivatives { du, dv, .. } = self;
-        // A fraction of the tangents' own lengths, so that the unit of u and v does not matter.
+        // Relative to the tangents' own lengths, so that the unit of u and v does not matter.
         Unit::try_new(dv.cross(du), 1e-12 * du.norm() * dv.norm())
     }
 }
 
 impl Surface {
-    /// A surface from its control points, row-major, a row for each function along.
+    /// A surface from its control points, row-major, one row per function along.
     ///
     /// # Errors
-    /// A [`SurfaceFault`] unless `along` is clamped, `around` periodic, and there are
+    /// A [`SurfaceFault`] unless `along` is clamped, `around` is periodic, and there are
     /// `along.count() × around.count()` finite control points.
     pub fn new(
         along: Basis,
@@ -113,15 +114,15 @@ impl Surface {
         &self.control_points
     }
 
-    /// The point at `u`, taken into the domain, and `v`, wrapped.
+    /// The point at `u`, clamped to the domain, and `v`, wrapped.
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
         let (along, around) = (self.along.row(u), self.around.row(v));
         let [arc] = self.arcs(&along.indices, &around.indices, [along.values]);
         mixed(&arc, around.values).into()
     }
 
-    /// The points at every pair of `u` and `v`, row-major, `u.len()` rows of `v.len()`; a tenth of
-    /// the work of as many calls of [`Surface::point`].
+    /// The points at every pair of `u` and `v`, row-major, `u.len()` rows of `v.len()`; ten times
+    /// faster than the same number of calls of [`Surface::point`].
     pub fn grid(&self, u: &[f64], v: &[f64]) -> Vec<Point3<f64>> {
         let around: Vec<Row> = v.iter().map(|v| self.around.row(*v)).collect();
         let mut points = Vec::with_capacity(u.len() * v.len());
@@ -132,7 +133,7 @@ impl Surface {
         points
     }
 
-    /// The point and its derivatives of first and second order at `u`, taken into the domain, and
+    /// The point and its derivatives of first and second order at `u`, clamped to the domain, and
     /// `v`, wrapped. Source: The NURBS Book, A3.6.
     pub fn derivatives(&self, u: f64, v: f64) -> Derivatives {
         let (from, along) = self.along.rows_to_second(u);
@@ -150,13 +151,13 @@ impl Surface {
         }
     }
 
-    /// The unit normal dv × du: outward where u grows upwards and v counter-clockwise seen from
-    /// above. None where the surface has no tangent plane.
+    /// The unit normal dv × du: outward if u grows upwards and v counter-clockwise seen from above.
+    /// `None` if the surface has no tangent plane.
     pub fn normal(&self, u: f64, v: f64) -> Option<Unit<Vector3<f64>>> {
         self.derivatives(u, v).normal()
     }
 
-    /// The surface moved as a rigid body; parameters stay.
+    /// The surface after a rigid motion; parameters stay the same.
     pub fn transformed(&self, isometry: &Isometry3<f64>) -> Surface {
         let control_points = self.control_points.iter().map(|point| isometry * point).collect();
         Surface { control_points, ..self.clone() }
@@ -164,8 +165,8 @@ impl Surface {
 
     /// The same surface with clamped knots around, for CAD: the knot vector around and the control
     /// points, row-major, `along().count()` rows of `around().count() + 3`. The last column equals
-    /// the first. Exact: each column is the polar form at its three inner knots, which is knot
-    /// insertion done at once (Ramshaw 1989; nurbs.md 6.11).
+    /// the first. Exact: each column is the polar form at its three inner knots, which is
+    /// equivalent to knot insertion (Ramshaw 1989; nurbs.md 6.11).
     pub fn clamped_around(&self) -> (Vec<f64>, Vec<Point3<f64>>) {
         let columns = self.around.count();
         let (from, to) = self.around.domain();
@@ -173,7 +174,7 @@ impl Surface {
         knots.extend_from_slice(self.around.breakpoints());
         knots.extend([to; DEGREE]);
         let column = |j: usize| {
-            // The last column is the first, not merely its rounded copy.
+            // The last column is exactly the first, not a rounded copy of it.
             let j = j % (columns + DEGREE - 1);
             self.around.blossom(j.min(columns - 1), [knots[j + 1], knots[j + 2], knots[j + 3]])
         };
@@ -193,8 +194,8 @@ impl Surface {
         (0..columns).map(|j| Point3::from(sum(j))).collect()
     }
 
-    /// Four of the control points of the closed curve at one u for each of the given values of the
-    /// functions along: the curve itself or its derivatives.
+    /// For each of the given values of the functions along, four of the control points of the
+    /// closed curve at one u: of the curve itself or of its derivatives.
     #[inline]
     fn arcs<const N: usize>(
         &self,
@@ -217,18 +218,18 @@ impl Surface {
     }
 }
 
-/// Four neighbouring points of a closed curve, their coordinates one after the other: sums of such
-/// are taken two coordinates at a time.
+/// Four neighbouring points of a closed curve, their coordinates one after the other, so that sums
+/// are computed two coordinates at a time.
 type Arc = [f64; 12];
 
-/// The sum of an arc's points under the values of the functions around.
+/// The sum of an arc's points, weighted by the values of the functions around.
 #[inline]
 fn mixed(arc: &Arc, values: [f64; 4]) -> Vector3<f64> {
     let at = |k: usize| values[k] * Vector3::new(arc[3 * k], arc[3 * k + 1], arc[3 * k + 2]);
     at(0) + at(1) + at(2) + at(3)
 }
 
-/// The sum of points of a closed curve under a row of basis values.
+/// The sum of points of a closed curve, weighted by a row of basis values.
 pub(super) fn combined(points: &[Point3<f64>], row: &Row) -> Vector3<f64> {
     row.indices.into_iter().zip(row.values).map(|(i, value)| value * points[i].coords).sum()
 }

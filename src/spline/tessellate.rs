@@ -1,4 +1,4 @@
-//! Triangles that keep to a tube within a given distance, for printers, viewers and meshes.
+//! Triangles that approximate a tube within a given distance, for printers, viewers and meshes.
 
 mod steps;
 
@@ -10,26 +10,26 @@ use super::basis::Basis;
 use super::surface::Surface;
 use steps::Steps;
 
-/// More triangles than this are no mesh that anybody wants of a leg: 100 MB of STL. A tolerance
-/// that needs more is a mistake.
+/// Maximum number of triangles in a useful mesh of a leg: 100 MB of STL. A tolerance that needs
+/// more is a mistake.
 pub const TRIANGLES_MAX: usize = 2_000_000;
 
-/// What is at the two ends of a tube.
+/// The two ends of a tube in a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ends {
-    /// Nothing: the mesh has two rims.
+    /// Open: the mesh has two rims.
     Open,
-    /// A fan of triangles around the middle of the end, flat where the end is.
+    /// Closed by a fan of triangles around the middle of the end, flat if the end is flat.
     Fans,
 }
 
-/// A corner of a triangle: which point, and which normal the surface has there. On a rim a point
-/// has the normal of the tube and that of the fan.
+/// A corner of a triangle: its point and the surface normal there. A point on a rim has both the
+/// normal of the tube and that of the fan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Corner {
-    /// 0-based place among the points.
+    /// 0-based index of the point.
     pub point: u32,
-    /// 0-based place among the normals.
+    /// 0-based index of the normal.
     pub normal: u32,
 }
 
@@ -47,24 +47,24 @@ pub struct Facets {
 /// Why a tube has no triangles.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum TessellationFault {
-    /// A tolerance must be a distance.
+    /// The tolerance is not a positive distance.
     #[error("a mesh cannot keep to its surface within {tolerance_mm} mm")]
     NoTolerance {
-        /// What was asked for, mm.
+        /// The requested tolerance, mm.
         tolerance_mm: f64,
     },
-    /// The tolerance asks for more triangles than [`TRIANGLES_MAX`].
+    /// The tolerance requires more triangles than [`TRIANGLES_MAX`].
     #[error(
         "a mesh within {tolerance_mm} mm needs {triangles:.0} triangles, more than {}",
         TRIANGLES_MAX
     )]
     TooFine {
-        /// What was asked for, mm.
+        /// The requested tolerance, mm.
         tolerance_mm: f64,
-        /// How many triangles it needs.
+        /// The number of triangles it requires.
         triangles: f64,
     },
-    /// The surface has no tangent plane at one of the points, or an end no area.
+    /// The surface has no tangent plane at one of the points, or an end has no area.
     #[error("the surface is no tube at u = {u}, v = {v}")]
     Degenerate {
         /// Parameter along.
@@ -74,11 +74,11 @@ pub enum TessellationFault {
     },
 }
 
-/// The triangles of a tube, none of them further than `tolerance_mm` from it, nor it from them. The
-/// seam is closed. Fans lie in the plane of an end where it is plane.
+/// The triangles of a tube, with a distance of at most `tolerance_mm` between the triangles and the
+/// tube in both directions. The seam is closed. Fans lie in the plane of an end if it is plane.
 ///
 /// # Errors
-/// [`TessellationFault`]: the tolerance is not above 0 or asks for too many triangles, or the
+/// [`TessellationFault`]: the tolerance is not positive or requires too many triangles, or the
 /// surface is degenerate.
 pub fn facets(
     surface: &Surface,
@@ -90,21 +90,21 @@ pub fn facets(
     }
     let Steps { along, around } = Steps::of(surface, tolerance_mm);
     let triangles = 2.0 * along.iter().sum::<f64>() * around.iter().sum::<f64>();
-    // Written so that a surface beyond all numbers is refused too.
+    // Written this way to refuse NaN too.
     let bounded = triangles <= TRIANGLES_MAX as f64;
     if !bounded {
         return Err(TessellationFault::TooFine { tolerance_mm, triangles });
     }
     let u = parameters(surface.along(), &along);
     let mut v = parameters(surface.around(), &around);
-    // The end of the turn is its beginning.
+    // The end of a turn equals its start.
     v.pop();
     let sense = if surface.along_cross_around_is_outward() { 1.0 } else { -1.0 };
     let mut facets = tube(surface, &u, &v, sense)?;
     if ends == Ends::Fans {
         let columns = v.len();
         let top = facets.points.len() - columns;
-        // Along the tube's own edges a fan runs the other way round.
+        // Along the tube's own edges a fan runs in the opposite direction.
         let degenerate = |u| TessellationFault::Degenerate { u, v: v[0] };
         facets.fan(0..columns, sense > 0.0).ok_or(degenerate(u[0]))?;
         facets.fan(top..top + columns, sense < 0.0).ok_or(degenerate(u[u.len() - 1]))?;
@@ -112,7 +112,7 @@ pub fn facets(
     Ok(facets)
 }
 
-/// Each span divided into its steps, its end with the last one.
+/// Divides each span into its steps; the end of the last span is included.
 fn parameters(basis: &Basis, steps: &[f64]) -> Vec<f64> {
     let spans = basis.breakpoints().windows(2).zip(steps);
     let starts = spans.flat_map(|(span, steps)| {
@@ -122,7 +122,7 @@ fn parameters(basis: &Basis, steps: &[f64]) -> Vec<f64> {
     starts.chain([basis.domain().1]).collect()
 }
 
-/// The tube's own points, normals and triangles; `sense` is +1 where u × v is outward, else −1.
+/// The tube's own points, normals and triangles; `sense` is +1 if u × v points outward, otherwise −1.
 fn tube(surface: &Surface, u: &[f64], v: &[f64], sense: f64) -> Result<Facets, TessellationFault> {
     let mut normals = Vec::with_capacity(u.len() * v.len());
     for &u in u {
@@ -155,13 +155,13 @@ fn turned([a, b, c]: [Corner; 3]) -> [Corner; 3] {
 }
 
 impl Facets {
-    /// The three places of a triangle.
+    /// The three points of a triangle.
     pub fn places(&self, triangle: &[Corner; 3]) -> [Point3<f64>; 3] {
         triangle.map(|corner| self.points[corner.point as usize])
     }
 
-    /// Closes a ring of points with triangles around its middle, `forward` along the ring or the
-    /// other way round. None where the ring has no area.
+    /// Closes a ring of points with triangles around its middle, `forward` along the ring or in the
+    /// opposite direction. `None` if the ring has no area.
     fn fan(&mut self, ring: Range<usize>, forward: bool) -> Option<()> {
         let on_ring = &self.points[ring.clone()];
         let middle = on_ring.iter().map(|point| point.coords).sum::<Vector3<f64>>();

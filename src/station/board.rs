@@ -1,10 +1,10 @@
-//! The board on which workers note what they know, for those who ask.
+//! The board on which workers note what they know, for others to read.
 
 use std::sync::{Mutex, PoisonError};
 
 use crate::flow::Facts;
 
-/// The present facts of a station.
+/// The current facts of a station.
 #[derive(Debug)]
 pub struct Board(Mutex<Facts>);
 
@@ -14,12 +14,12 @@ impl Board {
         Board(Mutex::new(facts))
     }
 
-    /// Changes the facts; short, for everybody else waits.
+    /// Changes the facts. `change` must be short, because everyone else waits.
     pub fn note(&self, change: impl FnOnce(&mut Facts)) {
         change(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner));
     }
 
-    /// The facts as they are now.
+    /// The current facts.
     pub fn facts(&self) -> Facts {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }

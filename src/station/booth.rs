@@ -1,13 +1,12 @@
-//! The station's side of the booth: takes what the ports hear, keeps the captures, and says what
-//! the light shows. What a capture means is decided by [`crate::flow::capture`]; every step stands in
-//! the journal before anything is done by it.
+//! The station's side of the booth: takes the input of the ports, keeps the captures, and determines
+//! what the light shows. [`crate::flow::capture`] decides what a capture means. Every step is in the
+//! journal before anything acts on it.
 
 mod hearing;
 pub(in crate::station) mod orders;
 pub mod trigger;
 
 use std::collections::BTreeSet;
-use std::fs;
 use std::ops::{Deref, DerefMut};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -18,42 +17,38 @@ use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 use tracing::warn;
 
-use super::assembly::Station;
-use super::beat::Beat;
-use super::error::chain;
+use super::core::Core;
 use super::journal::{CaptureRow, Journal, JournalError};
-use super::operator::overview::Overview;
-use super::stop::Stop;
+use super::overview::Overview;
+use super::runtime::beat::Beat;
+use super::runtime::causes::chain;
+use super::runtime::stop::Stop;
 use crate::flow::booth::Signal;
 use crate::flow::capture::{Capture, CaptureState, Captures, Content, Judged, Rules};
-use crate::flow::light::{Light, Outcome, Scene};
-use crate::flow::order_habit::{OrderCame, OrdersComeLate, orders_come_late};
+use crate::flow::light::{self, Light, Outcome, Scene};
+use crate::flow::orders::habit::{OrderCame, OrdersComeLate, orders_come_late};
 use crate::flow::page::Situation;
 use crate::flow::settle::Sights;
 use crate::flow::{OrdersWhen, ScanId};
 pub use hearing::NameFault;
 
-/// How often the light is looked after: a person sees no shorter delay.
+/// Interval between updates of the light: a person notices no shorter delay.
 const LIGHT: Duration = Duration::from_millis(200);
 
-/// How often the whole station is asked whether it is ready, which reads the journal.
+/// Interval between checks whether the whole station is ready; each reads the journal.
 const READY: Duration = Duration::from_secs(5);
-
-/// The alarm for an export that did not come.
-const NO_EXPORT: &str = "no-export";
 
 /// The booth of a station.
 #[derive(Debug)]
 pub struct Booth {
-    /// Locked over writes to the journal, so by threads that may block and by no others.
+    core: Arc<Core>,
+    /// Locked during writes to the journal, so only threads that may block may lock it.
     inner: Mutex<Inner>,
-    /// Locked for moments.
+    /// Locked only for moments.
     glance: Mutex<Glance>,
     signal: watch::Sender<Signal>,
-    /// Told at each press: what lies in the export folders now was there before it.
+    /// Notified at each press: what is in the export folders now was there before it.
     looks: Vec<Arc<Notify>>,
-    /// What tells this start of the machine from another.
-    boot: String,
 }
 
 #[derive(Debug)]
@@ -64,25 +59,79 @@ struct Inner {
     away: BTreeSet<&'static str>,
     /// Scans that came in and whose records are not all delivered.
     in_work: BTreeSet<ScanId>,
-    /// When the last orders came.
+    /// Whether the last orders came before or after the press.
     orders: Vec<OrderCame>,
     missed: bool,
     last: Option<(Outcome, Duration)>,
 }
 
 impl Inner {
-    /// When the last capture was opened that waits; none while none does.
+    /// The captures from the journal, for this machine start and this time of its clock. `buttons` are
+    /// the ports with buttons.
+    ///
+    /// # Errors
+    /// See [`JournalError`].
+    fn recall(
+        journal: &Journal,
+        rules: Rules,
+        buttons: BTreeSet<&'static str>,
+        (boot, now): (&str, Duration),
+    ) -> Result<Inner, JournalError> {
+        let is_ours = |row: &CaptureRow| row.boot == boot && !boot.is_empty();
+        // The machine was off: what a press began expires, unless it can be carried over.
+        let carried_over = |row: &CaptureRow| {
+            let age = Duration::try_from(Timestamp::now().duration_since(row.at)).ok();
+            row.capture.clone().carried_over(age, rules.late, now)
+        };
+        let (ours, others): (Vec<CaptureRow>, Vec<CaptureRow>) =
+            journal.captures_waiting()?.into_iter().partition(is_ours);
+        let kept: Vec<Capture> = others.iter().filter_map(carried_over).collect();
+        let others: Vec<i64> = others.iter().map(|row| row.capture.number).collect();
+        let names = journal.names()?;
+        let is_name_over = names.as_ref().is_some_and(|names| names.boot != boot);
+        if !others.is_empty() || is_name_over {
+            journal.captures_of_before(&others, &kept, boot, is_name_over)?;
+        }
+        let names = names.filter(|_| !is_name_over);
+        let (next, unsure, unread) = names.map_or((None, Vec::new(), Vec::new()), |names| {
+            (names.next, names.unsure, names.unread)
+        });
+        let ours = ours.into_iter().map(|row| row.capture);
+        let waiting = kept.into_iter().chain(ours).collect();
+        let taken = journal.captures_taken()?.into_iter();
+        let taken = taken.filter_map(|row| match is_ours(&row) {
+            true => Some(row.capture),
+            false => carried_over(&row),
+        });
+        let mut captures = Captures::new(rules, waiting, next)
+            .with_doubts(unsure, unread)
+            .with_measuring(taken.collect(), now);
+        if buttons.is_empty() {
+            captures.hears(Duration::ZERO);
+        }
+        Ok(Inner {
+            captures,
+            next_number: journal.next_capture()?,
+            away: buttons,
+            in_work: BTreeSet::new(),
+            orders: journal.orders_came()?,
+            missed: !others.is_empty(),
+            last: None,
+        })
+    }
+
+    /// When the last waiting capture was opened; `None` if none waits.
     fn last_opened(&self) -> Option<Duration> {
         self.captures.waiting().iter().map(|capture| capture.opened).max()
     }
 }
 
-/// What is told and noted without waiting for the journal.
+/// What can be read and noted without waiting for the journal.
 #[derive(Debug)]
 struct Glance {
-    /// What the looks have found, by export folder.
+    /// What the looks have found, per export folder.
     sights: Vec<Sights>,
-    /// When the last capture was opened that waits; none while none does.
+    /// When the last waiting capture was opened; `None` if none waits.
     last_opened: Option<Duration>,
 }
 
@@ -108,28 +157,28 @@ impl DerefMut for Locked<'_> {
 }
 
 impl Drop for Locked<'_> {
-    /// Tells what has changed to those who do not wait.
+    /// Publishes what has changed for those who do not wait for the lock.
     fn drop(&mut self) {
         self.booth.glance().last_opened = self.inner.last_opened();
     }
 }
 
-/// The captures, held while an export is taken: no press or other export comes in between.
+/// The captures, locked while an export is taken in: no press or other export comes in between.
 #[derive(Debug)]
 pub struct Held<'a> {
     inner: Locked<'a>,
 }
 
-/// How the booth is at one moment.
+/// The state of the booth at one moment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BoothState {
     /// What the light shows.
     pub signal: Signal,
     /// How many exports are awaited.
     pub awaited: usize,
-    /// Somebody is named for the next press.
+    /// A patient is named for the next press.
     pub is_named: bool,
-    /// A press may have gone unheard a short while ago.
+    /// A press may have been missed a short while ago.
     pub is_in_doubt: bool,
     /// Most orders come after the press, and the configuration expects them before it.
     pub orders_come_late: Option<OrdersComeLate>,
@@ -145,7 +194,7 @@ pub struct WhoIsNext {
 }
 
 impl WhoIsNext {
-    /// The same for the page.
+    /// The same for the operator's page.
     pub fn situation(&self) -> Situation<'_> {
         Situation {
             signal: self.state.signal,
@@ -158,81 +207,42 @@ impl WhoIsNext {
     }
 }
 
-impl Station {
-    /// Who is next, and whose exports are awaited.
-    pub fn who_is_next(&self) -> WhoIsNext {
-        let state = self.booth.state(self.now());
-        let has_button = !self.config.buttons().is_empty();
-        let captures = &self.booth.inner().captures;
-        let (next, awaited_for) = (captures.next_ids(), captures.awaited_ids());
-        WhoIsNext { state, has_button, next, awaited_for }
-    }
-}
-
 impl Booth {
-    /// The booth as the journal has it, at this time of the station's clock. `buttons` are the ports
-    /// that buttons are on.
+    /// Opens the booth with what the journal holds.
     ///
     /// # Errors
     /// See [`JournalError`].
-    pub fn open(
-        journal: &Journal,
-        rules: Rules,
-        folders: usize,
-        buttons: BTreeSet<&'static str>,
-        now: Duration,
-    ) -> Result<Booth, JournalError> {
-        let boot = boot_id();
-        let is_ours = |row: &CaptureRow| row.boot == boot && !boot.is_empty();
-        // The machine was off: whatever a press had begun expires.
-        let carried_over = |row: &CaptureRow| {
-            let age = Duration::try_from(Timestamp::now().duration_since(row.at)).ok();
-            row.capture.clone().carried_over(age, rules.late, now)
-        };
-        let (ours, others): (Vec<CaptureRow>, Vec<CaptureRow>) =
-            journal.captures_waiting()?.into_iter().partition(is_ours);
-        let kept: Vec<Capture> = others.iter().filter_map(carried_over).collect();
-        let others: Vec<i64> = others.iter().map(|row| row.capture.number).collect();
-        let names = journal.names()?;
-        let is_name_over = names.as_ref().is_some_and(|names| names.boot != boot);
-        if !others.is_empty() || is_name_over {
-            journal.captures_of_before(&others, &kept, &boot, is_name_over)?;
-        }
-        let names = names.filter(|_| !is_name_over);
-        let (next, unsure, unread) = names.map_or((None, Vec::new(), Vec::new()), |names| {
-            (names.next, names.unsure, names.unread)
-        });
-        let ours = ours.into_iter().map(|row| row.capture);
-        let waiting = kept.into_iter().chain(ours).collect();
-        let taken = journal.captures_taken()?.into_iter();
-        let taken = taken.filter_map(|row| match is_ours(&row) {
-            true => Some(row.capture),
-            false => carried_over(&row),
-        });
-        let mut captures = Captures::new(rules, waiting, next)
-            .with_doubts(unsure, unread)
-            .with_measuring(taken.collect(), now);
-        if buttons.is_empty() {
-            captures.hears(Duration::ZERO);
-        }
-        let inner = Inner {
-            captures,
-            next_number: journal.next_capture()?,
-            away: buttons,
-            in_work: BTreeSet::new(),
-            orders: journal.orders_came()?,
-            missed: !others.is_empty(),
-            last: None,
-        };
-        let sights = vec![Sights::default(); folders];
-        let glance = Glance { sights, last_opened: inner.last_opened() };
+    pub fn open(core: Arc<Core>) -> Result<Booth, JournalError> {
+        let (config, buttons) = (&core.config, core.config.buttons());
+        let orders = config.patient.orders.as_ref();
+        let orders = orders.map_or(OrdersWhen::default(), |orders| orders.when);
+        let rules = config.capture.rules(&buttons, orders);
+        let folders = config.scanner.export_dirs.len();
+        let inner =
+            Inner::recall(core.custody.journal(), rules, buttons, (core.clock.boot(), core.now()))?;
+        let glance =
+            Glance { sights: vec![Sights::default(); folders], last_opened: inner.last_opened() };
         let looks = (0..folders).map(|_| Arc::new(Notify::new())).collect();
         let signal = watch::Sender::new(Signal::Ready);
         let (inner, glance) = (Mutex::new(inner), Mutex::new(glance));
-        Ok(Booth { inner, glance, signal, looks, boot })
+        Ok(Booth { core, inner, glance, signal, looks })
     }
 
-    /// Blocks while somebody writes to the journal.
+    /// The core that the workers share.
+    pub fn core(&self) -> &Arc<Core> {
+        &self.core
+    }
+
+    /// Who is next, and whose exports are awaited.
+    pub fn who_is_next(&self) -> WhoIsNext {
+        let state = self.state();
+        let has_button = !self.core.config.buttons().is_empty();
+        let captures = &self.inner().captures;
+        let (next, awaited_for) = (captures.next_ids(), captures.awaited_ids());
+        WhoIsNext { state, has_button, next, awaited_for }
+    }
+
+    /// Locks the captures. Blocks during writes to the journal.
     fn inner(&self) -> Locked<'_> {
         let inner = self.inner.lock().unwrap_or_else(PoisonError::into_inner);
         Locked { booth: self, inner }
@@ -247,12 +257,12 @@ impl Booth {
         self.signal.subscribe()
     }
 
-    /// What tells the export folder of this place to look at once.
+    /// The signal that makes the intake of this export folder look at once.
     pub fn look(&self, place: usize) -> Arc<Notify> {
         self.looks.get(place).cloned().unwrap_or_default()
     }
 
-    /// Holds the captures while an export is taken. Blocks.
+    /// Locks the captures while an export is taken in. Blocks.
     pub fn hold(&self) -> Held<'_> {
         Held { inner: self.inner() }
     }
@@ -264,16 +274,18 @@ impl Booth {
         }
     }
 
-    /// A scan ended, or needs a person; `now` is of the station's clock. Blocks.
-    pub fn ended(&self, scan: &ScanId, outcome: Outcome, now: Duration) {
+    /// Notes that a scan ended or needs an operator. Blocks.
+    pub fn ended(&self, scan: &ScanId, outcome: Outcome) {
+        let now = self.core.now();
         let mut inner = self.inner();
         if inner.in_work.remove(scan) || outcome == Outcome::NeedsPerson {
             inner.last = Some((outcome, now));
         }
     }
 
-    /// How the booth is; `now` is of the station's clock. Blocks.
-    pub fn state(&self, now: Duration) -> BoothState {
+    /// The current state of the booth. Blocks.
+    pub fn state(&self) -> BoothState {
+        let now = self.core.now();
         let inner = self.inner();
         let is_open = |capture: &&Capture| capture.state == CaptureState::Open;
         BoothState {
@@ -288,14 +300,9 @@ impl Booth {
         }
     }
 
-    /// When the last capture was opened that waits; none while none does.
+    /// When the last waiting capture was opened; `None` if none waits.
     pub fn last_opened(&self) -> Option<Duration> {
         self.glance().last_opened
-    }
-
-    /// What tells this start of the machine from another.
-    pub fn boot(&self) -> &str {
-        &self.boot
     }
 
     fn scene(&self, not_ready: bool) -> Scene {
@@ -312,12 +319,12 @@ impl Booth {
 }
 
 impl Held<'_> {
-    /// Which capture an export belongs to; its times are of the station's clock.
+    /// Which capture an export belongs to; its times are on the station's clock.
     pub fn judge(&self, content: &Content) -> Judged {
         self.inner.captures.judge_content(content)
     }
 
-    /// The export stands in the journal, or its bytes in the spool with what it answers.
+    /// Applies an export that is in the journal, or whose bytes are in the spool with what it answers.
     pub fn answer(&mut self, judged: &Judged, scan: &ScanId, held: bool, now: Duration) {
         self.inner.captures.answer(judged, now);
         if *judged != Judged::Unpressed {
@@ -329,45 +336,39 @@ impl Held<'_> {
     }
 }
 
-/// Looks after captures and the light until it is asked to stop.
+/// Keeps captures and the light up to date until asked to stop.
 ///
 /// # Errors
-/// Where a step panicked.
-pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
-    let mut light = Light::new(station.now());
-    let (mut not_ready, mut next_ready) = (false, station.now());
+/// If a step panicked.
+pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
+    let core = Arc::clone(booth.core());
+    let mut light = Light::new(core.now());
+    let (mut not_ready, mut next_ready) = (false, core.now());
     while !stop.is_requested() {
         beat.beat();
-        let (looked, asks) = (Arc::clone(&station), station.now() >= next_ready);
+        let (looked, asks) = (Arc::clone(&booth), core.now() >= next_ready);
         let step = spawn_blocking(move || {
             let passed = looked.pass();
-            let asked = asks.then(|| !Overview::take(&looked).complaints.is_empty());
-            let scene = looked.booth.scene(asked.unwrap_or(not_ready));
+            let asked = asks.then(|| light::is_not_ready(&Overview::take(&looked.core).complaints));
+            let scene = looked.scene(asked.unwrap_or(not_ready));
             (passed, asked, scene)
         });
         let (passed, asked, scene) = step.await?;
         if let Err(error) = passed {
-            station.check_corruption(&error);
+            core.check_corruption(&error);
             warn!(event = "journal-failed", error = chain(&error));
         }
         if let Some(asked) = asked {
-            (not_ready, next_ready) = (asked, station.now() + READY);
+            (not_ready, next_ready) = (asked, core.now() + READY);
         }
-        let shown = light.show(&scene, station.now());
-        station.booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);
+        let shown = light.show(&scene, core.now());
+        booth.signal.send_if_modified(|signal| std::mem::replace(signal, shown) != shown);
         tokio::select! {
             () = stop.requested() => break,
             () = sleep(LIGHT) => {}
         }
     }
     Ok(())
-}
-
-/// What tells one start of the machine from another; empty where the system does not say, and then
-/// every start of the station counts as one of the machine.
-fn boot_id() -> String {
-    let id = fs::read_to_string("/proc/sys/kernel/random/boot_id").unwrap_or_default();
-    id.trim().to_owned()
 }
 
 #[cfg(test)]

@@ -1,11 +1,10 @@
-//! Custody: which bytes the station keeps, and why. Spool, quarantine and journal change together
-//! here and nowhere else, bytes first when they come, journal first when they go, so that a crash
-//! between the two leaves bytes too many, never too few.
+//! Custody: which bytes the station keeps, and why. Spool, quarantine and journal change together only
+//! here. The bytes come first when they are added and the journal first when they are removed, so a
+//! crash in between leaves too many bytes, never too few.
 
 mod acts;
 mod decided;
 pub mod decisions;
-pub(in crate::station) mod housekeeping;
 mod intake;
 mod known;
 mod lost;
@@ -28,7 +27,8 @@ use self::quarantine::{Quarantine, Reason, Stage};
 use self::spool::{Companion, Spool};
 use super::journal::{Due, Entry, Journal, JournalError};
 use crate::flow::capture::Judged;
-use crate::flow::{ScanId, ScanState, Verdict, Whose, identity};
+use crate::flow::patient::identity;
+use crate::flow::{ScanId, ScanState, Verdict, Whose};
 use crate::record::Patient;
 use crate::scan::Format;
 use crate::store::durable;
@@ -42,13 +42,13 @@ pub struct Custody {
     decisions: Decisions,
     /// The stores' names in the journal.
     stores: Vec<&'static str>,
-    /// Those among them that take no record for nobody.
+    /// The stores that take no unassigned record.
     named_only: Vec<&'static str>,
-    /// How long spooled bytes are kept that have served.
+    /// How long spooled bytes are kept after they are no longer needed.
     kept: Duration,
-    /// Held over each change of more than one of the three.
+    /// Held during each change of more than one of the three.
     change: Mutex<()>,
-    /// Something that is to go could not be removed; see [`Custody::tidy`].
+    /// Something could not be removed when it was due; see [`Custody::tidy`].
     untidy: AtomicBool,
     /// The spool may hold a scan that the journal does not know; see [`Custody::enter_kept`].
     unentered: AtomicBool,
@@ -65,7 +65,7 @@ pub struct Arrival<'a> {
     pub format: Format,
     /// The file's own time.
     pub file_time: Option<Timestamp>,
-    /// Whose scan it is, by everything that says so.
+    /// The patient it belongs to, from all sources.
     pub whose: Whose,
     /// The press it answers.
     pub judged: Judged,
@@ -73,13 +73,13 @@ pub struct Arrival<'a> {
     pub pressed_at: Option<Timestamp>,
     /// What the scanner wrote beside it.
     pub companions: &'a [Companion],
-    /// The hash of its geometry, hexadecimal; '' where it has none.
+    /// The hash of its geometry, hexadecimal; '' if it has none.
     pub geometry: &'a str,
-    /// The scan that it is, by its bytes or its geometry, where that came in before.
+    /// The earlier scan with the same bytes or geometry, if there is one.
     pub known: Option<ScanId>,
 }
 
-/// Why custody could not change; it is as before, or recovers at the next start or attempt.
+/// Why custody could not change. It is unchanged, or recovers at the next start or attempt.
 #[derive(Debug, thiserror::Error)]
 pub enum CustodyFault {
     /// The journal failed.
@@ -97,8 +97,8 @@ pub enum CustodyFault {
 }
 
 impl Custody {
-    /// Custody over an open journal, spool and quarantine, with what people decided, for the stores of
-    /// these names. Spooled bytes that have served are `kept` so long.
+    /// Custody over an open journal, spool and quarantine, and the decisions, for the stores with these
+    /// names. `kept` is how long spooled bytes are kept after they are no longer needed.
     pub fn new(
         journal: Journal,
         (spool, quarantine): (Spool, Quarantine),
@@ -120,7 +120,7 @@ impl Custody {
         }
     }
 
-    /// The same, where stores of these names take no record for nobody.
+    /// The same, with the names of the stores that take no unassigned record.
     pub fn with_named_only(self, named_only: Vec<&'static str>) -> Custody {
         Custody { named_only, ..self }
     }
@@ -131,12 +131,12 @@ impl Custody {
         self.stores.iter().filter(takes).copied().collect()
     }
 
-    /// The names of its folders that somebody has removed.
+    /// The names of its folders that are missing.
     pub fn missing_folders(&self) -> Vec<&'static str> {
         self.folders().into_iter().filter(|(_, at)| !at.is_dir()).map(|(name, _)| name).collect()
     }
 
-    /// Makes folders again that somebody has removed, durably; what lay in them is gone.
+    /// Creates missing folders again, durably; what was in them is lost.
     ///
     /// # Errors
     /// Any I/O error.
@@ -155,18 +155,18 @@ impl Custody {
         ]
     }
 
-    /// The journal, to be asked.
+    /// The journal, for queries.
     pub fn journal(&self) -> &Journal {
         &self.journal
     }
 
-    /// The spool, to be read.
+    /// The spool, for reading.
     pub fn spool(&self) -> &Spool {
         &self.spool
     }
 
-    /// Takes bytes in, if they say anything new. Durable when this returns. Where the journal fails
-    /// after the bytes are kept, [`Custody::enter_kept`] goes on.
+    /// Takes bytes in if they add anything new. Durable on return. If the journal fails after the bytes
+    /// are kept, [`Custody::enter_kept`] continues.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -209,12 +209,12 @@ impl Custody {
         let entry = Entry { row: &row, patient, held, claims, judged, geometry, candidates };
         self.journal.enter(&entry, &self.stores_for(patient))?;
         self.unentered.store(was_unentered, Ordering::Relaxed);
-        // What a lost journal does not know of these bytes may have been decided before.
+        // A lost journal may not know earlier decisions about these bytes.
         self.carry_out_of(scan)?;
         Ok(verdict)
     }
 
-    /// A file was refused before it was read.
+    /// Notes a file that was refused before it was read.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -223,11 +223,11 @@ impl Custody {
         io("noting a refusal", self.quarantine.note(name, reason))
     }
 
-    /// A delivery has its receipt; bytes that have served are given up, now or by
+    /// Records a delivery's receipt. Bytes that are no longer needed are removed, now or by
     /// [`Custody::tidy`].
     ///
     /// # Errors
-    /// See [`CustodyFault`]; the delivery is still to be made then.
+    /// See [`CustodyFault`]; the delivery is then still to be made.
     pub fn delivered(&self, due: &Due, folder: &Path) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         if self.journal.delivered(due, folder)? && self.kept == Duration::ZERO {
@@ -237,10 +237,10 @@ impl Custody {
         Ok(())
     }
 
-    /// Removes what could not be removed when it was to go, if there is any.
+    /// Removes what could not be removed when it was due, if there is anything.
     ///
     /// # Errors
-    /// See [`CustodyFault`]; it is tried again at the next call.
+    /// See [`CustodyFault`]; the next call tries again.
     pub fn tidy(&self) -> Result<(), CustodyFault> {
         if !self.untidy.load(Ordering::Relaxed) {
             return Ok(());
@@ -255,14 +255,14 @@ impl Custody {
         Ok(())
     }
 
-    /// Gives up the spooled bytes of scans that have served since before a time; says how many.
+    /// Removes the spooled bytes of scans that were finished before a time. Returns how many.
     ///
     /// # Errors
     /// See [`CustodyFault`].
     pub fn let_go_spooled(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let mut gone = 0;
-        // What lies there is little; what the journal knows grows with the years.
+        // The spool is small; what the journal knows grows over the years.
         for scan in io("listing the spool", self.spool.entries())? {
             let rests = self.journal.rests_since(&scan, ScanState::Delivered, before)?;
             if rests && self.journal.has_served(&scan)? {
@@ -273,8 +273,8 @@ impl Custody {
         Ok(gone)
     }
 
-    /// Gives up scans that were refused before a time; says how many. The journal goes on knowing
-    /// them, so that their exports are not taken again.
+    /// Removes scans from quarantine that were refused before a time. Returns how many. The journal
+    /// still knows them, so that their exports are not taken in again.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -293,9 +293,9 @@ impl Custody {
         Ok(gone)
     }
 
-    /// A delivery is refused for good. Where only its store will never take the record and others of
-    /// the scan are still to be made, the bytes stay for them; else the scan is refused. Gives the
-    /// reason that stands; none where somebody decided otherwise meanwhile.
+    /// Refuses a delivery for good. If only its store will never take the record and other deliveries of
+    /// the scan are pending, the bytes stay for them; otherwise the scan is refused. Returns the reason
+    /// that applies; `None` if a decision has changed the delivery meanwhile.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -315,7 +315,7 @@ impl Custody {
         self.refused(&due.scan, reason).map(Some)
     }
 
-    /// A scan is refused for good; its bytes go to quarantine. Gives the reason that stands.
+    /// Refuses a scan for good; its bytes go to quarantine. Returns the reason that applies.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -325,7 +325,7 @@ impl Custody {
     }
 
     fn refused(&self, scan: &ScanId, reason: Reason) -> Result<Reason, CustodyFault> {
-        // An attempt that failed at the journal left its reason in quarantine: that one stands.
+        // An attempt that failed at the journal left its reason in quarantine: that reason applies.
         let earlier = io("reading a reason", self.quarantine.reason(scan))?;
         let quarantined = self.quarantined(scan, &reason);
         self.untidy.fetch_or(quarantined.is_err(), Ordering::Relaxed);
@@ -337,7 +337,7 @@ impl Custody {
 
     fn quarantined(&self, scan: &ScanId, reason: &Reason) -> io::Result<()> {
         if self.quarantine.holds(scan) {
-            // An earlier attempt may have failed at the sync of its name.
+            // An earlier attempt may have failed to sync its name.
             self.quarantine.sync()?;
             return self.spool.remove(scan);
         }

@@ -1,13 +1,14 @@
-//! The delivery: keeps as many scans going as there are hands, each store at its own pace.
+//! The delivery: works on as many scans at once as there are hands, each store at its own pace.
 //!
-//! What is to be done stands in the journal and is read from there each time; a hint only makes
-//! the next reading come sooner. What is tried when is decided by [`Outbox`], whose pauses are on
-//! the monotonic clock: after a restart everything is tried at once. Every step that may wait for
-//! a disk, a share or a measurement is a job of its own; this loop waits for none of them.
+//! What is to be done is in the journal and is read from there each time; a hint only makes the next
+//! read come sooner. [`Outbox`] decides what is tried when. Its pauses use the monotonic clock: after a
+//! restart everything is tried at once. Every step that may wait for a disk, a share or a measurement is
+//! a job of its own; this loop waits for none of them.
 
-pub mod measure;
 pub(in crate::station) mod measuring;
 pub mod preview;
+mod store_reach;
+mod store_search;
 pub(in crate::station) mod work;
 
 use std::collections::BTreeMap;
@@ -21,25 +22,25 @@ use tokio::time::sleep;
 use tracing::{info, warn};
 
 use self::work::Ready;
-use super::assembly::Station;
-use super::beat::Beat;
-use super::error::chain;
-use super::jitter;
+use super::booth::Booth;
 use super::journal::{Due, KEPT, Task};
-use super::stop::Stop;
+use super::runtime::beat::Beat;
+use super::runtime::causes::chain;
+use super::runtime::jitter;
+use super::runtime::stop::Stop;
 use crate::flow::Outbox;
 use crate::flow::outbox::{Ended, Key};
 
-/// How often the journal is read where nothing hints at it.
+/// How often the journal is read without a hint.
 const RECHECK: Duration = Duration::from_secs(5);
 
 /// At most this many scans at a time, however many cores there are.
 const MOST_HANDS: usize = 5;
 
-/// A step at a store that takes longer has stalled. A record has some megabytes.
+/// A step at a store that takes longer has stalled. A record has a few megabytes.
 const STALLED: Duration = Duration::from_secs(60);
 
-/// What a job came to.
+/// The result of a job.
 enum Done {
     Asked { store: String, in_reach: bool },
     Prepared { dues: Vec<Due>, ready: Result<Arc<Ready>, Ended> },
@@ -51,104 +52,105 @@ struct Bench {
     outbox: Outbox,
     dues: BTreeMap<Key, Due>,
     jobs: JoinSet<Done>,
-    /// What was begun at each store, and when.
+    /// The steps that are running at each store, and when they began.
     at_store: BTreeMap<(String, Option<Key>), Duration>,
 }
 
-/// Makes deliveries until it is asked to stop; what is in hand then is finished.
+/// Makes deliveries until asked to stop, then finishes what is running.
 ///
 /// # Errors
-/// Where a job panicked.
-pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
+/// If a job panicked.
+pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
     let cores = available_parallelism().map_or(1, usize::from);
     // One more than cores: while a record is being synced, no core is idle.
     let hands = (cores + 1).min(MOST_HANDS);
     let mut bench = Bench::default();
-    for store in &station.stores {
+    for store in booth.core().stores.iter() {
         bench.outbox.asking(store.name());
-        bench.ask(&station, store.name().to_owned());
+        bench.ask(&booth, store.name().to_owned());
     }
     while !stop.is_requested() {
         beat.beat();
-        if !station.is_paused() {
-            bench.take_up(&station, hands, cores).await?;
+        if !booth.core().is_paused() {
+            bench.take_up(&booth, hands, cores).await?;
         }
-        bench.find_stalled(&station);
-        let wait = bench.outbox.next_in(station.now()).map_or(RECHECK, |next| next.min(RECHECK));
+        bench.find_stalled(&booth);
+        let wait =
+            bench.outbox.next_in(booth.core().now()).map_or(RECHECK, |next| next.min(RECHECK));
         tokio::select! {
             () = stop.requested() => break,
-            Some(done) = bench.jobs.join_next() => bench.put_down(&station, done?).await?,
-            () = station.work.notified() => {}
+            Some(done) = bench.jobs.join_next() => bench.put_down(&booth, done?).await?,
+            () = booth.core().work.notified() => {}
             () = sleep(wait) => {}
         }
     }
     while let Some(done) = bench.jobs.join_next().await {
         beat.beat();
-        bench.put_down(&station, done?).await?;
+        bench.put_down(&booth, done?).await?;
     }
     Ok(())
 }
 
 impl Bench {
-    /// Starts what the journal says is to be done, as far as stores, hands and pauses allow.
+    /// Starts what the journal lists as to be done, as far as stores, hands and pauses allow.
     async fn take_up(
         &mut self,
-        station: &Arc<Station>,
+        booth: &Arc<Booth>,
         hands: usize,
         cores: usize,
     ) -> Result<(), JoinError> {
-        let journal = Arc::clone(station);
+        let core = Arc::clone(booth.core());
         let pending = spawn_blocking(move || {
-            let journal = journal.custody.journal();
+            let journal = core.custody.journal();
             journal.is_in_place().and_then(|()| journal.pending())
         });
         let pending = match pending.await? {
             Ok(pending) => pending,
             Err(error) => {
-                station.check_corruption(&error);
+                booth.core().check_corruption(&error);
                 warn!(event = "journal-failed", error = chain(&error));
                 return Ok(());
             }
         };
         let keys: Vec<Key> = pending.iter().map(key).collect();
         self.dues = keys.iter().cloned().zip(pending).collect();
-        station.to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
-        let now = station.now();
+        booth.core().to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
+        let now = booth.core().now();
         let plan = self.outbox.plan(&keys, now, hands);
         for store in plan.ask {
-            self.ask(station, store);
+            self.ask(booth, store);
         }
-        // A scan that comes alone has all cores to itself.
+        // A single scan gets all cores.
         let threads = (cores / self.outbox.busy().max(1)).max(1);
         for group in plan.attempts {
             let dues: Vec<Due> =
                 group.iter().filter_map(|key| self.dues.get(key).cloned()).collect();
-            self.attempt(station, dues, threads);
+            self.attempt(booth, dues, threads);
         }
         Ok(())
     }
 
-    /// Asks a store whether it is in reach, and searches it where the journal was rebuilt.
-    fn ask(&mut self, station: &Arc<Station>, store: String) {
-        self.at_store.insert((store.clone(), None), station.now());
-        let station = Arc::clone(station);
+    /// Checks whether a store is in reach, and searches it if the journal was rebuilt.
+    fn ask(&mut self, booth: &Arc<Booth>, store: String) {
+        self.at_store.insert((store.clone(), None), booth.core().now());
+        let booth = Arc::clone(booth);
         self.jobs.spawn_blocking(move || {
-            let in_reach = station.ask_store(&store);
+            let in_reach = store_reach::ask(booth.core(), &store);
             Done::Asked { store, in_reach }
         });
     }
 
-    /// Begins deliveries of one scan to one patient: taken back at once, or measured first.
-    fn attempt(&mut self, station: &Arc<Station>, dues: Vec<Due>, threads: usize) {
+    /// Begins deliveries of one scan to one patient: withdrawals at once, others after measuring.
+    fn attempt(&mut self, booth: &Arc<Booth>, dues: Vec<Due>, threads: usize) {
         let (withdraw, deliver): (Vec<Due>, Vec<Due>) =
             dues.into_iter().partition(|due| due.task == Task::Withdraw);
         for due in withdraw {
-            self.at_store(station, due, work::withdraw);
+            self.at_store(booth, due, work::withdraw);
         }
         let Some(first) = deliver.first().cloned() else { return };
-        let station = Arc::clone(station);
+        let booth = Arc::clone(booth);
         self.jobs.spawn_blocking(move || {
-            let ready = work::prepare(&station, &first, threads).map(Arc::new);
+            let ready = work::prepare(&booth, &first, threads).map(Arc::new);
             Done::Prepared { dues: deliver, ready }
         });
     }
@@ -156,54 +158,47 @@ impl Bench {
     /// Begins a step at a store.
     fn at_store(
         &mut self,
-        station: &Arc<Station>,
+        booth: &Arc<Booth>,
         due: Due,
-        step: impl FnOnce(&Station, &Due) -> Ended + Send + 'static,
+        step: impl FnOnce(&Booth, &Due) -> Ended + Send + 'static,
     ) {
-        self.at_store.insert((due.store.clone(), Some(key(&due))), station.now());
-        let station = Arc::clone(station);
+        self.at_store.insert((due.store.clone(), Some(key(&due))), booth.core().now());
+        let booth = Arc::clone(booth);
         self.jobs.spawn_blocking(move || {
-            let ended = step(&station, &due);
+            let ended = step(&booth, &due);
             Done::Ended { due, ended }
         });
     }
 
-    async fn put_down(&mut self, station: &Arc<Station>, done: Done) -> Result<(), JoinError> {
+    async fn put_down(&mut self, booth: &Arc<Booth>, done: Done) -> Result<(), JoinError> {
         match done {
             Done::Asked { store, in_reach } => {
                 self.at_store.remove(&(store.clone(), None));
-                self.outbox.asked(&store, in_reach, station.now(), jitter::unit());
+                self.outbox.asked(&store, in_reach, booth.core().now(), jitter::unit());
             }
             Done::Prepared { dues, ready: Ok(ready) } => {
                 for due in dues {
                     let ready = Arc::clone(&ready);
-                    self.at_store(station, due, move |station, due| {
-                        work::put(station, due, &ready)
-                    });
+                    self.at_store(booth, due, move |booth, due| work::put(booth, due, &ready));
                 }
             }
             Done::Prepared { dues, ready: Err(ended) } => {
                 for due in dues {
-                    self.end(station, due, ended).await?;
+                    self.end(booth, due, ended).await?;
                 }
             }
             Done::Ended { due, ended } => {
                 self.at_store.remove(&(due.store.clone(), Some(key(&due))));
-                self.end(station, due, ended).await?;
+                self.end(booth, due, ended).await?;
             }
         }
         Ok(())
     }
 
-    async fn end(
-        &mut self,
-        station: &Arc<Station>,
-        due: Due,
-        ended: Ended,
-    ) -> Result<(), JoinError> {
-        let pause = self.outbox.ended(&key(&due), ended, station.now(), jitter::unit());
+    async fn end(&mut self, booth: &Arc<Booth>, due: Due, ended: Ended) -> Result<(), JoinError> {
+        let pause = self.outbox.ended(&key(&due), ended, booth.core().now(), jitter::unit());
         let Some(pause) = pause else { return Ok(()) };
-        let station = Arc::clone(station);
+        let booth = Arc::clone(booth);
         let noted = spawn_blocking(move || {
             let next_at = Timestamp::now().checked_add(pause).unwrap_or(Timestamp::MAX);
             let code = match ended {
@@ -211,21 +206,23 @@ impl Bench {
                 Ended::Kept => KEPT,
                 Ended::PutOff | Ended::ForGood => "put-off",
             };
-            let noted = station.custody.journal().put_off(&due, code, next_at);
-            noted.inspect_err(|error| station.check_corruption(error))
+            let noted = booth.core().custody.journal().put_off(&due, code, next_at);
+            noted.inspect_err(|error| booth.core().check_corruption(error))
         });
         if let Err(error) = noted.await? {
-            // For people only; the pause itself holds.
+            // This only informs people; the pause itself holds.
             warn!(event = "journal-failed", error = chain(&error));
         }
         Ok(())
     }
 
-    /// A step that does not come back makes its store stalled; others go on.
-    fn find_stalled(&mut self, station: &Station) {
-        let now = station.now();
+    /// Marks a store as stalled if a step there does not return; other stores continue.
+    fn find_stalled(&mut self, booth: &Booth) {
+        let now = booth.core().now();
         for ((store, _), began) in &self.at_store {
-            if now.saturating_sub(*began) >= STALLED && station.note_stalled(store) {
+            if now.saturating_sub(*began) >= STALLED
+                && store_reach::note_stalled(booth.core(), store)
+            {
                 info!(event = "store-stalled", store);
                 self.outbox.stalled(store);
             }

@@ -1,4 +1,4 @@
-//! Why the whole station ends. A single scan's faults never do that.
+//! Why the whole station ends. A fault of a single scan never ends it.
 
 use std::fmt;
 use std::io;
@@ -7,8 +7,8 @@ use std::path::PathBuf;
 use tokio::task::JoinError;
 
 use super::custody::CustodyFault;
-use super::delivery::measure::ConfineFault;
 use super::journal::{JournalError, LockError};
+use super::measure::ConfineFault;
 
 /// Why the station could not start or had to end. The journal makes a restart harmless.
 #[derive(Debug, thiserror::Error)]
@@ -22,13 +22,13 @@ pub enum StationError {
         #[source]
         source: io::Error,
     },
-    /// The state folder is not ours.
+    /// The state folder could not be locked.
     #[error(transparent)]
     Lock(#[from] LockError),
-    /// An export folder is another station's.
+    /// Another station uses an export folder.
     #[error(
-        "another station on this machine works the export folder {path}: every scan would get two \
-         records"
+        "another station on this machine already uses the export folder {path}: every scan would \
+         get two records"
     )]
     ExportTaken {
         /// The folder.
@@ -43,15 +43,15 @@ pub enum StationError {
         #[source]
         source: JournalError,
     },
-    /// A ruined journal could not be set aside.
-    #[error("setting a ruined journal aside failed")]
+    /// A corrupt journal could not be set aside.
+    #[error("setting a corrupt journal aside failed")]
     SetAside {
         /// How it failed.
         #[source]
         source: io::Error,
     },
-    /// The state of the last run could not be taken up.
-    #[error("taking up the state of the last run failed")]
+    /// The state of the last run could not be taken over.
+    #[error("restoring the state of the last run failed")]
     Recovery(#[source] CustodyFault),
     /// The pattern of patient ids cannot be applied to a whole id.
     #[error("the pattern of patient ids cannot be used")]
@@ -59,36 +59,34 @@ pub enum StationError {
     /// Measuring processes cannot be confined as the configuration requires.
     #[error("measuring processes cannot be confined")]
     Unconfined(#[source] ConfineFault),
-    /// Work of before does not end, and the station must not go on beside it.
-    #[error(
-        "work in hand did not end in time for a new beginning; the process is to be started again"
-    )]
+    /// Earlier work does not end, and the station must not run beside it.
+    #[error("running work did not end in time; restart the process")]
     Stuck,
-    /// The start was cut off by a panic.
+    /// The start panicked.
     #[error("the start panicked")]
     Start(#[source] JoinError),
     /// A worker panicked.
     #[error("{worker} panicked")]
     WorkerPanicked {
-        /// Which.
+        /// The worker.
         worker: Worker,
-        /// Its end.
+        /// The panic.
         #[source]
         source: JoinError,
     },
-    /// A worker could not go on.
-    #[error("{worker} could not go on")]
+    /// A worker could not continue.
+    #[error("{worker} could not continue")]
     WorkerFailed {
-        /// Which.
+        /// The worker.
         worker: Worker,
         /// Why.
         #[source]
         source: JoinError,
     },
-    /// A worker ended although nobody asked it to.
-    #[error("{worker} ended unasked")]
+    /// A worker ended without being asked to.
+    #[error("{worker} ended unexpectedly")]
     WorkerStopped {
-        /// Which.
+        /// The worker.
         worker: Worker,
     },
 }
@@ -96,7 +94,7 @@ pub enum StationError {
 /// The workers of a station.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Worker {
-    /// Looks at one export folder and takes what has settled.
+    /// Looks at one export folder and takes in files that have settled.
     Intake {
         /// The folder's place in the configuration, from 0.
         folder: usize,
@@ -109,13 +107,13 @@ pub enum Worker {
     Preview,
     /// Keeps captures and the light.
     Booth,
-    /// Lets go what has served.
+    /// Removes what is no longer needed.
     Housekeeping,
     /// Answers on the control socket.
     Control,
-    /// Gives metrics and health.
+    /// Serves metrics and health.
     Http,
-    /// Attends a port of the booth.
+    /// Serves a port of the booth.
     Trigger {
         /// The port's name.
         port: &'static str,
@@ -136,15 +134,4 @@ impl fmt::Display for Worker {
             Worker::Control => f.write_str("the control socket"),
         }
     }
-}
-
-/// An error and its causes in one line.
-pub fn chain(error: &dyn std::error::Error) -> String {
-    let mut line = error.to_string();
-    let mut cause = error.source();
-    while let Some(error) = cause {
-        line = format!("{line}: {error}");
-        cause = error.source();
-    }
-    line
 }

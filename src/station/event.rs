@@ -1,4 +1,4 @@
-//! What the station tells those who look on, such as `gaiter demo`. Not the log: an event may name
+//! Events for observers of the station, such as `gaiter demo`. They are not the log: an event may name
 //! files and folders, which the log never does.
 
 use std::ffi::OsString;
@@ -28,12 +28,12 @@ pub enum StationEvent {
         /// Its name.
         file: OsString,
     },
-    /// Its format shows that more is to come; it is awaited.
+    /// Its format shows that more data will come; the station waits for it.
     AwaitsRest {
         /// Its name.
         file: OsString,
     },
-    /// A new scan lies safely in the spool.
+    /// A new scan is safely in the spool.
     Spooled {
         /// Its name at the scanner.
         file: OsString,
@@ -47,18 +47,18 @@ pub enum StationEvent {
         /// First digits of its id.
         scan: String,
     },
-    /// The same bytes were seen for another patient; a person decides.
+    /// The same bytes were seen for another patient; an operator decides.
     Held {
         /// First digits of the scan's id.
         scan: String,
     },
-    /// A scan was refused and lies in quarantine.
+    /// A scan was refused and is in quarantine.
     Refused {
-        /// First digits of the scan's id; none for a file too large to be read.
+        /// First digits of the scan's id; `None` for a file too large to be read.
         scan: Option<String>,
         /// Stable code.
         code: String,
-        /// For people.
+        /// Message for the operator.
         message: String,
     },
     /// A delivery did not succeed and will be tried again.
@@ -68,7 +68,7 @@ pub enum StationEvent {
         /// Stable code.
         code: String,
     },
-    /// A record lies in the store.
+    /// A record is in the store.
     Delivered {
         /// First digits of the scan's id.
         scan: String,
@@ -77,17 +77,17 @@ pub enum StationEvent {
     },
 }
 
-/// Somebody who looks on, or nobody.
+/// An observer, if there is one.
 #[derive(Debug, Clone, Default)]
 pub struct Observer(Option<UnboundedSender<StationEvent>>);
 
 impl Observer {
-    /// Tells this receiver, if there is one.
+    /// An observer with this receiver, if there is one.
     pub fn new(sender: Option<UnboundedSender<StationEvent>>) -> Observer {
         Observer(sender)
     }
 
-    /// Tells; that nobody listens any more is no fault of the station.
+    /// Sends an event. A receiver that is gone is not an error.
     pub fn tell(&self, event: StationEvent) {
         if let Some(sender) = &self.0 {
             let _ = sender.send(event);

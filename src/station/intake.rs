@@ -1,11 +1,9 @@
-//! The intake of one export folder: look, settle, take, over and over.
+//! The intake of one export folder: look, settle, take in, over and over.
 //!
-//! Whatever touches the folder runs in a thread that may hang (see `station::stall`); the worker
-//! itself never blocks, so it stays able to stop, to beat and to say that the share stalls.
+//! Everything that touches the folder runs in a thread that may hang (see `station::stall`). The worker
+//! itself never blocks, so it can always stop, send its heartbeat and report that the share stalls.
 
-pub(in crate::station) mod admission;
 pub(in crate::station) mod export_locks;
-pub mod file_system;
 pub(in crate::station) mod ingest;
 mod memory;
 mod notes;
@@ -22,15 +20,17 @@ use tokio::sync::{Notify, mpsc};
 use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::sleep;
 
+use self::export_locks::ExportLocks;
 use self::ingest::{Admitted, TakeFault, Taken};
 use self::stable_read::Export;
 use self::watch::Watch;
-use super::assembly::Station;
-use super::beat::Beat;
-use super::jitter;
-use super::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
-use super::stop::Stop;
-use crate::flow::mount::MountGuard;
+use super::booth::Booth;
+use super::core::Core;
+use super::runtime::beat::Beat;
+use super::runtime::jitter;
+use super::runtime::stop::Stop;
+use super::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
+use crate::flow::export::mount::MountGuard;
 use crate::flow::settle::Memory;
 use crate::flow::{Look, LookTime, Mark, Settled, Settling};
 use notes::Notes;
@@ -38,88 +38,88 @@ use notes::Notes;
 /// The shortest time from one look to the next, however many hints there are.
 const BREATH: Duration = Duration::from_millis(100);
 
-/// A look at a large folder takes long; this many times as long is rested after it.
+/// A look at a large folder takes long; the rest after it is this many times as long.
 const REST_PER_LOOK: u32 = 10;
 
-/// The same while a file is about to settle: the operator waits for it.
+/// The same while a file is about to settle: the operator is waiting for it.
 const REST_PER_LOOK_SETTLING: u32 = 2;
 
-/// How long files are taken before the folder is looked at again: no fresh scan waits longer for a
-/// backlog.
+/// How long files are taken in before the folder is looked at again, so that no new scan waits longer
+/// because of a backlog.
 const TAKING: Duration = Duration::from_secs(1);
 
-/// How often it is looked whether the journal may forget files that are gone.
+/// Interval at which the journal may forget files that are gone.
 const FORGETTING: Duration = Duration::from_secs(3600);
 
-/// A wait that lasts this much longer than it was to last was no wait of ours alone: the machine slept, or
-/// its virtual machine was stopped.
+/// If a wait lasts this much longer than planned, the machine slept or its virtual machine was stopped.
 const ASLEEP: Duration = Duration::from_secs(2);
 
-/// How soon a gate that is shut is tried again.
+/// How soon a closed gate is tried again.
 const SHUT: Duration = Duration::from_secs(2);
 
 /// One export folder and what is known of its files.
 struct Intake {
-    station: Arc<Station>,
+    booth: Arc<Booth>,
+    export_locks: Arc<ExportLocks>,
     folder: PathBuf,
     guard: MountGuard,
     settling: Settling,
     notes: Notes,
     beat: Beat,
     next_forgetting: Duration,
-    /// What the journal has of the looks.
+    /// The memory of the looks that the journal holds.
     kept: Option<Memory>,
 }
 
-/// What a round came to.
+/// The result of a round.
 struct Round {
     watch: Watch,
-    /// How long is rested before anything else.
+    /// How long to rest before anything else.
     rest: Duration,
-    /// How long is waited for a hint then.
+    /// How long to wait for a hint after that.
     pause: Duration,
 }
 
-/// Works one export folder until it is asked to stop. After the first look, in reach or not, it
-/// says so on `looked`.
+/// Runs the intake of one export folder until asked to stop. After the first look, in reach or not, it
+/// signals on `looked`.
 ///
 /// # Errors
-/// Where a step of its own panicked.
+/// If a step of its own panicked.
 pub async fn worker(
-    station: Arc<Station>,
-    place: usize,
-    folder: PathBuf,
+    (booth, export_locks): (Arc<Booth>, Arc<ExportLocks>),
+    (place, folder): (usize, PathBuf),
     beat: Beat,
     mut stop: Stop,
     looked: mpsc::Sender<()>,
 ) -> Result<(), JoinError> {
-    let scanner = &station.config.scanner;
+    let core = Arc::clone(booth.core());
+    let scanner = &core.config.scanner;
     let settling = Settling::new(scanner.quiet, scanner.short_wait, scanner.watch.overdue);
-    let memory = memory::recall(&station, &folder).await?;
+    let memory = memory::recall(&core, &folder).await?;
     let settling = settling.remembering(memory);
-    let patient = &station.config.patient;
+    let patient = &core.config.patient;
     let settling = match patient.sidecar {
         Some(_) => settling.awaiting_companions(patient.sidecar_wait),
         None => settling,
     };
     let guard = MountGuard::new(scanner.watch.expected.clone());
     let hint = Arc::new(Notify::new());
-    let pressed = station.booth.look(place);
+    let pressed = booth.look(place);
     let mut watch = Watch::new(folder.clone(), scanner.watch.subfolders, Arc::clone(&hint));
-    let notes = Notes::new(Arc::clone(&station), place, &folder);
+    let notes = Notes::new(Arc::clone(&booth), place, &folder);
     let mut looked = Some(looked);
-    let next_forgetting = station.now() + FORGETTING;
+    let next_forgetting = core.now() + FORGETTING;
     let kept = None;
     let mut intake =
-        Intake { station, folder, guard, settling, notes, beat, next_forgetting, kept };
+        Intake { booth, export_locks, folder, guard, settling, notes, beat, next_forgetting, kept };
     while !stop.is_requested() {
         let Some(round) = intake.round(watch, &mut stop).await? else { break };
         watch = round.watch;
         if let Some(looked) = looked.take() {
-            // Nobody listens any more where readiness did not wait for a folder out of reach.
+            // The receiver is gone if readiness did not wait for a folder out of reach.
             let _ = looked.send(()).await;
         }
-        let (rested, planned) = (intake.station.now(), round.rest + round.pause);
+        let (rested, planned) = (core.now(), round.rest + round.pause);
         let rest = intake.beating(sleep(round.rest));
         tokio::select! {
             () = stop.requested() => break,
@@ -132,8 +132,8 @@ pub async fn worker(
             () = pressed.notified() => {}
             () = pause => {}
         }
-        if intake.station.now().saturating_sub(rested) > planned + ASLEEP {
-            // The machine stood still, and so may the program that writes the export.
+        if core.now().saturating_sub(rested) > planned + ASLEEP {
+            // The machine was stopped, and so may the program that writes the export have been.
             intake.settling.slept();
         }
     }
@@ -141,11 +141,15 @@ pub async fn worker(
 }
 
 impl Intake {
+    fn core(&self) -> &Core {
+        self.booth.core()
+    }
+
     fn beat(&self) {
         self.beat.beat();
     }
 
-    /// Waits, and beats meanwhile.
+    /// Waits, and sends heartbeats meanwhile.
     async fn beating(&self, wait: impl Future<Output = ()>) {
         tokio::pin!(wait);
         loop {
@@ -157,12 +161,11 @@ impl Intake {
         }
     }
 
-    /// One look, and what has settled by it; none where a stop came in between.
+    /// One look, and the intake of what has settled; `None` if a stop came in between.
     async fn round(&mut self, watch: Watch, stop: &mut Stop) -> Result<Option<Round>, JoinError> {
         let Some((watch, due, took)) = self.look(watch, stop).await? else { return Ok(None) };
-        let (rescan, quiet) =
-            (self.station.config.scanner.rescan, self.station.config.scanner.quiet);
-        let soon = self.station.now() + quiet;
+        let (rescan, quiet) = (self.core().config.scanner.rescan, self.core().config.scanner.quiet);
+        let soon = self.core().now() + quiet;
         let is_settling = self.settling.next_due().is_some_and(|at| at <= soon);
         let rests = if is_settling { REST_PER_LOOK_SETTLING } else { REST_PER_LOOK };
         let rest = BREATH.max(took * rests).min(rescan);
@@ -170,7 +173,7 @@ impl Intake {
         let is_open = self.take_all(due, TAKING.max(rest), stop).await?;
         let took = began.elapsed();
         self.notes.waiting(&mut self.settling);
-        let due = self.settling.next_due().map(|at| at.saturating_sub(self.station.now()));
+        let due = self.settling.next_due().map(|at| at.saturating_sub(self.core().now()));
         let pause = match due {
             Some(_) if !is_open => SHUT.min(rescan),
             Some(due) => due.min(rescan),
@@ -180,23 +183,24 @@ impl Intake {
         Ok(Some(Round { watch, rest, pause: pause.saturating_sub(rest) }))
     }
 
-    /// Looks at the folder; gives the watch back, what is due, and how long the look took.
+    /// Looks at the folder. Returns the watch, what is due, and how long the look took.
     async fn look(
         &mut self,
         mut watch: Watch,
         stop: &mut Stop,
     ) -> Result<Option<(Watch, Vec<Settled>, Duration)>, JoinError> {
-        let (station, folder) = (Arc::clone(&self.station), self.folder.clone());
+        let (core, folder) = (Arc::clone(self.booth.core()), self.folder.clone());
+        let export_locks = Arc::clone(&self.export_locks);
         let look = move |pulse: &Pulse| {
             let armed = watch.keep_armed();
-            let began = station.now();
-            let is_ours = station.lasting.export_locks.hold(&folder);
+            let began = core.now();
+            let is_ours = export_locks.hold(&folder);
             let found = is_ours.and_then(|is_ours| {
                 let found =
-                    is_ours.then(|| scan_dir::look(&folder, &station.config.scanner.watch, pulse));
+                    is_ours.then(|| scan_dir::look(&folder, &core.config.scanner.watch, pulse));
                 found.transpose()
             });
-            (watch, armed, found, LookTime { began, ended: station.now() })
+            (watch, armed, found, LookTime { began, ended: core.now() })
         };
         let looked =
             patiently(DEADLINE, stop, look, || self.beat(), || self.notes.stalled()).await?;
@@ -214,20 +218,20 @@ impl Intake {
         Ok(Some((watch, due, when.ended.saturating_sub(when.began))))
     }
 
-    /// Now and then, and where the journal does not keep its scans for ever, lets it forget the files
-    /// of forgotten scans that are gone.
+    /// From time to time, unless the journal keeps its scans for ever, lets it forget files that are
+    /// gone and whose scans are forgotten.
     async fn forget_gone(&mut self, present: BTreeSet<PathBuf>) -> Result<(), JoinError> {
-        let now = self.station.now();
-        if self.station.config.retention.journal.is_none() || now < self.next_forgetting {
+        let now = self.core().now();
+        if self.core().config.retention.journal.is_none() || now < self.next_forgetting {
             return Ok(());
         }
         self.next_forgetting = now + FORGETTING;
-        let (station, folder) = (Arc::clone(&self.station), self.folder.clone());
+        let (core, folder) = (Arc::clone(self.booth.core()), self.folder.clone());
         let forgotten = spawn_blocking(move || {
             let is_other = |other: &&PathBuf| **other != folder && other.starts_with(&folder);
-            let others = station.config.scanner.export_dirs.iter();
+            let others = core.config.scanner.export_dirs.iter();
             let others: Vec<PathBuf> = others.filter(is_other).cloned().collect();
-            station.custody.journal().forget_sightings(&folder, &others, &present)
+            core.custody.journal().forget_sightings(&folder, &others, &present)
         });
         if let Err(fault) = forgotten.await? {
             self.notes.failed(&fault);
@@ -235,7 +239,7 @@ impl Intake {
         Ok(())
     }
 
-    /// Takes files for as long as `budget` lasts, at least one; says whether the gate was open.
+    /// Takes in files for as long as `budget` lasts, at least one. Returns whether the gate was open.
     async fn take_all(
         &mut self,
         due: Vec<Settled>,
@@ -243,13 +247,13 @@ impl Intake {
         stop: &mut Stop,
     ) -> Result<bool, JoinError> {
         let began = Instant::now();
-        let station = Arc::clone(&self.station);
+        let core = Arc::clone(self.booth.core());
         let (known, fresh) = spawn_blocking(move || {
-            let (known, fresh) = ingest::dealt_with(&station, due);
-            // Tells what is free although nothing may be due; what is refused unread needs no room.
-            let largest = station.config.scanner.max_scan_bytes;
+            let (known, fresh) = ingest::dealt_with(&core, due);
+            // Reports what is free even if nothing is due; files that are refused unread need no room.
+            let largest = core.config.scanner.max_scan_bytes;
             let next = fresh.iter().map(|file| file.stamp.size).find(|size| *size <= largest);
-            station.intake_gate(next.unwrap_or(0));
+            core.intake_gate(next.unwrap_or(0));
             (known, fresh)
         })
         .await?;
@@ -266,11 +270,11 @@ impl Intake {
         Ok(true)
     }
 
-    /// Takes one file and notes what became of it; says whether the gate was open.
+    /// Takes in one file and notes the outcome. Returns whether the gate was open.
     async fn take(&mut self, settled: Settled, stop: &mut Stop) -> Result<bool, JoinError> {
-        let (station, began) = (Arc::clone(&self.station), self.station.now());
+        let (core, began) = (Arc::clone(self.booth.core()), self.core().now());
         let (settled, admitted) = spawn_blocking(move || {
-            let admitted = ingest::admitted(&station, &settled);
+            let admitted = ingest::admitted(&core, &settled);
             (settled, admitted)
         })
         .await?;
@@ -283,11 +287,11 @@ impl Intake {
             Ok(Admitted::ToBeRead) => self.read(settled.clone(), stop).await?,
             Err(fault) => Some(Err(fault)),
         };
-        // A stop while the share hangs leaves the file to the next start.
+        // If a stop comes while the share hangs, the file is left to the next start.
         let Some(read) = read else { return Ok(true) };
-        let station = Arc::clone(&self.station);
-        // Where no capture waits it does not matter, and a backlog has many files to compare with.
-        let is_awaited = self.station.booth.last_opened().is_some();
+        let booth = Arc::clone(&self.booth);
+        // Without a waiting capture it does not matter, and a backlog has many files to compare with.
+        let is_awaited = self.booth.last_opened().is_some();
         let began_at = |export: &Export| match is_awaited {
             true => self.settling.began(&settled, &export.bytes),
             false => settled.writing.began(&export.bytes),
@@ -297,15 +301,15 @@ impl Intake {
             let mut mark = None;
             let taken = read.and_then(|export| match export {
                 Some((content_began, export)) => {
-                    mark = Some(Mark::of(began, station.now(), &export.bytes));
-                    ingest::take(&station, &settled, content_began, &export)
+                    mark = Some(Mark::of(began, booth.core().now(), &export.bytes));
+                    ingest::take(&booth, &settled, content_began, &export)
                 }
                 None => Ok(Taken::Changed),
             });
             (settled, taken, mark)
         })
         .await?;
-        let now = self.station.now();
+        let now = self.core().now();
         mark.into_iter().for_each(|mark| self.settling.read(&settled, &mark));
         match taken {
             Ok(Taken::Done) => self.settling.taken(&settled),
@@ -319,7 +323,7 @@ impl Intake {
         Ok(true)
     }
 
-    /// Reads a file at the share; none where a stop was asked for before it answered.
+    /// Reads a file from the share; `None` if a stop was requested before the share answered.
     async fn read(
         &mut self,
         settled: Settled,

@@ -8,40 +8,44 @@
 //!
 //! | folder | what it does |
 //! |---|---|
-//! | [`intake`] | looks at export folders, waits until files are whole, takes them in |
+//! | [`intake`] | looks at export folders, waits until files are complete, takes them in |
 //! | [`custody`], [`journal`] | keeps bytes, decisions and the state of each scan |
 //! | [`delivery`] | measures scans in processes of their own and puts records into stores |
 //! | [`booth`] | button, readers, orders, captures, light |
-//! | [`operator`] | command socket, page, metrics, what people decide |
+//! | [`operator`] | command socket, page, metrics, operators' decisions |
 //! | [`demo`] | the simulated scanner and button |
 //!
-//! What holds, whatever happens: the export folder is only read; a scan is known by its hash, so
-//! nothing is delivered twice; its bytes are in the spool before the journal knows them and until
-//! the store has given its receipt; every look and every attempt is repeated until it succeeds or
-//! the scan itself is refused, and no scan waits for another. An event of the watch changes no
-//! decision, it only makes the next look come sooner.
+//! These hold whatever happens. The export folder is only read. A scan is identified by its hash, so
+//! nothing is delivered twice. Its bytes are in the spool before the journal knows them and until the
+//! store has given its receipt. Every look and every attempt is repeated until it succeeds or the scan
+//! itself is refused, and no scan waits for another. An event of the watch changes no decision; it only
+//! makes the next look come sooner.
 //!
-//! Logs speak of scans by the first digits of their id, never of patients, file names or folders.
+//! Logs refer to scans by the first digits of their id, never to patients, file names or folders.
 
+mod admission;
 pub mod assembly;
-mod beat;
 pub mod board;
 pub mod booth;
-pub(crate) mod caught;
+pub mod core;
 pub mod custody;
 pub mod delivery;
 pub mod demo;
 pub mod error;
 pub mod event;
+mod housekeeping;
 pub mod intake;
-mod jitter;
 pub mod journal;
-mod lasting;
+pub mod measure;
 pub mod operator;
+mod overview;
+mod rebuild;
 pub mod run;
+pub(crate) mod runtime;
 mod service;
-pub(crate) mod stall;
-mod stop;
+pub(crate) mod share;
+mod state_dir;
+mod stores;
 mod workers;
 
 pub use error::{StationError, Worker};

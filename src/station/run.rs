@@ -1,4 +1,4 @@
-//! Running the station: generations of workers over one state folder, and the loop that names every
+//! Runs the station: generations of workers over one state folder, and the loop that handles every
 //! reason for which a generation ends.
 
 use std::future::Future;
@@ -11,51 +11,54 @@ use tokio::time::{interval, sleep, timeout};
 use tracing::{error, info, warn};
 
 use super::assembly::Station;
-use super::error::{StationError, chain};
+use super::core::Core;
+use super::error::StationError;
 use super::event::{Observer, StationEvent};
-use super::lasting::{Lasting, take_state_dir};
-use super::stop::Stopper;
-use super::workers::Workers;
-use super::{jitter, service};
+use super::runtime::causes::chain;
+use super::runtime::jitter;
+use super::runtime::stop::Stopper;
+use super::service;
+use super::state_dir::take_state_dir;
+use super::workers::{Lasting, Workers};
 use crate::config::Config;
 use crate::flow::backoff;
 use crate::flow::confinement::Confine;
 
-/// How long the first looks are waited for before the station calls itself ready: a share that
-/// does not answer must not keep the other folders' station from starting.
+/// How long to wait for the first looks before the station reports that it is ready: a share that does
+/// not answer must not keep the station from starting with its other folders.
 const FIRST_LOOKS: Duration = Duration::from_secs(10);
 
-/// How long work in hand may take after a stop was asked for. What it cuts off is taken up at the
-/// next start. `TimeoutStopSec` of the unit is longer.
+/// How long running work may take after a stop was requested. The next start resumes what is cut off.
+/// `TimeoutStopSec` of the unit is longer.
 const GRACE: Duration = Duration::from_secs(20);
 
-/// How long answers that are being given may take then.
+/// How long answers that are being given may take after that.
 const ENDPOINTS_CLOSE: Duration = Duration::from_secs(10);
 
-/// How often the workers' beats are looked at where no watchdog asks for more.
+/// Interval between checks of the workers' heartbeats, unless a watchdog needs more.
 const PULSE: Duration = Duration::from_secs(5);
 
-/// A worker whose last beat is older has hung: each beats every few seconds, whatever it waits for.
+/// A worker whose last heartbeat is older hangs: each sends one every few seconds, even while it waits.
 const HUNG: Duration = Duration::from_secs(30);
 
-/// A generation that lived so long was a sound one: a journal that is ruined after it is rebuilt as
-/// if it were the first time. Others wait longer each time, for each ruin is kept.
+/// A generation that lived this long was a good one: if its journal becomes corrupt, the rebuild waits
+/// as for the first time. Other rebuilds wait longer each time, because each corrupt journal is kept.
 const SOUND: Duration = Duration::from_secs(600);
 
-/// What came of reading the configuration again: a new one, or what is wrong with it.
+/// The result of reading the configuration again: a new one, or what is wrong with it.
 pub type Reload = Result<Box<Config>, String>;
 
-/// What those who started the station ask of it.
+/// What the code that started the station can request.
 #[derive(Debug)]
 pub struct Orders<S> {
-    /// Ends when the station is to stop.
+    /// Completes when the station is to stop.
     pub stop: S,
-    /// A configuration, read again; dropped where nobody ever reloads.
+    /// A configuration that was read again; closed if there are no reloads.
     pub reload: mpsc::Receiver<Reload>,
 }
 
 impl<S> Orders<S> {
-    /// Orders that only ever ask to stop.
+    /// Orders that can only request a stop.
     pub fn stop_only(stop: S) -> Orders<S> {
         Orders { stop, reload: mpsc::channel(1).1 }
     }
@@ -65,20 +68,19 @@ impl<S> Orders<S> {
 enum Turn {
     /// The station is to stop.
     Stop,
-    /// It is to go on with this configuration.
+    /// It is to continue with this configuration.
     Reload(Box<Config>),
     /// The journal is to be rebuilt.
     Ruin,
 }
 
-/// Runs the station until it is asked to stop, or until it cannot go on. `observer` is told what
-/// happens.
+/// Runs the station until it is asked to stop or cannot continue. `observer` receives its events.
 ///
-/// A blocking step on a share that does not answer cannot be cut off: the owner of the runtime
-/// shuts it down without waiting (`Runtime::shutdown_background`).
+/// A blocking step on a share that does not answer cannot be cancelled: the owner of the runtime shuts
+/// it down without waiting (`Runtime::shutdown_background`).
 ///
 /// # Errors
-/// See [`StationError`]; the journal makes it harmless to start again.
+/// See [`StationError`]; the journal makes it safe to start again.
 pub async fn run(
     config: Config,
     mut orders: Orders<impl Future<Output = ()>>,
@@ -91,27 +93,27 @@ pub async fn run(
     let mut config = config;
     let mut first_start = lock.first_start;
     let (mut ruins, mut first_generation) = (0, true);
-    let lasting = Arc::new(Lasting::default());
+    let lasting = Lasting::default();
     let stop = orders.stop;
     tokio::pin!(stop);
     let ended = loop {
         take_exports(&lasting, &config, first_generation).await?;
         first_generation = false;
-        let (next, shared) = (config.clone(), (observer.clone(), Arc::clone(&lasting)));
-        let open = spawn_blocking(move || Station::open(next, shared, first_start));
-        let station = Arc::new(open.await.map_err(StationError::Start)??);
+        let (next, observer) = (config.clone(), observer.clone());
+        let open = spawn_blocking(move || Station::open(next, observer, first_start));
+        let station = open.await.map_err(StationError::Start)??;
         first_start = false;
-        let began = station.now();
-        match generation(&station, &mut stop, &mut orders.reload).await {
+        let began = station.core.now();
+        match generation(&station, &lasting, &mut stop, &mut orders.reload).await {
             Ok(Turn::Stop) => break Ok(()),
             Ok(Turn::Reload(next)) => config = *next,
             Ok(Turn::Ruin) => {
-                let ruined = Arc::clone(&station);
-                let given_up = spawn_blocking(move || ruined.give_up_journal());
+                let core = Arc::clone(&station.core);
+                let given_up = spawn_blocking(move || core.give_up_journal());
                 if let Err(error) = given_up.await.map_err(StationError::Start)? {
                     warn!(event = "journal-failed", error = chain(&error));
                 }
-                ruins = if station.now() - began >= SOUND { 1 } else { ruins + 1 };
+                ruins = if station.core.now() - began >= SOUND { 1 } else { ruins + 1 };
                 if pause(backoff::pause(ruins, jitter::unit()), &mut stop).await {
                     break Ok(());
                 }
@@ -123,10 +125,10 @@ pub async fn run(
     ended
 }
 
-/// Takes the export folders for this process. At its start another station that keeps one ends it;
-/// later that is told, and the other folders are worked.
+/// Takes the export folders for this process. At its start it fails if another station keeps one. Later
+/// that is only reported, and the other folders are used.
 async fn take_exports(
-    lasting: &Arc<Lasting>,
+    lasting: &Lasting,
     config: &Config,
     is_start: bool,
 ) -> Result<(), StationError> {
@@ -135,16 +137,16 @@ async fn take_exports(
     if !is_start {
         return Ok(());
     }
-    let lasting = Arc::clone(lasting);
-    let asked = spawn_blocking(move || lasting.export_locks.kept_by_another(&folders));
-    // A share that does not answer keeps the station from nothing.
+    let export_locks = Arc::clone(&lasting.export_locks);
+    let asked = spawn_blocking(move || export_locks.kept_by_another(&folders));
+    // A share that does not answer does not prevent the start.
     match timeout(FIRST_LOOKS, asked).await {
         Ok(Ok(Some(path))) => Err(StationError::ExportTaken { path }),
         _ => Ok(()),
     }
 }
 
-/// Waits until the journal is to be rebuilt; says whether the station is to stop instead.
+/// Waits before the journal is rebuilt. Returns whether the station is to stop instead.
 async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) -> bool {
     info!(event = "journal-rebuild-waits", seconds = length.as_secs());
     let length = sleep(length);
@@ -154,7 +156,7 @@ async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) 
         tokio::select! {
             () = &mut *stop => return true,
             () = &mut length => return false,
-            // There is nothing that could hang.
+            // Nothing is running that could hang.
             _ = pulse.tick() => service::tell_alive(),
         }
     }
@@ -162,17 +164,18 @@ async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) 
 
 /// One generation of workers, from their start to their end.
 async fn generation(
-    station: &Arc<Station>,
+    station: &Station,
+    lasting: &Lasting,
     stop: &mut (impl Future<Output = ()> + Unpin),
     reload: &mut mpsc::Receiver<Reload>,
 ) -> Result<Turn, StationError> {
     let (stopper, asked) = Stopper::new();
-    let (mut workers, looked) = Workers::start(station, &asked);
+    let (mut workers, looked) = Workers::start(station, lasting, &asked);
     let ready = async {
         if timeout(FIRST_LOOKS, first_looks(looked)).await.is_err() {
             warn!(event = "first-look-outstanding");
         }
-        tell_ready(station);
+        tell_ready(&station.core);
     };
     let turn = {
         tokio::pin!(ready);
@@ -182,10 +185,10 @@ async fn generation(
             tokio::select! {
                 () = &mut *stop => break Ok(Turn::Stop),
                 () = &mut ready, if !is_ready => is_ready = true,
-                Some(next) = reload.recv() => if let Some(config) = reloaded(station, next) {
+                Some(next) = reload.recv() => if let Some(config) = reloaded(&station.core, next) {
                     break Ok(Turn::Reload(config));
                 },
-                () = station.ruin.notified() => {
+                () = station.core.ruin.notified() => {
                     error!(event = "journal-ruined");
                     break Ok(Turn::Ruin);
                 }
@@ -203,30 +206,30 @@ async fn generation(
     if rest.is_err() {
         warn!(event = "stop-grace-over");
     }
-    // Until here people and monitors are answered.
+    // Until here the endpoints answer people and monitors.
     let endpoints = timeout(ENDPOINTS_CLOSE, workers.close_endpoints()).await;
     let rest = if matches!(rest, Ok(Ok(()))) { endpoints } else { rest };
     match (turn, rest) {
         (Ok(_), Ok(Err(error))) => Err(error),
-        // What still works could meet the next generation over the same scan.
+        // Work that still runs could meet the next generation on the same scan.
         (Ok(Turn::Reload(_) | Turn::Ruin), Err(_)) => Err(StationError::Stuck),
         (turn, _) => turn,
     }
 }
 
-/// Ends when every intake has looked once: each drops its sender after its first look.
+/// Completes when every intake has looked once: each drops its sender after its first look.
 async fn first_looks(mut looked: mpsc::Receiver<()>) {
     while looked.recv().await.is_some() {}
 }
 
-/// All or nothing: the configuration to go on with; none where the present one stays.
-fn reloaded(station: &Station, reload: Reload) -> Option<Box<Config>> {
+/// The configuration to continue with, accepted as a whole; `None` if the present one stays.
+fn reloaded(core: &Core, reload: Reload) -> Option<Box<Config>> {
     service::tell_reloading();
     let refused = match reload {
         Ok(next) => {
-            let (now, then) = (&station.config.station, &next.station);
+            let (now, then) = (&core.config.station, &next.station);
             let is_same_station = now.state_dir == then.state_dir && now.id == then.id;
-            let confinement = station.board.facts().confinement;
+            let confinement = core.board.facts().confinement;
             let is_confined = match confinement {
                 Some(found) => found.suffices(next.measure.confine),
                 None => next.measure.confine == Confine::WherePossible,
@@ -236,29 +239,29 @@ fn reloaded(station: &Station, reload: Reload) -> Option<Box<Config>> {
                     info!(event = "configuration-reloaded");
                     return Some(next);
                 }
-                (false, _) => "station.id and station.state_dir change only by a restart",
+                (false, _) => "station.id and station.state_dir can only change with a restart",
                 (true, false) => {
-                    "measure.confine is \"required\", and this machine cannot confine: gaiter check \
-                     says what it lacks"
+                    "measure.confine is \"required\", and this machine cannot confine processes: \
+                     gaiter check shows what is missing"
                 }
             }
             .to_owned()
         }
         Err(faults) => faults,
     };
-    // The text of a fault may quote what stands in the file; people ask for it.
+    // The text may quote what is in the file, so it is not logged; operators can ask for it.
     warn!(event = "configuration-refused");
-    station.board.note(|facts| facts.refused_reload = Some(refused));
+    core.board.note(|facts| facts.refused_reload = Some(refused));
     service::tell_ready();
     None
 }
 
-/// How often the service manager's watchdog is fed: at half its time.
+/// How often the service manager's watchdog is fed: at half its interval.
 fn pulse() -> Duration {
     sd_notify::watchdog_enabled().map_or(PULSE, |time| (time / 2).min(PULSE))
 }
 
-/// The watchdog is fed while every worker turns, and by nothing else.
+/// Feeds the watchdog only while no worker hangs.
 fn feel_pulse(workers: &Workers) {
     match workers.hung(HUNG) {
         Some(worker) => error!(event = "worker-hangs", %worker),
@@ -266,8 +269,8 @@ fn feel_pulse(workers: &Workers) {
     }
 }
 
-fn tell_ready(station: &Station) {
+fn tell_ready(core: &Core) {
     info!(event = "station-ready");
     service::tell_ready();
-    station.observer.tell(StationEvent::Ready);
+    core.observer.tell(StationEvent::Ready);
 }

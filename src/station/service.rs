@@ -1,17 +1,17 @@
-//! What the service manager is told, if there is one; without one all of this is nothing.
+//! Notifications to the service manager; without one they do nothing.
 
 use sd_notify::NotifyState;
 use tracing::warn;
 
-use super::error::chain;
-use super::operator::overview::Overview;
+use super::overview::Overview;
+use super::runtime::causes::chain;
 
-/// Scans are taken from now on.
+/// Reports that scans are taken in from now on.
 pub fn tell_ready() {
     tell(&[NotifyState::Ready]);
 }
 
-/// A configuration is read again; readiness is told when that is over.
+/// Reports that the configuration is read again; `tell_ready` follows when that is over.
 pub fn tell_reloading() {
     match NotifyState::monotonic_usec_now() {
         Ok(now) => tell(&[NotifyState::Reloading, now]),
@@ -19,23 +19,23 @@ pub fn tell_reloading() {
     }
 }
 
-/// The station comes to its end.
+/// Reports that the station is stopping.
 pub fn tell_stopping() {
     tell(&[NotifyState::Stopping]);
 }
 
-/// Every worker turns.
+/// Reports that no worker hangs.
 pub fn tell_alive() {
     tell(&[NotifyState::Watchdog]);
 }
 
-/// How the station is, in one line.
+/// Reports the state of the station in one line.
 pub fn tell_status(line: &str) {
     tell(&[NotifyState::Status(line)]);
 }
 
-/// How the station is, in one line: codes and counts, for the service manager keeps what it is told
-/// in a log of its own.
+/// The state of the station in one line: only codes and counts, because the service manager keeps it in
+/// its own log.
 pub fn status_line(overview: &Overview) -> String {
     let waiting = overview.pending();
     if overview.complaints.is_empty() {

@@ -1,4 +1,4 @@
-//! The workers of one generation, and who is who.
+//! The workers of one generation, and their names.
 
 use std::collections::BTreeMap;
 use std::future::Future;
@@ -9,94 +9,127 @@ use tokio::sync::mpsc;
 use tokio::task::{Id, JoinError, JoinSet};
 
 use super::assembly::Station;
-use super::beat::Beat;
 use super::booth::{self, orders, trigger};
-use super::custody::housekeeping;
 use super::delivery::{self, preview};
 use super::error::{StationError, Worker};
+use super::housekeeping;
 use super::intake;
+use super::intake::export_locks::ExportLocks;
+use super::operator::http::listeners::Listeners;
 use super::operator::{control, http};
-use super::stop::{Stop, Stopper};
+use super::runtime::beat::Beat;
+use super::runtime::stop::{Stop, Stopper};
 
-/// The workers, their names and their beats.
+/// What belongs to the process and outlives a reload: its export folders and the addresses on which it
+/// listens. No other process gets them while workers change.
+#[derive(Debug, Default)]
+pub struct Lasting {
+    /// The addresses of the page's endpoints.
+    pub listeners: Arc<Listeners>,
+    /// The export folders.
+    pub export_locks: Arc<ExportLocks>,
+}
+
+/// The workers, their names and their heartbeats.
 pub struct Workers {
     tasks: JoinSet<Result<(), JoinError>>,
-    /// Those who answer people and monitors: they go on until the others have ended.
+    /// The workers that answer people and monitors: they continue until the others have ended.
     endpoints: JoinSet<Result<(), JoinError>>,
-    doors_stopper: Stopper,
+    endpoints_stopper: Stopper,
     names: BTreeMap<Id, Worker>,
     beats: Vec<(Worker, Beat)>,
 }
 
 impl Workers {
-    /// Starts the workers of a station. The receiver ends when every intake has looked once.
-    pub fn start(station: &Arc<Station>, stop: &Stop) -> (Workers, mpsc::Receiver<()>) {
-        let (doors_stopper, doors_stop) = Stopper::new();
+    /// Starts the workers of a station. The receiver closes when every intake has looked once.
+    pub fn start(
+        station: &Station,
+        lasting: &Lasting,
+        stop: &Stop,
+    ) -> (Workers, mpsc::Receiver<()>) {
+        let (endpoints_stopper, endpoints_stop) = Stopper::new();
         let mut workers = Workers {
             tasks: JoinSet::new(),
             endpoints: JoinSet::new(),
-            doors_stopper,
+            endpoints_stopper,
             names: BTreeMap::new(),
             beats: Vec::new(),
         };
-        let (looked, first_looks) = mpsc::channel(1);
-        for (folder, path) in station.config.scanner.export_dirs.iter().enumerate() {
-            let (worker, stop) = (Worker::Intake { folder }, stop.clone());
-            let (beat, station) = (workers.beat(worker), Arc::clone(station));
-            let task = intake::worker(station, folder, path.clone(), beat, stop, looked.clone());
-            workers.spawn(worker, task);
-        }
-        if let Some(config) = station.config.patient.orders.clone() {
-            let beat = workers.beat(Worker::Orders);
-            let task = orders::worker(Arc::clone(station), config, beat, stop.clone());
-            workers.spawn(Worker::Orders, task);
-        }
-        let beat = workers.beat(Worker::Delivery);
-        workers.spawn(Worker::Delivery, delivery::worker(Arc::clone(station), beat, stop.clone()));
-        let beat = workers.beat(Worker::Preview);
-        workers.spawn(Worker::Preview, preview::worker(Arc::clone(station), beat, stop.clone()));
-        let beat = workers.beat(Worker::Housekeeping);
-        let task = housekeeping::worker(Arc::clone(station), beat, stop.clone());
-        workers.spawn(Worker::Housekeeping, task);
-        let beat = workers.beat(Worker::Booth);
-        workers.spawn(Worker::Booth, booth::worker(Arc::clone(station), beat, stop.clone()));
-        for port in trigger::of_config(&station.config.trigger) {
-            let worker = Worker::Trigger { port: port.name };
-            let beat = workers.beat(worker);
-            workers.spawn(worker, trigger::worker(Arc::clone(station), port, beat, stop.clone()));
-        }
-        // These wait for people and monitors, and have no beat: nothing hangs on them.
-        let http = http::worker(Arc::clone(station), doors_stop.clone());
-        let id = workers.endpoints.spawn(http).id();
-        workers.names.insert(id, Worker::Http);
-        let control = control::worker(Arc::clone(station), doors_stop);
-        let id = workers.endpoints.spawn(control).id();
-        workers.names.insert(id, Worker::Control);
+        let first_looks = workers.start_intakes(station, lasting, stop);
+        workers.start_booth(station, stop);
+        let Station { core, booth, previews, .. } = station;
+        let task = |beat| delivery::worker(Arc::clone(booth), beat, stop.clone());
+        workers.start_one(Worker::Delivery, task);
+        let task =
+            |beat| preview::worker(Arc::clone(booth), Arc::clone(previews), beat, stop.clone());
+        workers.start_one(Worker::Preview, task);
+        let task = |beat| housekeeping::worker(Arc::clone(core), beat, stop.clone());
+        workers.start_one(Worker::Housekeeping, task);
+        workers.start_endpoints(station, lasting, &endpoints_stop);
         (workers, first_looks)
     }
 
-    fn beat(&mut self, worker: Worker) -> Beat {
-        let beat = Beat::default();
-        self.beats.push((worker, beat.clone()));
-        beat
+    fn start_intakes(
+        &mut self,
+        station: &Station,
+        lasting: &Lasting,
+        stop: &Stop,
+    ) -> mpsc::Receiver<()> {
+        let (looked, first_looks) = mpsc::channel(1);
+        for place in station.core.config.scanner.export_dirs.iter().cloned().enumerate() {
+            let shared = (Arc::clone(&station.booth), Arc::clone(&lasting.export_locks));
+            let (folder, stop, looked) = (place.0, stop.clone(), looked.clone());
+            let task = |beat| intake::worker(shared, place, beat, stop, looked);
+            self.start_one(Worker::Intake { folder }, task);
+        }
+        first_looks
     }
 
-    fn spawn(
-        &mut self,
-        worker: Worker,
-        task: impl Future<Output = Result<(), JoinError>> + Send + 'static,
-    ) {
-        let id = self.tasks.spawn(task).id();
+    /// Starts the workers for orders, captures and light, and for the ports of buttons and readers.
+    fn start_booth(&mut self, station: &Station, stop: &Stop) {
+        let Station { core, booth, .. } = station;
+        if let Some(config) = core.config.patient.orders.clone() {
+            let task = |beat| orders::worker(Arc::clone(booth), config, beat, stop.clone());
+            self.start_one(Worker::Orders, task);
+        }
+        let task = |beat| booth::worker(Arc::clone(booth), beat, stop.clone());
+        self.start_one(Worker::Booth, task);
+        for port in trigger::of_config(&core.config.trigger) {
+            let worker = Worker::Trigger { port: port.name };
+            let task = |beat| trigger::worker(Arc::clone(booth), port, beat, stop.clone());
+            self.start_one(worker, task);
+        }
+    }
+
+    /// Starts the endpoints. They wait for people and monitors and have no heartbeat: nothing depends on
+    /// them.
+    fn start_endpoints(&mut self, station: &Station, lasting: &Lasting, stop: &Stop) {
+        let (desk, listeners) = (&station.desk, Arc::clone(&lasting.listeners));
+        let http = http::worker(Arc::clone(desk), listeners, stop.clone());
+        let id = self.endpoints.spawn(http).id();
+        self.names.insert(id, Worker::Http);
+        let control = control::worker(Arc::clone(desk), stop.clone());
+        let id = self.endpoints.spawn(control).id();
+        self.names.insert(id, Worker::Control);
+    }
+
+    fn start_one<T>(&mut self, worker: Worker, task: impl FnOnce(Beat) -> T)
+    where
+        T: Future<Output = Result<(), JoinError>> + Send + 'static,
+    {
+        let beat = Beat::default();
+        self.beats.push((worker, beat.clone()));
+        let id = self.tasks.spawn(task(beat)).id();
         self.names.insert(id, worker);
     }
 
-    /// The worker whose last beat is older than it may be, if any.
+    /// The worker whose last heartbeat is older than `most`, if any.
     pub fn hung(&self, most: Duration) -> Option<Worker> {
         let hung = self.beats.iter().find(|(_, beat)| beat.age() > most);
         hung.map(|(worker, _)| *worker)
     }
 
-    /// Ends when a worker does, although nobody asked it to.
+    /// Completes when a worker ends without being asked to.
     pub async fn one_ended(&mut self) -> StationError {
         let ended = tokio::select! {
             Some(ended) = self.tasks.join_next_with_id() => Some(ended),
@@ -112,7 +145,7 @@ impl Workers {
         }
     }
 
-    /// Ends when all workers have ended, as they were asked to, but for the endpoints.
+    /// Completes when all workers except the endpoints have ended, as requested.
     ///
     /// # Errors
     /// The first failure among them.
@@ -125,12 +158,12 @@ impl Workers {
         rest
     }
 
-    /// Closes the endpoints; ends when they are closed.
+    /// Closes the endpoints; completes when they are closed.
     ///
     /// # Errors
     /// The first failure among them.
     pub async fn close_endpoints(&mut self) -> Result<(), StationError> {
-        self.doors_stopper.request();
+        self.endpoints_stopper.request();
         let mut rest = Ok(());
         while let Some(ended) = self.endpoints.join_next_with_id().await {
             let ended = judge(self.who(&ended), ended);
@@ -148,7 +181,7 @@ impl Workers {
     }
 }
 
-/// Every end of a worker has a name.
+/// Adds the worker's name to the way it ended.
 fn judge(
     worker: Worker,
     ended: Result<(Id, Result<(), JoinError>), JoinError>,

@@ -1,4 +1,4 @@
-//! Writing that survives a power cut: content synced before its name, names synced by their folder.
+//! Writes that survive a power cut: content is synced before its name, names by syncing their folder.
 
 use std::fs::{self, File, OpenOptions, Permissions};
 use std::io::{self, Read, Write};
@@ -9,14 +9,14 @@ use rustix::fs::{Advice, CWD, RenameFlags, fadvise, renameat_with};
 use rustix::io::Errno;
 use sha2::{Digest, Sha256};
 
-/// Files hold patients' bodies: for the owner only, whatever the umask.
+/// Files hold scans of patients' bodies: only the owner may use them, whatever the umask.
 const FILE_MODE: u32 = 0o600;
 const FOLDER_MODE: u32 = 0o700;
 
 /// How much of a file is in memory while it is copied.
 const PIECE_BYTES: usize = 256 * 1024;
 
-/// Which file or folder a path leads to.
+/// Identifies the file or folder a path leads to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileId {
     dev: u64,
@@ -24,7 +24,7 @@ pub struct FileId {
 }
 
 impl FileId {
-    /// That of the file a path leads to now.
+    /// The id of the file a path leads to now.
     ///
     /// # Errors
     /// Any I/O error.
@@ -37,7 +37,7 @@ impl FileId {
 /// Writes a new file and syncs its content; its name is durable once its folder is synced.
 ///
 /// # Errors
-/// Any I/O error, and where the file exists already.
+/// Any I/O error, also if the file already exists.
 pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).create_new(true).mode(FILE_MODE).open(path)?;
     file.set_permissions(Permissions::from_mode(FILE_MODE))?;
@@ -45,13 +45,13 @@ pub fn write_new(path: &Path, bytes: &[u8]) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Copies a file into a new one and syncs its content; gives the digest of what was written.
+/// Copies a file into a new one and syncs its content. Returns the digest of what was written.
 ///
-/// Nobody reads either file soon, so their pages are given back: the next file is written into them
-/// and not into new ones, which cost 1.7 ms for 3.6 MB and not 3 to 10.
+/// Neither file is read again soon, so their pages are given back. The next file is written into them
+/// and not into new ones, which takes 1.7 ms for 3.6 MB instead of 3 to 10 ms.
 ///
 /// # Errors
-/// Any I/O error, and where the new file exists already.
+/// Any I/O error, also if the new file already exists.
 pub fn copy_new(from: &Path, to: &Path) -> io::Result<[u8; 32]> {
     let mut source = File::open(from)?;
     let mut file = OpenOptions::new().write(true).create_new(true).mode(FILE_MODE).open(to)?;
@@ -70,25 +70,25 @@ pub fn copy_new(from: &Path, to: &Path) -> io::Result<[u8; 32]> {
     }
     file.sync_all()?;
     for read in [&source, &file] {
-        // Not every file system heeds it, and none has to.
+        // Not every file system supports this, and it is only a hint.
         let _ = fadvise(read, 0, None, Advice::DontNeed);
     }
     Ok(digest.finalize().into())
 }
 
-/// Makes a new folder for the owner only.
+/// Makes a new folder that only the owner may use.
 ///
 /// # Errors
-/// Any I/O error, and where the name exists already.
+/// Any I/O error, also if the name already exists.
 pub fn make_folder(path: &Path) -> io::Result<()> {
     fs::DirBuilder::new().mode(FOLDER_MODE).create(path)?;
     fs::set_permissions(path, Permissions::from_mode(FOLDER_MODE))
 }
 
-/// Makes a folder for the owner only where there is none.
+/// Makes a folder that only the owner may use, if there is none.
 ///
 /// # Errors
-/// Any I/O error, and where the name is something else than a folder.
+/// Any I/O error, also if the name belongs to something other than a folder.
 pub fn make_folder_once(path: &Path) -> io::Result<()> {
     match make_folder(path) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists && path.is_dir() => Ok(()),
@@ -96,8 +96,8 @@ pub fn make_folder_once(path: &Path) -> io::Result<()> {
     }
 }
 
-/// Opens a folder of ours within another, made if there is none, and removes what a crash left half
-/// made in it: everything under a dot name. Its path.
+/// Opens a folder of ours within another, creates it if needed, and removes what a crash left half made
+/// in it: everything under a dot name. Returns its path.
 ///
 /// # Errors
 /// Any I/O error.
@@ -106,7 +106,7 @@ pub fn open_folder(within: &Path, name: &str) -> io::Result<PathBuf> {
     make_folder_once(&folder)?;
     sync_folder(within)?;
     clear_hidden(&folder)?;
-    // The last run may have given a name and not lived to sync it.
+    // The last run may have renamed something and ended before it synced the folder.
     sync_folder(&folder)?;
     Ok(folder)
 }
@@ -133,13 +133,13 @@ pub fn sync_folder(path: &Path) -> io::Result<()> {
     File::open(path)?.sync_all()
 }
 
-/// Gives a folder its final name, never over another.
+/// Renames a folder to its final name, never over another.
 ///
 /// # Errors
-/// `AlreadyExists` where the name is taken; any other I/O error.
+/// `AlreadyExists` if the name is taken; any other I/O error.
 pub fn rename_new(from: &Path, to: &Path) -> io::Result<()> {
     match renameat_with(CWD, from, CWD, to, RenameFlags::NOREPLACE) {
-        // Some network file systems know no NOREPLACE. A plain rename never replaces a folder
+        // Some network file systems do not support NOREPLACE. A plain rename never replaces a folder
         // with content, and ours always have content.
         Err(Errno::INVAL | Errno::NOSYS | Errno::OPNOTSUPP) => rename_unless_there(from, to),
         other => other.map_err(io::Error::from),
@@ -153,7 +153,7 @@ fn rename_unless_there(from: &Path, to: &Path) -> io::Result<()> {
     fs::rename(from, to)
 }
 
-/// Removes a folder and all in it; that there is none is fine.
+/// Removes a folder and everything in it, if it exists.
 ///
 /// # Errors
 /// Any other I/O error.

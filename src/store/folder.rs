@@ -1,68 +1,69 @@
 //! The default store: `RECORDS/<patient>/<first seen>_<scan>/`.
 //!
-//! A record is staged beside its place under a dot name, every file synced, `SHA256SUMS` last,
-//! then the staged folder; then it is renamed, never over another, and the patient's folder is
-//! synced. So a folder under its final name is whole, and a receipt survives a power cut. Stations
+//! A record is staged beside its place under a dot name. Every file is synced, `SHA256SUMS` last, then
+//! the staged folder. Then the folder is renamed, never over another, and the patient's folder is
+//! synced. So a folder under its final name is complete, and a receipt survives a power cut. Stations
 //! that share the store take turns in this last step, so a scan that two of them saw has one record.
 
+mod lock;
 mod owner;
 mod search;
-mod turn;
 
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use self::lock::StoreLock;
 use self::search::find;
 pub(super) use self::search::records_in;
-use self::turn::Turn;
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
-use crate::flow::{ScanId, naming};
+use crate::flow::ScanId;
+use crate::flow::patient::naming;
 use crate::record::RecordFile;
 
 /// The file that marks a store's folder.
 const MARK: &str = ".gaiter-store";
 
-/// What stands in it, for people who find it.
+/// Its content, for people who find it.
 const MARK_TEXT: &str = "This folder holds the records of gaiter stations. A station that does not \
-find this file takes the folder for the empty place of a share that is not mounted.\n";
+find this file assumes that the share is not mounted.\n";
 
-/// How the name of a staged folder ends that waits for its place.
+/// Suffix of a staged folder that is complete and waits for its place.
 const WHOLE: &str = ".whole";
 
 /// Records as folders on a disk or share.
 #[derive(Debug, Clone)]
 pub struct FolderStore {
     root: PathBuf,
-    /// How this station's staged folders begin. Several stations may share the store, and none
-    /// may clear what another is writing. A station id holds no dot, so no beginning is the
-    /// beginning of another.
+    /// Prefix of this station's staged folders. Several stations may share the store, and none may
+    /// remove what another is writing. A station id contains no dot, so no prefix is the beginning of
+    /// another.
     staging: String,
     /// Its name in the journal.
     name: &'static str,
 }
 
 impl FolderStore {
-    /// The store of this name in the journal under `root`, used by the station `station`.
+    /// The store with this name in the journal, at `root`, used by the station `station`.
     pub fn new(name: &'static str, root: PathBuf, station: &str) -> FolderStore {
         FolderStore { root, staging: format!(".staging.{station}."), name }
     }
 
-    /// Makes the store's folder. Only for a station's first start: later a missing folder is a
-    /// share that is not mounted, and nothing may be written in its place.
+    /// Makes the store's folder. Only for a station's first start: later a missing folder means a share
+    /// that is not mounted, and nothing may be written in its place.
     ///
     /// # Errors
-    /// A transient fault where the folder cannot be made.
+    /// A transient fault if the folder cannot be made.
     pub fn make_root(&self) -> Result<(), StoreFault> {
         tried("making the store's folder", &self.root, fs::create_dir_all(&self.root))
     }
 
-    /// Marks the store's folder as a store of gaiter, so that it can be told from the empty folder
-    /// that is left when its share is not mounted.
+    /// Marks the store's folder as a store of gaiter, to tell it from the empty folder that remains when
+    /// its share is not mounted.
     ///
     /// # Errors
-    /// A transient fault where the folder is out of reach.
+    /// A transient fault if the folder is out of reach.
     pub fn mark(&self) -> Result<(), StoreFault> {
         let mark = self.root.join(MARK);
         match durable::write_new(&mark, MARK_TEXT.as_bytes()) {
@@ -72,21 +73,21 @@ impl FolderStore {
         tried("syncing", &self.root, durable::sync_folder(&self.root))
     }
 
-    /// Whether the store's folder can be opened, and is the one that was marked.
+    /// Checks that the store's folder can be opened and is the one that was marked.
     ///
     /// # Errors
-    /// A transient fault where it is not.
+    /// A transient fault if that is not so.
     pub fn reach(&self) -> Result<(), StoreFault> {
         tried("opening", &self.root, fs::read_dir(&self.root))?;
         let mark = self.root.join(MARK);
-        let what = "looking for .gaiter-store, which is missing where a share is not mounted,";
+        let what = "looking for .gaiter-store (missing if a share is not mounted)";
         tried(what, &mark, fs::symlink_metadata(&mark)).map(drop)
     }
 
-    /// Removes what crashed deliveries of this station left staged.
+    /// Removes staged folders that crashed deliveries of this station left.
     ///
     /// # Errors
-    /// A transient fault where the store is out of reach.
+    /// A transient fault if the store is out of reach.
     pub fn clear_staging(&self) -> Result<(), StoreFault> {
         for patient in folders(&self.root)? {
             for staged in folders(&patient)? {
@@ -99,7 +100,7 @@ impl FolderStore {
         Ok(())
     }
 
-    /// Its folder, as the configuration says.
+    /// The store's folder, as configured.
     pub fn place(&self) -> String {
         self.root.to_string_lossy().into_owned()
     }
@@ -109,14 +110,14 @@ impl FolderStore {
         self.name
     }
 
-    /// Stores a record, or finds that it is there already, under whatever time: a station that lost
-    /// its journal sees an old scan for the first time.
+    /// Stores a record, or finds that it is already there. A record with any time counts, because a
+    /// station that lost its journal sees an old scan for the first time.
     ///
     /// # Errors
     /// See [`StoreFault`].
     pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         fit(delivery)?;
-        // Each time: the share may have gone since it was asked, and its empty place takes anything.
+        // Checked each time: the share may have gone since, and its empty mount point accepts anything.
         self.reach()?;
         let patient = self.patient_folder(delivery.patient)?;
         let name = naming::record_folder(delivery.first_seen, delivery.scan);
@@ -138,13 +139,13 @@ impl FolderStore {
             tried("checking", &place, checked)?
                 .map_err(|fault| StoreFault::Permanent(Misfit::Occupied(fault)))?;
         }
-        // Also where it was there already: the run that made it may have crashed before this.
+        // Synced even if it was already there: the run that made it may have crashed before this.
         tried("syncing", &patient, durable::sync_folder(&patient))?;
         Ok(Receipt { folder: place, already_there })
     }
 
-    /// Gives the staged record its place, unless another station has stored the scan meanwhile; where
-    /// the record is, and whether it was there already.
+    /// Gives the staged record its place, unless another station has stored the scan meanwhile. Returns
+    /// where the record is, and whether it was already there.
     fn publish(
         &self,
         staged: &Path,
@@ -153,9 +154,9 @@ impl FolderStore {
         scan: &ScanId,
     ) -> Result<(PathBuf, bool), StoreFault> {
         let whole = whole(staged);
-        let _turn = Turn::take(&self.root.join(MARK))?;
-        // A change of its own lets a machine forget what it knows of a share's folder, which may be
-        // half a minute old: the search sees what others have done before this turn.
+        let _lock = StoreLock::take(&self.root.join(MARK))?;
+        // After a change of its own a machine drops what it knows about a share's folder, which may be
+        // half a minute old. So the search sees what others did before this turn.
         tried("renaming", &whole, durable::rename_new(staged, &whole))?;
         if let Some(found) = find(patient, scan)? {
             tried("clearing", &whole, durable::remove_folder(&whole))?;
@@ -172,14 +173,14 @@ impl FolderStore {
     }
 }
 
-/// The name of a staged folder that waits for its place.
+/// The name of a staged folder that is complete and waits for its place.
 fn whole(staged: &Path) -> PathBuf {
     let mut name = staged.as_os_str().to_owned();
     name.push(WHOLE);
     PathBuf::from(name)
 }
 
-/// Whether the record can be stored at all.
+/// Checks whether the record can be stored at all.
 fn fit(delivery: &Delivery<'_>) -> Result<(), StoreFault> {
     if delivery.files.last().is_none_or(|file| file.name != SUMS) {
         return Err(StoreFault::Permanent(Misfit::NoSums));
@@ -190,9 +191,9 @@ fn fit(delivery: &Delivery<'_>) -> Result<(), StoreFault> {
     }
 }
 
-/// Writes the whole record under its staging name, synced.
+/// Writes the complete record under its staging name, synced.
 fn stage(staged: &Path, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
-    // An attempt that failed half way left its beginning, or all of it.
+    // A failed attempt may have left part of the folder, or all of it.
     for left in [staged, &whole(staged)] {
         tried("clearing", left, durable::remove_folder(left))?;
     }
@@ -216,7 +217,7 @@ fn write(staged: &Path, file: &RecordFile) -> Result<(), StoreFault> {
     tried("writing", &path, durable::write_new(&path, &file.bytes))
 }
 
-/// The folders within a folder, links not followed.
+/// The folders in a folder; links are not followed.
 pub(super) fn folders(within: &Path) -> Result<Vec<PathBuf>, StoreFault> {
     let list = || -> io::Result<Vec<PathBuf>> {
         let mut folders = Vec::new();

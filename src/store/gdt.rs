@@ -1,16 +1,15 @@
-//! Practice software as a store: each record is a result (GDT 6310) in an exchange folder, from
-//! which the practice software fetches and deletes it.
+//! Practice software as a store: each record is a result (GDT 6310) in an exchange folder. The practice
+//! software fetches it from there and deletes it.
 //!
-//! A file that is gone has been fetched, so the folder does not tell what was handed over; a register
-//! in the station's state folder does. A result is staged beside the exchange folder's files, synced,
-//! then registered, then given its name. So each place where a crash can cut that off has one
-//! meaning:
+//! A missing file has been fetched, so the folder does not tell what was handed over; a register in the
+//! station's state folder does. A result is staged beside the exchange folder's files and synced, then
+//! registered, then given its name. So each point at which a crash can interrupt this has one meaning:
 //!
 //! | staged file | register | what it means |
 //! |---|---|---|
-//! | there or not | nothing | not begun: it is made anew |
-//! | there | registered | it has no name yet: it is given one |
-//! | gone | registered | it had its name: it was handed over, and never is again |
+//! | there or not | nothing | not begun: it is made again |
+//! | there | registered | it has no name yet: it gets one |
+//! | gone | registered | it had its name: it was handed over, and is never handed over again |
 
 mod attach;
 mod place;
@@ -42,7 +41,7 @@ pub struct GdtStore {
     place: Place,
     register: Register,
     zone: TimeZone,
-    /// One result at a time is given a name.
+    /// Ensures that one result at a time is given a name.
     naming: Arc<Mutex<()>>,
 }
 
@@ -51,7 +50,7 @@ impl GdtStore {
     pub const NAME: &str = "gdt";
 
     /// Results in the exchange folder `folder` under names like `names`, written by the station
-    /// `station` whose register lies in `state_dir`. Times are told by the clock of `zone`.
+    /// `station` with its register in `state_dir`. Times are in the time zone `zone`.
     pub fn new(
         folder: PathBuf,
         names: FileName,
@@ -64,24 +63,24 @@ impl GdtStore {
         GdtStore { rules, attach, place, register, zone, naming: Arc::default() }
     }
 
-    /// The exchange folder, as the configuration says.
+    /// The exchange folder, as configured.
     pub fn place(&self) -> String {
         self.place.folder().to_string_lossy().into_owned()
     }
 
-    /// Begins the store: makes the folder in which results are staged, by which the exchange folder
-    /// is known again, and the exchange folder itself where that is wanted.
+    /// Begins the store: makes the folder for staged results, which also identifies the exchange folder,
+    /// and the exchange folder itself if `make_folder` is set.
     ///
     /// # Errors
-    /// A transient fault where that is not possible now.
+    /// A transient fault if that is not possible now.
     pub fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
         self.place.begin(make_folder)
     }
 
-    /// Removes what crashed deliveries left staged and not registered.
+    /// Removes results that crashed deliveries left staged and not registered.
     ///
     /// # Errors
-    /// A transient fault where the folder is out of reach.
+    /// A transient fault if the folder is out of reach.
     pub fn open(&self) -> Result<(), StoreFault> {
         self.register.open()?;
         for key in self.place.staged()? {
@@ -92,11 +91,11 @@ impl GdtStore {
         Ok(())
     }
 
-    /// Whether the exchange folder is there and can take a result now.
+    /// Checks that the exchange folder is there and can take a result now.
     ///
     /// # Errors
-    /// A transient fault where it is not; [`StoreFault::NotFetched`] while the last result under a
-    /// fixed name, or 999 numbered ones, have not been fetched.
+    /// A transient fault if it cannot; [`StoreFault::NotFetched`] while the last result under a fixed
+    /// name, or 999 numbered results, have not been fetched.
     pub fn reach(&self) -> Result<(), StoreFault> {
         self.place.reach()?;
         self.place.free_name(self.register.last_number()).map(drop)
@@ -105,7 +104,7 @@ impl GdtStore {
     /// Every record that was handed over.
     ///
     /// # Errors
-    /// A transient fault where the register cannot be read or the exchange folder is out of reach.
+    /// A transient fault if the register cannot be read or the exchange folder is out of reach.
     pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
         self.place.reach()?;
         let mut found = Vec::new();
@@ -123,22 +122,22 @@ impl GdtStore {
     /// See [`StoreFault`].
     pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         let Some(patient) = delivery.patient else {
-            return Err(StoreFault::Permanent(Misfit::Nobodys));
+            return Err(StoreFault::Permanent(Misfit::Unassigned));
         };
         let _naming = self.naming.lock().unwrap_or_else(PoisonError::into_inner);
-        // Each time: the share may have gone since it was asked.
+        // Checked each time: the share may have gone since.
         self.place.reach()?;
         self.register.open()?;
         let key = key(delivery.scan, patient);
         if let Some(entry) = self.register.entry(&key)? {
             if !self.place.is_staged(&key)? {
-                // The run that gave it its name may have ended before this.
+                // The run that gave it its name may have ended before this sync.
                 self.place.sync()?;
                 let folder = self.place.folder().join(entry.name);
                 return Ok(Receipt { folder, already_there: true });
             }
         } else {
-            // Before anything is written: it may have to wait for long.
+            // Checked before anything is written: it may have to wait for long.
             self.place.free_name(self.register.last_number())?;
             self.stage(&key, delivery)?;
         }
@@ -146,13 +145,13 @@ impl GdtStore {
         Ok(Receipt { folder, already_there: false })
     }
 
-    /// Writes attachments and message, synced, the message where nobody looks.
+    /// Writes attachments and message, synced; the message goes to the staging folder.
     fn stage(&self, key: &str, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
         let misfit = |misfit| StoreFault::Permanent(misfit);
         let json = delivery.files.iter().find(|file| file.name == "record.json");
         let record = json.and_then(|file| serde_json::from_slice::<Record>(&file.bytes).ok());
         let record = record.ok_or(misfit(Misfit::NoRecord))?;
-        // The record is the delivery's: another patient's figures must never go out under this id.
+        // The record must match the delivery: another patient's figures must never go out under this id.
         if record.patient.as_ref().map(|patient| patient.id.as_str()) != delivery.patient {
             return Err(misfit(Misfit::OtherPatient));
         }
@@ -165,7 +164,7 @@ impl GdtStore {
         self.place.stage(key, &message)
     }
 
-    /// Registers a staged result under a free name, then gives it this name.
+    /// Registers a staged result under a free name, then renames it to this name.
     fn name(
         &self,
         key: &str,
@@ -188,7 +187,7 @@ impl GdtStore {
     }
 }
 
-/// By what a result is known: the scan and the patient, whose id it does not show.
+/// The key of a result, made from the scan and the patient, without showing the patient's id.
 fn key(scan: &ScanId, patient: &str) -> String {
     let digest = Sha256::digest(format!("{scan}\0{patient}"));
     let digits: String = digest.iter().take(4).map(|byte| format!("{byte:02x}")).collect();

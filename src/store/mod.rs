@@ -1,9 +1,10 @@
-//! Record stores: where finished records go. Each store's `put` is idempotent: made twice, it
-//! leaves one record and gives a receipt both times.
+//! Record stores: where finished records go. Each store's `put` is idempotent: a second call leaves one
+//! record and returns a receipt again.
 
 pub mod durable;
 pub mod folder;
 pub mod gdt;
+pub mod polling;
 pub mod revision;
 pub mod sums;
 
@@ -32,11 +33,11 @@ pub enum RecordStore {
 pub struct Delivery<'a> {
     /// The scan.
     pub scan: &'a ScanId,
-    /// The patient's id; none while nobody named the patient.
+    /// The patient's id; `None` if no patient was named.
     pub patient: Option<&'a str>,
     /// When the station first saw the scan.
     pub first_seen: Timestamp,
-    /// The record's files but the scan's own bytes, in the order in which they are to be written,
+    /// The record's files except the scan's own bytes, in the order in which they are to be written,
     /// `SHA256SUMS` last.
     pub files: &'a [RecordFile],
     /// The scan's own bytes, spooled; they become `scan.<ending>`.
@@ -45,12 +46,12 @@ pub struct Delivery<'a> {
     pub ending: &'a str,
 }
 
-/// A record that lies in a store, as far as its place tells.
+/// A record in a store, as far as its place tells.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FoundRecord {
     /// Its scan.
     pub scan: ScanId,
-    /// The patient's id; none for one that nobody named.
+    /// The patient's id; `None` if no patient was named.
     pub patient: Option<String>,
     /// When the station first saw the scan.
     pub first_seen: Timestamp,
@@ -58,11 +59,11 @@ pub struct FoundRecord {
     pub format: String,
     /// Size of the scan, bytes.
     pub size: u64,
-    /// Where it lies.
+    /// Its folder.
     pub folder: PathBuf,
 }
 
-/// A scan as it lies in its record.
+/// A scan as stored in its record.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredScan {
     /// Its bytes.
@@ -71,19 +72,19 @@ pub struct StoredScan {
     pub ord: Option<Vec<u8>>,
 }
 
-/// A store's word that a record is whole and durable.
+/// A store's confirmation that a record is complete and durable.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Receipt {
-    /// Where the record lies.
+    /// The folder of the record.
     pub folder: PathBuf,
-    /// It had been delivered before; nothing was written.
+    /// The record was already there; nothing was written.
     pub already_there: bool,
 }
 
 /// Why a record was not stored.
 #[derive(Debug, thiserror::Error)]
 pub enum StoreFault {
-    /// The store is not in a state to take it now; it may be later.
+    /// The store cannot take the record now, but may later.
     #[error("{what} failed on {path}")]
     Transient {
         /// What was tried.
@@ -96,8 +97,8 @@ pub enum StoreFault {
     },
     /// The practice software has not fetched what was handed over before.
     #[error(
-        "the practice software has not fetched the last result; the next one waits, for none is \
-         ever overwritten"
+        "the practice software has not fetched the last result; the next one waits, because \
+         results are never overwritten"
     )]
     NotFetched,
     /// The store will never take this record.
@@ -115,39 +116,39 @@ pub enum Misfit {
     #[error("the spooled bytes are not those of the scan")]
     OtherBytes,
     /// A file name that could leave the record's folder or hide.
-    #[error("a file of the record is called {name:?}")]
+    #[error("a file of the record has the invalid name {name:?}")]
     FileName {
         /// The name.
         name: String,
     },
-    /// The record's place is taken by something that is not this scan's whole record.
-    #[error("its folder exists and is not this scan's whole record: {0}")]
+    /// The record's place is taken by something that is not this scan's complete record.
+    #[error("its folder exists but is not this scan's complete record: {0}")]
     Occupied(sums::SumsFault),
-    /// The patient's folder is a link, which may lead into another patient's.
+    /// The patient's folder is a link, which may lead to another patient's.
     #[error("the patient's folder is a symbolic link")]
     FolderIsLink,
-    /// The patient's folder cannot be told from another's.
+    /// The patient's folder cannot be told apart from another patient's.
     #[error(
-        "the store has a folder whose name is this patient's but for upper and lower case: it may be \
-         another patient's"
+        "the store has a folder whose name differs from this patient's only in letter case: it may \
+         be another patient's"
     )]
     FolderClash,
-    /// A record for nobody, and practice software takes none.
-    #[error("it names no patient, and practice software takes none without")]
-    Nobodys,
-    /// It holds no `record.json` that can be read.
+    /// The record is unassigned, and practice software takes none of those.
+    #[error("it names no patient, which practice software requires")]
+    Unassigned,
+    /// It holds no readable `record.json`.
     #[error("it holds no readable record.json")]
     NoRecord,
     /// Its `record.json` is another patient's.
-    #[error("its record.json names another patient than the delivery")]
+    #[error("its record.json names a different patient")]
     OtherPatient,
-    /// There is no GDT message of it.
+    /// It cannot be written as a GDT message.
     #[error("it cannot be written as GDT: {0}")]
     Gdt(ResultFault),
-    /// It was handed over to people who keep their own records.
+    /// It was handed over to practice software, which keeps its own records.
     #[error(
-        "it was handed over to the practice software and cannot be taken back from there: a person \
-         must delete it in the practice"
+        "it was handed over to the practice software and cannot be withdrawn: delete it in the \
+         practice software"
     )]
     HandedOver,
 }
@@ -176,18 +177,18 @@ impl RecordStore {
         }
     }
 
-    /// Whether it takes records for nobody.
-    pub fn takes_nobodys(&self) -> bool {
+    /// Reports whether the store takes unassigned records.
+    pub fn takes_unassigned(&self) -> bool {
         match self {
             RecordStore::Folder(_) => true,
             RecordStore::Gdt(_) => false,
         }
     }
 
-    /// Begins a new store: marks it, and makes its folder before where that is wanted.
+    /// Begins a new store: makes its folder if `make_folder` is set, then marks it.
     ///
     /// # Errors
-    /// A transient fault where that is not possible now.
+    /// A transient fault if that is not possible now.
     pub fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => {
@@ -200,7 +201,7 @@ impl RecordStore {
         }
     }
 
-    /// Whether a record can be taken back; what practice software was handed is its own.
+    /// Reports whether a record can be withdrawn; practice software keeps what it was handed.
     pub fn gives_back(&self) -> bool {
         match self {
             RecordStore::Folder(_) => true,
@@ -208,7 +209,7 @@ impl RecordStore {
         }
     }
 
-    /// Where the store is, as the configuration says.
+    /// Where the store is, as configured.
     pub fn place(&self) -> String {
         match self {
             RecordStore::Folder(store) => store.place(),
@@ -216,10 +217,10 @@ impl RecordStore {
         }
     }
 
-    /// Makes the store ready after a start: clears what a crash left half made.
+    /// Prepares the store after a start: removes what a crash left half made.
     ///
     /// # Errors
-    /// A transient fault where the store is out of reach.
+    /// A transient fault if the store is out of reach.
     pub fn open(&self) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => store.clear_staging(),
@@ -227,10 +228,10 @@ impl RecordStore {
         }
     }
 
-    /// Whether the store is in reach, so that no scan is measured for a store that is not.
+    /// Checks that the store is in reach, so that no scan is measured for a store that is not.
     ///
     /// # Errors
-    /// A transient fault where it is not.
+    /// A transient fault if it is not.
     pub fn reach(&self) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => store.reach(),
@@ -241,7 +242,7 @@ impl RecordStore {
     /// Every record in the store.
     ///
     /// # Errors
-    /// A transient fault where the store is out of reach or only half of it could be read.
+    /// A transient fault if the store is out of reach or only part of it could be read.
     pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
         match self {
             RecordStore::Folder(store) => store.records(),
@@ -249,10 +250,10 @@ impl RecordStore {
         }
     }
 
-    /// The bytes of a scan, from its record for this patient; none where there is no such record.
+    /// The bytes of a scan, from its record for this patient; `None` if there is no such record.
     ///
     /// # Errors
-    /// A transient fault where the store is out of reach.
+    /// A transient fault if the store is out of reach.
     pub fn stored_scan(
         &self,
         scan: &ScanId,
@@ -264,11 +265,13 @@ impl RecordStore {
         }
     }
 
-    /// Takes back the record of a scan from a patient, or from nobody's folder, now that `keeper` has
-    /// it. What a person added to it goes to the keeper's record. Done again, this does nothing.
+    /// Withdraws the record of a scan from a patient, or from the folder of unassigned scans, now that
+    /// `keeper` has it. Files that a person added to it move to the keeper's record. A repeated call
+    /// does nothing.
     ///
     /// # Errors
-    /// See [`StoreFault`]; a permanent one where the record was changed and so is left as it is.
+    /// See [`StoreFault`]; a permanent one if the record was changed by hand and is therefore left
+    /// alone.
     pub fn withdraw(
         &self,
         scan: &ScanId,
@@ -281,7 +284,7 @@ impl RecordStore {
         }
     }
 
-    /// Stores a record, or finds that it is there already.
+    /// Stores a record, or finds that it is already there.
     ///
     /// # Errors
     /// See [`StoreFault`]; after any of them the same `put` may be tried again.
@@ -293,7 +296,7 @@ impl RecordStore {
     }
 }
 
-/// Every I/O error of a store may pass: disks fill and empty, shares go and come back.
+/// Treats every I/O error of a store as transient: disks fill and empty, shares go and come back.
 fn tried<T>(what: &'static str, path: &Path, result: io::Result<T>) -> Result<T, StoreFault> {
     result.map_err(|source| StoreFault::Transient { what, path: path.to_owned(), source })
 }

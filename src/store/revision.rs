@@ -1,10 +1,10 @@
-//! Later results for scans that have a record: each in a folder of its own beside the earlier ones.
+//! Later results for scans that have a record: each in its own folder beside the earlier ones.
 //!
 //! A revision is written as the folder store writes a record: staged under a dot name, every file
-//! synced, `SHA256SUMS` last, then renamed, never over another. The stations that use the store need
-//! not stand still meanwhile. One of them may take the record back from its patient at any moment:
-//! it removes every revision it finds until it finds none, and a revision that got its name later
-//! finds the record gone and is taken back here. So none is left with a patient whose scan it is not.
+//! synced, `SHA256SUMS` last, then renamed, never over another. The stations that use the store need not
+//! stop meanwhile. One of them may withdraw the record from its patient at any moment: it removes
+//! revisions until it finds none. A revision that gets its name later finds the record gone and is
+//! withdrawn here. So none is left with a patient it does not belong to.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -16,27 +16,27 @@ use rustix::fs::{FlockOperation, flock};
 
 use super::folder::records_in;
 use super::{StoreFault, durable};
-use crate::flow::naming::{self, RecordName};
+use crate::flow::patient::naming::{self, RecordName};
 use crate::record::RecordFile;
 
-/// How the names of staged revisions begin; no station's staged records begin so.
+/// Prefix of staged revisions; no station's staged records have it.
 const STAGING: &str = ".reextract.";
 
-/// The record of one scan for one patient with all its revisions, as they lie in a folder store.
+/// The record of one scan for one patient with all its revisions in a folder store.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Family {
-    /// The folder they lie in.
+    /// The folder they are in.
     pub patient_folder: PathBuf,
     /// The revisions, the latest last; at least one.
     revisions: Vec<(RecordName, PathBuf)>,
 }
 
-/// What became of a new revision.
+/// The outcome of adding a revision.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Added {
-    /// It lies whole and durable in this folder.
+    /// It is complete and durable in this folder.
     There(PathBuf),
-    /// The record was taken back from its patient meanwhile: there is none to add to.
+    /// The record was withdrawn from its patient meanwhile: there is nothing to add to.
     Withdrawn,
 }
 
@@ -66,31 +66,31 @@ impl Family {
         &self.revisions[self.revisions.len() - 1]
     }
 
-    /// Whose folder it lies in: none where no patient's folder is called so, the inner value none
-    /// for the scans of nobody.
+    /// The patient whose folder it is in: outer `None` if this is no patient's folder, inner `None` for
+    /// unassigned scans.
     pub fn patient(&self) -> Option<Option<String>> {
         let name = self.patient_folder.file_name().and_then(OsStr::to_str)?;
         naming::patient_of_folder(name)
     }
 
     /// Adds a revision: writes its files into a folder of its own beside the others, `SHA256SUMS` last.
-    /// They belong to whom the record belongs.
+    /// The files get the same owner as the record.
     ///
     /// # Errors
-    /// Any I/O error, `AlreadyExists` where there is such a revision by now. Nothing is left then
-    /// that a record could be taken for.
+    /// Any I/O error, `AlreadyExists` if there is such a revision by now. Nothing that looks like a
+    /// record is left then.
     pub fn add(&self, revision: u32, files: &[RecordFile]) -> io::Result<Added> {
         let (latest, beside) = self.latest();
         let name = RecordName { revision, ..latest.clone() }.folder();
         let staged = self.patient_folder.join(format!("{STAGING}{}.{name}", std::process::id()));
         let place = self.patient_folder.join(name);
         let added = write(&staged, files, beside).and_then(|()| self.publish(&staged, place));
-        // What a failure left, or a record that is nobody's any more.
+        // The remains of a failure, or of a record that is withdrawn now.
         durable::remove_folder(&staged)?;
         added
     }
 
-    /// Gives a staged revision its name, and takes it back where the record is gone meanwhile.
+    /// Gives a staged revision its name, and withdraws it if the record is gone meanwhile.
     fn publish(&self, staged: &Path, place: PathBuf) -> io::Result<Added> {
         let (_, beside) = self.latest();
         durable::rename_new(staged, &place)?;
@@ -104,11 +104,11 @@ impl Family {
     }
 }
 
-/// The records at a path: a store of patients' folders, one patient's folder, or one record's. The
-/// order is that of names.
+/// The records at a path: a store of patients' folders, one patient's folder, or one record's. They are
+/// sorted by name.
 ///
 /// # Errors
-/// Where a folder cannot be listed.
+/// If a folder cannot be listed.
 pub fn families(at: &Path) -> Result<Vec<Family>, StoreFault> {
     let own_name = at.file_name().and_then(OsStr::to_str).and_then(RecordName::read);
     if let (Some(name), Some(patient)) = (own_name, at.parent()) {
@@ -128,15 +128,15 @@ pub fn families(at: &Path) -> Result<Vec<Family>, StoreFault> {
     Ok(found)
 }
 
-/// The folder of the latest revision of the record in this folder: itself where there is no later one,
-/// or where that cannot be told now.
+/// The folder of the latest revision of the record in this folder: the folder itself if there is no
+/// later one or if that cannot be determined now.
 pub fn latest(folder: &Path) -> PathBuf {
     let family = families(folder).ok().and_then(|mut families| families.pop());
     family.map_or_else(|| folder.to_owned(), |family| family.latest().1.clone())
 }
 
-/// Removes what a run that was killed left staged in a patient's folder. What a run holds that still
-/// works, here or elsewhere, stays.
+/// Removes staged folders that a killed run left in a patient's folder. Those of a run that still works,
+/// here or elsewhere, stay.
 ///
 /// # Errors
 /// Any I/O error.
@@ -146,7 +146,7 @@ pub fn clear_staging(patient_folder: &Path) -> io::Result<()> {
         if !entry.file_name().to_string_lossy().starts_with(STAGING) {
             continue;
         }
-        // A file system that knows no locks keeps what nobody can tell to be abandoned.
+        // Without locks in the file system, folders that may still be in use are kept.
         let held = File::open(entry.path());
         if held.is_ok_and(|held| flock(&held, FlockOperation::NonBlockingLockExclusive).is_ok()) {
             durable::remove_folder(&entry.path())?;
@@ -155,11 +155,11 @@ pub fn clear_staging(patient_folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a whole folder, synced, of the same owner as the one it shall lie beside.
+/// Writes a complete folder, synced, with the same owner as the one it goes beside.
 fn write(staged: &Path, files: &[RecordFile], beside: &Path) -> io::Result<()> {
     durable::make_folder(staged)?;
     let held = File::open(staged)?;
-    // See `clear_staging`; without locks nobody clears anything.
+    // See `clear_staging`; without locks nothing is removed.
     let _ = flock(&held, FlockOperation::NonBlockingLockExclusive);
     let (owner, ours) = (fs::metadata(beside)?, held.metadata()?);
     let gives = (owner.uid(), owner.gid()) != (ours.uid(), ours.gid());

@@ -1,4 +1,4 @@
-//! `SHA256SUMS`: whether a record folder is whole.
+//! `SHA256SUMS`: tells whether a record folder is complete.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -16,31 +16,31 @@ pub const SUMS: &str = "SHA256SUMS";
 /// The name, without its ending, of the scan's own bytes in a record folder.
 pub const SCAN: &str = "scan.";
 
-/// Why a folder is not the whole record of a scan.
+/// Why a folder is not the complete record of a scan.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum SumsFault {
-    /// There is no `SHA256SUMS`, or it is no text.
+    /// There is no `SHA256SUMS`, or it is not text.
     #[error("it has no readable SHA256SUMS")]
     NoSums,
     /// A line of `SHA256SUMS` is not a sum and a name.
-    #[error("line {line} of its SHA256SUMS is no sum and name")]
+    #[error("line {line} of its SHA256SUMS is not a checksum and a name")]
     Line {
         /// 1-based.
         line: usize,
     },
-    /// A listed file is not there.
+    /// A listed file is missing.
     #[error("its file {name:?} is missing")]
     Missing {
         /// The listed name.
         name: String,
     },
-    /// A listed file has other bytes.
-    #[error("its file {name:?} is not what SHA256SUMS says")]
+    /// A listed file has different bytes.
+    #[error("its file {name:?} does not match SHA256SUMS")]
     Differs {
         /// The listed name.
         name: String,
     },
-    /// It is the record of other bytes, or of none.
+    /// It is the record of another scan, or of none.
     #[error("it holds another scan")]
     OtherScan,
 }
@@ -50,7 +50,8 @@ pub fn scan_id(bytes: &[u8]) -> ScanId {
     ScanId::of_digest(Sha256::digest(bytes).into())
 }
 
-/// The ids of the beginnings of these lengths, bytes; of none that are longer than the bytes. One pass.
+/// The ids of the beginnings with these lengths, in bytes, in one pass; lengths past the end are
+/// skipped.
 pub fn of_beginnings(bytes: &[u8], lengths: &BTreeSet<usize>) -> BTreeMap<usize, ScanId> {
     let (mut digest, mut done) = (Sha256::new(), 0);
     let mut found = BTreeMap::new();
@@ -62,7 +63,7 @@ pub fn of_beginnings(bytes: &[u8], lengths: &BTreeSet<usize>) -> BTreeMap<usize,
     found
 }
 
-/// The SHA-256 of parts of bytes, one after the other.
+/// The SHA-256 of several parts of the bytes, one after the other.
 pub fn of_parts(bytes: &[u8], parts: &[Range<usize>]) -> ScanId {
     let mut digest = Sha256::new();
     for part in parts {
@@ -71,11 +72,11 @@ pub fn of_parts(bytes: &[u8], parts: &[Range<usize>]) -> ScanId {
     ScanId::of_digest(digest.finalize().into())
 }
 
-/// Checks that a folder holds every file its `SHA256SUMS` lists, bytes and all, and that its scan
-/// is the given one. Files that are not listed, such as a person's notes, do not matter.
+/// Checks that a folder holds every file that its `SHA256SUMS` lists, with the right bytes, and that its
+/// scan is the given one. Files that are not listed, such as a person's notes, do not matter.
 ///
 /// # Errors
-/// Outer: the folder could not be read now. Inner: it is not the whole record of this scan.
+/// Outer: the folder cannot be read now. Inner: it is not the complete record of this scan.
 pub fn check(folder: &Path, scan: &ScanId) -> io::Result<Result<(), SumsFault>> {
     let listed = match read(folder)? {
         Ok(listed) => listed,
@@ -93,29 +94,29 @@ pub fn check(folder: &Path, scan: &ScanId) -> io::Result<Result<(), SumsFault>> 
     Ok(if holds_scan { Ok(()) } else { Err(SumsFault::OtherScan) })
 }
 
-/// The scan a folder says it is the record of, and the name of its file; none where it says so of
-/// none. Nothing but `SHA256SUMS` is read.
+/// The scan that a folder lists, and the name of its file; `None` if it lists none. Reads only
+/// `SHA256SUMS`.
 ///
 /// # Errors
-/// Where the folder could not be read now.
+/// If the folder cannot be read now.
 pub fn scan_of(folder: &Path) -> io::Result<Option<(ScanId, String)>> {
     let listed = read(folder)?.unwrap_or_default();
     Ok(listed.into_iter().find(|(_, name)| name.starts_with(SCAN)))
 }
 
-/// The name of the file that holds a scan's own bytes; none where the folder lists no such file.
+/// The name of the file that holds a scan's own bytes; `None` if the folder lists no such file.
 ///
 /// # Errors
-/// Where the folder could not be read now.
+/// If the folder cannot be read now.
 pub fn scan_name(folder: &Path, scan: &ScanId) -> io::Result<Option<String>> {
     Ok(scan_of(folder)?.filter(|(found, _)| found == scan).map(|(_, name)| name))
 }
 
-/// Checks bytes against what a folder's `SHA256SUMS` says of the file of this name. Where there are no
-/// sums, or none of this file, nobody vouches for it.
+/// Checks bytes against the entry for this file in a folder's `SHA256SUMS`. Without sums, or without an
+/// entry for the file, any bytes pass.
 ///
 /// # Errors
-/// Outer: the sums could not be read now. Inner: the bytes are others, or the sums cannot be understood.
+/// Outer: the sums cannot be read now. Inner: the bytes differ, or the sums cannot be parsed.
 pub fn check_file(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<Result<(), SumsFault>> {
     let Some(sums) = readable(fs::read(folder.join(SUMS)))? else { return Ok(Ok(())) };
     Ok(parse(&sums).and_then(|listed| {
@@ -125,10 +126,10 @@ pub fn check_file(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<Result<
     }))
 }
 
-/// The names that `SHA256SUMS` lists; none where it cannot be understood.
+/// The names that `SHA256SUMS` lists; empty if it cannot be parsed.
 ///
 /// # Errors
-/// Where the folder could not be read now.
+/// If the folder cannot be read now.
 pub fn listed(folder: &Path) -> io::Result<Vec<String>> {
     let listed = read(folder)?.unwrap_or_default();
     Ok(listed.into_iter().map(|(_, name)| name).collect())
@@ -142,7 +143,7 @@ fn read(folder: &Path) -> io::Result<Result<Vec<(ScanId, String)>, SumsFault>> {
     })
 }
 
-/// A file that is not there says something about the record; any other error says nothing.
+/// `None` for a missing file, which is a finding about the record; any other error is not.
 fn readable(read: io::Result<Vec<u8>>) -> io::Result<Option<Vec<u8>>> {
     match read {
         Ok(bytes) => Ok(Some(bytes)),
@@ -156,7 +157,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<(ScanId, String)>, SumsFault> {
     let entry = |(at, line): (usize, &str)| {
         let fault = SumsFault::Line { line: at + 1 };
         let (sum, name) = line.split_once(' ').ok_or(fault.clone())?;
-        // The second character says text or binary and means nothing on Linux.
+        // The second character marks text or binary and means nothing on Linux.
         let name = name.strip_prefix([' ', '*']).ok_or(fault.clone())?;
         if !plain(name) {
             return Err(fault);
@@ -166,7 +167,7 @@ fn parse(bytes: &[u8]) -> Result<Vec<(ScanId, String)>, SumsFault> {
     text.lines().enumerate().map(entry).collect()
 }
 
-/// Whether a name stays in its folder and is not hidden.
+/// Reports whether a name stays in its folder and is not hidden.
 pub fn plain(name: &str) -> bool {
     !name.is_empty()
         && !name.starts_with('.')

@@ -15,7 +15,7 @@ const WORDS = {
     name: "Name the next patient …", id: "Patient's id", assign: "Assign …", yes: "Assign", cancel: "Cancel", close: "Close",
     view: "3D view", held: "Held", give: (id) => `Give to ${id}`, given: (id) => `The scan is then ${id}'s, and its record goes to nobody else.`,
     next: (id) => `Next: ${id}.`, replace: "Replace", asks: (a, b) => `${a} is named and was not scanned. Replace by ${b}?`,
-    hidden: "The next patient is named.", inBooth: (id) => `${id} is in the booth`, refused: /no patient's id/,
+    hidden: "The next patient is named.", inBooth: (id) => `${id} is in the booth`, refused: /not a valid patient id/,
     again: "Scan again …", yesAgain: "Scan again", againOf: (id) => `Scan ${id} again`,
   },
   de: {

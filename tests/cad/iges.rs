@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use gaiter::cad::{End, FileHeader, Shape, iges};
 use gaiter::spline::Surface;
 use nalgebra::Vector3;
-use support::tubes::{HEADER, dented, tube};
+use support::geometry::tubes::{HEADER, dented, tube};
 
 /// What a solid is made of, in the order in which it may be written.
 const KINDS: [(usize, usize); 11] = [

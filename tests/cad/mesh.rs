@@ -7,7 +7,7 @@ use gaiter::cad::{CadFault, FileFormat, FileHeader, FileKind, Shape, mesh};
 use gaiter::scan::{Format, read};
 use gaiter::spline::{Ends, Facets, facets};
 use nalgebra::{Point3, Vector3};
-use support::tubes::{HEADER, tube};
+use support::geometry::tubes::{HEADER, tube};
 
 const TOLERANCE_MM: f64 = 0.1;
 

@@ -17,8 +17,8 @@ use gaiter::record::{
 };
 use gaiter::scan::Format;
 use nalgebra::Vector3;
-use support::bodies::export;
-use support::tubes::dented;
+use support::geometry::bodies::export;
+use support::geometry::tubes::dented;
 use tempfile::TempDir;
 
 static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| export("f_average_clean"));

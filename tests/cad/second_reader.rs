@@ -6,8 +6,8 @@ use gaiter::cad::{Schema, Shape, step};
 use gaiter::leg::{Method, Side, extract};
 use gaiter::scan::Format;
 use gaiter::spline::Surface;
-use support::bodies;
-use support::tubes::{HEADER, tube};
+use support::geometry::bodies;
+use support::geometry::tubes::{HEADER, tube};
 use truck_stepio::r#in::Table;
 use truck_stepio::r#in::alias;
 

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use gaiter::cad::{End, EndNotPlane, FileHeader, Schema, Shape, ends, step};
 use gaiter::spline::Surface;
 use nalgebra::{Point3, Vector3};
-use support::tubes::{HEADER, dented, tube};
+use support::geometry::tubes::{HEADER, dented, tube};
 
 /// What besides the points a file must hold, and how often.
 const KINDS: [(&str, usize); 26] = [

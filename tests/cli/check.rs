@@ -171,7 +171,7 @@ fn check_names(names: &[&str]) -> Output {
 #[test]
 fn names_that_would_take_a_date_for_a_person_are_a_warning_and_no_fault() {
     let said = stdout(&check_names(&["20261122_0915.obj", "20261122_0920.obj", "scan.obj"]));
-    assert!(said.contains("3 names: 2 with a patient's id, 1 without, 0 with one that"), "{said}");
+    assert!(said.contains("3 names: 2 with a patient's id, 1 without, 0 with an id"), "{said}");
     assert!(said.contains("      20261122_0915.obj → 20261122\n"), "{said}");
     let warning = "every scan of 22 November 2026 would go to a patient 20261122";
     let warned = said.lines().find(|line| line.contains(warning)).unwrap();
@@ -203,7 +203,7 @@ fn names_that_would_take_a_counter_for_a_person_are_a_warning() {
 fn names_that_name_patients_are_shown_without_a_warning() {
     let names = ["4711_left.obj", "P12_front.obj", "0815_20261122.obj", "1234567890123_a.obj"];
     let said = stdout(&check_names(&names));
-    assert!(said.contains("4 names: 3 with a patient's id, 0 without, 1 with one that"), "{said}");
+    assert!(said.contains("4 names: 3 with a patient's id, 0 without, 1 with an id"), "{said}");
     for example in ["4711_left.obj → 4711", "P12_front.obj → P12", "0815_20261122.obj → 0815"]
     {
         assert!(said.contains(example), "{said}");
@@ -233,14 +233,15 @@ fn of_many_names_the_newest_are_looked_at() {
 }
 
 #[test]
-fn without_an_expression_one_line_says_that_file_names_name_nobody() {
+fn without_an_expression_one_line_says_that_file_names_identify_no_patient() {
     let root = TempDir::new().unwrap();
     let file = station(root.path(), "");
     fs::write(root.path().join("export/20261122_a.obj"), "").unwrap();
     let said = stdout(&check(&file, &[]));
     let lines: Vec<&str> = said.lines().filter(|line| line.contains("file name")).collect();
     let [line] = lines[..] else { panic!("{said}") };
-    assert!(line.starts_with("ok    file names") && line.ends_with("file names name nobody"));
+    assert!(line.starts_with("ok    file names"), "{line}");
+    assert!(line.ends_with("file names identify no patient"), "{line}");
     assert!(!said.contains("20261122"), "{said}");
 }
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use serde_json::Value;
-use support::mesh::{Mesh, fixture};
+use support::geometry::mesh::{Mesh, fixture};
 use tempfile::TempDir;
 
 fn gaiter(folder: &Path, arguments: &[&str]) -> Output {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 use serde_json::Value;
-use support::mesh::Mesh;
+use support::geometry::mesh::Mesh;
 use support::verb::{code, program, stderr, stdout};
 
 /// Runs `gaiter extract` in a folder.

@@ -10,7 +10,7 @@ use std::process::{Command, Output, Stdio};
 
 use serde_json::Value;
 use sha2::{Digest, Sha256};
-use support::mesh::{Mesh, fixture};
+use support::geometry::mesh::{Mesh, fixture};
 use tempfile::TempDir;
 
 /// Runs `gaiter extract` in `folder`.
@@ -321,13 +321,13 @@ fn what_is_no_record_of_this_scan_stays_as_it_is() {
         fs::write(at.join("a.obj"), scan).unwrap();
     };
     occupied("another scan", &other);
-    occupied("its notes\\n.txt is no file", &|at| {
+    occupied("its notes\\n.txt does not belong", &|at| {
         fs::write(at.join("out/a/notes\n.txt"), "").unwrap()
     });
-    occupied("its deeper is no file", &|at| fs::create_dir(at.join("out/a/deeper")).unwrap());
+    occupied("its deeper does not belong", &|at| fs::create_dir(at.join("out/a/deeper")).unwrap());
     occupied("legs.svg was changed", &|at| fs::write(at.join("out/a/legs.svg"), "mine").unwrap());
     occupied("SHA256SUMS", &|at| fs::remove_file(at.join("out/a/SHA256SUMS")).unwrap());
-    occupied("no folder", &|at| {
+    occupied("not a folder", &|at| {
         fs::rename(at.join("out/a"), at.join("elsewhere")).unwrap();
         std::os::unix::fs::symlink(at.join("elsewhere"), at.join("out/a")).unwrap();
     });

@@ -8,7 +8,7 @@ use std::process::Command;
 use gaiter::leg::method::Scope;
 use gaiter::leg::{self, Extraction, Level, Method, Side};
 use gaiter::scan::Format;
-use support::mesh::{Mesh, Ring};
+use support::geometry::mesh::{Mesh, Ring};
 use support::refusal::{case, check, declared, method};
 
 #[test]

@@ -11,7 +11,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use support::mesh::{Mesh, fixture};
+use support::geometry::mesh::{Mesh, fixture};
 use support::refusal::{case, check};
 use tempfile::TempDir;
 
@@ -179,7 +179,7 @@ fn a_file_that_cannot_be_had_is_named_with_its_reason() {
     assert!(said.starts_with("gaiter: missing.obj: No such file"), "{said}");
     let (code, said) = refused(folder.path(), "pipe.obj");
     assert_eq!(code, Some(74), "{said}");
-    assert!(said.starts_with("gaiter: pipe.obj: is no regular file"), "{said}");
+    assert!(said.starts_with("gaiter: pipe.obj: is not a regular file"), "{said}");
     // A folder is looked through, whatever it is called.
     let (code, said) = refused(folder.path(), "folder.obj");
     assert_eq!(code, Some(66), "{said}");

@@ -83,8 +83,7 @@ fn all_is_accounted_for(
 #[ignore = "takes minutes, run by .ci/run"]
 fn twenty_thousand_files_at_once_are_all_accounted_for() {
     let booth = Booth::new();
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     let mut flooded = None;
     while_asleep(&daemon, || flooded = Some(flood(&booth, FLOOD)));
     let (scans, garbage) = flooded.unwrap();
@@ -116,8 +115,7 @@ impl Drop for ShortQueue {
 fn a_queue_of_16_events_loses_no_file() {
     let booth = Booth::new();
     let short = ShortQueue::of(16).unwrap();
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     drop(short);
     let mut flooded = None;
     while_asleep(&daemon, || flooded = Some(flood(&booth, 600)));

@@ -373,8 +373,7 @@ fn a_journal_deleted_under_the_running_station_loses_and_doubles_nothing() {
     let past = Past::new();
     let booth = &past.booth;
     past.restore(STOPPED);
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     booth.wait_for_records(6);
     for file in ["journal.db", "journal.db-wal", "journal.db-shm"] {
         fs::remove_file(booth.path("state").join(file)).unwrap();

@@ -7,12 +7,12 @@
 
 use support::Booth;
 use support::day::Day;
-use support::disk::{Disk, can_be_cut, power_cut};
-use support::matrix::{
+use support::faults::disk::{Disk, can_be_cut, power_cut};
+use support::faults::matrix::{
     DAY_HANDS, FOLDERS, POINTS_MIN, Struck, booth, day_step, found_at_once, renew, restarted,
     strike_everywhere, strike_until_violated, struck_at, struck_at_until, thinned,
 };
-use support::tracer::{Answer, Call, Kind, can_trace};
+use support::faults::tracer::{Answer, Call, Kind, can_trace};
 
 /// Runs at a time: one waits while the other works.
 const HANDS: usize = 3;

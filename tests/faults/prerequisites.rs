@@ -3,7 +3,7 @@
 
 #![allow(clippy::unwrap_used)]
 
-use support::{disk, share, tracer};
+use support::faults::{disk, share, tracer};
 
 #[test]
 #[ignore = "a question of .ci/run: can programs be traced?"]

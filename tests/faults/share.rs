@@ -8,9 +8,9 @@ use std::io::Write;
 use std::thread::sleep;
 use std::time::Duration;
 
+use support::faults::share::Share;
 use support::invariants::PutKind;
 use support::process::waits_on_share;
-use support::share::Share;
 use support::{Booth, QUIET, coarse_body as coarse, names};
 
 /// The station's own grace at a stop, and as much again for a busy machine.
@@ -58,8 +58,7 @@ fn wait_for_spool(booth: &Booth, count: usize) {
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn what_another_machine_writes_is_found_without_an_event() {
     let (booth, share) = booth_with_shared_exports();
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     export_remotely(&booth, &share, "4711_a.obj", &coarse(1));
     booth.wait_for_records(1);
     export_remotely(&booth, &share, "4711_b.obj", &coarse(2));
@@ -72,8 +71,7 @@ fn what_another_machine_writes_is_found_without_an_event() {
 #[ignore = "needs root and FUSE, run by .ci/run"]
 fn a_scan_that_another_machine_writes_line_by_line_is_taken_whole() {
     let (booth, share) = booth_with_shared_exports();
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     // The kernel keeps a share's attributes for a second: the file looks quiet while it grows, and
     // what is there ends with a line.
     let bytes = coarse(1);

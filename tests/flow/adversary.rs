@@ -12,7 +12,7 @@
 //! - A capture is given up only if its export will not come; so nobody is named, and the word of a
 //!   person without a button, which gives up the captures of others, is said only then. A body that is
 //!   given up or scanned again is not exported anew.
-//! - Somebody whose scan came in for nobody, or had to be decided upon by a person, and was refused then,
+//! - Somebody whose scan came in without a patient, or had to be decided upon by a person, and was refused then,
 //!   is named to be scanned again; so is whoever is scanned again while somebody else's name waits,
 //!   or without a button the export of somebody who was named.
 //! - While somebody stands in the booth unnamed who has not been scanned, the desk orders for nobody

@@ -70,6 +70,12 @@ const EFFECTFUL: [&str; 9] = [
 /// Longest file, lines.
 const LINES_MAX: usize = 400;
 
+/// Most files of one folder.
+const FILES_MAX: usize = 20;
+
+/// Most folders within each other, below `src` or `tests`.
+const DEPTH_MAX: usize = 3;
+
 /// Every crate of Cargo.toml, so that a new one cannot slip into a pure layer unseen.
 fn dependencies() -> Vec<String> {
     let manifest = fs::read_to_string(root().join("Cargo.toml")).unwrap();
@@ -207,5 +213,27 @@ fn every_file_says_what_it_is_and_none_is_too_long() {
         assert!(text.starts_with("//!"), "{} does not open with `//!`", path.display());
         let lines = text.lines().count();
         assert!(lines <= LINES_MAX, "{} has {lines} lines", path.display());
+    }
+}
+
+#[test]
+fn no_folder_is_too_full_or_too_deep() {
+    let mut seen = 0;
+    for top in ["src", "tests", "benches", "examples"] {
+        folders_hold(&root().join(top), 0, &mut seen);
+    }
+    assert!(seen > 40, "only {seen} folders were looked at");
+}
+
+fn folders_hold(folder: &Path, depth: usize, seen: &mut usize) {
+    *seen += 1;
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let is_code = |path: &PathBuf| !path.ends_with("node_modules");
+    let (folders, files): (Vec<_>, Vec<_>) =
+        entries.filter(is_code).partition(|path| path.is_dir());
+    assert!(files.len() <= FILES_MAX, "{} has {} files", folder.display(), files.len());
+    for folder in folders {
+        assert!(depth < DEPTH_MAX, "{} lies too deep", folder.display());
+        folders_hold(&folder, depth + 1, seen);
     }
 }

@@ -20,7 +20,7 @@ const SOURCES: [&str; 13] = [
     "src/record/gdt/order.rs",
     "src/record/report/pdf/mod.rs",
     "src/cli/reextract/again.rs",
-    "src/flow/name_check.rs",
+    "src/flow/patient/name_check.rs",
 ];
 
 /// Codes that a source hands out: what stands in quotes behind an arrow.

@@ -10,8 +10,8 @@ use gaiter::leg::method::SectionFit;
 use gaiter::leg::{Extraction, Landmark, Level, Method, extract};
 use gaiter::scan::Format;
 use nalgebra::{Point3, Vector3};
-use support::bodies::{export, record_of};
-use support::solids::{Tube, curve_of, near, off_deg};
+use support::geometry::bodies::{export, record_of};
+use support::geometry::solids::{Tube, curve_of, near, off_deg};
 
 fn at(tube: &Tube, heights_mm: &[f64]) -> Vec<AtHeight> {
     let sections = tube.sections(SectionFit::Skin);

@@ -11,7 +11,7 @@ use gaiter::leg::sections::section::Section;
 use gaiter::leg::side::Side;
 use gaiter::leg::surface::nurbs::{Wanted, surface};
 use nalgebra::{Point3, Vector3};
-use support::solids::{
+use support::geometry::solids::{
     CHORDS_MM, CROTCH_MM, REGULAR_MM, SCATTERED_MM, STATURE_MM, Tube, all, contour_mm, curve_of,
     ellipse, near, off_deg, tape_mm,
 };

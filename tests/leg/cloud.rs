@@ -11,8 +11,8 @@ use gaiter::record::{Provenance, Record, record, sha256};
 use gaiter::scan::Scan;
 use nalgebra::Point3;
 use serde_json::Value;
-use support::bodies::{export, record_of, scan, truth};
 use support::chance::Chance;
+use support::geometry::bodies::{export, record_of, scan, truth};
 use support::writers::Writer;
 
 /// The bodies and the noise of their points, mm.

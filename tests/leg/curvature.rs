@@ -6,7 +6,9 @@ use gaiter::leg::features::feature::{Feature, Kind, features};
 use gaiter::leg::method::SectionFit;
 use gaiter::leg::side::Side;
 use nalgebra::{Point3, Vector3};
-use support::solids::{REGULAR_MM, Tube, all, contour_mm, ellipse, near, off_deg, tape_mm};
+use support::geometry::solids::{
+    REGULAR_MM, Tube, all, contour_mm, ellipse, near, off_deg, tape_mm,
+};
 
 #[test]
 fn an_ellipse_is_most_curved_at_its_tips_and_least_at_its_sides() {

@@ -14,9 +14,9 @@ use gaiter::scan::Format;
 use gaiter::spline::{Basis, Smoothing, fit};
 use nalgebra::{Point2, Point3, Vector3};
 use proptest::prelude::*;
-use support::bodies;
-use support::noise::{Fate, quantile, roughened};
-use support::solids::{Tube, all, ellipse, near, off_deg};
+use support::geometry::bodies;
+use support::geometry::noise::{Fate, quantile, roughened};
+use support::geometry::solids::{Tube, all, ellipse, near, off_deg};
 
 /// An upright axis through the origin.
 fn axis() -> LegAxis {

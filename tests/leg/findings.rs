@@ -8,7 +8,7 @@ use gaiter::leg::method::{Axis, FacingChoice};
 use gaiter::leg::{Extraction, Finding, Level, Method, Side, extract};
 use gaiter::scan::Format;
 use support::chance::Chance;
-use support::mesh::Mesh;
+use support::geometry::mesh::Mesh;
 
 /// A finding as the record gives it: leg, level, code.
 type Found = (Option<Side>, Option<Level>, &'static str);

@@ -11,8 +11,8 @@ use gaiter::record::Record;
 use gaiter::scan::{Format, Scan};
 use nalgebra::{Matrix4, Point3, Rotation3, Vector3};
 use serde_json::Value;
-use support::bodies::{obj, record_of, scan};
-use support::solids::Chance;
+use support::geometry::bodies::{obj, record_of, scan};
+use support::geometry::solids::Chance;
 
 /// The body that the laws are tried on: y up, mm, looking to +z.
 static BODY: LazyLock<Scan> = LazyLock::new(|| scan("f_average_clean"));

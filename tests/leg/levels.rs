@@ -13,7 +13,9 @@ use gaiter::leg::levels::search::{self, Levels};
 use gaiter::leg::method::{B1, SectionFit};
 use gaiter::leg::sections::equidistant::Sections;
 use nalgebra::Vector3;
-use support::solids::{CHORDS_MM, CROTCH_MM, SCATTERED_MM, STATURE_MM, Tube, curve_of, near};
+use support::geometry::solids::{
+    CHORDS_MM, CROTCH_MM, SCATTERED_MM, STATURE_MM, Tube, curve_of, near,
+};
 
 const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Paper];
 

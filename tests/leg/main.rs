@@ -6,6 +6,7 @@ mod cloud;
 mod curvature;
 mod features;
 mod findings;
+mod held_back;
 mod laws;
 mod levels;
 mod order;

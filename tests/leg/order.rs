@@ -13,7 +13,7 @@ use gaiter::leg::report::leg_report;
 use gaiter::leg::side::Sides;
 use gaiter::leg::{Crotch, CrotchFrom, Finding, LegReport, Level, Method, What};
 use nalgebra::{Matrix4, Point2, Vector3};
-use support::solids::{CROTCH_MM, STATURE_MM, Tube, near};
+use support::geometry::solids::{CROTCH_MM, STATURE_MM, Tube, near};
 
 fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
     let leg = tube.leg();

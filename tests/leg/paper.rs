@@ -16,7 +16,7 @@ use gaiter::leg::{Extraction, Method};
 use gaiter::record::Record;
 use gaiter::scan::Scan;
 use nalgebra::{Point3, Rotation3, Vector3};
-use support::bodies::{export, obj, record_of, scan, truth};
+use support::geometry::bodies::{export, obj, record_of, scan, truth};
 
 /// The paper's sections on an axis.
 fn paper(axis: AxisFit) -> Method {

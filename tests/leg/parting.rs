@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 use gaiter::leg::method::Scope;
 use gaiter::leg::{CrotchFrom, Extraction, Level, Method, Refusal, Side, extract};
 use gaiter::scan::Format;
-use support::mesh::{Mesh, Ring};
+use support::geometry::mesh::{Mesh, Ring};
 
 /// The body that the legs are taken from: y up, mm, the patient's left at +x. Its crotch is at
 /// 744.5 mm.

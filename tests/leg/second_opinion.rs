@@ -10,7 +10,7 @@ use gaiter::leg::finding::Severity;
 use gaiter::leg::{Extraction, Finding, Level, Method, Side, What, extract};
 use gaiter::scan::Format;
 use gaiter::scan::ord::{Ord, OrdUnit};
-use support::bodies::export;
+use support::geometry::bodies::export;
 
 /// A body whose left calf is 46 mm larger than the right.
 static BODY: LazyLock<Extraction> =

@@ -10,7 +10,7 @@ use gaiter::leg::sections::section::Section;
 use gaiter::leg::surface::nurbs::{LegSurface, NoSurface, Wanted, surface};
 use gaiter::leg::surface::ridge::ridges;
 use gaiter::leg::surface::ridge_parametrization::Columns;
-use support::solids::{Tube, all, near};
+use support::geometry::solids::{Tube, all, near};
 
 /// Where the crest of [`crested`] is, radians: it goes 40° around the leg.
 fn crest(along_mm: f64) -> f64 {

@@ -18,7 +18,7 @@ use gaiter::leg::side::Side;
 use gaiter::leg::surface::nurbs::{LegSurface, Wanted, surface};
 use gaiter::spline::Knots;
 use nalgebra::{Point3, Vector3};
-use support::test_leg;
+use support::geometry::test_leg;
 
 /// The stature that goes with the leg: levels are looked for from 0.045 of it.
 const STATURE_MM: f64 = 1500.0;

@@ -10,7 +10,7 @@ use gaiter::leg::Method;
 use gaiter::record::Record;
 use gaiter::record::schema::LegFigures;
 use serde_json::Value;
-use support::bodies::{export, record_of, truth};
+use support::geometry::bodies::{export, record_of, truth};
 
 const CLEAN: [&str; 2] = ["f_average_clean", "m_average_clean"];
 const ALL: [&str; 3] = ["f_average_clean", "m_average_clean", "f_average_tc2"];

@@ -12,9 +12,9 @@ use gaiter::leg::side::Side;
 use gaiter::leg::{Extraction, LegReport, Level, Method, extract};
 use gaiter::scan::{Format, Scan};
 use nalgebra::{Point3, Vector3};
-use support::bodies::{export, obj, scan};
-use support::solids;
-use support::solids::{Tube, all, curve_of, ellipse, near, off_deg};
+use support::geometry::bodies::{export, obj, scan};
+use support::geometry::solids;
+use support::geometry::solids::{Tube, all, curve_of, ellipse, near, off_deg};
 
 const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Paper];
 

@@ -12,7 +12,7 @@ use gaiter::leg::{Extraction, Method, Side};
 use gaiter::record::picture::figures::{Figure, all};
 use gaiter::record::picture::{Anchor, Ink, Mark};
 use gaiter::record::{Language, Record};
-use support::bodies::{export, record_of};
+use support::geometry::bodies::{export, record_of};
 
 static BODIES: LazyLock<Vec<(String, Extraction, Record)>> = LazyLock::new(|| {
     let names = ["f_average_clean", "f_average_tc2", "m_average_clean"];

@@ -155,6 +155,7 @@ fn doubts_and_findings_are_told_and_what_is_only_information_is_not() {
     landmark.doubts = vec!["shallow".into(), "never-heard-of".into()];
     let mut record = record(json!({"left": {"B": landmark}}));
     let note = |severity: &str, message: &str| FindingNote {
+        says: None,
         code: "level-absent".into(),
         severity: severity.into(),
         leg: Some("right".into()),
@@ -200,7 +201,7 @@ fn fields_of_attachments_are_the_configured_ones_in_the_order_of_their_numbers()
 }
 
 #[test]
-fn nobody_s_record_and_an_id_that_cannot_be_written_make_no_message() {
+fn unassigned_record_and_an_id_that_cannot_be_written_make_no_message() {
     let mut record = record(json!({}));
     record.patient.as_mut().unwrap().id = "Ł4711".into();
     let fault = result(&record, &rules(Charset::Cp1252), noon(), &[]).unwrap_err();
@@ -257,7 +258,7 @@ proptest! {
         charset in charset(),
     ) {
         let mut record = record(json!({"left": left, "right": right}));
-        record.findings = messages.into_iter().map(|message| FindingNote {
+        record.findings = messages.into_iter().map(|message| FindingNote { says: None,
             code: "code".into(),
             severity: "warning".into(),
             leg: None,

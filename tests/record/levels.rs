@@ -9,7 +9,7 @@ use gaiter::leg::method::{B1, LevelChoices};
 use gaiter::leg::{Extraction, Level, Method};
 use gaiter::record::{Provenance, Record, ReportChoice, ScanFile, record_files, sha256};
 use gaiter::scan::Format;
-use support::bodies::{export, record_of};
+use support::geometry::bodies::{export, record_of};
 
 static BYTES: LazyLock<Vec<u8>> = LazyLock::new(|| export("f_average_clean"));
 

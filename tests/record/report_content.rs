@@ -12,7 +12,7 @@ use gaiter::record::report::content::{Table, Weight};
 use gaiter::record::report::{self, Content, Figure, Mark};
 use gaiter::record::schema::{FindingNote, LegFigures};
 use gaiter::record::{Language, Record, RecordSummary};
-use support::bodies::{export, record_of};
+use support::geometry::bodies::{export, record_of};
 use support::page::words;
 
 /// A body whose legs have figures that nobody takes for each other's: the left leg's are twice the
@@ -157,12 +157,13 @@ fn a_doubt_is_told_at_its_level_and_among_the_notes_with_all_its_places() {
     assert_eq!(places, ["left leg, C", "right leg, C"]);
     assert_eq!((below.code.as_str(), below.weight), ("below-d", Weight::Info));
     assert_eq!(below.place, "left leg, E");
-    assert_eq!(content.summary, "Look before use: 1 · Worth knowing: 1");
+    assert_eq!(content.summary, "Check before use: 1 · Worth knowing: 1");
 }
 
 #[test]
 fn findings_of_one_code_are_one_note_that_keeps_every_message() {
     let finding = |leg: &str, message: &str| FindingNote {
+        says: None,
         code: "leg-cut".to_owned(),
         severity: "warning".to_owned(),
         leg: Some(leg.to_owned()),
@@ -221,7 +222,14 @@ fn at_a_glance_a_doubt_is_seen_and_only_what_must_be_looked_at_is_counted() {
     for severity in ["error", "warning", "info"] {
         let (code, message) = ("leg-cut".to_owned(), String::new());
         let severity = severity.to_owned();
-        record.findings.push(FindingNote { code, severity, leg: None, level: None, message });
+        record.findings.push(FindingNote {
+            says: None,
+            code,
+            severity,
+            leg: None,
+            level: None,
+            message,
+        });
     }
     let brief = RecordSummary::of(&record, Language::De);
     assert_eq!(brief.findings, 2);
@@ -261,6 +269,7 @@ fn why_a_level_has_no_figure_is_told_and_which_levels_nobody_saw() {
         ("another", "not seen"),
     ] {
         record.findings = vec![FindingNote {
+            says: None,
             code: code.to_owned(),
             severity: "warning".to_owned(),
             leg: Some("left".to_owned()),

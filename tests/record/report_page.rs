@@ -19,7 +19,7 @@ use gaiter::record::{
 };
 use gaiter::scan::Format;
 use sha2::{Digest, Sha256};
-use support::bodies::export;
+use support::geometry::bodies::export;
 use support::page::{check_markup, words};
 use support::verb::{code, gaiter, stderr, stdout};
 
@@ -196,6 +196,7 @@ fn what_is_missing_is_said_with_its_reason_and_never_left_blank() {
     let lone = Record { legs: MADE.0.legs[..1].to_vec(), differences: None, ..MADE.0.clone() };
     let mut refused = lone.clone();
     refused.findings.push(gaiter::record::schema::FindingNote {
+        says: None,
         code: "leg-not-measured".to_owned(),
         severity: "error".to_owned(),
         leg: Some("right".to_owned()),

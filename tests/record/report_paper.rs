@@ -11,7 +11,7 @@ use gaiter::leg::Method;
 use gaiter::record::picture::figures;
 use gaiter::record::report::{self, Content};
 use gaiter::record::{Language, Patient, Record, Source, SourceKind};
-use support::bodies::{export, record_of};
+use support::geometry::bodies::{export, record_of};
 
 static RECORD: LazyLock<Record> =
     LazyLock::new(|| record_of(&export("f_average_clean"), &Method::default()).1);

@@ -9,7 +9,7 @@ use std::sync::LazyLock;
 use gaiter::leg::Method;
 use gaiter::record::{Record, sha256};
 use serde_json::Value;
-use support::bodies::{export, record_of};
+use support::geometry::bodies::{export, record_of};
 use support::verb::{code, gaiter, stderr};
 
 static RECORD: LazyLock<Record> =
@@ -62,9 +62,9 @@ fn a_record_that_was_changed_or_that_no_leg_can_have_gives_no_report() {
     fs::write(path("SHA256SUMS"), format!("{written}  record.json\n")).unwrap();
     let mut changed = whole.clone();
     changed["legs"][0]["landmarks"]["C"]["girth_tape_mm"] = 351.2.into();
-    refused("another girth", &changed, "is not what SHA256SUMS says");
+    refused("another girth", &changed, "does not match SHA256SUMS");
     fs::write(path("SHA256SUMS"), "no sums\n").unwrap();
-    refused("sums that cannot be read", &whole, "is no sum and name");
+    refused("sums that cannot be read", &whole, "is not a checksum and a name");
 }
 
 #[test]

@@ -5,6 +5,7 @@
 use std::collections::BTreeSet;
 use std::fs;
 
+use gaiter::cad::{CadFault, End, EndNotPlane};
 use gaiter::leg::comparison::difference::LegsDiffer;
 use gaiter::leg::comparison::opinion::{Measure, SecondOpinion};
 use gaiter::leg::doubt::Doubt;
@@ -17,14 +18,17 @@ use gaiter::leg::surface::nurbs::NoSurface;
 use gaiter::leg::{Finding, LegFault, Level, Side, What};
 use gaiter::record::report::Content;
 use gaiter::record::schema::FindingNote;
+use gaiter::record::statement::Statement;
 use gaiter::record::{Language, Record};
+use gaiter::spline::tessellate::TessellationFault;
 use serde_json::json;
 
 const LANGUAGES: [Language; 2] = [Language::En, Language::De];
 
-/// A record of no leg with these findings, by code and message.
-fn record(findings: &[(String, String)]) -> Record {
-    let note = |(code, message): &(String, String)| FindingNote {
+/// A record of no leg with these findings, by code, message and statement.
+fn record(findings: &[(String, String, Option<Statement>)]) -> Record {
+    let note = |(code, message, says): &(String, String, Option<Statement>)| FindingNote {
+        says: says.clone(),
         code: code.clone(),
         severity: "warning".to_owned(),
         leg: Some("left".to_owned()),
@@ -67,7 +71,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
     let codes = codes();
     assert!(codes.len() > 28, "only {codes:?}");
     for code in &codes {
-        let record = record(&[(code.clone(), String::new())]);
+        let record = record(&[(code.clone(), String::new(), None)]);
         let notes = LANGUAGES.map(|language| Content::of(&record, language).notes.entries);
         let [english, german] = notes.map(|notes| notes[0].clone());
         for note in [&english, &german] {
@@ -86,7 +90,7 @@ const KEYWORDS: [[&str; 4]; 31] = [
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
     ["flat", "uncertain", "unsicher", "fast gleich"],
     ["double", "second", "zweite", "zweite Stelle"],
-    ["edge", "the end of what", "Rand", "vom Ende"],
+    ["edge", "edge of the visible", "Rand", "vom Ende"],
     ["gap", "partly", "teilweise", "30°"],
     ["scatter", "scatter", "streuen", "nicht eine Haut"],
     ["folds", "folded", "Falten", "Hautfalten"],
@@ -107,7 +111,7 @@ const KEYWORDS: [[&str; 4]; 31] = [
     ["mesh-not-made", "Mesh", "Netz", "keine Dreiecke"],
     ["paper-not-made", "paper", "PDF", "report.pdf"],
     ["legs-differ", "differ", "unterscheiden", "Schwellung"],
-    ["ord-disagrees", "otherwise", "anders", "Scanner"],
+    ["ord-disagrees", "measures differ", "anders", "Scanner"],
     ["ord-sides", "swapped", "vertauscht", "Bein"],
     ["ord-unit", "unit", "Einheit", "Einheit"],
     ["ord-unreadable", "not readable", "nicht lesbar", "Scan"],
@@ -119,7 +123,7 @@ fn the_words_of_a_code_are_its_own_and_of_no_other() {
     let known: BTreeSet<String> = KEYWORDS.iter().map(|[code, ..]| (*code).to_owned()).collect();
     assert_eq!(known, codes());
     for [code, english, german, meaning] in KEYWORDS {
-        let record = record(&[(code.to_owned(), String::new())]);
+        let record = record(&[(code.to_owned(), String::new(), None)]);
         let notes = LANGUAGES.map(|language| Content::of(&record, language).notes.entries);
         let [in_english, in_german] = notes.each_ref().map(|notes| &notes[0]);
         assert!(in_english.title.contains(english), "{code}: {in_english:?}");
@@ -150,7 +154,8 @@ fn a_message_in_german_is_about_the_same_leg_and_measure() {
     for what in all() {
         let finding = Finding { side: Some(Side::Left), level: None, what };
         let message = finding.what.to_string();
-        let record = record(&[(finding.code().to_owned(), message.clone())]);
+        let says = Statement::of_finding(&finding.what);
+        let record = record(&[(finding.code().to_owned(), message.clone(), says)]);
         let german = Content::of(&record, Language::De).notes.entries[0].message.clone();
         for [english, in_german] in ALIKE {
             if message.contains(english) {
@@ -164,7 +169,7 @@ fn a_message_in_german_is_about_the_same_leg_and_measure() {
 
 #[test]
 fn a_code_of_a_later_version_is_told_by_its_message() {
-    let record = record(&[("new-code".to_owned(), "something new".to_owned())]);
+    let record = record(&[("new-code".to_owned(), "something new".to_owned(), None)]);
     for language in LANGUAGES {
         let notes = Content::of(&record, language).notes;
         let [note] = &notes.entries[..] else { unreachable!("{notes:?}") };
@@ -280,7 +285,8 @@ fn every_message_is_told_in_german_with_all_its_figures() {
     for what in all() {
         let finding = Finding { side: Some(Side::Left), level: None, what };
         let message = finding.what.to_string();
-        let record = record(&[(finding.code().to_owned(), message.clone())]);
+        let says = Statement::of_finding(&finding.what);
+        let record = record(&[(finding.code().to_owned(), message.clone(), says)]);
         let [english, german] = LANGUAGES.map(|language| {
             let notes = Content::of(&record, language).notes.entries;
             notes[0].clone()
@@ -326,7 +332,7 @@ fn by_what_a_level_is_found_is_told_in_german() {
         let mut record = serde_json::to_value(record(&[])).unwrap();
         record["legs"] = json!([{
             "side": "left", "tilt_deg": 1.0,
-            "landmarks": {"C": {"by": english, "height_mm": 300.0, "along_axis_mm": 301.0,
+            "landmarks": {"C": {"by": english, "rule": Statement::from(&by), "height_mm": 300.0, "along_axis_mm": 301.0,
                 "girth_tape_mm": 380.0, "girth_contour_mm": 381.0, "height_sd_mm": null,
                 "girth_sd_mm": null, "doubts": []}},
             "girth_curve": {"height_mm": [], "along_axis_mm": [], "tape_mm": [], "contour_mm": [],
@@ -343,4 +349,45 @@ fn by_what_a_level_is_found_is_told_in_german() {
         assert_ne!(told[1], english);
         assert_eq!(figures(&told[1]).len(), figures(&english).len(), "{told:?}");
     }
+}
+
+#[test]
+fn a_file_that_was_not_made_says_so_in_german() {
+    let tessellation = [
+        TessellationFault::NoTolerance { tolerance_mm: -0.5 },
+        TessellationFault::TooFine { tolerance_mm: 0.001, triangles: 9e9 },
+        TessellationFault::Degenerate { u: 0.25, v: 1.5 },
+    ];
+    let ends = [End::First, End::Last].map(|end| EndNotPlane { end, off_mm: 0.125 });
+    let faults = tessellation.map(CadFault::from).into_iter().chain(ends.map(CadFault::from));
+    let mut seen = BTreeSet::new();
+    for fault in faults {
+        let says = Some(Statement::of_missing_file("left.stl", &fault));
+        let record = record(&[(fault.code().to_owned(), "was not made".to_owned(), says)]);
+        let note = Content::of(&record, Language::De).notes.entries[0].clone();
+        assert!(!note.is_message_english, "{fault}");
+        assert!(note.message.starts_with("left.stl wurde nicht erzeugt: "), "{note:?}");
+        seen.insert(note.message);
+    }
+    assert_eq!(seen.len(), 5, "{seen:?}");
+}
+
+#[test]
+fn a_figure_that_is_not_finite_leaves_the_english_words() {
+    let what = What::Doubtful(Doubt::Flat { height_sd_mm: f64::INFINITY });
+    let says = Statement::of_finding(&what);
+    let text = serde_json::to_string(&says).unwrap();
+    assert_eq!(serde_json::from_str::<Option<Statement>>(&text).unwrap(), says);
+    let record = record(&[("flat".to_owned(), what.to_string(), says)]);
+    assert!(Content::of(&record, Language::De).notes.entries[0].is_message_english);
+}
+
+#[test]
+fn a_record_without_statements_is_told_in_its_english_words() {
+    let message = What::ThighsTouch { from_mm: 702.0 }.to_string();
+    let record = record(&[("thighs-touch".to_owned(), message.clone(), None)]);
+    let note = Content::of(&record, Language::De).notes.entries[0].clone();
+    assert!(note.is_message_english);
+    assert!(note.message.to_lowercase().starts_with(&message.to_lowercase()), "{note:?}");
+    assert!(note.meaning.unwrap().contains("berühren sich"));
 }

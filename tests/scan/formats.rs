@@ -6,7 +6,7 @@
 use gaiter::scan::{CutSign, Format, Scan, ScanFault, completeness, read};
 use nalgebra::Point3;
 use proptest::prelude::*;
-use support::bodies;
+use support::geometry::bodies;
 use support::writers::{MESHES, Writer};
 
 /// A cube whose triangles use its points in their order, so that no reader has to reorder them.

@@ -201,25 +201,32 @@ fn jostle_at_the_socket(field: &Field, chance: &mut Chance) {
     }
 }
 
+/// How long a station that is on its way out may take to be gone.
+const GOING: Duration = Duration::from_millis(500);
+
 /// Tries to have the page's port for himself, while the station is up and has said that it is ready.
-/// Whoever has it could show the operator a page of his own.
+/// Whoever has it could show the operator a page of his own. A station that ends gives its port away, so
+/// only one that lives on has lost it.
 pub fn steal_the_port(field: &Field) {
-    let (mut free_since, mut tried, mut had) = (None, 0_u64, 0_u64);
+    let (mut tried, mut had, mut lost) = (0_u64, 0_u64, false);
     while field.goes_on() {
         // It is given back at once: what the station makes of that is its own affair.
-        let has = field.keeper.while_up(|pid| {
+        let had_from = field.keeper.while_up(|pid| {
             let has = TcpListener::bind(("127.0.0.1", field.port)).is_ok();
-            has && is_alive(pid)
+            (has && is_alive(pid)).then_some(pid)
         });
-        tried += u64::from(has.is_some());
-        had += u64::from(has == Some(true));
-        if has == Some(true) {
-            free_since.get_or_insert(field.elapsed());
-        } else if let Some(since) = free_since.take() {
-            let (from, length) = (since.as_secs_f64(), (field.elapsed() - since).as_secs_f64());
-            field.fault(format_args!(
-                "anybody could have the port from {from:.3} on, {length:.3} s"
-            ));
+        tried += u64::from(had_from.is_some());
+        match had_from.flatten() {
+            Some(pid) => {
+                let from = field.elapsed().as_secs_f64();
+                had += 1;
+                let is_gone = field.wait_for(GOING, || !is_alive(pid));
+                if !is_gone && !lost {
+                    field.fault(format_args!("anybody could have the port from {from:.3} on"));
+                }
+                lost = !is_gone;
+            }
+            None => lost = false,
         }
         thread::sleep(Duration::from_millis(1));
     }

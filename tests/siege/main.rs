@@ -29,8 +29,9 @@ use failing::Disks;
 use field::{Field, Tail};
 use plan::Plan;
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
+use support::faults::{disk, share};
 use support::invariants::{Moment, Violation, Vitals};
-use support::{chance, coarse_body, disk, process, share};
+use support::{chance, coarse_body, process};
 use watch::{PAGES, Samples};
 
 /// So many open files are allowed to the station by its unit, and are enough for the crowd.

@@ -7,9 +7,9 @@ use gaiter::spline::{
     Surface, fit_cloud, fit_cloud_by,
 };
 use nalgebra::Point3;
-use support::cloud::{Faults, cloud};
-use support::metric::true_error;
-use support::test_leg;
+use support::geometry::cloud::{Faults, cloud};
+use support::geometry::metric::true_error;
+use support::geometry::test_leg;
 
 const NOISY: Faults = Faults { sigma_mm: 0.5, outliers: 0.0 };
 

@@ -6,8 +6,8 @@ use gaiter::spline::{
     SurfaceFit, fit_grid_by, mean_chord_parameters,
 };
 use nalgebra::Point3;
-use support::metric::parameters;
-use support::test_leg;
+use support::geometry::metric::parameters;
+use support::geometry::test_leg;
 
 const WHOLE: GridDomain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
 

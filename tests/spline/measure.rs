@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use gaiter::spline::{Basis, Curvatures, GridData, Surface, fit_grid};
 use nalgebra::{Isometry3, Point3, Vector3};
 use proptest::prelude::*;
-use support::test_leg;
+use support::geometry::test_leg;
 
 /// A surface of revolution about z through `points` many samples a side, u and v from 0 to 1.
 fn revolved(profile: impl Fn(f64) -> (f64, f64), spans: usize) -> Surface {

@@ -6,8 +6,8 @@ use gaiter::spline::{
 };
 use nalgebra::{Point3, Vector3};
 use support::chance::Chance;
-use support::metric::{parameters, true_error};
-use support::test_leg;
+use support::geometry::metric::{parameters, true_error};
+use support::geometry::test_leg;
 
 const WHOLE: GridDomain = GridDomain { along: [0.0, 1.0], around_from: 0.0, period: 1.0 };
 

@@ -8,8 +8,8 @@ use gaiter::cad::step::{self, Schema};
 use gaiter::cad::{FileHeader, Shape};
 use gaiter::spline::{GridDomain, GridMethod, GridSmoothing, Knots, fit_grid_by};
 use section_table::{SectionTable, TableFault};
-use support::metric::true_error;
-use support::test_leg;
+use support::geometry::metric::true_error;
+use support::geometry::test_leg;
 
 const TABLE: &str = include_str!("../../fixtures/sections/test_leg.csv");
 

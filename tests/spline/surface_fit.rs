@@ -3,8 +3,8 @@
 
 use gaiter::spline::{Basis, FitFault, GridData, Surface, SurfaceFit, fit_grid};
 use nalgebra::Point3;
-use support::metric::{parameters, true_error};
-use support::test_leg;
+use support::geometry::metric::{parameters, true_error};
+use support::geometry::test_leg;
 
 #[test]
 fn the_test_leg_is_the_one_of_the_reference() {

@@ -31,17 +31,12 @@ fn booth() -> Booth {
     booth
 }
 
-fn status(booth: &Booth) -> Value {
-    let output = booth.gaiter(&["status", "--json"]);
-    serde_json::from_slice(&output.stdout).unwrap_or_default()
-}
-
 /// A started station that has listened for long enough to believe that it hears every press.
 #[track_caller]
 fn listening(booth: &Booth) -> Daemon {
     let daemon = booth.start();
     booth.wait_for("a sure booth", || {
-        let status = status(booth);
+        let status = booth.status();
         status["triggers"]["serial"]["state"] == "open" && status["booth"]["in_doubt"] == false
     });
     daemon
@@ -60,7 +55,7 @@ fn press(booth: &Booth, button: &mut pty::Box) {
     button.sends(b"PRESS\r\n");
     booth.wait_for("the press", || captures() > before);
     for _ in 0..2 {
-        let last_look = || status(booth)["sources"][0]["last_look"].clone();
+        let last_look = || booth.status()["sources"][0]["last_look"].clone();
         let before = last_look();
         booth.wait_for("a look after the press", || last_look() != before);
     }
@@ -105,10 +100,10 @@ fn a_press_without_an_export_is_an_alarm_until_the_next_press() {
     let mut button = pty::Box::behind(&booth.path("button"));
     let daemon = listening(&booth);
     press(&booth, &mut button);
-    booth.wait_for("the alarm", || status(&booth)["alarms"]["no-export"].is_object());
-    booth.wait_for("the light", || status(&booth)["booth"]["light"] == "no_export");
+    booth.wait_for("the alarm", || booth.status()["alarms"]["no-export"].is_object());
+    booth.wait_for("the light", || booth.status()["booth"]["light"] == "no_export");
     press(&booth, &mut button);
-    booth.wait_for("its end", || status(&booth)["alarms"]["no-export"].is_null());
+    booth.wait_for("its end", || booth.status()["alarms"]["no-export"].is_null());
     booth.export("a.obj", &coarse_body(2));
     booth.wait_for_records(1);
     assert!(daemon.stop().success());
@@ -127,7 +122,7 @@ fn two_patients_who_may_both_be_meant_get_nothing_before_a_person_decides() {
     }
     booth.export("a.obj", &coarse_body(3));
     booth.wait_for("the hold", || held(&booth) == ["capture-ambiguous"]);
-    booth.wait_for("the light", || status(&booth)["booth"]["light"] == "attention");
+    booth.wait_for("the light", || booth.status()["booth"]["light"] == "attention");
     assert_eq!(booth.records(), []);
     assert!(daemon.stop().success());
 }
@@ -140,7 +135,7 @@ fn a_long_press_calls_off_what_waits() {
     name(&booth, "4711");
     press(&booth, &mut button);
     button.sends(b"LONG\r\n");
-    booth.wait_for("its end", || status(&booth)["booth"]["awaited"] == 0);
+    booth.wait_for("its end", || booth.status()["booth"]["awaited"] == 0);
     assert!(daemon.stop().success());
     assert_eq!(booth.journal("SELECT count(*) FROM captures WHERE state = 'called_off'"), Some(1));
     assert_eq!(booth.journal("SELECT count(*) FROM history WHERE event = 'called-off'"), Some(1));
@@ -156,7 +151,7 @@ fn a_port_that_is_pulled_out_holds_the_scan_of_the_patient_who_was_named() {
     press(&booth, &mut button);
     drop(button);
     fs::remove_file(&link).unwrap();
-    booth.wait_for("its absence", || status(&booth)["triggers"]["serial"]["state"] == "absent");
+    booth.wait_for("its absence", || booth.status()["triggers"]["serial"]["state"] == "absent");
     booth.export("a.obj", &coarse_body(4));
     booth.wait_for("the hold", || held(&booth) == ["press-unheard"]);
     assert!(daemon.stop().success());

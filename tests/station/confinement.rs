@@ -9,7 +9,6 @@ use std::thread;
 
 use rustix::process::{Pid, Signal, kill_process};
 use seccompiler::{BpfProgram, SeccompAction, SeccompFilter, TargetArch};
-use serde_json::Value;
 use support::verb::{code, stderr, stdout};
 use support::{Booth, coarse_body};
 
@@ -41,18 +40,13 @@ fn required(booth: &Booth) {
     booth.reconfigure(|config| format!("{config}[measure]\nconfine = \"required\"\n"));
 }
 
-fn status(booth: &Booth) -> Value {
-    serde_json::from_slice(&booth.gaiter(&["status", "--json"]).stdout).unwrap_or_default()
-}
-
 #[test]
 fn a_station_whose_kernel_has_every_guard_says_so() {
     let booth = Booth::new();
     required(&booth);
-    let daemon = booth.start();
-    booth.wait_for("the station", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     assert!(booth.log().contains("event=\"confined\" by=\"landlock"), "{}", booth.log());
-    let told = status(&booth);
+    let told = booth.status();
     assert_eq!(told["confinement"]["seccomp"], true);
     assert_ne!(told["confinement"]["landlock"], "not");
     assert!(!stdout(&booth.gaiter(&["status"])).contains("lack"));
@@ -67,9 +61,9 @@ fn a_station_without_landlock_measures_and_says_so_in_log_status_and_check() {
         booth.export("4711_a.obj", &coarse_body(1));
         booth.wait_for_records(1);
         assert!(booth.log().contains("event=\"confinement-missing\" missing=\"landlock\""));
-        assert_eq!(status(&booth)["confinement"]["landlock"], "not");
+        assert_eq!(booth.status()["confinement"]["landlock"], "not");
         let shown = stdout(&booth.gaiter(&["status"]));
-        assert!(shown.contains("measuring processes lack landlock on this machine"), "{shown}");
+        assert!(shown.contains("measuring processes run without landlock, which"), "{shown}");
         let checked = booth.gaiter(&["check"]);
         let row =
             stdout(&checked).lines().find(|line| line.contains("confinement")).map(str::to_owned);
@@ -81,7 +75,7 @@ fn a_station_without_landlock_measures_and_says_so_in_log_status_and_check() {
         let pid = Pid::from_raw(daemon.id().cast_signed()).unwrap();
         kill_process(pid, Signal::HUP).unwrap();
         booth.wait_for("the refusal", || booth.log().contains("configuration-refused"));
-        let refused = status(&booth)["refused_reload"].to_string();
+        let refused = booth.status()["refused_reload"].to_string();
         assert!(refused.contains("measure.confine"), "{refused}");
         assert_eq!(daemon.stop().code(), Some(0));
     });

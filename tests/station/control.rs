@@ -143,7 +143,7 @@ fn a_file_says_why_it_is_where_it_is() {
     assert!(explained(".hidden.obj").contains("is hidden"));
     assert!(explained("x.obj.tmp").contains("unfinished"));
     let outside = stdout(&gaiter(&booth, &["explain", "/elsewhere.obj"]));
-    assert!(outside.contains("does not lie in an export folder"), "{outside}");
+    assert!(outside.contains("is not in an export folder"), "{outside}");
     booth.export("4711_bad.obj", b"no scan\n");
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
     assert!(explained("4711_bad.obj").contains("was refused"), "{}", explained("4711_bad.obj"));
@@ -220,7 +220,7 @@ fn a_scan_is_named_by_digits_that_are_its_own() {
     for digits in ["abc", "xyz", "12 4"] {
         assert_eq!(code(&gaiter(&booth, &["show", digits])), Some(64), "{digits}");
         let said = stdout(&gaiter(&booth, &["explain", digits]));
-        assert!(said.contains("does not lie in an export folder"), "{digits}: {said}");
+        assert!(said.contains("is not in an export folder"), "{digits}: {said}");
     }
     // Two ids that begin alike are too rare to wait for.
     let journal = rusqlite::Connection::open(booth.path("state/journal.db")).unwrap();
@@ -280,7 +280,7 @@ fn a_paused_station_is_not_ready_and_takes_nothing_until_it_is_resumed() {
     let daemon = booth.start();
     wait_until_ready(&booth);
     assert_eq!(code(&gaiter(&booth, &["pause"])), Some(0));
-    assert!(stdout(&gaiter(&booth, &["status"])).starts_with("not ready: a person has paused"));
+    assert!(stdout(&gaiter(&booth, &["status"])).starts_with("not ready: the operator has paused"));
     assert_eq!(daemon.stop().code(), Some(0));
     let daemon = booth.start();
     booth.wait_for("the pause after a restart", || {
@@ -314,7 +314,7 @@ fn a_scan_for_nobody_is_assigned_by_standard_input_and_a_held_one_released() {
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));
     assert!(!stdout(&output).contains("4713"), "{}", stdout(&output));
     assert_eq!(code(&gaiter(&booth, &["release", &twice[..8]])), Some(0));
-    // What was nobody's is being taken back meanwhile: not every record is whole at every moment.
+    // What was unassigned is being taken back meanwhile: not every record is whole at every moment.
     let whose = |patient: &str| booth.path("records").join(patient).is_dir();
     booth.wait_for("the records", || whose("4712") && whose("4713"));
 

@@ -5,32 +5,21 @@
 use std::fs;
 
 use rustix::process::{Pid, Signal, kill_process};
-use serde_json::Value;
 use support::verb::{code, stderr, stdout};
-use support::{Booth, Daemon, coarse_body, names};
-
-fn status(booth: &Booth) -> Value {
-    serde_json::from_slice(&booth.gaiter(&["status", "--json"]).stdout).unwrap_or_default()
-}
-
-fn start(booth: &Booth) -> Daemon {
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
-    daemon
-}
+use support::{Booth, coarse_body, names};
 
 #[test]
 fn a_folder_that_somebody_removed_is_a_fault_at_once_and_made_anew() {
     for folder in ["spool", "quarantine", "decisions"] {
         let booth = Booth::new();
-        let daemon = start(&booth);
+        let daemon = booth.start_ready();
         fs::remove_dir_all(booth.path("state").join(folder)).unwrap();
-        let told = status(&booth);
+        let told = booth.status();
         let alarm = told["alarms"]["custody-made-anew"]["message"].as_str().unwrap_or_default();
         assert!(alarm.contains(folder), "{told}");
         booth.export("4711_a.obj", &coarse_body(1));
         booth.wait_for_records(1);
-        assert!(status(&booth)["alarms"]["custody-made-anew"].is_object());
+        assert!(booth.status()["alarms"]["custody-made-anew"].is_object());
         assert_eq!(daemon.stop().code(), Some(0));
         booth.assert_settled(&[("4711", &coarse_body(1))]);
     }
@@ -39,11 +28,12 @@ fn a_folder_that_somebody_removed_is_a_fault_at_once_and_made_anew() {
 #[test]
 fn a_scan_that_was_lost_with_the_spool_is_taken_in_again_when_it_is_exported_again() {
     let booth = Booth::new();
-    let daemon = start(&booth);
+    let daemon = booth.start_ready();
     fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
     booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for("the spool", || booth.log().contains("scan-spooled"));
-    fs::remove_dir_all(booth.path("state/spool")).unwrap();
+    // At once: the station may be writing there.
+    fs::rename(booth.path("state/spool"), booth.path("removed")).unwrap();
     fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();
     booth.wait_for("its refusal", || booth.log().contains("spool-lost"));
     booth.export("4711_a.obj", &coarse_body(1));
@@ -55,14 +45,13 @@ fn a_scan_that_was_lost_with_the_spool_is_taken_in_again_when_it_is_exported_aga
 #[test]
 fn a_second_station_on_an_export_folder_says_so_and_ends() {
     let (booth, other) = (Booth::new(), Booth::new());
-    let daemon = booth.start();
-    booth.wait_for("the station", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     let own = other.path("export").display().to_string();
     let shared = booth.path("export").display().to_string();
     other.reconfigure(|config| config.replace(&own, &shared));
     let ended = other.gaiter(&["run"]);
     assert_eq!(code(&ended), Some(74));
-    assert!(stderr(&ended).contains("another station on this machine works"), "{}", stderr(&ended));
+    assert!(stderr(&ended).contains("station on this machine already uses"), "{}", stderr(&ended));
     booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for_records(1);
     assert_eq!(daemon.stop().code(), Some(0));
@@ -76,8 +65,8 @@ fn a_second_station_on_an_export_folder_says_so_and_ends() {
 #[test]
 fn an_export_folder_that_another_station_has_is_left_alone_after_a_reload() {
     let (booth, other) = (Booth::new(), Booth::new());
-    let daemon = start(&booth);
-    let second = start(&other);
+    let daemon = booth.start_ready();
+    let second = other.start_ready();
     let (own, shared) = (other.path("export"), booth.path("export"));
     let both = format!("[\"{}\", \"{}\"]", own.display(), shared.display());
     other.reconfigure(|config| config.replace(&format!("[\"{}\"]", own.display()), &both));

@@ -35,12 +35,8 @@ fn assign(booth: &Booth, scan: &str, id: &str) {
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));
 }
 
-fn status(booth: &Booth) -> Value {
-    serde_json::from_slice(&booth.gaiter(&["status", "--json"]).stdout).unwrap()
-}
-
 fn complaints(booth: &Booth) -> Vec<String> {
-    let status = status(booth);
+    let status = booth.status();
     let complaints = status["complaints"].as_array().unwrap().iter();
     complaints.map(|complaint| complaint["code"].as_str().unwrap().to_owned()).collect()
 }
@@ -149,7 +145,7 @@ fn a_scan_taken_back_and_assigned_again_while_a_delivery_runs_ends_with_the_last
         booth.wait_for_records(1);
         let id = &sha256(&scan)[..8];
         said(&booth, &["unassign", id]);
-        // The delivery for nobody runs: it is stopped in the middle, and goes on after the next word.
+        // The unassigned delivery runs: it is stopped in the middle, and goes on after the next word.
         let mut stopped = None;
         booth.wait_for("the measurement", || {
             stopped = measuring(&daemon);
@@ -159,7 +155,7 @@ fn a_scan_taken_back_and_assigned_again_while_a_delivery_runs_ends_with_the_last
         kill_process(stopped.unwrap(), Signal::CONT).unwrap();
         at_rest(&booth, "the last word", &[next], &scan);
         let show = said(&booth, &["show", id]);
-        assert!(!show.contains("to be taken back"), "{show}");
+        assert!(!show.contains("to be withdrawn"), "{show}");
         let withdrawn =
             "SELECT count(*) FROM deliveries WHERE state = 'withdrawn' AND patient <> ''";
         booth.wait_for_journal(withdrawn, left);
@@ -181,16 +177,16 @@ fn a_record_that_was_changed_by_hand_is_said_to_lie_there_until_it_has_left() {
     let id = &sha256(&scan)[..8];
     said(&booth, &["unassign", id]);
     booth.wait_for("the alarm", || complaints(&booth).contains(&"record-kept".to_owned()));
-    assert_eq!(status(&booth)["scans"]["withdrawing"], 1);
+    assert_eq!(booth.status()["scans"]["withdrawing"], 1);
     assert!(said(&booth, &["scans"]).contains("withdrawing"));
-    assert!(said(&booth, &["show", id]).contains("withdrawing [record-kept], to be taken back"));
-    assert!(said(&booth, &["explain", id]).contains("has not left"));
+    assert!(said(&booth, &["show", id]).contains("withdrawing [record-kept], to be withdrawn"));
+    assert!(said(&booth, &["explain", id]).contains("could not be removed yet"));
     assert!(record.exists());
     fs::write(&record, sound).unwrap();
     said(&booth, &["retry", id]);
     at_rest(&booth, "the take-back", &["_unassigned"], &scan);
     booth.wait_for("the end of the alarm", || complaints(&booth).is_empty());
-    assert_eq!(status(&booth)["scans"]["withdrawing"], 0);
+    assert_eq!(booth.status()["scans"]["withdrawing"], 0);
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
@@ -221,7 +217,7 @@ fn a_refused_scan_is_given_up_or_closed_by_the_same_patients_next_good_one() {
     let booth = Booth::new();
     let daemon = start(&booth);
     let refused = |count: u64| {
-        booth.wait_for("the refusal", || status(&booth)["scans"]["refused"] == count);
+        booth.wait_for("the refusal", || booth.status()["scans"]["refused"] == count);
     };
     let (first, second) = (b"no scan\n".to_vec(), b"no scan either\n".to_vec());
     booth.export("4711_bad.obj", &first);
@@ -235,7 +231,7 @@ fn a_refused_scan_is_given_up_or_closed_by_the_same_patients_next_good_one() {
     booth.export("4711_good.obj", &coarse_body(6));
     booth.wait_for_records(1);
     refused(0);
-    assert_eq!(status(&booth)["scans"]["closed"], 2);
+    assert_eq!(booth.status()["scans"]["closed"], 2);
     let listed = said(&booth, &["scans", "--state", "refused"]);
     assert!(listed.contains("superseded") && listed.contains("given-up"), "{listed}");
     assert_eq!(listed.matches("closed").count(), 2, "{listed}");

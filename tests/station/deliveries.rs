@@ -41,7 +41,7 @@ fn a_writer_that_stalls_longer_than_the_quiet_time_in_the_middle_of_a_line_is_aw
     let (first, rest) = bytes.split_at(bytes.len() - 7);
     let mut file = File::create(booth.path("export/4711_a.obj")).unwrap();
     file.write_all(first).unwrap();
-    booth.wait_until_explained("4711_a.obj", "ends in the middle");
+    booth.wait_until_explained("4711_a.obj", "is incomplete");
     file.write_all(rest).unwrap();
     booth.has_put("4711_a.obj", first, PutKind::Short);
     booth.has_put("4711_a.obj", &bytes, PutKind::Whole);
@@ -230,8 +230,7 @@ fn an_export_folder_that_is_missing_or_replaced_is_taken_up_when_it_is_there() {
 #[test]
 fn an_unreachable_store_is_tried_until_it_is_back_and_nothing_is_written_in_its_place() {
     let booth = Booth::new();
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
     booth.export("4711_a.obj", &body(1));
     booth.wait_for("the outage to be told", || booth.log().contains("store-unavailable"));
@@ -300,8 +299,7 @@ fn a_stop_in_the_middle_of_work_ends_with_0_and_the_next_start_goes_on() {
 #[test]
 fn a_second_station_on_the_same_state_refuses_and_names_the_first() {
     let booth = Booth::new();
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     let pid = fs::read_to_string(booth.path("state/lock")).unwrap();
     let second = booth.command().status().unwrap();
     assert!(second.code().is_some_and(|code| code != 0), "{second:?}");

@@ -156,7 +156,7 @@ fn an_order_is_brought_by_the_program_that_the_practice_software_starts() {
     };
     let good = bring(&order(6302, "4711"));
     assert_eq!(good.status.code(), Some(0), "{}", stderr(&good));
-    assert!(stdout(&good).contains("next export is this patient's"), "{}", stdout(&good));
+    assert!(stdout(&good).contains("next export belongs to this patient"), "{}", stdout(&good));
     assert_eq!(events(&booth, "patient-named"), 1);
     let long = [order(6302, "4711"), vec![b' '; 13_000]].concat();
     for (bytes, why) in [(order(6301, "4711"), "a message 6301"), (long, "at most 12288")] {
@@ -201,7 +201,7 @@ fn every_named_record_is_handed_over_once_across_restarts_and_a_lost_journal() {
     let place = blocks.iter().position(|ident| ident == "LC_L").unwrap();
     let told_cm: f64 = contents(&result, "8420")[place].parse().unwrap();
     assert!((told_cm * 10.0 - girth_mm).abs() <= 0.5 + 1e-9, "{told_cm} cm, {girth_mm} mm");
-    // The scan for nobody and a restart hand nothing over; neither does a lost journal.
+    // The unassigned scan and a restart hand nothing over; neither does a lost journal.
     assert_eq!(daemon.stop().code(), Some(0));
     for file in ["journal.db", "journal.db-wal", "journal.db-shm", "history.head"] {
         let _ = fs::remove_file(booth.path("state").join(file));

@@ -4,13 +4,8 @@
 
 use rusqlite::Connection;
 use rustix::process::{Pid, Signal, kill_process};
-use serde_json::Value;
 use support::process;
 use support::{Booth, coarse_body, names};
-
-fn status(booth: &Booth) -> Value {
-    serde_json::from_slice(&booth.gaiter(&["status", "--json"]).stdout).unwrap_or_default()
-}
 
 fn in_journal(booth: &Booth, sql: &str) {
     let journal = Connection::open(booth.path("state/journal.db")).unwrap();
@@ -29,7 +24,7 @@ fn a_sound_journal_that_refuses_a_scan_is_kept_and_the_scan_is_taken_later() {
         "CREATE TRIGGER stubborn BEFORE INSERT ON scans BEGIN SELECT RAISE(ABORT, 'no'); END",
     );
     booth.export("4712_b.obj", &coarse_body(2));
-    booth.wait_for("the word", || status(&booth)["alarms"]["journal-refuses"].is_object());
+    booth.wait_for("the word", || booth.status()["alarms"]["journal-refuses"].is_object());
     assert!(!booth.log().contains("journal-ruined"), "{}", booth.log());
     in_journal(&booth, "DROP TRIGGER stubborn");
     booth.wait_for_records(2);

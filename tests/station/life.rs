@@ -10,7 +10,7 @@ use std::process::{Child, Command};
 use std::time::Duration;
 
 use rustix::process::{Pid, Signal, kill_process};
-use support::disk;
+use support::faults::disk;
 use support::{Booth, body, names, sha256};
 
 /// A service manager that listens, and a station that tells it.

@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use gaiter::flow::confinement::Confine;
 use gaiter::record::Provenance;
-use gaiter::station::delivery::measure::{Answer, Job, Limits};
+use gaiter::station::measure::{Answer, Job, Limits};
 use rustix::process::{Pid, Signal, kill_process};
 use support::{Booth, Daemon, body, sha256};
 
@@ -190,13 +190,9 @@ fn a_process_that_somebody_kills_is_begun_again_however_often() {
         booth.wait_for("the end of it", || put_off() >= times || !booth.records().is_empty());
     }
     booth.wait_for_records(1);
-    booth.wait_for("the all-clear", || status(&booth)["alarms"]["measuring-impaired"].is_null());
+    booth.wait_for("the all-clear", || booth.status()["alarms"]["measuring-impaired"].is_null());
     assert_eq!(daemon.stop().code(), Some(0));
     booth.assert_settled(&[("4711", &scan)]);
-}
-
-fn status(booth: &Booth) -> serde_json::Value {
-    serde_json::from_slice(&booth.gaiter(&["status", "--json"]).stdout).unwrap_or_default()
 }
 
 /// A station in surroundings in which nothing can be measured keeps its scan, says so, and measures it once
@@ -209,7 +205,7 @@ fn waits_behind(front: &[&str], more: &str) {
     // The scan has failed more often than any scan may by its own fault.
     let put_off = || booth.log().matches("delivery-put-off").count();
     booth.wait_for("its failures", || put_off() > 4);
-    let told = status(&booth);
+    let told = booth.status();
     assert!(told["alarms"]["measuring-impaired"].is_object(), "{told}");
     assert_eq!(told["scans"]["refused"], 0, "{}", booth.log());
     assert_eq!(daemon.stop().code(), Some(0));

@@ -190,15 +190,15 @@ fn who_is_named_without_a_button_is_shown_and_not_replaced_unasked() {
     assert_eq!(next(&booth), "Nobody is named.");
     assert_eq!(code(&name(&site, "no one", false)), "patient-id-not-allowed");
     assert_eq!(name(&site, "4711", false).status, 200);
-    assert_eq!(next(&booth), "4711's export is awaited.");
+    assert_eq!(next(&booth), "4711's export is expected.");
     let refused = name(&site, "0815", false);
     assert_eq!((refused.status, code(&refused)), (409, "another-is-named".into()));
     assert!(!refused.body.contains("4711"), "{}", refused.body);
     assert_eq!(code(&name(&site, "no one", false)), "patient-id-not-allowed");
-    assert_eq!(next(&booth), "4711's export is awaited.", "nothing was changed");
+    assert_eq!(next(&booth), "4711's export is expected.", "nothing was changed");
     assert_eq!(name(&site, "4711", false).status, 200, "it is the same patient");
     let of_operator = site.state_of(&site.operator())["next"]["sentence"].clone();
-    assert_eq!(of_operator, "4711's export is awaited.");
+    assert_eq!(of_operator, "4711's export is expected.");
     for query in ["/state", "/state?kiosk"] {
         let state: Value = serde_json::from_str(&site.get(query, &[]).body).unwrap();
         assert_eq!(state["next"]["sentence"], "The next patient is named.", "{query}");

@@ -35,8 +35,7 @@ fn beside(booth: &Booth, name: &str) {
 #[test]
 fn what_lies_beside_a_scan_is_kept_with_it() {
     let booth = Booth::new();
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
     booth.export("4711_a.ord", b"OPTION UNITS=cm\nMEASURE Calf=36\n");
     booth.export("4711_a.mtl", b"newmtl skin\n");
@@ -53,8 +52,7 @@ fn what_lies_beside_a_scan_is_kept_with_it() {
 #[test]
 fn a_sub_folder_that_is_made_and_written_into_at_once_is_looked_through() {
     let booth = booth_with("[scanner]", "subfolders = true");
-    let daemon = booth.start();
-    booth.wait_for("the start", || booth.log().contains("station-ready"));
+    let daemon = booth.start_ready();
     let scans: Vec<Vec<u8>> = (0..3).map(body).collect();
     for (n, bytes) in scans.iter().enumerate() {
         let folder = booth.path("export").join(format!("{n}/{n}"));
@@ -159,7 +157,7 @@ fn a_file_reserved_at_its_full_size_is_awaited_until_it_is_filled() {
     file.set_len(bytes.len() as u64).unwrap();
     file.write_all_at(&bytes[..half], 0).unwrap();
     let daemon = booth.start();
-    booth.wait_until_explained("4711_a.obj", "ends in the middle");
+    booth.wait_until_explained("4711_a.obj", "is incomplete");
     let times = fs::metadata(&path).unwrap().modified().unwrap();
     file.write_all_at(&bytes[half..], half as u64).unwrap();
     // As copies do that keep the time of what they copy.

@@ -1,12 +1,12 @@
 //! The fixed format of IGES files: lines of 80 columns in five sections (IGES 5.3, chapter 2).
 
-/// Columns of a line of parameters; the rest points back to the entity.
+/// Columns for parameters in a line; the rest points back to the entity.
 const PARAMETER_COLUMNS: usize = 64;
 
-/// Columns of a line of the start and global sections.
+/// Columns for text in a line of the start and global sections.
 const TEXT_COLUMNS: usize = 72;
 
-/// The number of an entity's first line in the directory; odd.
+/// The number of an entity's first line in the directory; always odd.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pointer(usize);
 
@@ -17,26 +17,26 @@ impl Pointer {
     }
 }
 
-/// A kind of entity as the directory names it.
+/// An entity type as the directory describes it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Entity {
     number: u32,
     form: u32,
-    /// Four pairs of digits: visible; whether it belongs to another entity (01: it does, bodily);
-    /// what it is used as (05: a curve in a surface's parameters); who decides on its looks.
+    /// Four pairs of digits: visibility; dependence on another entity (01: physically dependent); use
+    /// (05: a curve in a surface's parameters); hierarchy (which entity sets its display attributes).
     status: &'static str,
     /// Up to 8 characters.
     label: &'static str,
 }
 
 impl Entity {
-    /// 128, rational B-spline surface, on its own.
+    /// 128, rational B-spline surface, independent.
     pub const SURFACE: Entity = Entity::new(128, 0, "00000000", "TUBE");
-    /// The same as part of a face.
+    /// 128, as part of a face.
     pub const SURFACE_OF_FACE: Entity = Entity::new(128, 0, "00010000", "TUBE");
     /// 126, rational B-spline curve.
     pub const CURVE: Entity = Entity::new(126, 0, "00010000", "EDGE");
-    /// 110, line, between two pairs of a surface's parameters.
+    /// 110, line, between two parameter pairs of a surface.
     pub const SIDE: Entity = Entity::new(110, 0, "00010500", "SIDE");
     /// 116, point.
     pub const POINT: Entity = Entity::new(116, 0, "00010000", "PLACE");
@@ -62,16 +62,16 @@ impl Entity {
     }
 }
 
-/// The entities of a file. An entity can point only to earlier ones, so no pointer dangles.
+/// The entities of a file. An entity can only point to earlier ones, so no pointer dangles.
 #[derive(Debug, Clone, Default)]
 pub struct Entities {
-    /// Lines without section letter and number.
+    /// Lines without section letter and line number.
     directory: Vec<String>,
     parameters: Vec<String>,
 }
 
 impl Entities {
-    /// Adds an entity with its parameters, its own number not among them.
+    /// Adds an entity with its parameters; its own number is not among them.
     pub fn add(&mut self, entity: &Entity, parameters: Vec<String>) -> Pointer {
         let pointer = Pointer(self.directory.len() + 1);
         let all = std::iter::once(entity.number.to_string()).chain(parameters);
@@ -89,7 +89,8 @@ impl Entities {
         pointer
     }
 
-    /// The whole file: `start` is for people, `global` the parameters of the global section.
+    /// The whole file: `start` is for human readers, `global` holds the parameters of the global
+    /// section.
     pub fn into_file(self, start: &str, global: &[String]) -> Vec<u8> {
         let start = vec![plain(start).chars().take(TEXT_COLUMNS).collect()];
         let global = wrapped(global.iter().cloned(), TEXT_COLUMNS);
@@ -107,8 +108,8 @@ impl Entities {
     }
 }
 
-/// Parameters, parted by commas and ended by a semicolon, in lines that end between parameters.
-/// Only a text may be longer than a line; it goes on where the line before it ends.
+/// Parameters, separated by commas and ended by a semicolon, in lines that end between parameters.
+/// Only a text may be longer than a line; it continues on the next one.
 fn wrapped(parameters: impl Iterator<Item = String>, columns: usize) -> Vec<String> {
     let mut lines = vec![String::new()];
     let mut parameters = parameters.peekable();
@@ -130,8 +131,8 @@ fn wrapped(parameters: impl Iterator<Item = String>, columns: usize) -> Vec<Stri
     lines
 }
 
-/// A real with its decimal point, in the fewest digits that read back as `value`; the letter D of
-/// an exponent says double precision. `value` must be finite.
+/// A real with its decimal point, in the fewest digits that read back as `value`; the exponent
+/// letter D means double precision. `value` must be finite.
 pub fn real(value: f64) -> String {
     let shortest = format!("{value:?}");
     match shortest.split_once('e') {
@@ -141,7 +142,7 @@ pub fn real(value: f64) -> String {
     }
 }
 
-/// A text with its length before it: `8Hleft leg`. IGES is ASCII: whatever else is shown as `?`.
+/// A text with its length before it: `8Hleft leg`. IGES is ASCII: other characters are written as `?`.
 pub fn hollerith(text: &str) -> String {
     let text = plain(text);
     if text.is_empty() { text } else { format!("{}H{text}", text.len()) }

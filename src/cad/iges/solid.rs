@@ -5,22 +5,22 @@ use super::notation::{Entities, Entity, Pointer, real};
 use crate::cad::ends::EndPlane;
 use crate::spline::Surface;
 
-/// An edge as a loop runs along it.
+/// An edge with the direction in which a loop runs along it.
 struct Side {
-    /// Place in the list of edges, from 1.
+    /// Position in the list of edges, from 1.
     edge: usize,
-    /// Along its own way, or the other way round.
+    /// Whether the loop runs in the edge's own direction.
     own_way: bool,
-    /// The same way in the surface's parameters, where the edge alone does not tell.
+    /// The edge in the surface's parameters, where the edge alone is ambiguous.
     parameters: Option<[[f64; 2]; 2]>,
 }
 
-/// The places of the edges in their list, from 1.
+/// The positions of the edges in their list, from 1.
 const BOTTOM: usize = 1;
 const TOP: usize = 2;
 const SEAM: usize = 3;
 
-/// Adds the solid within a tube and the planes at its ends.
+/// Adds the solid inside a tube and the planes at its ends.
 pub fn solid(file: &mut Entities, surface: &Surface, net: &Net, planes: &[EndPlane; 2]) {
     let outward = surface.along_cross_around_is_outward();
     let edges = edges(file, net, planes);
@@ -35,18 +35,18 @@ pub fn solid(file: &mut Entities, surface: &Surface, net: &Net, planes: &[EndPla
         side(BOTTOM, false, [u0, v1], [u0, v0]),
     ];
     let tube = face(file, tube, edges, &round);
-    // Each end runs along its rim the other way than the tube does, seen from outside.
+    // Seen from outside, each end face runs along its rim in the opposite direction to the tube.
     let caps = [(BOTTOM, outward), (TOP, !outward)];
     let [bottom, top] = std::array::from_fn(|i| {
         let plane = plane(file, &planes[i]);
         let (edge, own_way) = caps[i];
         face(file, plane, edges, &[Side { edge, own_way, parameters: None }])
     });
-    // A face has its surface's own normal; the shell says whether that is outward.
+    // A face has its surface's own normal; the shell states whether that normal points outward.
     let faces = [(tube, outward), (bottom, true), (top, true)];
     let faces = faces.iter().flat_map(|(face, same)| [face.parameter(), logical(*same)]);
     let shell = file.add(&Entity::SHELL, std::iter::once("3".to_owned()).chain(faces).collect());
-    // The shell as it is, and no hollows.
+    // The shell in its own orientation, without voids.
     file.add(&Entity::SOLID, vec![shell.parameter(), logical(true), "0".to_owned()]);
 }
 
@@ -80,7 +80,7 @@ fn face(file: &mut Entities, surface: Pointer, edges: Pointer, round: &[Side]) -
         parameters.extend(["0".to_owned(), edges.parameter(), edge.to_string(), own_way]);
         let curve = ends.map(|ends| line(file, ends));
         parameters.push(usize::from(curve.is_some()).to_string());
-        // Along a line of constant u or v.
+        // The curve is isoparametric (constant u or v).
         let curve = curve.map(|curve| [logical(true), curve.parameter()]);
         parameters.extend(curve.into_iter().flatten());
     }
@@ -90,7 +90,7 @@ fn face(file: &mut Entities, surface: Pointer, edges: Pointer, round: &[Side]) -
     file.add(&Entity::FACE, vec![surface.parameter(), one(), one(), round.parameter()])
 }
 
-/// A line between two pairs of parameters.
+/// A line between two parameter pairs.
 fn line(file: &mut Entities, [from, to]: [[f64; 2]; 2]) -> Pointer {
     let reals = [from[0], from[1], 0.0, to[0], to[1], 0.0];
     file.add(&Entity::SIDE, reals.map(real).to_vec())

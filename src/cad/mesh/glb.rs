@@ -1,12 +1,12 @@
-//! Binary glTF 2.0: what web pages, tablets and office programs show. Metres with y up and the front
-//! towards +z, as the format demands: a body that stands on its floor and faces the viewer.
+//! Binary glTF 2.0: the format for web pages, tablets and office programs. Metres with y up and the
+//! front towards +z, as the format demands: a body that stands on its floor and faces the viewer.
 
 use std::collections::BTreeMap;
 
 use crate::cad::header::{FileHeader, SYSTEM};
 use crate::spline::{Corner, Facets};
 
-/// Numbers of the formats and targets in glTF 2.0 (sections 3.6.2 and 5.11).
+/// Codes of component types and targets in glTF 2.0 (sections 3.6.2 and 5.11).
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 const ARRAY_BUFFER: u32 = 34962;
@@ -29,7 +29,7 @@ pub fn write(facets: &Facets, header: &FileHeader) -> Vec<u8> {
     let json = json(header, &points, indices.len());
     let floats = points.iter().chain(&normals).flatten().flat_map(|value| value.to_le_bytes());
     let numbers = indices.iter().flat_map(|index| index.to_le_bytes());
-    // Four bytes each: the buffer needs no padding.
+    // Every value has four bytes, so the buffer needs no padding.
     let buffer: Vec<u8> = floats.chain(numbers).collect();
     container(json, &buffer)
 }
@@ -39,11 +39,11 @@ fn turned([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, z, -y]
 }
 
-/// glTF has one number for place and normal together.
+/// glTF has one index for point and normal together.
 struct Vertices {
     /// Each pair once, in the order of first use.
     corners: Vec<Corner>,
-    /// Three places among them for each triangle.
+    /// Three indices into `corners` for each triangle.
     indices: Vec<u32>,
 }
 
@@ -62,7 +62,7 @@ impl Vertices {
     }
 }
 
-/// What the buffer holds: one mesh of one part, lit from both sides since a tube shows its inside.
+/// The JSON for the buffer: one mesh of one part, lit from both sides because a tube shows its inside.
 fn json(header: &FileHeader, points: &[[f32; 3]], indices: usize) -> String {
     let name = text(header.product);
     let count = points.len();
@@ -70,7 +70,7 @@ fn json(header: &FileHeader, points: &[[f32; 3]], indices: usize) -> String {
     let (normals, numbers, all) = (bytes, 2 * bytes, 2 * bytes + 4 * indices);
     let bound = |better: fn(f32, f32) -> f32| {
         let fold = |axis: usize| points.iter().map(|point| point[axis]).reduce(better);
-        // A float as the double that it is, so that it reads back as it was.
+        // The float is written as the equal double, so that it reads back unchanged.
         let [x, y, z] = [0, 1, 2].map(|axis| f64::from(fold(axis).unwrap_or_default()));
         format!("[{x:?},{y:?},{z:?}]")
     };
@@ -114,7 +114,7 @@ fn json(header: &FileHeader, points: &[[f32; 3]], indices: usize) -> String {
     )
 }
 
-/// A text in quotes, whatever could end it written as its number.
+/// A text in quotes; quotes, backslashes and non-printable or non-ASCII characters become `\uXXXX`.
 fn text(value: &str) -> String {
     let plain = |c: char| matches!(c, ' '..='~') && c != '"' && c != '\\';
     let mut units = [0; 2];
@@ -132,7 +132,7 @@ fn text(value: &str) -> String {
     format!("\"{quoted}\"")
 }
 
-/// Header, JSON chunk filled up with blanks, binary chunk: glTF 2.0, 4.4.
+/// Header, JSON chunk padded with spaces, binary chunk: glTF 2.0, 4.4.
 fn container(mut json: String, buffer: &[u8]) -> Vec<u8> {
     while !json.len().is_multiple_of(4) {
         json.push(' ');

@@ -1,8 +1,8 @@
 //! Triangles → mesh files: STL, OBJ and binary glTF.
 //!
-//! The triangles come from [`crate::spline::facets`]; here they are only written down. Numbers are
-//! rounded to what each format holds, the same for every triangle that meets in a point, so a mesh
-//! that is closed stays closed.
+//! The triangles come from [`crate::spline::facets`]; this module only writes them. Numbers are
+//! rounded to each format's precision, the same way for every triangle that shares a point, so a
+//! closed mesh stays closed.
 
 pub mod glb;
 pub mod obj;

@@ -1,18 +1,18 @@
-//! Binary STL: what printers and most mesh programs read. Millimetres, by agreement: the format has
-//! no unit.
+//! Binary STL: the format for printers and most mesh programs. Millimetres by convention, because
+//! the format has no unit.
 
 use crate::cad::header::{FileHeader, SYSTEM};
 use crate::spline::Facets;
 
-/// Bytes before the number of triangles.
+/// Bytes before the triangle count.
 const HEADER_BYTES: usize = 80;
 
-/// Bytes of a triangle: a normal, three places, two bytes of attributes.
+/// Bytes per triangle: a normal, three points, two bytes of attributes.
 const TRIANGLE_BYTES: usize = 50;
 
 /// The triangles as an STL file.
 pub fn write(facets: &Facets, header: &FileHeader) -> Vec<u8> {
-    // A header that began with `solid` would make it a text file. It is not UTF-8 by agreement.
+    // A header that began with `solid` would mark a text file. The format does not define its encoding.
     let head = format!("{SYSTEM}, {}, mm", header.product);
     let mut head: Vec<u8> =
         head.bytes().map(|b| if b.is_ascii_graphic() { b } else { b' ' }).collect();

@@ -8,9 +8,9 @@ use crate::spline::basis::DEGREE;
 /// The surface and the edges of the faces on it.
 pub struct Boundary {
     surface: Id,
-    /// The edge around where u begins, and where it ends; both run in the direction of v.
+    /// The edges around at the start and at the end of u; both run in the direction of v.
     rims: [Id; 2],
-    /// From the one to the other along the seam.
+    /// The edge between the two along the seam.
     seam: Id,
 }
 
@@ -47,16 +47,16 @@ impl Boundary {
         Boundary { surface, rims, seam: edge(foot, head, seam) }
     }
 
-    /// The face on the tube. Its outward normal is u × v or the contrary.
+    /// The face on the tube. Its outward normal is u × v or the opposite.
     pub fn tube(&self, file: &mut Instances, along_cross_around_is_outward: bool) -> Id {
         let Boundary { surface, rims: [bottom, top], seam } = *self;
         // Counter-clockwise in (u, v), the seam once at each end of v.
         let round = [(seam, true), (top, true), (seam, false), (bottom, false)];
-        // A loop runs counter-clockwise seen from outside, so it turns together with the face.
+        // A loop runs counter-clockwise seen from outside, so its orientation follows that of the face.
         face(file, surface, &round, along_cross_around_is_outward)
     }
 
-    /// The faces at the two ends. Each runs along its rim the other way than the tube does.
+    /// The faces at the two ends. Each runs along its rim in the opposite direction to the tube.
     pub fn caps(
         &self,
         file: &mut Instances,
@@ -71,8 +71,8 @@ impl Boundary {
     }
 }
 
-/// A face on a surface, inside a loop of edges, each with whether it is run along its own way.
-/// `sense`: whether the face's normal is the surface's and the loop runs as listed.
+/// A face on a surface, inside a loop of edges. Each edge has a flag: whether it is run in its own
+/// direction. `sense`: whether the face's normal is the surface's and the loop runs as listed.
 fn face(file: &mut Instances, surface: Id, round: &[(Id, bool)], sense: bool) -> Id {
     let sides: Vec<Id> = round
         .iter()
@@ -96,9 +96,9 @@ fn plane(file: &mut Instances, plane: &EndPlane) -> Id {
     file.add(&format!("PLANE('',{axes})"))
 }
 
-/// The control points in the file, with what every curve and surface on them needs.
+/// The control points in the file, with the data that every curve and surface on them needs.
 struct Net {
-    /// Row-major; the last column repeats the first one's places under numbers of its own.
+    /// Row-major; the last column repeats the first one's positions under its own numbers.
     points: Vec<Id>,
     columns: usize,
     along: Knots,
@@ -121,7 +121,7 @@ impl Net {
     }
 }
 
-/// A knot vector as STEP has it: distinct values and how often each occurs.
+/// A knot vector in STEP's form: distinct values and their multiplicities.
 struct Knots {
     multiplicities: String,
     values: String,

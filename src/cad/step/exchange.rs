@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-/// The number of an instance; shown as it is referred to, `#12`.
+/// The number of an instance; displayed as a reference, `#12`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Id(usize);
 
@@ -13,7 +13,7 @@ impl fmt::Display for Id {
 }
 
 /// The instances of a file, numbered from 1 in the order in which they are added. An instance can
-/// refer only to earlier ones, so no reference dangles.
+/// only refer to earlier ones, so no reference dangles.
 #[derive(Debug, Clone, Default)]
 pub struct Instances {
     text: String,
@@ -56,7 +56,7 @@ pub fn list<T: ToString>(items: impl IntoIterator<Item = T>) -> String {
     format!("({})", items.join(","))
 }
 
-/// A list of lists, a line each: some readers have limits on the length of a line.
+/// A list of lists, one per line, because some readers limit the length of a line.
 pub fn lines(lists: impl IntoIterator<Item = String>) -> String {
     format!("({})", lists.into_iter().collect::<Vec<_>>().join(",\n"))
 }
@@ -66,8 +66,8 @@ pub fn logical(value: bool) -> &'static str {
     if value { ".T." } else { ".F." }
 }
 
-/// A string in quotes. Quotes and backslashes are doubled; whatever is not printable ASCII becomes
-/// a control directive, so that no text can end the string or break the line.
+/// A string in quotes. Quotes and backslashes are doubled; characters other than printable ASCII
+/// become a control directive, so that no text can end the string or break the line.
 pub fn text(value: &str) -> String {
     let mut quoted = String::from("'");
     for character in value.chars() {

@@ -1,10 +1,10 @@
-//! What stands above the faces of a STEP file: shape, units, and the product that has the shape.
+//! The context of the faces in a STEP file: shape, units, and the product that has the shape.
 
 use super::Schema;
 use super::exchange::{Id, Instances, list};
 use crate::cad::ends::Shape;
 
-/// The faces as the representation of a shape, with its units.
+/// The faces as a shape representation with units.
 pub fn shape(file: &mut Instances, shape: Shape, faces: &[Id]) -> Id {
     let faces = list(faces);
     let (shell, model, representation) = match shape {
@@ -24,7 +24,7 @@ pub fn shape(file: &mut Instances, shape: Shape, faces: &[Id]) -> Id {
     file.add(&format!("{representation}('',({model}),{context})"))
 }
 
-/// Millimetres, radians, and how exactly edges lie on faces.
+/// Millimetres, radians, and the accuracy with which edges lie on faces.
 fn context(file: &mut Instances) -> Id {
     let length = file.add("(LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.))");
     let angle = file.add("(NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.))");
@@ -57,7 +57,7 @@ pub fn product(file: &mut Instances, schema: Schema, name: &str, shape: Id) {
     let context = file.add(&format!("PRODUCT_CONTEXT('',{application},'mechanical')"));
     let product = file.add(&format!("PRODUCT({name},{name},'',({context}))"));
     if schema == Schema::Ap242 {
-        // AP242 wants every product in a category.
+        // AP242 requires every product to be in a category.
         file.add(&format!("PRODUCT_RELATED_PRODUCT_CATEGORY('part',$,({product}))"));
     }
     let formation = file.add(&format!("PRODUCT_DEFINITION_FORMATION('','',{product})"));

@@ -1,4 +1,4 @@
-//! The verbs that ask a running station.
+//! The verbs that query a running station.
 
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -9,7 +9,7 @@ use super::DEFAULT_CONFIG;
 use crate::flow::account::{FILTERS, Filter};
 use crate::station::operator::control::protocol::{DIGITS_LEAST, LIST_MOST};
 
-/// What every verb that asks a running station takes.
+/// The options of every verb that queries a running station.
 #[derive(Debug, Clone, clap::Args)]
 pub struct AskArgs {
     /// The configuration of the station that is asked
@@ -23,10 +23,10 @@ pub struct AskArgs {
 /// `gaiter status`
 #[derive(Debug, clap::Args)]
 pub struct StatusArgs {
-    /// Go on showing it, anew each second, until Ctrl-C; with --json one object a line
+    /// Keep showing it, updated every second, until Ctrl-C; with --json one object per line
     #[arg(long)]
     pub watch: bool,
-    /// What is asked, and how.
+    /// The station to query, and the output format.
     #[command(flatten)]
     pub ask: AskArgs,
 }
@@ -34,14 +34,14 @@ pub struct StatusArgs {
 /// `gaiter scans`
 #[derive(Debug, clap::Args)]
 pub struct ScansArgs {
-    /// Only scans in this state: spooled waits for a record, held for a person's decision
+    /// Only scans in this state: spooled (waiting for a record), held (waiting for a decision)
     #[arg(long, value_parser = filter())]
     pub state: Option<Filter>,
-    /// At most so many
+    /// The most scans to list
     #[arg(long, value_name = "N", default_value_t = 20,
           value_parser = clap::value_parser!(u32).range(1..=i64::from(LIST_MOST)))]
     pub limit: u32,
-    /// What is asked, and how.
+    /// The station to query, and the output format.
     #[command(flatten)]
     pub ask: AskArgs,
 }
@@ -52,7 +52,7 @@ pub struct OneArgs {
     /// The scan: the first digits of its id, at least four, as `gaiter scans` and the log show them
     #[arg(value_name = "ID", value_parser = digits)]
     pub scan: String,
-    /// What is asked, and how.
+    /// The station to query, and the output format.
     #[command(flatten)]
     pub ask: AskArgs,
 }
@@ -63,7 +63,7 @@ pub struct ExplainArgs {
     /// A file in an export folder, or a scan by the first digits of its id, at least four
     #[arg(value_name = "FILE|ID")]
     pub what: OsString,
-    /// What is asked, and how.
+    /// The station to query, and the output format.
     #[command(flatten)]
     pub ask: AskArgs,
 }
@@ -74,12 +74,12 @@ pub struct OrderArgs {
     /// The order's file
     #[arg(value_name = "FILE")]
     pub file: PathBuf,
-    /// What is asked, and how.
+    /// The station to query, and the output format.
     #[command(flatten)]
     pub ask: AskArgs,
 }
 
-/// What `gaiter explain` was given.
+/// The argument of `gaiter explain`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Named {
     /// The beginning of a scan's id.
@@ -89,7 +89,7 @@ pub enum Named {
 }
 
 impl Named {
-    /// Digits that could begin an id are one, unless a file has that name; all else is a file.
+    /// A text of digits that can begin an id is a scan, unless a file has that name; else it is a file.
     pub fn of(what: &OsString) -> Named {
         let file = PathBuf::from(what);
         match what.to_str().map(digits) {
@@ -106,7 +106,7 @@ fn filter() -> impl TypedValueParser<Value = Filter> {
     })
 }
 
-/// The beginning of a scan's id, in lower case.
+/// Parses the beginning of a scan's id and returns it in lower case.
 fn digits(text: &str) -> Result<String, String> {
     let text = text.to_ascii_lowercase();
     let hexadecimal = text.bytes().all(|byte| byte.is_ascii_hexdigit());

@@ -16,21 +16,21 @@ pub struct ReextractArgs {
     /// Only scans first seen on this day or later, UTC: 2026-11-21, or 2026-11-21T09:15:00Z
     #[arg(long, value_name = "DATE", value_parser = since)]
     pub since: Option<Timestamp>,
-    /// Measure by this configuration: its method, what it says of the scanner's exports, its files.
-    /// Without it by the default method, and what the export declares as in each record itself
+    /// Measure with this configuration: its method, its description of the scanner's exports, its
+    /// files. Without it: the default method, and the description in each record
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Measure so many scans at a time; as many as there are processors where nothing says otherwise
+    /// Number of scans measured at a time [default: number of processors]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
-    /// Also write a revision where every figure is the same and the record lacks only what an older
-    /// gaiter did not write yet
+    /// Also write a revision if all figures are the same but the record lacks something that an
+    /// older gaiter did not write
     #[arg(long)]
     pub complete: bool,
-    /// Only tell what would change; write nothing
+    /// Only show what would change; write nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Name records by their folders, which tell whose they are, and not by their scans
+    /// Name records by their folders, which reveal the patient, instead of by their scans
     #[arg(long)]
     pub names: bool,
     /// Print one JSON object per record and line, for programs
@@ -38,14 +38,14 @@ pub struct ReextractArgs {
     pub json: bool,
 }
 
-/// The beginning of a day, or a moment.
+/// Parses a day, which stands for its beginning, or a moment.
 fn since(text: &str) -> Result<Timestamp, String> {
     let moment = text.parse::<Timestamp>().ok();
-    // Parsed as a day, a moment without its zone would lose its time.
+    // If a moment without a zone were parsed as a day, its time would be lost.
     let day = || Date::strptime("%Y-%m-%d", text).ok()?.to_zoned(TimeZone::UTC).ok();
     moment
         .or_else(|| day().map(|day| day.timestamp()))
-        .ok_or_else(|| "a day is told as 2026-11-21, a moment as 2026-11-21T09:15:00Z".to_owned())
+        .ok_or_else(|| "write a day as 2026-11-21, a moment as 2026-11-21T09:15:00Z".to_owned())
 }
 
 #[cfg(test)]

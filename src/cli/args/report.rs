@@ -15,10 +15,10 @@ pub struct ReportArgs {
     /// The language of the report
     #[arg(long, value_parser = of_words(LANGUAGES), default_value = "en")]
     pub language: Language,
-    /// Where the report goes; the current folder where nothing is said
+    /// Folder for the report [default: the current folder]
     #[arg(long, value_name = "DIR", default_value = ".", hide_default_value = true)]
     pub out: PathBuf,
-    /// Print where the files lie as one JSON object, for programs
+    /// Print the paths of the files as one JSON object, for programs
     #[arg(long)]
     pub json: bool,
 }

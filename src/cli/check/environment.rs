@@ -1,4 +1,4 @@
-//! The folders and disks a configuration names, tried as the station will use them.
+//! Tries the folders and disks that a configuration names in the way the station uses them.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
@@ -9,12 +9,12 @@ use super::row::{Row, Verdict};
 use crate::config::{Config, WatchConfig, nested};
 use crate::flow::FileSystem;
 use crate::flow::confinement::Confine;
-use crate::flow::mount::{Expected, MountGuard};
-use crate::station::delivery::measure;
-use crate::station::error::chain;
-use crate::station::intake::file_system;
+use crate::flow::export::mount::{Expected, MountGuard};
+use crate::station::measure;
+use crate::station::runtime::causes::chain;
+use crate::station::share::file_system;
 
-/// Every check of the environment, in the order a scan takes: exports, state, records.
+/// Runs every check of the environment, along the path of a scan: exports, state, records.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
     let (state, store) = (&config.station.state_dir, &config.store.folder.path);
     let exports = &config.scanner.export_dirs;
@@ -35,13 +35,13 @@ pub(super) fn rows(config: &Config) -> Vec<Row> {
     rows.extend(slow_rescan(config));
     rows.push(guards(config));
     if rustix::process::geteuid().is_root() {
-        let detail = "checked as root, who may do more; check again as the station's own user";
+        let detail = "checked as root, who has more rights; check again as the station's own user";
         rows.push(Row::at("user", "root", Verdict::Warn, detail));
     }
     rows
 }
 
-/// An export folder is only ever read: it exists and its entries can be listed.
+/// Checks that an export folder exists and can be listed. The station only ever reads it.
 fn readable(folder: &Path) -> io::Result<String> {
     let entries = fs::read_dir(folder)?;
     let count = entries.collect::<io::Result<Vec<_>>>()?.len();
@@ -52,8 +52,8 @@ fn readable(folder: &Path) -> io::Result<String> {
     })
 }
 
-/// Whether the station would believe what it sees in an export folder. One that cannot be asked is
-/// told of by the check before.
+/// Checks whether the station would trust what it sees in an export folder. If the folder cannot be
+/// read, the previous check reports that.
 fn mounted(folder: &Path, config: &WatchConfig) -> Option<Row> {
     if config.expected == Expected::default() && config.mount_point.is_none() {
         return None;
@@ -66,7 +66,7 @@ fn mounted(folder: &Path, config: &WatchConfig) -> Option<Row> {
     })
 }
 
-/// The folder itself, or the nearest above it that exists, in which it can be made.
+/// The folder itself, or its nearest existing ancestor, in which it can be created.
 fn footing(folder: &Path) -> io::Result<&Path> {
     for place in folder.ancestors() {
         match fs::metadata(place) {
@@ -75,7 +75,7 @@ fn footing(folder: &Path) -> io::Result<&Path> {
                 let said = format!("{} is not a folder", place.display());
                 return Err(io::Error::new(io::ErrorKind::NotADirectory, said));
             }
-            // A link that leads nowhere is there, and no folder can be made in its place.
+            // A dangling link exists, and no folder can be created in its place.
             Err(error) if error.kind() != io::ErrorKind::NotFound || place.is_symlink() => {
                 return Err(io::Error::new(error.kind(), format!("{}: {error}", place.display())));
             }
@@ -85,8 +85,8 @@ fn footing(folder: &Path) -> io::Result<&Path> {
     Err(io::ErrorKind::NotFound.into())
 }
 
-/// Does what the station does with a record, in a trial folder that is gone afterwards. A folder
-/// that does not exist is not made: it would belong to the user who checks and not to the station.
+/// Does what the station does with a record, in a trial folder that it removes afterwards. It does not
+/// create a missing folder, because that would belong to the user who checks and not to the station.
 fn writable(folder: &Path) -> io::Result<String> {
     let place = footing(folder)?;
     let trial = place.join(format!(".gaiter-check-{}", std::process::id()));
@@ -112,7 +112,7 @@ fn write_sync_rename(trial: &Path) -> io::Result<()> {
     File::open(trial)?.sync_all()
 }
 
-/// Room for one more scan is what the station needs, for ten is what lets a person sleep.
+/// The station needs room for one more scan. With room for fewer than ten the operator is warned.
 fn room(folder: &Path, max_scan: u64) -> Row {
     let check = "free space";
     match footing(folder).and_then(file_system::free_bytes) {
@@ -131,7 +131,7 @@ fn room(folder: &Path, max_scan: u64) -> Row {
     }
 }
 
-/// Megabytes as disks are labelled, one decimal for gigabytes.
+/// Formats bytes as decimal megabytes, as on disk labels, or as gigabytes with one decimal.
 fn spelt(bytes: u64) -> String {
     let megabytes = bytes / 1_000_000;
     if megabytes < 1000 {
@@ -141,11 +141,11 @@ fn spelt(bytes: u64) -> String {
     }
 }
 
-/// The journal relies on locks and syncs that network file systems only promise.
+/// The journal relies on locks and syncs, which network file systems promise but may not keep.
 fn local(state: &Path) -> Row {
     match network(state) {
         _ if file_system(state).is_some_and(FileSystem::is_memory) => {
-            let detail = "held in memory; all that is not delivered is lost with the power";
+            let detail = "held in memory; a power loss deletes everything that is not delivered";
             Row::new("local disk", state, Verdict::Warn, detail)
         }
         Some(kind) => {
@@ -156,8 +156,8 @@ fn local(state: &Path) -> Row {
     }
 }
 
-/// The kind of network file system a folder is or would be on; `None` for a local one, and where
-/// nothing can be learnt, which another check tells.
+/// The kind of network file system a folder is or would be on. `None` for a local one, and if the kind
+/// is unknown, which another check reports.
 fn network(folder: &Path) -> Option<FileSystem> {
     file_system(folder).filter(|kind| kind.is_network())
 }
@@ -166,27 +166,27 @@ fn file_system(folder: &Path) -> Option<FileSystem> {
     file_system::of(footing(folder).ok()?).ok()
 }
 
-/// Links may lead one folder into another although their names are apart.
+/// Links can lead one folder into another even though their paths differ.
 fn linked_into_one_another(exports: &[PathBuf], state: &Path, store: &Path) -> Vec<Row> {
     let pairs = exports.iter().flat_map(|export| [(state, &**export), (store, &**export)]);
     pairs
         .chain([(store, state)])
         .filter_map(|(a, b)| {
             nested(&real(a)?, &real(b)?)?;
-            let detail = format!("leads by a link to the same place as {}", b.display());
+            let detail = format!("is the same place as {}, through a link", b.display());
             Some(Row::new("folders apart", a, Verdict::Fail, detail))
         })
         .collect()
 }
 
-/// Where a folder is, or will be, once all links are followed.
+/// The path of a folder that exists, or will exist, with all links resolved.
 fn real(folder: &Path) -> Option<PathBuf> {
     let place = footing(folder).ok()?;
     let rest = folder.strip_prefix(place).ok()?;
     Some(fs::canonicalize(place).ok()?.join(rest))
 }
 
-/// What closes files, network and system calls to the processes that read what the scanner wrote.
+/// What blocks files, network and system calls for the processes that read what the scanner wrote.
 fn guards(config: &Config) -> Row {
     let row = |verdict, detail| Row::at("confinement", "measure.confine", verdict, detail);
     let lacking = match config.measure.confine {
@@ -202,7 +202,7 @@ fn guards(config: &Config) -> Row {
     }
 }
 
-/// Not wrong, but mostly the two values changed places.
+/// This is allowed, but usually means that the two values were swapped.
 fn slow_rescan(config: &Config) -> Option<Row> {
     let (quiet, rescan) = (config.scanner.quiet, config.scanner.rescan);
     let detail = format!("{quiet:?} is longer than scanner.rescan, {rescan:?}; is that meant?");

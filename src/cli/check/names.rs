@@ -1,36 +1,36 @@
-//! What `scanner.file_name` makes of the names in the export folders. No file is opened.
+//! Applies `scanner.file_name` to the names in the export folders. No file is opened.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use super::row::{Example, Row, Verdict};
 use crate::config::Config;
-use crate::flow::name_check::{self, Taken};
+use crate::flow::patient::name_check::{self, Taken};
 use crate::flow::{Group, Identity, NameSays};
 use crate::station::intake::scan_dir::{self, Found};
-use crate::station::stall::Pulse;
+use crate::station::share::stall::Pulse;
 
 /// The check's name in the table.
 const CHECK: &str = "file names";
 
-/// So many names are read at most, the newest: what was exported in other years says nothing about
-/// today's names.
+/// The most names that are read, newest first. Exports of other years say nothing about today's
+/// names.
 const NAMES_MAX: usize = 2000;
 
-/// So many examples are shown: enough to see the rule, few enough to be read.
+/// The most examples that are shown: enough to see the rule, few enough to read.
 const EXAMPLES_MAX: usize = 5;
 
-/// What the names in each export folder say, and what is to be looked at. A folder that cannot be
-/// listed is told of by another check.
+/// What the names in each export folder contain, and what the operator should look at. If a folder
+/// cannot be listed, another check reports that.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
     if config.scanner.file_name.is_none() {
-        let detail = "is not set: file names name nobody";
+        let detail = "is not set: file names identify no patient";
         return vec![Row::at(CHECK, "scanner.file_name", Verdict::Ok, detail)];
     }
     let (scanner, patient) = (&config.scanner, &config.patient);
     let expression = scanner.file_name.clone();
     let identity = Identity::new(expression, None, &patient.pattern, patient.check_digit);
-    // The pattern was compiled when the configuration was read.
+    // The pattern was already compiled when the configuration was read.
     let Ok(identity) = identity else { return Vec::new() };
     let look = |folder: &PathBuf| {
         let found = scan_dir::look(folder, &scanner.watch, &Pulse::default()).ok()?;
@@ -55,8 +55,8 @@ fn of_folder(folder: &Path, found: Found, identity: &Identity) -> Vec<Row> {
     let names = if there == 1 { "name" } else { "names" };
     let without = all - named - not_ids;
     let detail = format!(
-        "{newest}{there} {names}: {named} with a patient's id, {without} without, {not_ids} with one \
-         that is not allowed"
+        "{newest}{there} {names}: {named} with a patient's id, {without} without, {not_ids} \
+         with an id that is not allowed"
     );
     let examples = taken
         .iter()
@@ -72,7 +72,7 @@ fn of_folder(folder: &Path, found: Found, identity: &Identity) -> Vec<Row> {
     std::iter::once(counts).chain(findings).collect()
 }
 
-/// The names of the newest exports, the newest first.
+/// The names of the newest exports, newest first.
 fn newest(found: Found) -> Vec<String> {
     let mut files: Vec<(PathBuf, Group)> = found.scans.into_iter().collect();
     files.sort_by(|(a, of_a), (b, of_b)| (of_b.stamp.mtime_ns, b).cmp(&(of_a.stamp.mtime_ns, a)));

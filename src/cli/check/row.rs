@@ -1,4 +1,4 @@
-//! One line of what `gaiter check` has to say.
+//! One row of the output of `gaiter check`.
 
 use std::fmt::Display;
 use std::io;
@@ -6,20 +6,20 @@ use std::path::Path;
 
 use serde::Serialize;
 
-/// How a check went.
+/// The result of a check.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(super) enum Verdict {
-    /// As it should be.
+    /// Everything is fine.
     Ok,
-    /// The station works, but a person should look at this.
+    /// The station works, but the operator should look at this.
     Warn,
-    /// The station cannot work like this.
+    /// The station cannot work this way.
     Fail,
 }
 
 impl Verdict {
-    /// The word in the table, as in the JSON.
+    /// The word for it in the table and in the JSON.
     pub fn word(self) -> &'static str {
         match self {
             Verdict::Ok => "ok",
@@ -29,23 +29,23 @@ impl Verdict {
     }
 }
 
-/// One check and how it went.
+/// One check with its result.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Row {
     /// What was checked.
     pub check: &'static str,
     /// The folder or file it was checked on.
     pub place: String,
-    /// How it went.
+    /// Its result.
     pub verdict: Verdict,
     /// What was found.
     pub detail: String,
-    /// Names of files and the patients that they name, for the person who checks.
+    /// File names and the patients they name, for the person who runs the check.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub examples: Vec<Example>,
 }
 
-/// A file's name and the patient that it names.
+/// A file name and the patient it names.
 #[derive(Debug, Clone, Serialize)]
 pub(super) struct Example {
     /// The file's name.
@@ -55,12 +55,12 @@ pub(super) struct Example {
 }
 
 impl Row {
-    /// A check that went well.
+    /// A check that passed.
     pub fn ok(check: &'static str, place: &Path, detail: impl Into<String>) -> Row {
         Row::new(check, place, Verdict::Ok, detail)
     }
 
-    /// A check on a folder or file, and how it went.
+    /// A check of a folder or file, with its result.
     pub fn new(
         check: &'static str,
         place: &Path,
@@ -70,7 +70,7 @@ impl Row {
         Row::at(check, place.display(), verdict, detail)
     }
 
-    /// A check on what has no path, a key say, and how it went.
+    /// A check of something without a path, such as a configuration key, with its result.
     pub fn at(
         check: &'static str,
         place: impl Display,

@@ -11,27 +11,27 @@ use crate::station::demo::scanner::Export;
 const WOMAN: &[u8] = include_bytes!("../../../fixtures/scans/f_average_tc2.obj.gz");
 const MAN: &[u8] = include_bytes!("../../../fixtures/scans/m_average_clean.obj.gz");
 
-/// How an export must end.
+/// The required result of an export.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Expected {
-    /// As a record.
+    /// A record.
     Record,
-    /// In quarantine.
+    /// A refusal: the scan goes to quarantine.
     Refusal,
 }
 
-/// Two whole scans, one that is aborted half-way, one that is no body: each with how it must end
-/// and when the scanner begins with it.
+/// Two complete scans, one that is aborted half-way, and one that shows no body: each with its required
+/// result and with the time at which the scanner begins to export it.
 ///
 /// # Errors
-/// Where a recorded scan cannot be decompressed.
+/// If a recorded scan cannot be decompressed.
 pub fn exports(folder: &Path) -> io::Result<Vec<(Export, Expected, Duration)>> {
     let export = |name: &str, bytes: Vec<u8>, seconds: u64, expected, after: u64| {
         let takes = Duration::from_secs(seconds);
         (Export { path: folder.join(name), bytes, takes }, expected, Duration::from_secs(after))
     };
     let (woman, man) = (decompressed(WOMAN)?, decompressed(MAN)?);
-    // Not of the scan that comes after it: that would be the rest of this one, and be held as such.
+    // Not half of `man`, which follows: that export would count as the rest of this one and be held.
     let half = woman[..woman.len() / 2].to_vec();
     Ok(vec![
         export("4711_first.obj", woman, 3, Expected::Record, 1),
@@ -47,7 +47,7 @@ fn decompressed(gzip: &[u8]) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// A ball as high as a person: a scan with nobody in it.
+/// A ball as high as a person: a scan without a body.
 fn ball() -> String {
     const RINGS: u32 = 60;
     const SIDES: u32 = 120;

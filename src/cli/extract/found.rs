@@ -1,4 +1,4 @@
-//! The scans that the command line names, one by one or by their folders.
+//! The scans that the command line names, as files or as folders.
 
 use std::fs;
 use std::io;
@@ -10,30 +10,30 @@ use crate::scan::Format;
 /// Why a folder gave no scans.
 #[derive(Debug, thiserror::Error)]
 pub enum FolderFault {
-    /// It, or a folder within it, cannot be listed.
+    /// The folder, or a folder within it, cannot be listed.
     #[error("{}: {source}", shown(folder.display()))]
     Unreadable {
-        /// Which.
+        /// The folder.
         folder: PathBuf,
-        /// How it failed.
+        /// The underlying error.
         source: io::Error,
     },
-    /// No file in it is called like a scan.
+    /// No file in it has a scan's file ending.
     #[error(
         "{}: the folder holds no scan (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt){}",
         shown(folder.display()),
         if *recursive { "" } else { "; --recursive looks into its folders, too" }
     )]
     NoScan {
-        /// Which.
+        /// The folder.
         folder: PathBuf,
-        /// Whether the folders within it were looked at.
+        /// Whether the folders within it were searched.
         recursive: bool,
     },
 }
 
 impl FolderFault {
-    /// How a verb ends that meets it.
+    /// The exit of a verb that meets this fault.
     pub fn exit(&self) -> Exit {
         match self {
             FolderFault::Unreadable { .. } => Exit::Io,
@@ -42,8 +42,8 @@ impl FolderFault {
     }
 }
 
-/// The scans that were asked for, in this order; in the place of a folder those that lie in it,
-/// sorted by their paths.
+/// The requested scans, in this order. A folder is replaced by the scans in it, sorted by their
+/// paths.
 pub fn found(asked: &[PathBuf], recursive: bool) -> Vec<Result<PathBuf, FolderFault>> {
     let of_one = |path: &PathBuf| {
         if !path.is_dir() {
@@ -60,7 +60,7 @@ pub fn found(asked: &[PathBuf], recursive: bool) -> Vec<Result<PathBuf, FolderFa
     asked.iter().flat_map(of_one).collect()
 }
 
-/// Looks through a folder. Links to folders are not followed: they may lead back.
+/// Collects the scans of a folder. Links to folders are not followed, because they may form a cycle.
 fn walk(folder: &Path, recursive: bool, scans: &mut Vec<PathBuf>, faults: &mut Vec<FolderFault>) {
     let fault = |source| FolderFault::Unreadable { folder: folder.to_owned(), source };
     let entries = match fs::read_dir(folder) {

@@ -14,23 +14,23 @@ use crate::record::{self, RecordFile};
 use crate::store::durable;
 use crate::store::sums::SUMS;
 
-/// What stands in a record's place and is not an earlier record of the same scan.
+/// Something in a record's place that is not an earlier record of the same scan.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Foreign {
-    #[error("it is no folder")]
+    #[error("it is not a folder")]
     NoFolder,
     #[error("it has no readable SHA256SUMS")]
     NoSums,
     #[error("it holds the record of another scan")]
     OtherScan,
-    #[error("its {} is no file of the record", shown(.0))]
+    #[error("its {} does not belong to the record", shown(.0))]
     Stranger(String),
     #[error("its {} was changed", shown(.0))]
     Changed(String),
 }
 
-/// Puts the files into `folder`, which lies in `out`. Until they are all written and synced nothing
-/// changes under that name, and then all at once.
+/// Puts the files into `folder`, which lies in `out`. Nothing changes under that name until all files
+/// are written and synced. Then they appear at once.
 pub fn put_folder(
     out: &Path,
     folder: &Path,
@@ -47,23 +47,23 @@ pub fn put_folder(
         Ok(None) => {}
     }
     let staged = out.join(format!(".gaiter-extract-{}", std::process::id()));
-    // What a process of the same number left when it was killed.
+    // What a killed process with the same id left behind.
     tried(&staged, durable::remove_folder(&staged))?;
     let put = tried(&staged, stage(&staged, files))
         .and_then(|()| tried(folder, replace(&staged, folder)))
         .and_then(|()| tried(out, durable::sync_folder(out)));
-    // The earlier record, or the beginning of one that could not be written.
+    // This is the earlier record, or the beginning of one that could not be written.
     put.and(tried(&staged, durable::remove_folder(&staged)))
 }
 
-/// Writes a whole folder, synced.
+/// Writes a whole folder and syncs it.
 fn stage(staged: &Path, files: &[RecordFile]) -> io::Result<()> {
     durable::make_folder(staged)?;
     files.iter().try_for_each(|file| durable::write_new(&staged.join(&file.name), &file.bytes))?;
     durable::sync_folder(staged)
 }
 
-/// Puts the staged folder in its place; what was there before is then under the staged name.
+/// Moves the staged folder to its place. Anything that was there moves to the staged name.
 fn replace(staged: &Path, folder: &Path) -> io::Result<()> {
     match durable::rename_new(staged, folder) {
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -76,7 +76,8 @@ fn replace(staged: &Path, folder: &Path) -> io::Result<()> {
     }
 }
 
-/// As [`replace`]: for a moment there is nothing under the final name, never half a record.
+/// The same as [`replace`] in several steps: for a moment nothing has the final name, but never half a
+/// record.
 fn replace_in_steps(staged: &Path, folder: &Path) -> io::Result<()> {
     let aside = staged.with_extension("earlier");
     fs::rename(folder, &aside)?;
@@ -87,8 +88,8 @@ fn replace_in_steps(staged: &Path, folder: &Path) -> io::Result<()> {
     fs::rename(&aside, staged)
 }
 
-/// What stands at `folder` and is not the record of this scan, as far as it is whole. Nothing at
-/// all, or an empty folder, is in nobody's way.
+/// What is at `folder` and is not a record of this scan, which may be incomplete. `None` also if nothing
+/// or an empty folder is there.
 fn foreign(folder: &Path, scan_sha256: &str) -> io::Result<Option<Foreign>> {
     match folder.symlink_metadata() {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),

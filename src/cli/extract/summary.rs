@@ -1,43 +1,43 @@
-//! A row a scan: what `gaiter extract` says at the end of many.
+//! The summary that `gaiter extract` prints after several scans, one row per scan.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::cli::paint::{self, painted};
+use crate::cli::terminal::paint::{self, painted};
 use crate::flow::health::counted;
 use crate::leg::{Level, Side};
 use crate::record::Record;
 
-/// The levels whose girths are shown, the paper's.
+/// The levels whose girths are shown: those of the paper.
 const LEVELS: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
 
-/// Width of a girth in mm with one decimal.
+/// Width of a girth column: mm with one decimal.
 const CELL: usize = 7;
 
-/// One scan.
+/// The row of one scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// As it was named, fit to be shown.
+    /// The path as given on the command line, made safe to print.
     name: String,
     came: Came,
 }
 
-/// What came of a scan.
+/// The result for a scan.
 #[derive(Debug, Clone, PartialEq)]
 enum Came {
     Measured {
-        /// Tape girths, mm, left then right.
+        /// Tape girths, mm: left, then right.
         girths_mm: [[Option<f64>; 4]; 2],
         findings: usize,
     },
     Not {
-        /// Why not.
+        /// Why it was not measured.
         code: &'static str,
     },
 }
 
 impl Row {
-    /// Of a scan that was measured.
+    /// The row of a scan that was measured.
     pub fn measured(name: String, record: &Record) -> Row {
         let girths_mm = Side::BOTH.map(|side| {
             let leg = record.leg(side);
@@ -46,13 +46,13 @@ impl Row {
         Row { name, came: Came::Measured { girths_mm, findings: record.findings.len() } }
     }
 
-    /// Of a scan that was not.
+    /// The row of a scan that was not measured.
     pub fn not_measured(name: String, code: &'static str) -> Row {
         Row { name, came: Came::Not { code } }
     }
 }
 
-/// The summary, painted. Names stand first and are never cut.
+/// The summary with colours. Names come first and are never cut.
 pub fn summary(rows: &[Row]) -> String {
     let wide = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("scan".len());
     let leg = |side: Side| format!("{:>1$}", format!("{} girth mm", side.word()), 4 * CELL);
@@ -78,7 +78,7 @@ fn cell(girth_mm: Option<f64>) -> String {
     girth_mm.map_or_else(|| format!("{:>CELL$}", "-"), |mm| format!("{mm:CELL$.1}"))
 }
 
-/// How many scans were measured, how many not and why, and how many findings there are.
+/// The totals: scans measured, scans not measured by reason, and findings.
 fn totals(rows: &[Row]) -> String {
     let (mut findings, mut why) = (0, BTreeMap::<&str, usize>::new());
     for row in rows {

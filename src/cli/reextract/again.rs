@@ -1,4 +1,4 @@
-//! One record: checked, its scan measured again, and a revision added where that says otherwise.
+//! Checks one record, measures its scan again, and adds a revision if the result differs.
 
 use std::fs;
 use std::io;
@@ -16,35 +16,35 @@ use crate::scan::Format;
 use crate::store::revision::{Added, Family};
 use crate::store::sums::{self, SumsFault};
 
-/// The file of a record folder that is the record.
+/// The file of a record folder that holds the record.
 const RECORD: &str = "record.json";
 
 /// Why a record was not measured again.
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// Its folder is not what it was when it was written.
+    /// Its folder changed after it was written.
     #[error("its record is damaged: {0}")]
     Damaged(#[from] SumsFault),
-    /// Its `record.json` is none.
+    /// Its `record.json` cannot be parsed.
     #[error("its record.json cannot be read: {0}")]
     Unreadable(serde_json::Error),
-    /// Its `record.json` is another scan's or another patient's than its folder says.
-    #[error("its record.json is of another {0} than its folder says")]
+    /// Its `record.json` names another scan or patient than its folder does.
+    #[error("its record.json names another {0} than its folder")]
     Other(&'static str),
     /// Today's method refuses the scan.
     #[error("{refusal}")]
     Refused {
-        /// Why.
+        /// The reason.
         #[from]
         refusal: Refusal,
     },
-    /// The new record's files cannot be made.
+    /// The files of the new record cannot be created.
     #[error("the new record cannot be written: {0}")]
     NotMade(#[from] FilesFault),
     /// A fault of gaiter itself.
     #[error("{0}")]
     Panic(String),
-    /// A folder or file cannot be read or written now.
+    /// A folder or file cannot be read or written at the moment.
     #[error("reading or writing failed: {0}")]
     Io(#[from] io::Error),
 }
@@ -63,7 +63,7 @@ impl Fault {
         }
     }
 
-    /// How a verb ends that meets it.
+    /// The exit of a verb that meets this fault.
     pub fn exit(&self) -> Exit {
         match self {
             Fault::Damaged(_) | Fault::Unreadable(_) | Fault::Other(_) | Fault::Refused { .. } => {
@@ -75,47 +75,47 @@ impl Fault {
     }
 }
 
-/// What became of a record.
+/// The outcome for a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Outcome {
-    /// Today's method says the same, as far as the record goes.
+    /// Today's method gives the same result, as far as the old record goes.
     Unchanged,
-    /// It says otherwise, or more, and a revision was added.
+    /// It gives a different or more complete result, and a revision was added.
     Revised,
-    /// It says otherwise, or more; nothing was to be written.
+    /// It gives a different or more complete result, but nothing was to be written.
     WouldBeRevised,
-    /// The record was taken back from its patient meanwhile.
+    /// The record was taken back from its patient in the meantime.
     Withdrawn,
 }
 
 /// A record that was measured again.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Again {
-    /// What became of it.
+    /// The outcome.
     pub outcome: Outcome,
-    /// The revision it was compared with, the latest.
+    /// The revision it was compared with: the latest.
     pub from_revision: u32,
-    /// The new revision; null where there is none.
+    /// The new revision; null if none was added.
     pub revision: Option<u32>,
     /// What differs.
     #[serde(flatten)]
     pub changes: Changes,
 }
 
-/// What is to be written.
+/// What to write.
 #[derive(Debug, Clone, Copy)]
 pub struct Intent {
-    /// Also where the record only lacks what an older gaiter did not write.
+    /// Also write a revision if the record only lacks what an older gaiter did not write.
     pub complete: bool,
-    /// Nothing at all.
+    /// Write nothing at all.
     pub dry_run: bool,
 }
 
 /// Measures the scan of a record again.
 ///
 /// # Errors
-/// See [`Fault`]; the record is as it was.
+/// See [`Fault`]; the record stays unchanged.
 pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again, Fault> {
     let Stored { old, old_json, scan, format, ord } = Stored::read(family)?;
     let (method, output, language) = choices.for_record(&old);
@@ -155,7 +155,7 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
     Ok(Again { outcome, from_revision: old.revision, revision, changes })
 }
 
-/// A record as it lies in its folder, whole.
+/// The complete content of a record folder.
 struct Stored {
     old: Record,
     old_json: Value,
@@ -190,7 +190,7 @@ impl Stored {
     }
 }
 
-/// A file of the record; none where it lists none of this name. It was as listed a moment ago.
+/// Reads a file of the record. `None` if the list, which was just checked, has no file of this name.
 fn listed_file(folder: &Path, listed: &[String], name: &str) -> io::Result<Option<Vec<u8>>> {
     let is_listed = listed.iter().any(|listed| listed == name);
     is_listed.then(|| fs::read(folder.join(name))).transpose()

@@ -1,4 +1,4 @@
-//! By what a stored scan is measured again.
+//! The method by which a stored scan is measured again.
 
 use std::path::Path;
 
@@ -9,28 +9,28 @@ use crate::leg::method::{B1, Scope, UnitChoice};
 use crate::leg::{Method, Side};
 use crate::record::{Language, Record};
 
-/// What the command line chose for all records.
+/// The choice on the command line, which applies to all records.
 #[derive(Debug)]
 pub enum Choices {
-    /// A configuration's.
+    /// The method of a configuration.
     Configured(Box<(Method, Output, Language)>),
-    /// The default method. What the export declares and which definitions of levels were asked for is
-    /// not the method's affair: that is taken from each record.
+    /// The default method. What the export declares and which definitions of levels were requested is
+    /// not part of the method: it is taken from each record.
     Default,
 }
 
 impl Choices {
-    /// Those of a configuration, or none.
+    /// The choices of a configuration, or the default.
     ///
     /// # Errors
-    /// How a verb ends whose configuration has faults.
+    /// The exit of a verb if the configuration has faults.
     pub fn of(config: Option<&Path>) -> Result<Choices, Exit> {
         let Some(path) = config else { return Ok(Choices::Default) };
         let config = crate::config::read(path).map_err(|error| explain_config(&error))?;
         Ok(Choices::Configured(Box::new((config.method, config.output, config.language))))
     }
 
-    /// Method, output and the report's language for the scan of a record.
+    /// Method, output and report language for the scan of a record.
     pub fn for_record(&self, record: &Record) -> (Method, Output, Language) {
         match self {
             Choices::Configured(all) => all.as_ref().clone(),
@@ -39,15 +39,15 @@ impl Choices {
     }
 }
 
-/// The default method with what was asked for when the record was made. Records of older versions do
-/// not say where the toes were declared to point; there they are found from the feet.
+/// The default method with the options that were requested when the record was made. Records of older
+/// versions do not contain the declared facing. For these it is found from the feet.
 fn as_asked(record: &Record) -> Method {
     let mut method = Method::default();
     let said = |key: &str| record.made_by.method.get(key).map(String::as_str);
     let scopes = [Scope::Body, Scope::Leg(Side::Left), Scope::Leg(Side::Right)];
     let scope = said("scope").and_then(|word| scopes.into_iter().find(|s| s.word() == word));
     method.scope = scope.unwrap_or(method.scope);
-    // Of a unit that was found once the same is found again, unless it was found wrongly.
+    // A unit that was inferred once is inferred again, with the same result unless it was wrong.
     let unit = said("unit").and_then(|word| words::meaning(UNITS, word));
     method.unit = unit.unwrap_or(UnitChoice::Auto);
     method.up = said("up").and_then(|word| words::meaning(UPS, word)).unwrap_or(method.up);

@@ -1,18 +1,18 @@
-//! What changed by measuring again, and by how much, as tables for people.
+//! Tables for people that show what changed by measuring again, and by how much.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use super::{Again, Outcome};
-use crate::cli::paint::{self, painted};
+use crate::cli::terminal::paint::{self, painted};
 use crate::flow::health::counted;
 use crate::leg::Level;
 use crate::record::change::{Change, LevelChange, Place};
 
-/// So many records are named, those that changed most.
+/// The most records that are named: those that changed most.
 const WORST: usize = 20;
 
-/// A record that was measured again, under the name it is told by.
+/// A record that was measured again, with its name in the report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Told {
     name: String,
@@ -20,19 +20,19 @@ pub struct Told {
 }
 
 impl Told {
-    /// Of a record.
+    /// The entry of a record.
     pub fn of(name: String, again: Again) -> Told {
         Told { name, again }
     }
 
-    /// The largest change of a figure, and of which level.
+    /// The largest change of a figure, and its level.
     fn largest(&self, figure: fn(&LevelChange) -> Change) -> Option<(f64, &Place)> {
         let levels = self.again.changes.levels.iter();
         let changes = levels.map(|level| (figure(level).by(), &level.place));
         changes.max_by(|one, other| one.0.abs().total_cmp(&other.0.abs()))
     }
 
-    /// By how much it changed: levels that came or went before girths, girths before heights.
+    /// How much it changed: levels that came or went count before girths, girths before heights.
     fn weight(&self) -> (usize, f64, f64) {
         let changes = &self.again.changes;
         let by = |figure| self.largest(figure).map_or(0.0, |(by, _)| by.abs());
@@ -48,8 +48,8 @@ fn height(level: &LevelChange) -> Change {
     level.height_mm
 }
 
-/// The whole report, painted. `failed` records were not measured again, `left_out` were first seen
-/// too early.
+/// The whole report, with colours. `failed` records were not measured again. `left_out` records were
+/// first seen too early.
 pub fn report(told: &[Told], failed: usize, left_out: usize) -> String {
     let mut text = totals(told, failed, left_out);
     let changed: Vec<&Told> =
@@ -64,7 +64,7 @@ pub fn report(told: &[Told], failed: usize, left_out: usize) -> String {
     text
 }
 
-/// How many records ended in which way.
+/// How many records had which outcome.
 fn totals(told: &[Told], failed: usize, left_out: usize) -> String {
     let count = |outcome| told.iter().filter(|told| told.again.outcome == outcome).count();
     let records = counted(told.len() + failed, "record");
@@ -84,12 +84,12 @@ fn totals(told: &[Told], failed: usize, left_out: usize) -> String {
         let _ = write!(text, ", {}", painted(paint::BAD, failed));
     }
     if left_out > 0 {
-        let _ = write!(text, "; {left_out} were first seen earlier and left out");
+        let _ = write!(text, "; {left_out} were first seen earlier and skipped");
     }
     text + "\n"
 }
 
-/// What happened to one level in all records.
+/// What changed at one level in all records.
 #[derive(Default)]
 struct Row<'a> {
     girths: Vec<(f64, &'a str)>,
@@ -98,7 +98,7 @@ struct Row<'a> {
     went: usize,
 }
 
-/// A row a level, both legs together.
+/// One row per level, both legs together.
 fn levels(told: &[Told]) -> String {
     let mut rows: BTreeMap<&str, Row<'_>> = BTreeMap::new();
     for Told { name, again } in told {
@@ -130,7 +130,7 @@ fn levels(told: &[Told]) -> String {
     text
 }
 
-/// The mean change, the largest, and of which record.
+/// The mean change, the largest change, and its record.
 fn figures(changes: &[(f64, &str)]) -> String {
     let largest = changes.iter().max_by(|one, other| one.0.abs().total_cmp(&other.0.abs()));
     let Some((largest, name)) = largest else {
@@ -141,7 +141,7 @@ fn figures(changes: &[(f64, &str)]) -> String {
     format!("{:>7} {:>8}  {name:8}", signed(mean), signed(*largest))
 }
 
-/// With its sign, so that nobody takes a change for a figure; nothing is no change.
+/// A change with its sign, so that it is not mistaken for a measure. Zero has no sign.
 fn signed(by: f64) -> String {
     let text = format!("{by:+.2}");
     if text.trim_start_matches(['+', '-']) == "0.00" { "0.00".to_owned() } else { text }
@@ -176,7 +176,7 @@ fn worst(mut changed: Vec<&Told>) -> String {
         let _ = writeln!(text, "{}", line.trim_end());
     }
     if more > 0 {
-        let _ = writeln!(text, "and {more} more that changed less; --json tells all");
+        let _ = writeln!(text, "and {more} more with smaller changes; --json lists all");
     }
     text
 }
@@ -185,7 +185,7 @@ fn named(place: &Place) -> String {
     format!("{} {}", place.leg, place.level)
 }
 
-/// Findings that came and went, by code.
+/// Findings that came or went, by code.
 fn findings(told: &[Told]) -> String {
     let mut codes: BTreeMap<&str, [usize; 2]> = BTreeMap::new();
     for Told { again, .. } in told {
@@ -242,7 +242,7 @@ mod tests {
         ];
         let said = anstream::adapter::strip_str(&report(&told, 1, 2)).to_string();
         assert!(said.starts_with("4 records: 1 unchanged, 2 with a new revision, 1 not"), "{said}");
-        assert!(said.contains("; 2 were first seen earlier and left out\n"), "{said}");
+        assert!(said.contains("; 2 were first seen earlier and skipped\n"), "{said}");
         let rows = "
              girth                       height
 level  legs     mean  largest  of           mean  largest  of        came  went
@@ -259,6 +259,7 @@ deadbeef  1 > 3         0.00                0.00            +left D
     #[test]
     fn findings_that_came_are_counted_apart_from_those_that_went() {
         let note = |code: &str| FindingNote {
+            says: None,
             code: code.to_owned(),
             severity: "info".to_owned(),
             leg: None,
@@ -284,6 +285,6 @@ deadbeef  1 > 3         0.00                0.00            +left D
         let said = report(&told, 0, 0);
         assert!(said.contains("00000025  1 > 2") && said.contains("00000006  1 > 2"), "{said}");
         assert!(!said.contains("00000005  1 > 2"), "{said}");
-        assert!(said.ends_with("and 5 more that changed less; --json tells all\n"), "{said}");
+        assert!(said.ends_with("and 5 more with smaller changes; --json lists all\n"), "{said}");
     }
 }

@@ -104,8 +104,8 @@ ready
 light      waits for the export of a press, 2 exports are awaited, a patient is named for the next press
 intake     scans are taken in
 export 0   looked through, last 5 seconds ago, SMB (polled), 2 waiting (1 for too long)
-trigger    serial: open since 3 minutes, 21 presses, 3 bytes of garbage
-store      folder: takes records since 3 minutes
+trigger    serial: open for 3 minutes, 21 presses, 3 bytes of garbage
+store      folder: has accepted records for 3 minutes
 oldest     abcd1234 has waited 3 minutes for its record
 scans      1 spooled, 20 delivered, 2 refused, 0 held
 last scan  abcd1234 seen 2027-01-15 08:00:00 UTC, 3 minutes ago: spooled

@@ -1,4 +1,4 @@
-//! `gaiter status --watch`: the screen of `gaiter status`, anew each second.
+//! `gaiter status --watch`: the screen of `gaiter status`, refreshed every second.
 
 use std::io::{self, Write};
 use std::time::Duration;
@@ -12,36 +12,36 @@ use tokio::time::sleep;
 use super::{Look, table};
 use crate::cli::args::AskArgs;
 use crate::cli::ask::{self, AskFault};
-use crate::cli::paint::{self, painted};
-use crate::cli::screen::{self, Size};
+use crate::cli::terminal::paint::{self, painted};
+use crate::cli::terminal::screen::{self, Size};
 use crate::cli::{Exit, complain, shown};
 
-/// How often the station is asked.
+/// How often the station is queried.
 const EVERY: Duration = Duration::from_secs(1);
 
-/// To the other screen of the terminal, so that nothing of the first is lost; no cursor, and no line
-/// goes on in the next.
+/// Switches to the alternate screen of the terminal, so that nothing of the main one is lost, hides the
+/// cursor, and turns line wrap off.
 const ENTER: &str = "\x1b[?1049h\x1b[?25l\x1b[?7l";
 
-/// Back again.
+/// Restores all that.
 const LEAVE: &str = "\x1b[?7h\x1b[?25h\x1b[?1049l";
 
-/// From the upper left corner; the rest of a line; the rest of the screen.
+/// Moves to the upper left corner; clears the rest of a line; clears the rest of the screen.
 const HOME: &str = "\x1b[H";
 const LINE_REST: &str = "\x1b[K\r\n";
 const SCREEN_REST: &str = "\x1b[J";
 
-/// The last line, so that nobody has to guess.
-const HINT: &str = "renewed every second; Ctrl-C ends";
+/// The last line of the screen.
+const HINT: &str = "refreshed every second; Ctrl-C ends";
 
-/// Shows the status until a signal ends it, or nobody reads any more.
+/// Shows the status until a signal ends it or the reader has gone away.
 pub fn watch(args: &AskArgs) -> Exit {
     let runtime = match Builder::new_current_thread().enable_all().build() {
         Ok(runtime) => runtime,
         Err(error) => return failed(&error),
     };
     let ended = runtime.block_on(run(args));
-    // A question that is not answered yet is not waited for.
+    // A request without an answer yet is not waited for.
     Runtime::shutdown_background(runtime);
     ended.unwrap_or_else(|error| failed(&error))
 }
@@ -77,7 +77,7 @@ async fn run(args: &AskArgs) -> io::Result<Exit> {
     }
 }
 
-/// The signals that end it, that stop it for a while (Ctrl-Z), and that tell of another size of the
+/// The signals that end the watch, that stop it for a while (Ctrl-Z), and that report a new size of the
 /// terminal.
 struct Signals {
     interrupt: Signal,
@@ -86,13 +86,13 @@ struct Signals {
     resize: Signal,
 }
 
-/// What comes after a look.
+/// What follows after a look.
 enum Next {
-    /// Another.
+    /// Another look.
     Look,
-    /// Nothing until somebody lets it go on.
+    /// Stop until the process is continued.
     Stop,
-    /// Nothing.
+    /// The end.
     End,
 }
 
@@ -113,8 +113,8 @@ impl Signals {
         }
     }
 
-    /// Waits until it is time for the next look, or the terminal has another size, or a signal says
-    /// otherwise.
+    /// Waits until it is time for the next look, the size of the terminal changes, or another signal
+    /// arrives.
     async fn next(&mut self) -> Next {
         tokio::select! {
             () = sleep(EVERY) => Next::Look,
@@ -126,13 +126,13 @@ impl Signals {
     }
 }
 
-/// Where it is shown.
+/// Where the status is shown.
 enum Place {
-    /// A terminal, renewed in place; left again whatever ends the watch.
+    /// A terminal, redrawn in place. The alternate screen is left however the watch ends.
     Screen(Entered),
-    /// One text after the other.
+    /// Plain text, one look after the other.
     Pipe,
-    /// One JSON object a line.
+    /// One JSON object per line.
     Program,
 }
 
@@ -149,7 +149,7 @@ impl Place {
         Ok(Place::Screen(entered))
     }
 
-    /// Stops; the shell meanwhile has its own screen.
+    /// Stops the process. In the meantime the shell has its own screen.
     fn stopped(&self) -> io::Result<()> {
         match self {
             Place::Pipe | Place::Program => stop(),
@@ -193,7 +193,7 @@ impl Place {
     }
 }
 
-/// Stops this process until it is told to go on, as Ctrl-Z does where nobody catches it.
+/// Stops this process until it is continued, as Ctrl-Z does without a handler.
 fn stop() -> io::Result<()> {
     Ok(process::kill_process(process::getpid(), process::Signal::STOP)?)
 }
@@ -210,7 +210,7 @@ fn text(look: Result<&Look, &AskFault>, columns: Option<usize>) -> String {
     }
 }
 
-/// A text as one screen: what has no room below is counted and not lost silently.
+/// Fits a text to one screen. Lines that do not fit are counted, not dropped silently.
 fn frame(text: &str, size: Size) -> String {
     let room = size.lines.saturating_sub(1);
     let lines: Vec<&str> = text.lines().collect();
@@ -231,12 +231,12 @@ fn write(text: &str) -> io::Result<()> {
     out.write_all(text.as_bytes()).and_then(|()| out.flush())
 }
 
-/// The other screen of the terminal, left when this goes.
+/// The alternate screen of the terminal, which is left on drop.
 struct Entered;
 
 impl Drop for Entered {
     fn drop(&mut self) {
-        // Where it cannot be written nobody looks.
+        // If the write fails, nobody is looking at the terminal.
         let _ = write(LEAVE);
     }
 }

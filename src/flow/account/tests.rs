@@ -60,7 +60,7 @@ fn each_state_is_said_in_a_sentence_of_its_own() {
 fn an_attempt_to_come_is_told_with_its_time() {
     let said =
         explain(&whole(ScanState::Spooled, DeliveryState::Pending, 3), &BTreeMap::new(), at(600));
-    assert!(said.contains("since 10 minutes") && said.contains("in 5 minutes"), "{said}");
+    assert!(said.contains("for 10 minutes") && said.contains("in 5 minutes"), "{said}");
 }
 
 #[test]

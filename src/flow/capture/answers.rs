@@ -1,25 +1,25 @@
-//! What becomes of captures when their exports are taken, measured or refused.
+//! What happens to captures when their exports are taken, measured or refused.
 
 use std::time::Duration;
 
 use super::{Appeared, Capture, CaptureState, Captures, Doubt, Judged, Named, Opener, ids};
 
-/// A capture whose export was taken and is not measured, for its patient or, where it is held, for a
-/// preview: it may still be refused.
+/// A capture whose export was taken but is not measured yet, for its patient or, if it is held, for a
+/// preview: the export may still be refused.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Measuring {
     pub(super) capture: Capture,
-    /// Nobody waits for another export of it after this time, whatever becomes of it.
+    /// After this time no other export of it is expected, whatever the result.
     pub(super) until: Duration,
 }
 
 impl Captures {
-    /// The same after a start, where the exports of these captures were taken and are not known to be
+    /// The state after a start, given the captures whose exports were taken and are not known to be
     /// measured.
     pub fn with_measuring(mut self, taken: Vec<Capture>, now: Duration) -> Captures {
         let late = self.rules.late;
         let may_come = |capture: &Capture| now <= capture.until + late;
-        // Whatever was pressed or said since may have been lost with the run before.
+        // Presses and names since then may have been lost with the previous run.
         let doubted = |mut capture: Capture| {
             capture.doubt.get_or_insert(Doubt::Unheard);
             capture
@@ -29,8 +29,8 @@ impl Captures {
         self
     }
 
-    /// The numbers of the captures whose exports were taken and are not measured: a refusal opens them
-    /// again. One that is none of them any more was given up, or nobody waits for it.
+    /// The numbers of the captures whose exports were taken but not measured: a refusal opens them
+    /// again. A capture that is no longer among them was given up, or is no longer waited for.
     pub fn measuring(&self) -> impl Iterator<Item = i64> {
         self.measuring.iter().map(|known| known.capture.number)
     }
@@ -39,7 +39,8 @@ impl Captures {
         Measuring { capture, until: now + self.rules.awaited() }
     }
 
-    /// The export was taken: what it answered waits no more, and is remembered until it is measured.
+    /// The export was taken: the capture that it answered stops waiting, and is remembered until it is
+    /// measured.
     pub fn answer(&mut self, judged: &Judged, now: Duration) {
         let (answered, in_doubt, candidates) = match judged {
             Judged::Unpressed => return,
@@ -59,7 +60,7 @@ impl Captures {
         }
     }
 
-    /// The numbers of the captures that end when the export of this one was measured: those of refused
+    /// The numbers of the captures that end when the export of this one is measured: those of refused
     /// scans of the same patient.
     pub fn closed_by(&self, number: i64) -> Vec<i64> {
         let measured = self.measuring.iter().find(|known| known.capture.number == number);
@@ -71,7 +72,7 @@ impl Captures {
         self.waiting.iter().filter(is_closed).map(|capture| capture.number).collect()
     }
 
-    /// The export of the capture of this number was measured: nothing more is awaited of it, nor of
+    /// The export of the capture with this number was measured: nothing more is expected of it, nor of
     /// those that it closes.
     pub fn measured(&mut self, number: i64) {
         let closed = self.closed_by(number);
@@ -79,8 +80,8 @@ impl Captures {
         self.measuring.retain(|known| known.capture.number != number);
     }
 
-    /// The export that answered the capture of this number was refused: another is awaited for the same
-    /// time again. None where the capture was given up, or its scan was taken too long ago.
+    /// The export that answered the capture with this number was refused: another is expected, for the
+    /// same time again. `None` if the capture was given up, or its scan was taken too long ago.
     pub fn refused(&mut self, number: i64, now: Duration) -> Option<&Capture> {
         let is_it = |known: &mut Measuring| known.capture.number == number;
         let Measuring { capture, .. } = self.measuring.extract_if(.., is_it).last()?;
@@ -89,7 +90,7 @@ impl Captures {
             Opener::Name => self.rules.name_lasts,
         };
         let (state, until) = (CaptureState::Open, now + lasts);
-        // What may have gone unheard since then puts it in doubt like those that wait.
+        // A press that may have been missed since then puts it in doubt, like the waiting captures.
         let unheard =
             (capture.by == Opener::Press && self.is_in_doubt(now)).then_some(Doubt::Unheard);
         let doubt = capture.doubt.or(unheard);
@@ -98,16 +99,16 @@ impl Captures {
         self.waiting.get(place)
     }
 
-    /// The capture of these patients and of nobody else whose export is being measured, if an export that
-    /// appeared then was written after it opened.
+    /// The capture of exactly these patients whose export is being measured, if an export that appeared
+    /// then was written after it opened.
     pub(super) fn measuring_of(&self, whose: &[Named], export: Appeared) -> Option<&Capture> {
         let is_after = |capture: &&Capture| export.absent.is_some_and(|at| at >= capture.opened);
         let measuring = self.measuring.iter().map(|known| &known.capture).filter(is_after);
         measuring.filter(|capture| capture.doubt.is_none()).find(|capture| capture.is_of_all(whose))
     }
 
-    /// The captures whose exports are being measured, and that name somebody else than these or
-    /// nobody: if one of those is refused, an export that comes now may be another one of it.
+    /// The captures whose exports are being measured and that name a patient other than these, or
+    /// nobody: if one of them is refused, an export that arrives now may be another one of it.
     pub(super) fn measured_for_others(&self, all: &[&Capture], export: Appeared) -> Vec<&Capture> {
         let of_all: Vec<_> = all.iter().flat_map(|capture| ids(capture)).collect();
         let is_others = |capture: &&Capture| {

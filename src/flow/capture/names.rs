@@ -1,5 +1,5 @@
-//! The names that wait: who is next, what an order or a word at the booth makes of it, and what a
-//! naming that failed does.
+//! The waiting names: who is next, how an order or a name from the booth changes that, and the effect of
+//! a failed naming.
 
 use std::time::Duration;
 
@@ -8,11 +8,11 @@ use serde::{Deserialize, Serialize};
 use super::{
     Capture, CaptureState, Captures, DOUBTS_MOST, Doubt, NAMES_MOST, Named, NamedNext, Opener,
 };
-use crate::flow::orders_when::OrdersWhen;
-use crate::flow::writing::Appeared;
+use crate::flow::export::writing::Appeared;
+use crate::flow::orders::when::OrdersWhen;
 use crate::record::SourceKind;
 
-/// A name, and when it was said; times as in [`Capture`].
+/// A name and when it was given; times as in [`Capture`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Said {
     /// Who.
@@ -21,12 +21,12 @@ pub struct Said {
     pub at: Duration,
 }
 
-/// Who may be next: one patient where that is certain.
+/// Who may be next: one patient if that is certain.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Next {
     /// The candidates, in the order in which they were named; never empty.
     pub names: Vec<Said>,
-    /// So many of them have gone into the booth since, and it is not known which.
+    /// How many of them have entered the booth since; it is not known which.
     pub used: usize,
     /// Why it is not certain.
     pub doubt: Option<Doubt>,
@@ -44,7 +44,7 @@ impl Next {
     }
 }
 
-/// Whose scan a press is, who else it may be, and why that is not certain.
+/// The patient of a press, the other patients it may be, and why that is not certain.
 type Used = (Option<Named>, Vec<Named>, Option<Doubt>);
 
 impl Captures {
@@ -54,7 +54,7 @@ impl Captures {
         names.iter().map(|said| said.named.id.clone()).collect()
     }
 
-    /// The ids of those whose exports are awaited, each once.
+    /// The ids of the patients whose exports are expected, each once.
     pub fn awaited_ids(&self) -> Vec<String> {
         let open = |capture: &&Capture| capture.state == CaptureState::Open;
         let mut ids: Vec<String> = Vec::new();
@@ -66,15 +66,15 @@ impl Captures {
         ids
     }
 
-    /// Whether another patient is named and not yet scanned: that name waits for a press or, without a
+    /// Whether another patient is named but not yet scanned: that name waits for a press or, without a
     /// button, for an export.
     pub fn is_another_named(&self, id: &str) -> bool {
         let awaited = if self.rules.by_press { Vec::new() } else { self.awaited_ids() };
         self.next_ids().iter().chain(&awaited).any(|named| named != id)
     }
 
-    /// Somebody named the patient of the next scan. `number` is the number of the capture that may
-    /// be opened; `coming` are the files that are not taken yet.
+    /// The patient of the next scan was named. `number` is the number of the capture that may be opened;
+    /// `coming` are the files that are not taken yet.
     pub fn named(
         &mut self,
         named: Named,
@@ -97,8 +97,8 @@ impl Captures {
         NamedNext::Waits { replaced, in_doubt: false }
     }
 
-    /// An order whose patient may not be the next one: it came again with the same words, or others may
-    /// have been named since it was sent.
+    /// An order whose patient may not be the next one: it arrived again with the same words, or others
+    /// may have been named since it was sent.
     pub fn doubtful(
         &mut self,
         named: Named,
@@ -125,7 +125,7 @@ impl Captures {
                     capture.doubt = capture.doubt.or(doubt);
                 }
                 if let NamedNext::Paired(capture) = &came {
-                    // Its own order may still come.
+                    // Its own order may still arrive.
                     self.press_is_unsure(capture.opened);
                 }
             }
@@ -133,8 +133,8 @@ impl Captures {
         came
     }
 
-    /// Somebody tried to name a patient and it could not be read: the patient named before may have left.
-    /// An export that was seen before is not in doubt.
+    /// A name could not be read: the patient named before may have left. An export that was seen earlier
+    /// is not in doubt.
     pub fn unread(&mut self, now: Duration) {
         if let Some(next) = &mut self.next {
             next.doubt.get_or_insert(Doubt::Unread);
@@ -146,8 +146,8 @@ impl Captures {
         }
     }
 
-    /// Without a button a name opens a capture. By a word on the page or the verb the captures of
-    /// others end, unless their export is coming in.
+    /// Without a button, a name opens a capture. A name from the page or the verb ends the captures of
+    /// others, unless their export is arriving.
     fn name_export(
         &mut self,
         named: Named,
@@ -167,7 +167,8 @@ impl Captures {
             false => Vec::new(),
         };
         let newest = self.waiting.last().map(|capture| capture.number);
-        // A name after a refusal means a new scan. What still comes of the refused scan is another export.
+        // A name after a refusal means a new scan. What still arrives of the refused scan is another
+        // export.
         let joins = |capture: &&mut Capture| !capture.is_refused && Some(capture.number) == newest;
         if let Some(capture) = self.waiting.iter_mut().filter(open).find(joins) {
             capture.until = now + lasts;
@@ -186,13 +187,13 @@ impl Captures {
         self.waiting.extract_if(.., is_given_up).map(|capture| capture.number).collect()
     }
 
-    /// An order of the practice software: it comes from the desk, and who is in the booth is not known
-    /// there.
+    /// An order from the practice software: it comes from the desk, where it is not known who is in the
+    /// booth.
     fn order(&mut self, named: Named, now: Duration) -> NamedNext {
         if self.next.as_ref().is_some_and(|next| next.doubt == Some(Doubt::Unread))
             && let Some(next) = &mut self.next
         {
-            // The corrected order, perhaps of another patient: then both are candidates.
+            // The corrected order, possibly of another patient: then both are candidates.
             next.doubt = None;
         }
         let crossed = match self.rules.orders {
@@ -204,7 +205,7 @@ impl Captures {
             },
             OrdersWhen::BeforePress => self.cross(&named, now),
         };
-        // It may be for a press that was not heard, or that a lost journal knew.
+        // It may be for a missed press, or for one that a lost journal knew.
         let unheard = self.is_in_doubt(now).then_some(Doubt::Unheard);
         let next = self.next.get_or_insert_with(|| Next::one(named.clone(), now, None));
         match next.names.iter_mut().find(|said| said.named.id == named.id) {
@@ -218,14 +219,14 @@ impl Captures {
         NamedNext::Waits { replaced: false, in_doubt: !next.is_certain() }
     }
 
-    /// Whether the button was pressed without a certain name so shortly ago that an order may be for
-    /// that press: its export may have been taken already, so the time counts and not the capture.
+    /// Whether the button was pressed without a certain name so recently that an order may be for that
+    /// press. The time counts and not the capture, because the export may have been taken already.
     fn is_unsure(&self, now: Duration) -> bool {
         let awaited = self.rules.awaited();
         self.unsure.iter().any(|at| now <= *at + awaited)
     }
 
-    /// The button was pressed without a certain name, or it is certain no more.
+    /// The button was pressed without a certain name, or the name is no longer certain.
     pub(super) fn press_is_unsure(&mut self, now: Duration) {
         let awaited = self.rules.awaited();
         self.unsure.retain(|at| now <= *at + awaited);
@@ -234,7 +235,7 @@ impl Captures {
         self.unsure.push(now);
     }
 
-    /// Whether another press than this one may be the one that an order is for.
+    /// Whether an order may be for another press than this one.
     fn is_another_unsure(&self, opened: Duration, now: Duration) -> bool {
         let awaited = self.rules.awaited();
         self.unsure.iter().any(|at| *at != opened && now <= *at + awaited)
@@ -253,7 +254,7 @@ impl Captures {
         is_unsure
     }
 
-    /// The order of a practice that orders after the press.
+    /// An order in a practice that orders after the press.
     fn pair(&mut self, named: &Named, now: Duration) -> Paired {
         // The patient already has a press by name, so the order is for no other press.
         let is_theirs =
@@ -298,7 +299,7 @@ impl Captures {
         Paired::Crossed
     }
 
-    /// Whether so many patients wait that one more, of this id, tells nothing: an export could be anybody's.
+    /// Whether so many patients wait that adding this id is of no use: an export could be anybody's.
     pub fn is_crowded(&self, id: &str) -> bool {
         let next = self.next.iter().flat_map(|next| &next.names).map(|said| said.named.id.as_str());
         let awaited = self.waiting.iter().flat_map(Capture::named).map(|named| named.id.as_str());
@@ -316,7 +317,7 @@ impl Captures {
         let all: Vec<Named> = next.names.iter().map(|said| said.named.clone()).collect();
         let doubt = Some(next.doubt.unwrap_or(Doubt::Shared));
         next.used += 1;
-        // Those who are left are not known, either.
+        // It is not known who the remaining patients are, either.
         next.doubt = doubt;
         if next.used < next.names.len() {
             self.next = Some(next);
@@ -324,7 +325,7 @@ impl Captures {
         (None, all, doubt)
     }
 
-    /// Forgets names whose time is over; says whether there were any.
+    /// Drops names that have expired; returns whether there were any.
     pub(super) fn drop_old_names(&mut self, now: Duration) -> bool {
         let lasts = self.rules.name_lasts;
         let Some(next) = &mut self.next else { return false };
@@ -334,7 +335,7 @@ impl Captures {
         if left == before {
             return false;
         }
-        // Which of them have gone in is not known: it may have been those whose time is over.
+        // It is not known which of them have entered the booth: it may have been the expired ones.
         next.used = next.used.min(left.saturating_sub(1));
         if left == 0 {
             self.next = None;
@@ -343,15 +344,15 @@ impl Captures {
     }
 }
 
-/// What an order is to the presses that are open.
+/// How an order relates to the open presses.
 enum Paired {
-    /// There is none.
+    /// No press is open.
     None,
-    /// The one that is open is this patient's.
+    /// The open press is this patient's.
     With(Capture),
-    /// More than one may be meant.
+    /// More than one press may be meant.
     InDoubt,
-    /// The one that is open has its order; this one may be for it or for the next.
+    /// The open press has its order; this one may be for it or for the next.
     Crossed,
 }
 

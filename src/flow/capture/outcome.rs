@@ -1,62 +1,26 @@
-//! What came of an export, of a name, of a press, of the passing of time, and of giving up.
+//! The outcomes for an export, a name, a press, the passing of time, and giving up.
 
 use serde::{Deserialize, Serialize};
 
-use super::{Capture, Named};
-
-/// Why an export that may be a capture's is held.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Why {
-    /// It could belong to captures of different patients.
-    Ambiguous,
-    /// It may have been written before the press.
-    Unclear,
-    /// It came after the window of the press it must belong to.
-    Late,
-    /// Nobody listened for a while, and a press that was not heard may have made this export.
-    Unheard,
-    /// Somebody tried to name a patient before it, and it could not be read.
-    Unread,
-    /// The order that names its patient is one that was heard before, with a newer time.
-    Repeated,
-}
-
-impl Why {
-    /// All of them.
-    pub const ALL: [Why; 6] =
-        [Why::Ambiguous, Why::Unclear, Why::Late, Why::Unheard, Why::Unread, Why::Repeated];
-
-    /// The finding's code.
-    pub const fn code(self) -> &'static str {
-        match self {
-            Why::Ambiguous => "capture-ambiguous",
-            Why::Unclear => "capture-unclear",
-            Why::Late => "export-late",
-            Why::Unheard => "press-unheard",
-            Why::Unread => "name-unread",
-            Why::Repeated => "order-repeated",
-        }
-    }
-}
+use super::types::{Capture, Named, Why};
 
 /// Which capture an export belongs to.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Judged {
-    /// To none: nothing was pressed.
+    /// None: the button was not pressed.
     Unpressed,
-    /// To this one.
+    /// This one.
     Of(Capture),
-    /// A person must say.
+    /// The operator must decide.
     Held {
         /// Why.
         why: Why,
         /// The one patient whom every capture in question names, if there is one.
         patient: Option<Named>,
-        /// Everybody whom a capture in question names.
+        /// Every patient whom a capture in question names.
         candidates: Vec<Named>,
-        /// The capture that is answered by it, if any.
+        /// The capture that it answers, if any.
         answered: Option<i64>,
         /// Captures whose exports are in doubt from now on.
         doubtful: Vec<i64>,
@@ -64,13 +28,13 @@ pub enum Judged {
 }
 
 impl Judged {
-    /// The same for an export that begins with a scan that came in before and was one of these patients',
-    /// or nobody's: it is that scan, whole, and no other patient's.
+    /// The result for an export that begins with an earlier scan of these patients, or of nobody: it is
+    /// that scan, complete, and no other patient's.
     pub fn completing(self, whose: &[Named]) -> Judged {
         let (why, mut candidates) = match self {
             Judged::Of(capture) if capture.is_of_all(whose) => return Judged::Of(capture),
             Judged::Of(capture) => (Why::Ambiguous, capture.named().cloned().collect::<Vec<_>>()),
-            // Its own name says whose it is, or nobody does.
+            // Only its own name can identify the patient.
             Judged::Unpressed => return Judged::Unpressed,
             Judged::Held { why, candidates, .. } => (why, candidates),
         };
@@ -79,44 +43,44 @@ impl Judged {
                 candidates.push(named.clone());
             }
         }
-        // The captures go on waiting for exports of their own.
+        // The captures still wait for exports of their own.
         Judged::Held { why, patient: None, candidates, answered: None, doubtful: Vec::new() }
     }
 }
 
-/// What came of naming the next patient.
+/// The outcome of naming the next patient.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum NamedNext {
-    /// The name waits for the next press; whether it replaced another.
+    /// The name waits for the next press.
     Waits {
-        /// Another id was waiting, and is not any more.
+        /// It replaced another waiting id.
         replaced: bool,
-        /// It is not certain whose the next press is.
+        /// It is not certain which patient the next press is for.
         in_doubt: bool,
     },
-    /// The press that is open is this patient's.
+    /// The open press is this patient's.
     Paired(Capture),
-    /// A capture was opened for it; these others, of patients who were named before, were given up.
+    /// A capture was opened for it; these captures of patients named earlier were given up.
     Opened(Capture, Vec<i64>),
-    /// The capture that is open is this patient's already; its window was prolonged.
+    /// The open capture is already this patient's; its window was prolonged.
     Prolonged(Capture),
 }
 
-/// What the passing of time did.
+/// The effects of the passing of time.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Passed {
-    /// Captures whose windows are over without an export.
+    /// Captures whose windows ended without an export.
     pub expired: Vec<i64>,
     /// A patient's name was not used in time.
     pub name_expired: bool,
-    /// Captures whose exports nobody waits for any more.
+    /// Captures whose exports are no longer expected.
     pub over: Vec<i64>,
 }
 
 /// What was given up.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct CalledOff {
-    /// Captures whose export is not awaited any more.
+    /// Captures whose exports are no longer expected.
     pub captures: Vec<i64>,
     /// A name was waiting.
     pub name: bool,

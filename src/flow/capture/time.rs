@@ -6,9 +6,9 @@ use super::super::settle::Sights;
 use super::{Appeared, Capture, CaptureState, Captures, Passed};
 
 impl Captures {
-    /// Time has passed, and these are the sights of all export folders. A capture whose export may be among
-    /// the files that have not settled does not expire; one whose export may lie where nobody has looked
-    /// since expires, and is not over.
+    /// Time has passed, and these are the sights of all export folders. A capture whose export may be
+    /// among the files that have not settled does not expire. A capture whose export may be in a folder
+    /// that was not looked at since then expires, but is not over.
     pub fn pass(&mut self, now: Duration, sights: &[Sights]) -> Passed {
         let mut passed = Passed { name_expired: self.drop_old_names(now), ..Passed::default() };
         for capture in self.waiting.iter_mut().filter(|c| c.state == CaptureState::Open) {
@@ -17,7 +17,7 @@ impl Captures {
             let mut coming = sights.iter().flat_map(|folder| &folder.coming);
             if now > capture.until && !coming.any(is_in_time) {
                 capture.state = CaptureState::Expired;
-                // Of one that was refused somebody knows already.
+                // A refused one raises no alarm: the refusal was already reported.
                 passed.expired.extend((!capture.is_refused).then_some(capture.number));
             }
         }

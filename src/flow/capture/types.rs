@@ -1,47 +1,46 @@
-//! What a capture is, and what rules it.
+//! What a capture is, and the rules for it.
 
 use std::collections::BTreeSet;
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::Why;
-use crate::flow::orders_when::OrdersWhen;
-use crate::flow::writing::Appeared;
+use crate::flow::export::writing::Appeared;
+use crate::flow::orders::when::OrdersWhen;
 use crate::record::SourceKind;
 
-/// Times and habits that rule captures.
+/// Times and habits that control captures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rules {
     /// Captures are opened by presses; without a button, by naming the patient.
     pub by_press: bool,
-    /// How long the export of a press is awaited.
+    /// How long to wait for the export of a press.
     pub window: Duration,
-    /// How long after its window an export may still come, and is held.
+    /// How long after its window a late export is still accepted; it is then held.
     pub late: Duration,
     /// How long a patient's name waits for its press, or without a button for its export.
     pub name_lasts: Duration,
-    /// When orders come.
+    /// When orders arrive.
     pub orders: OrdersWhen,
 }
 
 impl Rules {
-    /// How long after a press its export may still come.
+    /// How long after a press its export may still arrive.
     pub(super) fn awaited(&self) -> Duration {
         self.window + self.late
     }
 }
 
-/// The patient whom somebody named for the next scan.
+/// The patient named for the next scan.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Named {
-    /// The id, allowed as one.
+    /// The id, accepted as valid.
     pub id: String,
-    /// Who named it.
+    /// The source that named it.
     pub by: SourceKind,
 }
 
-/// The time in which the export of a press is awaited. All times are since the machine's start.
+/// The time in which the export of a press is expected. All times are since the machine's start.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Capture {
     /// Its number in the journal.
@@ -52,20 +51,20 @@ pub struct Capture {
     pub until: Duration,
     /// What opened it.
     pub by: Opener,
-    /// Whose scan it is said to be.
+    /// The patient whose scan it is said to be.
     pub patient: Option<Named>,
-    /// Who else it may be.
+    /// Other patients whose scan it may be.
     pub others: Vec<Named>,
-    /// Why its export is still to come.
+    /// The state of the wait for its export.
     pub state: CaptureState,
-    /// The export that answered it was refused, and another is awaited.
+    /// The export that answered it was refused, and another is expected.
     pub is_refused: bool,
-    /// Why its export could be another's, besides what other captures show.
+    /// Why its export could be another patient's, apart from what other captures show.
     pub doubt: Option<Doubt>,
 }
 
 impl Capture {
-    /// Everybody whom it names.
+    /// Every patient whom it names.
     pub fn named(&self) -> impl Iterator<Item = &Named> {
         self.patient.iter().chain(&self.others)
     }
@@ -75,7 +74,7 @@ impl Capture {
         is_sure && self.patient.as_ref().is_some_and(|patient| patient.id == id)
     }
 
-    /// Whether it names these and nobody else.
+    /// Whether it names exactly these patients.
     pub(super) fn is_of_all(&self, whose: &[Named]) -> bool {
         let ours: BTreeSet<&str> = self.named().map(|named| named.id.as_str()).collect();
         ours == whose.iter().map(|named| named.id.as_str()).collect()
@@ -85,7 +84,7 @@ impl Capture {
         self.patient.is_none() && self.others.is_empty()
     }
 
-    /// Somebody else may be meant, too.
+    /// Another patient may be meant, too.
     pub fn may_also_be(&mut self, named: &Named) {
         if self.named().all(|known| known.id != named.id) {
             self.others.push(named.clone());
@@ -93,9 +92,9 @@ impl Capture {
         self.doubt.get_or_insert(Doubt::Shared);
     }
 
-    /// The same after the machine has started anew, where its export may still come: it was opened before
-    /// that, and whose an export is now is for a person to say. `age` is what the clock on the wall says
-    /// has passed since it was opened; none where that clock has gone back.
+    /// The capture after a restart of the machine, if its export may still arrive: it was opened before
+    /// the restart, so the operator must decide whose an export now is. `age` is how long ago it was
+    /// opened by the wall clock; `None` if that clock has gone back.
     pub fn carried_over(
         self,
         age: Option<Duration>,
@@ -120,17 +119,53 @@ impl Capture {
     }
 }
 
-/// What is known of the content of an export before it is judged.
+/// What is known about the content of an export before it is judged.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Content {
     /// When it was written.
     pub began: Appeared,
-    /// The scan came in before, with these bytes or this geometry.
+    /// The scan arrived before, with these bytes or this geometry.
     pub is_known: bool,
     /// Its format shows that it was cut short.
     pub is_cut_short: bool,
-    /// It begins with a scan that came in before, of one of these patients, or of nobody.
+    /// It begins with an earlier scan, of one of these patients or of nobody.
     pub completes: Option<Vec<Named>>,
+}
+
+/// Why an export that may be a capture's is held.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Why {
+    /// It could belong to captures of different patients.
+    Ambiguous,
+    /// It may have been written before the press.
+    Unclear,
+    /// It arrived after the window of the press it must belong to.
+    Late,
+    /// The station could not hear for a while, and a missed press may have made this export.
+    Unheard,
+    /// An attempt to name a patient before it could not be read.
+    Unread,
+    /// The order that names its patient repeats an earlier one, with a newer time.
+    Repeated,
+}
+
+impl Why {
+    /// All of them.
+    pub const ALL: [Why; 6] =
+        [Why::Ambiguous, Why::Unclear, Why::Late, Why::Unheard, Why::Unread, Why::Repeated];
+
+    /// The finding's code.
+    pub const fn code(self) -> &'static str {
+        match self {
+            Why::Ambiguous => "capture-ambiguous",
+            Why::Unclear => "capture-unclear",
+            Why::Late => "export-late",
+            Why::Unheard => "press-unheard",
+            Why::Unread => "name-unread",
+            Why::Repeated => "order-repeated",
+        }
+    }
 }
 
 /// Why the export of a capture could be another patient's.
@@ -139,13 +174,13 @@ pub struct Content {
 pub enum Doubt {
     /// An export that could have been its own was held, or more than one patient was named.
     Shared,
-    /// An order and a press without a name crossed: either may belong to the other, or to the next.
+    /// An order and a press without a name crossed: each may belong to the other, or to the next one.
     Crossed,
-    /// A press may have gone unheard.
+    /// A press may have been missed.
     Unheard,
-    /// Somebody tried to name a patient, and it could not be read.
+    /// An attempt to name a patient could not be read.
     Unread,
-    /// An order came again with the same words.
+    /// An order arrived again with the same words.
     Repeated,
 }
 
@@ -171,11 +206,11 @@ pub enum Opener {
     Name,
 }
 
-/// The states of a capture whose export has not come.
+/// The states of a capture whose export has not arrived.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CaptureState {
-    /// Its export is awaited.
+    /// The station waits for its export.
     Open,
     /// Its window is over.
     Expired,

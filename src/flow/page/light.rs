@@ -1,4 +1,4 @@
-//! The one light: its word, and in one sentence what to do next.
+//! The one light: its word, and one sentence on what to do next.
 
 use serde::Serialize;
 
@@ -10,32 +10,32 @@ use crate::record::Language;
 /// The light on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct LightShown {
-    /// The signal's stable word; colour and sign hang on it.
+    /// The signal's stable word; it decides colour and sign.
     pub signal: &'static str,
-    /// The word that is read from afar.
+    /// The word that is read from a distance.
     pub word: &'static str,
     /// What to do next.
     pub sentence: String,
 }
 
-/// How the booth is.
+/// The state of the booth.
 #[derive(Debug, Clone, Copy)]
 pub struct Situation<'a> {
     /// What its light shows.
     pub signal: Signal,
-    /// A button hangs on the station.
+    /// A button is connected to the station.
     pub has_button: bool,
-    /// How many exports are awaited.
+    /// How many exports are expected.
     pub awaited: usize,
-    /// The ids of those who may be next: one when it is certain, several when it is in doubt.
+    /// The ids of the patients who may be next: one if it is certain, several if it is in doubt.
     pub next: &'a [String],
-    /// The ids of those whose exports are awaited; without a button a name opens the capture.
+    /// The ids of the patients whose exports are expected; without a button a name opens the capture.
     pub awaited_for: &'a [String],
-    /// A press may have gone unheard.
+    /// A press may have been missed.
     pub is_in_doubt: bool,
 }
 
-/// The light; `first` is what is most wrong, if anything is.
+/// The light; `first` is the most serious fault, if there is one.
 pub(super) fn shown(
     booth: &Situation<'_>,
     first: Option<&Advice>,

@@ -1,4 +1,4 @@
-//! What the operator's page shows, ready to be shown: which sentence, which decisions, in which
+//! What the operator's page shows, ready to be displayed: which sentence, which decisions, in which
 //! language. The page itself only puts these texts into place.
 //!
 //! ```text
@@ -6,6 +6,7 @@
 //! scans of the journal, their measures ─▶ scans ─────────┴▶ Shown
 //! ```
 
+pub mod files;
 mod light;
 mod next;
 mod parts;
@@ -19,6 +20,7 @@ use serde::Serialize;
 use super::facts::{Facts, IntakeState};
 use super::health::Complaint;
 use crate::record::{Language, shown};
+pub use files::FILES;
 pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;
@@ -28,14 +30,14 @@ pub use scans::{ScanShown, Told, is_held, record_folder, shown as scan_shown};
 /// Name and number of the snapshot's schema.
 pub const SCHEMA: &str = "gaiter.page/1";
 
-/// To whom the page shows patients' ids.
+/// Who sees patients' ids on the page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum IdsShown {
-    /// To nobody.
+    /// Nobody.
     Nobody,
-    /// To people with the station's token.
+    /// People with the station's token.
     Operator,
-    /// To all who can read the page.
+    /// Everyone who can read the page.
     Everyone,
 }
 
@@ -50,12 +52,12 @@ impl IdsShown {
     }
 }
 
-/// The station as the page shows it at one moment. Every text is ready to be shown.
+/// The station as the page shows it at one moment. Every text is ready to be displayed.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Shown {
     /// [`SCHEMA`].
     pub schema: &'static str,
-    /// What the page is made of: one loaded from another version loads itself anew.
+    /// The version of the page's files: a page loaded from another version reloads itself.
     pub page: String,
     /// The station's name.
     pub station: String,
@@ -63,15 +65,15 @@ pub struct Shown {
     pub light: LightShown,
     /// Who is next.
     pub next: NextShown,
-    /// A person has paused the station.
+    /// The operator has paused the station.
     pub paused: bool,
     /// What keeps the station from being ready.
     pub complaints: Vec<ComplaintShown>,
-    /// Scans that wait for a person's decision, newest first.
+    /// Scans that wait for the operator's decision, newest first.
     pub undecided: Vec<ScanShown>,
-    /// More of these than are shown.
+    /// How many more of these there are than are shown.
     pub more_undecided: u64,
-    /// The last scans, newest first, whatever became of them.
+    /// The latest scans, newest first, whatever their outcome.
     pub scans: Vec<ScanShown>,
     /// Export folders, ports and stores.
     pub parts: Vec<PartShown>,
@@ -84,7 +86,7 @@ pub struct Shown {
 pub struct PatientShown {
     /// The id, as it is sent back with a decision.
     pub id: String,
-    /// The id as a person reads it: nothing in it is hidden.
+    /// The id in readable form: nothing in it is hidden.
     pub shown: String,
 }
 
@@ -95,7 +97,7 @@ impl PatientShown {
     }
 }
 
-/// Patients by their ids, each once, in the order in which they come.
+/// Patients by their ids, each once, in the given order.
 fn distinct<'a>(ids: impl IntoIterator<Item = &'a String>) -> Vec<PatientShown> {
     let mut found: Vec<PatientShown> = Vec::new();
     for id in ids {
@@ -116,10 +118,10 @@ pub struct ComplaintShown {
     pub advice: Advice,
 }
 
-/// What is known of the station besides its scans.
+/// What is known about the station apart from its scans.
 #[derive(Debug, Clone, Copy)]
 pub struct Known<'a> {
-    /// What its page is made of.
+    /// The version of its page's files.
     pub page: &'a str,
     /// Its name.
     pub station: &'a str,
@@ -129,11 +131,11 @@ pub struct Known<'a> {
     pub complaints: &'a [Complaint],
     /// The booth.
     pub booth: Situation<'a>,
-    /// The moment.
+    /// The current time.
     pub now: Timestamp,
 }
 
-/// Puts the page together.
+/// Assembles the page.
 pub fn shown(
     known: &Known<'_>,
     undecided: Vec<ScanShown>,

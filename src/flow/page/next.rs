@@ -1,4 +1,4 @@
-//! Who is next: the patients who are named, and the exports that are awaited.
+//! Who is next: the named patients, and the expected exports.
 
 use serde::Serialize;
 
@@ -12,13 +12,13 @@ use crate::record::Language;
 pub struct NextShown {
     /// Who is next, in a sentence or two.
     pub sentence: String,
-    /// The same sentence in pieces, words and ids in turn: an id is set apart from the words.
+    /// The same sentence in pieces, words and ids in turn, so that an id is set apart from the words.
     pub pieces: Vec<String>,
-    /// Those who may be next: one when it is certain, several when it is in doubt.
+    /// The patients who may be next: one if it is certain, several if it is in doubt.
     pub who: Vec<PatientShown>,
-    /// There is something that can be called off.
+    /// There is something to call off.
     pub can_be_called_off: bool,
-    /// A press may have gone unheard, in words.
+    /// The warning that a press may have been missed.
     pub doubt: Option<&'static str>,
     /// The same sentence without an id.
     #[serde(skip)]
@@ -26,7 +26,7 @@ pub struct NextShown {
 }
 
 impl NextShown {
-    /// Forgets the ids.
+    /// Removes the ids.
     pub(super) fn hide_ids(&mut self) {
         self.sentence.clone_from(&self.anonymous);
         self.pieces = vec![self.anonymous.clone()];
@@ -39,7 +39,7 @@ pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
     let who = next(booth);
     let Text(pieces) = told(booth, &who, language);
     let doubt = (
-        "A press of the button may have gone unheard: scans of named patients are held.",
+        "A press of the button may have been missed: scans of named patients are held.",
         "Ein Knopfdruck wurde vielleicht nicht gehört: Scans benannter Patienten werden zurückgehalten.",
     );
     NextShown {
@@ -52,8 +52,8 @@ pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
     }
 }
 
-/// Those who may be next. Without a button there is no press to come: they are those whose export is
-/// awaited.
+/// The patients who may be next. Without a button there is no press to come, so they are those whose
+/// export is expected.
 fn next(booth: &Situation<'_>) -> Vec<PatientShown> {
     let awaited = if booth.has_button { &[] } else { booth.awaited_for };
     distinct(booth.next.iter().chain(awaited))
@@ -68,7 +68,7 @@ const SEVERAL: Both = (
     "Mehr als ein Patient ist benannt: Wer ist in der Kabine?",
 );
 
-/// Words and ids in turn, words first and last.
+/// Words and ids in turn, starting and ending with words.
 struct Text(Vec<String>);
 
 impl Text {
@@ -88,7 +88,7 @@ impl Text {
         self
     }
 
-    /// Ids with commas between them, and this word before the last.
+    /// Ids separated by commas, with this word before the last.
     fn ids(self, patients: &[PatientShown], before_last: &str) -> Text {
         let last = patients.len().saturating_sub(1);
         patients.iter().enumerate().fold(self, |text, (at, patient)| match at {
@@ -98,7 +98,7 @@ impl Text {
         })
     }
 
-    /// A blank, where a sentence stands before.
+    /// Adds a space if there is a sentence before.
     fn blank(self) -> Text {
         if self.is_empty() { self } else { self.words(" ") }
     }
@@ -108,7 +108,7 @@ impl Text {
     }
 }
 
-/// Who is next and whose exports are awaited.
+/// Who is next and whose exports are expected.
 fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text {
     let text = match who {
         [_, _, ..] => {
@@ -124,9 +124,9 @@ fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text
     let awaited_for = if is_asked { Vec::new() } else { distinct(booth.awaited_for) };
     let (before, and, behind) = match (awaited_for.len(), language) {
         (0, _) => ("", "", ""),
-        (1, Language::En) => ("", "", "'s export is awaited."),
+        (1, Language::En) => ("", "", "'s export is expected."),
         (1, Language::De) => ("Der Export von ", "", " wird erwartet."),
-        (_, Language::En) => ("The exports of ", " and ", " are awaited."),
+        (_, Language::En) => ("The exports of ", " and ", " are expected."),
         (_, Language::De) => ("Die Exporte von ", " und ", " werden erwartet."),
     };
     let mut text = match awaited_for.as_slice() {
@@ -146,7 +146,7 @@ fn anonymous(booth: &Situation<'_>, who: &[PatientShown], language: Language) ->
         1 => Some(ONE),
         _ => Some(SEVERAL),
     };
-    // Without a button the export that is awaited is that of the patient who is named.
+    // Without a button, the expected export is that of the named patient.
     let awaited = if booth.has_button { booth.awaited } else { unnamed(booth) };
     let awaited = counted(awaited, language);
     let named = named.map(|both| say(language, both).to_owned());
@@ -154,18 +154,18 @@ fn anonymous(booth: &Situation<'_>, who: &[PatientShown], language: Language) ->
     if sentences.is_empty() { say(language, NOBODY).to_owned() } else { sentences.join(" ") }
 }
 
-/// How many exports are awaited of which no patient is known.
+/// How many exports are expected without a known patient.
 fn unnamed(booth: &Situation<'_>) -> usize {
     booth.awaited.saturating_sub(booth.awaited_for.len())
 }
 
-/// That so many exports are awaited.
+/// A sentence on how many exports are expected.
 fn counted(count: usize, language: Language) -> Option<String> {
     match (count, language) {
         (0, _) => None,
-        (1, Language::En) => Some("One export is awaited.".to_owned()),
+        (1, Language::En) => Some("One export is expected.".to_owned()),
         (1, Language::De) => Some("Ein Export wird erwartet.".to_owned()),
-        (count, Language::En) => Some(format!("{count} exports are awaited.")),
+        (count, Language::En) => Some(format!("{count} exports are expected.")),
         (count, Language::De) => Some(format!("{count} Exporte werden erwartet.")),
     }
 }

@@ -15,15 +15,15 @@ use crate::record::Language;
 pub struct PartShown {
     /// What it is.
     pub name: String,
-    /// How it is, in a word or two.
+    /// Its state, in a word or two.
     pub word: &'static str,
-    /// `good`, `wait` or `bad`; a colour and a sign hang on it.
+    /// `good`, `wait` or `bad`; it decides colour and sign.
     pub health: &'static str,
     /// Why, in the system's own words.
     pub why: Option<String>,
 }
 
-/// All parts; a short fault that goes by itself is none, as in the complaints.
+/// All parts; a short fault that clears itself does not count, as in the complaints.
 pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<PartShown> {
     let sources = facts.sources.iter().enumerate().map(|(place, source)| {
         let name = match (facts.sources.len(), language) {
@@ -41,7 +41,7 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
             Some(_) if !has_lasted(facts.since, now, BLIP) => {
                 (("is tried again", "neuer Versuch"), "wait")
             }
-            Some(_) => (("takes nothing", "nimmt nichts an"), "bad"),
+            Some(_) => (("accepts no records", "nimmt nichts an"), "bad"),
         };
         let (name, word) = (store_name(store, language), say(language, word));
         PartShown { name, word, health, why: fault.cloned() }
@@ -59,7 +59,7 @@ fn source_state(state: &SourceState) -> (Both, &'static str, Option<&String>) {
             (("not mounted", "Freigabe nicht eingehängt"), "bad", Some(why))
         }
         SourceState::Taken => {
-            (("another station has it", "wird von einer anderen Station bearbeitet"), "bad", None)
+            (("used by another station", "wird von einer anderen Station bearbeitet"), "bad", None)
         }
         SourceState::Stalled => (("does not answer", "antwortet nicht"), "bad", None),
     }
@@ -84,10 +84,10 @@ fn port_shown(port: &str, facts: &TriggerFacts, language: Language) -> PartShown
     };
     let (word, health) = match facts.state {
         PortState::Open => (("ready", "bereit"), "good"),
-        PortState::NotLooked | PortState::Settling => (("is opened", "wird geöffnet"), "wait"),
+        PortState::NotLooked | PortState::Settling => (("opening", "wird geöffnet"), "wait"),
         PortState::Absent => (("not there", "nicht vorhanden"), "bad"),
-        PortState::Busy => (("another program has it", "von anderem Programm belegt"), "bad"),
-        PortState::Denied => (("may not be opened", "kein Zugriff"), "bad"),
+        PortState::Busy => (("used by another program", "von anderem Programm belegt"), "bad"),
+        PortState::Denied => (("no permission", "kein Zugriff"), "bad"),
         PortState::Failed => (("does not work", "arbeitet nicht"), "bad"),
         PortState::Stuck => (("contact sticks", "Kontakt klemmt"), "bad"),
         PortState::Hung => (("driver hangs", "Treiber hängt"), "bad"),

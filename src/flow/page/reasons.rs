@@ -1,23 +1,24 @@
-//! Codes → what is so and what to do, each in one sentence. The README's tables say the same at more
-//! length; a code that is not known here is said as it is.
+//! Codes → the situation and what to do, each in one sentence. The README's tables say the same in more
+//! detail; an unknown code is shown as it is.
 
 use serde::Serialize;
 
 use super::words::{Both, say};
+use crate::flow::capture;
 use crate::flow::health::Complaint;
-use crate::flow::{capture, identity};
+use crate::flow::patient::identity;
 use crate::record::Language;
 
-/// What is so, and what a person can do.
+/// The situation, and what the operator can do.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Advice {
-    /// A sentence.
+    /// A sentence on the situation.
     pub what: String,
-    /// Another one.
+    /// A sentence on what to do.
     pub next: String,
 }
 
-/// What is so, and what to do.
+/// The situation, and what to do.
 type Pair = (Both, Both);
 
 impl Advice {
@@ -33,7 +34,7 @@ pub fn of_held(code: &str, language: Language) -> Advice {
         "Den Scan ansehen und dem richtigen Patienten zuordnen.",
     );
     const IF_SO: Both = (
-        "Release it if it is this patient's, else assign it.",
+        "Release it if it is this patient's; otherwise assign it.",
         "Freigeben, wenn er von diesem Patienten ist, sonst zuordnen.",
     );
     let pair = match code {
@@ -43,38 +44,39 @@ pub fn of_held(code: &str, language: Language) -> Advice {
         ),
         capture::AMBIGUOUS => (
             (
-                "It could be of more than one of those who were named or scanned.",
+                "It could belong to more than one named or scanned patient.",
                 "Er kann von mehr als einem der benannten oder gescannten Patienten sein.",
             ),
             EITHER,
         ),
         capture::UNCLEAR => (
             (
-                "It may have lain there before the button was pressed or a name was said.",
+                "It may have been there before the button was pressed or a patient was named.",
                 "Er lag vielleicht schon da, bevor der Knopf gedrückt oder jemand benannt wurde.",
             ),
             IF_SO,
         ),
         capture::LATE => (
             (
-                "It came after the time in which the export of the press is awaited.",
+                "It arrived after the time allowed for the export of the press.",
                 "Er kam nach der Zeit, in der der Export zum Knopfdruck erwartet wird.",
             ),
             IF_SO,
         ),
         capture::UNHEARD => (
             (
-                "A press of the button may have gone unheard.",
+                "A press of the button may have been missed.",
                 "Ein Knopfdruck wurde vielleicht nicht gehört.",
             ),
             (
-                "Release it if nobody else was scanned, else assign it.",
+                "Release it if nobody else was scanned; otherwise assign it.",
                 "Freigeben, wenn sonst niemand gescannt wurde, sonst zuordnen.",
             ),
         ),
         capture::UNREAD => (
             (
-                "A card or an order before it could not be read or kept: somebody else may have been meant.",
+                "A card or an order before it could not be read or kept: another patient may have \
+                 been meant.",
                 "Eine Karte oder ein Auftrag davor war nicht lesbar oder nicht zu speichern: vielleicht war \
                  jemand anders gemeint.",
             ),
@@ -92,7 +94,7 @@ pub fn of_held(code: &str, language: Language) -> Advice {
         }
         identity::SAME_SCAN_OTHER_PATIENT => (
             (
-                "The same scan came in before, for somebody else.",
+                "The same scan arrived before, for another patient.",
                 "Derselbe Scan kam schon einmal, für einen anderen Patienten.",
             ),
             (
@@ -101,7 +103,10 @@ pub fn of_held(code: &str, language: Language) -> Advice {
             ),
         ),
         _ => (
-            ("A person must say whose scan it is.", "Jemand muss sagen, wessen Scan das ist."),
+            (
+                "The operator must decide whose scan it is.",
+                "Jemand muss sagen, wessen Scan das ist.",
+            ),
             IF_SO,
         ),
     };
@@ -114,7 +119,7 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
     const EXPORT: Both = ("Export it again.", "Noch einmal exportieren.");
     const TECHNICIAN: Both = ("Call the technician.", "Den Techniker rufen.");
     const RETRY: Both =
-        ("Mend the cause, then try again.", "Die Ursache beheben, dann noch einmal versuchen.");
+        ("Fix the cause, then try again.", "Die Ursache beheben, dann noch einmal versuchen.");
     let pair = match code {
         "scan-empty" | "scan-cut-short" => (
             (
@@ -132,7 +137,7 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
         | "scan-malformed"
         | "scan-not-finite"
         | "scan-too-long" => {
-            (("The file is no scan that can be read.", "Die Datei ist kein lesbarer Scan."), EXPORT)
+            (("The file is not a readable scan.", "Die Datei ist kein lesbarer Scan."), EXPORT)
         }
         "scan-too-large" => {
             (("The file is too large for a scan.", "Die Datei ist zu groß für einen Scan."), EXPORT)
@@ -154,13 +159,14 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
                 "Was der Scan zeigt, ist nicht so groß wie ein stehender Mensch.",
             ),
             (
-                "Scan again, the whole body in view. If it comes again: check scanner.up and scanner.unit.",
+                "Scan again, the whole body in view. If this happens again: check scanner.up and \
+                 scanner.unit.",
                 "Noch einmal scannen, der ganze Körper im Bild. Kommt es wieder: scanner.up und \
                  scanner.unit prüfen.",
             ),
         ),
         "body-facing-unclear" | "body-facing-contradicted" | "body-facing-vertical" => (
-            ("Left and right cannot be told.", "Links und rechts sind nicht zu erkennen."),
+            ("Left and right cannot be distinguished.", "Links und rechts sind nicht zu erkennen."),
             ("Scan again with both feet in view.", "Noch einmal scannen, beide Füße im Bild."),
         ),
         "segment-legs-end" | "segment-join-too-low" | "segment-never-join" | "no-leg" => (
@@ -186,7 +192,7 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
         ),
         "patient-folder-is-a-link" | "patient-folder-clash" => (
             (
-                "The patient's folder in the record store cannot be told from another's.",
+                "The patient's folder in the record store cannot be distinguished from another's.",
                 "Der Ordner des Patienten im Aktenspeicher ist nicht sicher von einem anderen zu \
                  unterscheiden.",
             ),
@@ -207,26 +213,26 @@ pub fn of_refused(code: &str, language: Language) -> Advice {
 /// What keeps the station from being ready.
 pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     const SCANNER: Both = (
-        "See that the scanner's computer is on and connected.",
+        "Check that the scanner's computer is on and connected.",
         "Prüfen, ob der Rechner des Scanners an und verbunden ist.",
     );
     const BUTTON: Both =
-        ("See the button, its cable and its plug.", "Knopf, Kabel und Stecker prüfen.");
+        ("Check the button, its cable and its plug.", "Knopf, Kabel und Stecker prüfen.");
     const TECHNICIAN: Both = ("Call the technician.", "Den Techniker rufen.");
     let pair = match complaint.code.as_str() {
         "paused" => (
             ("The station is paused.", "Die Station macht Pause."),
-            ("Resume to go on.", "Zum Weitermachen fortsetzen."),
+            ("Resume to continue.", "Zum Weitermachen fortsetzen."),
         ),
         "disk-low" => (
             ("The disk is nearly full.", "Die Festplatte ist fast voll."),
             (
-                "Make room; the station goes on by itself.",
+                "Free some space; the station continues by itself.",
                 "Platz schaffen; die Station macht von selbst weiter.",
             ),
         ),
         "store-fault" => (
-            ("A record store takes nothing.", "Ein Aktenspeicher nimmt nichts an."),
+            ("A record store accepts no records.", "Ein Aktenspeicher nimmt nichts an."),
             (
                 "See that it is connected and has room. Nothing is lost meanwhile.",
                 "Prüfen, ob er verbunden ist und Platz hat. Es geht nichts verloren.",
@@ -234,7 +240,7 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
         ),
         "source-taken" => (
             (
-                "Another station on this machine works the export folder.",
+                "Another station on this machine uses the export folder.",
                 "Eine andere Station auf diesem Rechner bearbeitet den Exportordner.",
             ),
             TECHNICIAN,
@@ -251,7 +257,7 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
                 "A file in the export folder is not complete.",
                 "Eine Datei im Exportordner ist nicht vollständig.",
             ),
-            ("See whether the scanner hangs.", "Prüfen, ob der Scanner hängt."),
+            ("Check whether the scanner hangs.", "Prüfen, ob der Scanner hängt."),
         ),
         code if code.starts_with("trigger-") => {
             (("The button does not work.", "Der Knopf arbeitet nicht."), BUTTON)
@@ -272,7 +278,8 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
         }
         "record-kept" => (
             (
-                "A record that was taken back was changed by hand and still lies with the wrong patient.",
+                "A record that was taken back was changed by hand and is still stored under the \
+                 wrong patient.",
                 "Eine zurückgenommene Messakte wurde von Hand geändert und liegt noch beim falschen \
                  Patienten.",
             ),
@@ -280,7 +287,7 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
         ),
         "custody-made-anew" | "custody-missing" => (
             (
-                "Somebody removed a folder in which the station keeps scans.",
+                "A folder in which the station keeps scans was removed.",
                 "Ein Ordner, in dem die Station Scans aufbewahrt, wurde gelöscht.",
             ),
             TECHNICIAN,
@@ -294,14 +301,14 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
         ),
         "journal-refuses" => (
             (
-                "The station's journal refuses what it should keep.",
+                "The station's journal cannot save new entries.",
                 "Das Journal der Station nimmt nichts an.",
             ),
             TECHNICIAN,
         ),
         "page-unavailable" => (
             (
-                "Another program has the address of this page.",
+                "Another program uses the address of this page.",
                 "Ein anderes Programm belegt die Adresse dieser Seite.",
             ),
             TECHNICIAN,
@@ -339,11 +346,11 @@ pub fn of_complaint(complaint: &Complaint, language: Language) -> Advice {
     Advice::of(pair, language)
 }
 
-/// Why a decision was not carried out; none for a code that is not known.
+/// Why a decision was not carried out; `None` for an unknown code.
 pub fn of_fault(code: &str, language: Language) -> Option<&'static str> {
     let both = match code {
         "patient-id-not-allowed" => (
-            "This is no patient's id here. Nothing was changed.",
+            "This is not a valid patient id here. Nothing was changed.",
             "Das ist hier keine Patientennummer. Es wurde nichts geändert.",
         ),
         "another-is-named" => (
@@ -359,11 +366,11 @@ pub fn of_fault(code: &str, language: Language) -> Option<&'static str> {
             "Er kann von mehreren Patienten sein: bitte dem richtigen zuordnen. Es wurde nichts geändert.",
         ),
         "no-occasion" | "unknown-scan" | "scan-unknown" => (
-            "The scan is not in that state any more. Nothing was changed.",
+            "The scan is no longer in that state. Nothing was changed.",
             "Der Scan ist nicht mehr in diesem Zustand. Es wurde nichts geändert.",
         ),
         "bytes-gone" => (
-            "The station has the scan's data no more. Let the scanner export it again.",
+            "The station no longer has the scan's data. Export the scan again.",
             "Die Station hat die Daten des Scans nicht mehr. Bitte noch einmal exportieren.",
         ),
         "store-unavailable" => (
@@ -383,7 +390,7 @@ fn said_as_it_is(code: &str, next: Both, language: Language) -> Advice {
     Advice { what, next: say(language, next).to_owned() }
 }
 
-/// Words without a full stop as a sentence.
+/// Turns words without a full stop into a sentence.
 fn sentence(words: &str) -> String {
     let mut rest = words.chars();
     let first = rest.next().map(|first| first.to_uppercase().to_string()).unwrap_or_default();

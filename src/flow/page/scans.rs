@@ -1,4 +1,4 @@
-//! A scan on the page: what became of it, why, and what a person can decide.
+//! A scan on the page: its outcome, the reason, and what the operator can decide.
 
 use std::collections::BTreeSet;
 
@@ -9,7 +9,7 @@ use super::reasons::{Advice, of_held, of_refused};
 use super::words::say;
 use super::{PatientShown, distinct};
 use crate::flow::account::{Delivered, Whole};
-use crate::flow::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
+use crate::flow::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{DeliveryState, ScanState, capture};
 use crate::record::{Language, RecordSummary, shown};
 
@@ -20,24 +20,24 @@ pub struct ScanShown {
     pub scan: String,
     /// When the station first saw it.
     pub at: Timestamp,
-    /// `spooled`, `delivered`, `unassigned`, `withdrawing`, `held`, `refused` or `closed`; colour and sign
-    /// hang on it.
+    /// `spooled`, `delivered`, `unassigned`, `withdrawing`, `held`, `refused` or `closed`; it decides
+    /// colour and sign.
     pub state: &'static str,
-    /// What became of it, in a word or two.
+    /// Its outcome, in a word or two.
     pub word: &'static str,
     /// Why it is held or was refused.
     pub code: Option<String>,
-    /// Likewise in words, and what to do.
+    /// The same in words, and what to do.
     pub advice: Option<Advice>,
-    /// The ids of those whose it is; of a held scan, of those for whom it is held.
+    /// The ids of the patients to whom it belongs; for a held scan, of those for whom it is held.
     pub patients: Vec<String>,
-    /// Of a held scan, those whose it may be, and to whom it can be given.
+    /// For a held scan, the patients to whom it may belong and can be given.
     pub candidates: Vec<PatientShown>,
-    /// Of a refused scan, the one patient whose it is, who can be named to be scanned again.
+    /// For a refused scan, the one patient to whom it belongs, who can be named to be scanned again.
     pub again: Option<PatientShown>,
-    /// What a person can decide.
+    /// What the operator can decide.
     pub acts: Vec<&'static str>,
-    /// Its measures, once its record was read; of a held scan, its preview.
+    /// Its measures, once its record was read; for a held scan, those of its preview.
     pub measures: Option<RecordSummary>,
     /// The files of its record, or of its preview, that can be opened.
     pub files: Vec<&'static str>,
@@ -45,28 +45,28 @@ pub struct ScanShown {
     pub unmeasured: Option<String>,
 }
 
-/// What was read of a scan's record, or of the preview of a held one.
+/// What was read from a scan's record, or from the preview of a held scan.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Told {
     /// Its measures.
     pub measures: Option<RecordSummary>,
     /// Its files that can be opened.
     pub files: Vec<&'static str>,
-    /// The code of why a held scan cannot be measured.
+    /// The code for why a held scan cannot be measured.
     pub unmeasured: Option<String>,
 }
 
-/// Where a scan is, for a person who decides.
+/// The state of a scan, for the operator's decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Place {
     Refused,
     Held,
-    /// It was refused or held, and needs no decision any more.
+    /// It was refused or held, and no longer needs a decision.
     Closed,
-    /// It was taken back, and its record has not left yet.
+    /// It was taken back, but its record is not removed yet.
     Withdrawing,
     Waiting,
-    Nobodys,
+    Unassigned,
     Somebodys,
 }
 
@@ -97,7 +97,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         },
         Place::Withdrawing => ("Being taken back", "Wird zurückgenommen"),
         Place::Waiting => ("On its way", "Unterwegs"),
-        Place::Nobodys => ("For nobody", "Ohne Patient"),
+        Place::Unassigned => ("No patient", "Ohne Patient"),
         Place::Somebodys => ("Stored", "Gespeichert"),
     };
     let acts = acts(place, code.as_deref(), whole);
@@ -111,7 +111,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
             Place::Closed => "closed",
             Place::Withdrawing => "withdrawing",
             Place::Waiting => "spooled",
-            Place::Nobodys => "unassigned",
+            Place::Unassigned => "unassigned",
             Place::Somebodys => "delivered",
         },
         word: say(language, word),
@@ -127,13 +127,13 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     }
 }
 
-/// Why there is nothing to be seen of a held scan.
+/// Why there is no picture of a held scan.
 fn no_preview(code: &str, language: Language) -> String {
     let none = ("There is no picture of its legs.", "Von seinen Beinen gibt es kein Bild.");
     format!("{} {} [{code}]", say(language, none), of_refused(code, language).what)
 }
 
-/// A refusal and a decision that is missing go before what else may be under way.
+/// A refusal or a missing decision takes precedence over anything else that is in progress.
 fn place(whole: &Whole) -> Place {
     let is_any = |state: DeliveryState| {
         whole.deliveries.iter().any(|delivery| delivery.state == state.word())
@@ -152,22 +152,22 @@ fn place(whole: &Whole) -> Place {
     } else if has_owner {
         Place::Somebodys
     } else {
-        Place::Nobodys
+        Place::Unassigned
     }
 }
 
-/// What helps, the likeliest first; the words are those of the verbs. Where it could be either of
-/// two patients a release would be a guess, so it is not offered.
+/// The verbs that help, the likeliest first. If the scan could belong to either of two patients, a
+/// release would be a guess, so it is not offered.
 fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
     let is_guess =
         matches!(code, Some(PATIENTS_DIFFER | capture::AMBIGUOUS)) || whole.candidates.len() > 1;
     let is_for_one = theirs(whole).len() == 1;
     match place {
         Place::Refused => vec!["retry", "give_up"],
-        // Its bytes are gone; they come with another export of the scan.
+        // Its bytes are gone; they come back with another export of the scan.
         Place::Closed if whole.summary.closed.as_deref() == Some("let-go") => Vec::new(),
         Place::Closed => vec!["retry"],
-        // It is somebody else's already, and an assignment would be refused.
+        // It already belongs to a patient, so an assignment would be refused.
         Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) && is_for_one => {
             vec!["release", "give_up"]
         }
@@ -178,14 +178,14 @@ fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
             vec!["retry"]
         }
         Place::Waiting | Place::Withdrawing => Vec::new(),
-        Place::Nobodys => vec!["assign"],
-        // Of two patients' records a person takes the wrong one away, who sees both.
+        Place::Unassigned => vec!["assign"],
+        // If two patients have records, a person who sees both must take the wrong one away.
         Place::Somebodys if theirs(whole).len() > 1 => Vec::new(),
         Place::Somebodys => vec!["unassign"],
     }
 }
 
-/// To whom a held scan can be given by one click; the patient to whom a release gives it is none.
+/// To whom a held scan can be given with one click, without the patient to whom a release gives it.
 fn candidates(place: Place, acts: &[&str], whole: &Whole) -> Vec<PatientShown> {
     if place != Place::Held || !acts.contains(&"assign") {
         return Vec::new();
@@ -201,13 +201,13 @@ fn again(place: Place, whole: &Whole) -> Option<PatientShown> {
     theirs.first().filter(|_| is_for_one).map(|id| PatientShown::of(id))
 }
 
-/// Whether a scan is held: there may be a preview of it.
+/// Whether a scan is held, so that it may have a preview.
 pub fn is_held(whole: &Whole) -> bool {
     place(whole) == Place::Held
 }
 
-/// The folder in `store` of the record that may be opened from a scan: one that names nobody, or the
-/// only patient with whom the scan is shown. Whose name stands there never opens another's record.
+/// The folder in `store` of the record that may be opened from a scan: one without a patient, or that of
+/// the only patient with whom the scan is shown. One patient's name never opens another's record.
 pub fn record_folder<'a>(whole: &'a Whole, store: &str) -> Option<&'a str> {
     let shown = theirs(whole);
     let may_be_opened = |of: &&Delivered| {
@@ -216,16 +216,16 @@ pub fn record_folder<'a>(whole: &'a Whole, store: &str) -> Option<&'a str> {
     };
     let is_there = |of: &&Delivered| of.store == store && of.is_there();
     let records = whole.deliveries.iter().filter(is_there).filter(may_be_opened);
-    // A patient's record goes before nobody's, which is about to be taken back.
+    // A patient's record takes precedence over an unassigned one, which is about to be taken back.
     records.max_by_key(|of| of.patient.is_some())?.folder.as_deref()
 }
 
-/// Those whose it is, as they are shown.
+/// The patients to whom it belongs, as they are shown.
 fn patients(whole: &Whole) -> Vec<String> {
     theirs(whole).into_iter().map(shown::id).collect()
 }
 
-/// The ids of those whose it is, each once; of a held scan, of those for whom it is held.
+/// The ids of the patients to whom it belongs, each once; for a held scan, of those for whom it is held.
 fn theirs(whole: &Whole) -> BTreeSet<&str> {
     let gone = |of: &Delivered| of.is_to_go() || of.state == DeliveryState::Withdrawn.word();
     let is_closed = whole.summary.closed.is_some();

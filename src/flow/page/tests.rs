@@ -122,7 +122,7 @@ fn every_signal_has_a_word_and_a_sentence_of_its_own_in_both_languages() {
 fn attention_says_first_what_is_most_wrong_and_what_to_do() {
     let paused = Complaint { code: "paused".into(), message: "x".into(), remedy: "y".into() };
     let light = page(booth(Signal::Attention), std::slice::from_ref(&paused), Language::En).light;
-    assert_eq!(light.sentence, "The station is paused. Resume to go on.");
+    assert_eq!(light.sentence, "The station is paused. Resume to continue.");
     let light = page(booth(Signal::Attention), &[paused], Language::De).light;
     assert_eq!(light.sentence, "Die Station macht Pause. Zum Weitermachen fortsetzen.");
 }
@@ -199,17 +199,18 @@ fn a_store_that_takes_nothing_is_tried_again_first_and_bad_when_that_lasts() {
 
 #[test]
 fn a_reason_is_of_its_own_code() {
-    use crate::flow::{capture, identity};
+    use crate::flow::capture;
+    use crate::flow::patient::identity;
     for (code, english, german) in [
         (capture::AMBIGUOUS, "more than one", "mehr als einem"),
         (capture::UNCLEAR, "before the button", "bevor der Knopf"),
         (capture::LATE, "after the time", "nach der Zeit"),
-        (capture::UNHEARD, "gone unheard", "nicht gehört"),
+        (capture::UNHEARD, "been missed", "nicht gehört"),
         (capture::UNREAD, "could not be read", "nicht lesbar"),
         (capture::REPEATED, "second time", "zweites Mal"),
         (identity::NO_PRESS, "Nobody pressed", "Niemand hat"),
         (identity::PATIENTS_DIFFER, "Two sources", "Zwei Quellen"),
-        (identity::SAME_SCAN_OTHER_PATIENT, "somebody else", "anderen Patienten"),
+        (identity::SAME_SCAN_OTHER_PATIENT, "another patient", "anderen Patienten"),
     ] {
         for (language, words) in BOTH.into_iter().zip([english, german]) {
             let advice = of_held(code, language);
@@ -245,7 +246,7 @@ fn without_ids_no_patient_is_named_anywhere() {
     let page = page.without_ids();
     assert!(!format!("{page:?}").contains("4711") && !page.ids);
     assert!(page.next.can_be_called_off);
-    assert_eq!(page.next.sentence, "The next patient is named. One export is awaited.");
+    assert_eq!(page.next.sentence, "The next patient is named. One export is expected.");
 }
 
 #[test]
@@ -299,7 +300,8 @@ fn a_held_scan_is_named_after_those_for_whom_it_is_held() {
 
 #[test]
 fn every_code_of_a_held_scan_has_a_reason_of_its_own() {
-    use crate::flow::{capture, identity};
+    use crate::flow::capture;
+    use crate::flow::patient::identity;
     let codes = [
         capture::AMBIGUOUS,
         capture::UNCLEAR,

@@ -1,35 +1,36 @@
-//! The words that stand on the page whatever happens, in both languages.
+//! The fixed words on the page, in both languages.
 
 use crate::record::Language;
 
-/// The same in English and in German.
+/// The same text in English and in German.
 pub type Both = (&'static str, &'static str);
 
-/// One of both.
+/// The text in one of the languages.
 pub fn say(language: Language, both: Both) -> &'static str {
     language.pick(both.0, both.1)
 }
 
-/// What is said when a decision was carried out, by its verb.
+/// The message after a decision was carried out, by its verb.
 pub fn done(verb: &str, language: Language) -> Option<&'static str> {
     let both = match verb {
         "retry" => ("The scan is tried again.", "Der Scan wird noch einmal versucht."),
         "release" => ("The scan is released.", "Der Scan ist freigegeben."),
         "assign" => ("The scan is assigned.", "Der Scan ist zugeordnet."),
         "unassign" => (
-            "The scan is nobody's again. What the practice software was given must be deleted there.",
+            "The scan is unassigned again. Results already sent to the practice software must be \
+             deleted there.",
             "Der Scan gehört zu niemandem mehr. Was die Praxissoftware erhielt, ist dort zu löschen.",
         ),
         "give_up" => {
-            ("The scan needs no decision any more.", "Der Scan braucht keine Entscheidung mehr.")
+            ("The scan no longer needs a decision.", "Der Scan braucht keine Entscheidung mehr.")
         }
         "name_next" => ("The next patient is named.", "Der nächste Patient ist benannt."),
-        "call_off" => ("Nobody is awaited any more.", "Es wird niemand mehr erwartet."),
+        "call_off" => ("No export is expected any longer.", "Es wird niemand mehr erwartet."),
         "pause" => (
             "Paused: scans stay at the scanner until you resume.",
             "Pause: Scans bleiben beim Scanner, bis Sie fortsetzen.",
         ),
-        "resume" => ("The station goes on.", "Die Station macht weiter."),
+        "resume" => ("The station continues.", "Die Station macht weiter."),
         _ => return None,
     };
     Some(say(language, both))
@@ -52,7 +53,7 @@ pub const LABELS: [(&str, Both); 67] = [
     (
         "call_off_hint",
         (
-            "Nobody is awaited then. Only while the scanner does not scan.",
+            "No export is expected then. Only while the scanner is not scanning.",
             "Danach wird niemand mehr erwartet. Nur solange der Scanner nicht scannt.",
         ),
     ),
@@ -77,7 +78,8 @@ pub const LABELS: [(&str, Both); 67] = [
     (
         "give_up_hint",
         (
-            "The scan is not asked about any more. Its data stay as long as is set; it can still be tried again.",
+            "You are not asked about the scan again. Its data are kept for the configured time; it \
+             can still be tried again.",
             "Nach dem Scan wird nicht mehr gefragt. Seine Daten bleiben so lange wie eingestellt; ein neuer \
              Versuch ist weiter möglich.",
         ),
@@ -100,7 +102,7 @@ pub const LABELS: [(&str, Both); 67] = [
     (
         "no_script",
         (
-            "This page needs JavaScript. gaiter status tells the same.",
+            "This page needs JavaScript. gaiter status shows the same.",
             "Diese Seite braucht JavaScript. gaiter status sagt dasselbe.",
         ),
     ),
@@ -113,14 +115,14 @@ pub const LABELS: [(&str, Both); 67] = [
     (
         "read_only_network",
         (
-            "For reading only: nothing can be decided over the network, for it is not encrypted.",
+            "Read-only: no decisions over the network, because it is not encrypted.",
             "Nur zum Lesen: Über das Netz kann nichts entschieden werden, denn es ist unverschlüsselt.",
         ),
     ),
     (
         "read_only_token",
         (
-            "For reading only: gaiter page prints the link that can decide.",
+            "Read-only: gaiter page prints the link for decisions.",
             "Nur zum Lesen: gaiter page zeigt den Link, mit dem Sie entscheiden können.",
         ),
     ),
@@ -129,7 +131,7 @@ pub const LABELS: [(&str, Both); 67] = [
     (
         "release_hint",
         (
-            "The scan goes to the patient for whom it came in.",
+            "The scan goes to the patient for whom it arrived.",
             "Der Scan geht an den Patienten, für den er kam.",
         ),
     ),
@@ -159,7 +161,8 @@ pub const LABELS: [(&str, Both); 67] = [
     (
         "scan_again_hint",
         (
-            "{} is named for the next scan. Press the button then; this scan is closed when the new one is good.",
+            "{} is named for the next scan. Then press the button; this scan is closed once the \
+             new one is good.",
             "{} ist für den nächsten Scan benannt. Dann den Knopf drücken; dieser Scan ist erledigt, wenn der \
              neue gelingt.",
         ),
@@ -172,21 +175,21 @@ pub const LABELS: [(&str, Both); 67] = [
     (
         "unassign_from_hint",
         (
-            "The record leaves {}'s folder and lies for nobody, until you assign it.",
+            "The record leaves {}'s folder and stays unassigned until you assign it.",
             "Die Messakte verlässt den Ordner von {} und gehört zu niemandem, bis Sie sie zuordnen.",
         ),
     ),
     (
         "unassign_hint",
         (
-            "The record leaves the patient's folder and lies for nobody, until you assign it.",
+            "The record leaves the patient's folder and stays unassigned until you assign it.",
             "Die Messakte verlässt den Ordner des Patienten und gehört zu niemandem, bis Sie sie zuordnen.",
         ),
     ),
     ("view", ("3D view", "3D-Ansicht")),
 ];
 
-/// The label of a key; none for one that is not there.
+/// The label of a key; `None` for an unknown key.
 pub fn label(key: &str, language: Language) -> Option<&'static str> {
     LABELS.iter().find(|(known, _)| *known == key).map(|(_, both)| say(language, *both))
 }

@@ -1,23 +1,23 @@
-//! Whose content a file has, whatever it is called: a file is followed by device and inode.
+//! Which content a file has, whatever its name: a file is followed by device and inode.
 //!
 //! Scanners write under a temporary name and rename; people and programs link, move and copy. A name
-//! tells nothing of when its content was written, so what is known of it goes with the inode, also
-//! through names that are no scans.
+//! does not tell when its content was written, so what is known about the content goes with the inode,
+//! even through names that are not scans.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use super::{Remembered, Settled, Settling, Watched};
+use crate::flow::export::stamp::Stamp;
+use crate::flow::export::writing::{Appeared, Mark, Writing};
 use crate::flow::settle::LookTime;
-use crate::flow::stamp::Stamp;
-use crate::flow::writing::{Appeared, Mark, Writing};
 
-/// At most so many files are marked after one look: a backlog of old files is no reason to read the
+/// How many files are marked after one look at most: a backlog of old files is no reason to read the
 /// beginnings of all of them.
 const MARKED_A_LOOK: usize = 16;
 
-/// A file that is no scan as it is called now.
+/// A file whose present name is not a scan's.
 #[derive(Debug, Clone)]
 pub struct Passer {
     pub(super) stamp: Stamp,
@@ -25,19 +25,19 @@ pub struct Passer {
     pub(super) is_unmarked: bool,
 }
 
-/// So long, and so many of those that went last, are known: a rename that falls into a look hides a file
-/// from it, a stale list of a share for longer.
+/// How long departed files are remembered, and how many of the latest: a rename during a look hides a
+/// file from it, and a stale listing of a share hides it for longer.
 const DEPARTED_KEPT: Duration = Duration::from_secs(600);
 const DEPARTED_MOST: usize = 1000;
 
-/// A file that was not taken and is not to be seen under any name any more.
+/// A file that was not taken and is no longer seen under any name.
 #[derive(Debug)]
 pub(super) struct Departed {
     file: Remembered,
     since: Duration,
 }
 
-/// What was known of inodes before a look.
+/// What was known about inodes before a look.
 pub(super) struct Lineages<'a> {
     known: BTreeMap<(u64, u64), (Stamp, &'a Writing)>,
     by_path: BTreeMap<&'a Path, (Stamp, &'a Writing)>,
@@ -61,12 +61,12 @@ impl<'a> Lineages<'a> {
         Lineages { known, by_path: by_path.collect() }
     }
 
-    /// What is known of the content of a file that a look found in this state.
+    /// What is known about the content of a file that a look found in this state.
     pub(super) fn writing(&self, path: &Path, stamp: Stamp, appeared: Appeared) -> Writing {
         let same_inode =
             |(before, _): &&(Stamp, &Writing)| (before.dev, before.ino) == (stamp.dev, stamp.ino);
-        // Two names of one inode may have been looked at with a change in between: its own name's
-        // state is the surer one.
+        // Two names of one inode may have been examined with a change in between: the state under the
+        // file's own name is more reliable.
         let own = self.by_path.get(path).filter(same_inode);
         let Some((before, writing)) = own.or_else(|| self.known.get(&(stamp.dev, stamp.ino)))
         else {
@@ -83,16 +83,14 @@ impl<'a> Lineages<'a> {
     }
 }
 
-/// How long after its content was last written a file came under its name, by the clock of its own
-/// file system.
+/// How long after its content was last written a file got its name, by the clock of its own file system.
 fn moved(stamp: Stamp) -> Duration {
     let apart_ns = u64::try_from(stamp.ctime_ns - stamp.mtime_ns).unwrap_or(0);
     Duration::from_nanos(apart_ns)
 }
 
 impl Settling {
-    /// Takes in the files of a look that are no scans, before [`Settling::observe`] takes in the
-    /// scans.
+    /// Takes in the files of a look that are not scans, before [`Settling::observe`] takes in the scans.
     pub fn pass_over(&mut self, others: BTreeMap<PathBuf, Stamp>, when: LookTime) {
         let lineages = self.lineages();
         let appeared = Appeared { absent: self.last_look, seen: when.ended };
@@ -107,7 +105,7 @@ impl Settling {
         });
         let passers = passers.collect();
         let before = std::mem::replace(&mut self.passers, passers);
-        // One that has left its name may be a scan by now: the scans of this look are still to come.
+        // A file that has left its name may be a scan by now: the scans of this look are still to come.
         let inode = |passer: &Passer| (passer.stamp.dev, passer.stamp.ino);
         let left = before.into_iter().filter(|(path, old)| {
             self.passers.get(path).is_none_or(|new| inode(new) != inode(old))
@@ -116,8 +114,8 @@ impl Settling {
             .extend(left.map(|(_, Passer { stamp, writing, .. })| Remembered { stamp, writing }));
     }
 
-    /// What is known of inodes. One that has departed may be another file's by now: where part of its
-    /// content was read, [`Settling::began`] compares that.
+    /// What is known about inodes. The number of a departed file may have been reused: where part of its
+    /// content was read, [`Settling::began`] compares the content.
     pub(super) fn lineages(&self) -> Lineages<'_> {
         let departed = self.departed.iter().map(|departed| &departed.file);
         let unread = departed.filter(|file| !file.writing.is_marked());
@@ -144,7 +142,7 @@ impl Settling {
     }
 
     /// When the content of a settled file began. Part of it may have been seen before in another file
-    /// that is not taken: a copy, or an export that was begun anew, is no younger than that.
+    /// that is not taken: a copy, or an export that was started anew, is no younger than that.
     pub fn began(&self, settled: &Settled, bytes: &[u8]) -> Appeared {
         let own = settled.writing.began(bytes);
         let files = self
@@ -159,7 +157,7 @@ impl Settling {
     }
 
     /// The files of which part is to be read now, with the state in which the look found them: those
-    /// whose content is new, and last those that were there before the first look.
+    /// with new content first, and those from before the first look last.
     pub fn unmarked(&self) -> Vec<(PathBuf, Stamp)> {
         let files = self.files.iter();
         let files = files.filter(|(_, file)| file.is_unmarked && file.next != super::Next::Taken);
@@ -173,7 +171,7 @@ impl Settling {
         all.map(|(path, stamp, _)| (path.clone(), stamp)).collect()
     }
 
-    /// Part of a file was read, or could not be read, in this state of it.
+    /// Part of a file was read in this state, or could not be read.
     pub fn marked(&mut self, path: &Path, stamp: Stamp, mark: Option<Mark>) {
         if let Some(file) = self.files.get_mut(path).filter(|file| file.group.stamp == stamp) {
             file.is_unmarked = false;

@@ -1,22 +1,22 @@
-//! What a folder's looks knew, kept over a restart: which files were not taken yet and how they were
-//! written. Without it a file that lay there at a start could answer no capture at all.
+//! What the looks at a folder found, kept across a restart: which files were not taken yet and how they
+//! were written. Without it, a file that was there at a start could not answer any capture.
 
 use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
 use super::{Next, Settling};
-use crate::flow::stamp::Stamp;
-use crate::flow::writing::Writing;
+use crate::flow::export::stamp::Stamp;
+use crate::flow::export::writing::Writing;
 
-/// More files than these are not remembered, and then none is: each counts as seen for the first
-/// time, with no look before.
+/// The most files to remember. With more, none is remembered: each counts as seen for the first time,
+/// with no look before.
 const FILES_MOST: usize = 1000;
 
-/// What was known of a folder; times are since the machine's start.
+/// What was known about a folder; times are since the machine's start.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct Memory {
-    /// When the last look began: what it did not find and is not among the files was not there.
+    /// When the last look began: a file that it did not find and that is not listed here was not there.
     pub looked: Option<Duration>,
     /// The files that were not taken.
     pub files: Vec<Remembered>,
@@ -32,12 +32,12 @@ pub struct Remembered {
 }
 
 impl Settling {
-    /// The same with what an earlier run knew of the folder.
+    /// Adds what an earlier run knew about the folder.
     pub fn remembering(self, memory: Memory) -> Settling {
         Settling { last_look: memory.looked, remembered: memory.files, ..self }
     }
 
-    /// What is to be kept over a restart.
+    /// What to keep across a restart.
     pub fn memory(&self) -> Memory {
         let files = self.files.values().filter(|file| file.next != Next::Taken);
         let files = files.map(|file| (file.group.stamp, &file.writing));

@@ -1,18 +1,18 @@
-//! What the looks at an export folder tell those who wait for its exports.
+//! What the looks at an export folder report to the captures that wait for its exports.
 
 use std::time::Duration;
 
-use super::super::writing::Appeared;
 use super::{Next, Settling};
+use crate::flow::export::writing::Appeared;
 
 /// What the looks at an export folder have found.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Sights {
-    /// What was there at this time is known; none before the first look.
+    /// Everything that was there at this time is known; `None` before the first look.
     pub looked: Option<Duration>,
-    /// When the files appeared that are not taken yet.
+    /// When the files that are not taken yet appeared.
     pub coming: Vec<Appeared>,
-    /// When the files appeared that have no scan's name: an export may be written under another one.
+    /// When the files without a scan's name appeared: an export may be written under another name.
     pub beside: Vec<Appeared>,
 }
 

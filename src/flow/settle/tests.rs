@@ -195,13 +195,14 @@ fn what_a_file_waits_for_is_said_in_words() {
     };
     says(group(1, None, None), 0, "has been unchanged for 0.0 s of 2.0 s", false);
     says(group(2, None, None), 1, "is still being written", false);
-    says(group(2, Some(1), None), 2, "waits for what is written beside it", false);
+    let beside = "waits for a file beside it that is still being written";
+    says(group(2, Some(1), None), 2, beside, false);
     says(group(2, Some(1), None), 9, "waits for its done file", false);
     assert_eq!(says(group(2, Some(1), None), 600, "waits for its done file", true), 1);
     assert_eq!(says(group(2, Some(1), None), 601, "waits for its done file", true), 0, "once");
     assert_eq!(says(group(3, None, Some(1)), 602, "is still being written", true), 0);
     says(group(3, None, Some(1)), 604, "has settled and waits for its turn", false);
-    let rest = "ends in the middle; its rest is awaited for 26 s more";
+    let rest = "is incomplete; waits 26 s more for the rest";
     says(group(3, None, Some(1)), 606, rest, true);
     says(group(3, None, Some(1)), 632, "has settled and waits for its turn", false);
 }
@@ -213,9 +214,9 @@ fn a_file_that_fails_says_so_and_one_that_is_taken_waits_for_nothing() {
     let offered = settling.observe(look(&[("a", 1)]), at(2));
     settling.failed(&offered[0], Duration::from_secs(2), 0.99);
     let (said, _) = waits(&settling, 2).remove(0);
-    assert!(said.starts_with("could not be taken once; it is tried again in"), "{said}");
+    assert!(said.starts_with("could not be taken in (tried once); next attempt in"), "{said}");
     settling.observe(Look::OutOfReach, at(3));
-    assert_eq!(waits(&settling, 1000)[0].0, "was seen before its folder went out of reach");
+    assert_eq!(waits(&settling, 1000)[0].0, "was seen before its folder became unreachable");
     settling.taken(&offered[0]);
     assert_eq!(waits(&settling, 1000), []);
 }

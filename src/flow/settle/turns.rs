@@ -1,19 +1,19 @@
-//! Whose turn it is: fresh scans before a backlog, and nobody for ever last.
+//! Whose turn it is: fresh scans before a backlog, but no file is last for ever.
 //!
-//! The operator waits for the scan of a moment ago; what has lain there since before the start can
-//! wait. So files come by when they last changed, the newest first and by name within one look.
-//! But every fourth turn is that of the oldest, so that a scanner that never rests starves none.
+//! The operator waits for the latest scan; files from before the start can wait. So files are ordered by
+//! when they last changed, the newest first and by name within one look. But every fourth turn goes to
+//! the oldest, so that a scanner that never rests starves none.
 
 use std::cmp::Reverse;
 use std::time::Duration;
 
 use super::Settled;
 
-/// One turn in so many is that of the file that has waited longest.
+/// One turn in this many goes to the file that has waited longest.
 const OLDEST_EVERY: usize = 4;
 
-/// Files with the time of their last change, in the order of their turns. `turns` have been had
-/// before.
+/// Files with the time of their last change, in the order of their turns. `turns` is how many turns
+/// there were before.
 pub(super) fn in_turn(files: Vec<(Duration, Settled)>, turns: usize) -> Vec<Settled> {
     let mut oldest: Vec<usize> = (0..files.len()).collect();
     oldest.sort_by_key(|&at| (files[at].0, &files[at].1.path));

@@ -4,7 +4,7 @@ use std::fmt;
 use std::time::Duration;
 
 use super::{Next, Settling, Watched};
-use crate::flow::companions::Done;
+use crate::flow::export::companions::Done;
 
 /// A file that is not taken yet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,7 +13,7 @@ pub struct Waiting {
     pub wait: Wait,
     /// Since when it waits, on the daemon's monotonic clock.
     pub since: Duration,
-    /// It has been kept from being taken longer than a file should be.
+    /// It has been kept from being taken for too long.
     pub overdue: bool,
 }
 
@@ -22,37 +22,37 @@ pub struct Waiting {
 pub enum Wait {
     /// It changed between the last two looks.
     Changing,
-    /// What belongs to it changed between the last two looks.
+    /// A file that belongs to it changed between the last two looks.
     CompanionChanging,
     /// The end of its quiet time.
     Quiet {
         /// How long it has been unchanged.
         unchanged: Duration,
-        /// How long it must be.
+        /// How long it must stay unchanged.
         quiet: Duration,
     },
-    /// Its rest.
+    /// The rest of its content.
     Rest {
-        /// How long it is still awaited.
+        /// How much longer it waits.
         left: Duration,
     },
     /// Its done file.
     DoneFile,
-    /// What is written beside it, which names its patient.
+    /// A file written beside it that names its patient.
     Companion {
-        /// How long it is still awaited.
+        /// How much longer it waits.
         left: Duration,
     },
     /// Another attempt to take it.
     Attempt {
-        /// How many have failed.
+        /// How many attempts have failed.
         failures: u32,
-        /// How long until the next.
+        /// How long until the next attempt.
         left: Duration,
     },
     /// Its turn.
     Turn,
-    /// Its folder.
+    /// Its folder, which is out of reach.
     Folder,
 }
 
@@ -61,12 +61,14 @@ impl fmt::Display for Wait {
         let s = |time: &Duration| time.as_secs_f64();
         match self {
             Wait::Changing => out.write_str("is still being written"),
-            Wait::CompanionChanging => out.write_str("waits for what is written beside it"),
+            Wait::CompanionChanging => {
+                out.write_str("waits for a file beside it that is still being written")
+            }
             Wait::Quiet { unchanged, quiet } => {
                 write!(out, "has been unchanged for {:.1} s of {:.1} s", s(unchanged), s(quiet))
             }
             Wait::Rest { left } => {
-                write!(out, "ends in the middle; its rest is awaited for {:.0} s more", s(left))
+                write!(out, "is incomplete; waits {:.0} s more for the rest", s(left))
             }
             Wait::DoneFile => out.write_str("waits for its done file"),
             Wait::Companion { left } => {
@@ -75,10 +77,14 @@ impl fmt::Display for Wait {
             Wait::Attempt { failures, left } => {
                 let times =
                     if *failures == 1 { "once".into() } else { format!("{failures} times") };
-                write!(out, "could not be taken {times}; it is tried again in {:.0} s", s(left))
+                write!(
+                    out,
+                    "could not be taken in (tried {times}); next attempt in {:.0} s",
+                    s(left)
+                )
             }
             Wait::Turn => out.write_str("has settled and waits for its turn"),
-            Wait::Folder => out.write_str("was seen before its folder went out of reach"),
+            Wait::Folder => out.write_str("was seen before its folder became unreachable"),
         }
     }
 }
@@ -108,7 +114,7 @@ impl Settling {
             }
         };
         let is_late = now.saturating_sub(file.since) >= self.overdue;
-        // Of a queue and of a folder out of reach others tell; they are not the file's fault.
+        // A queue and a folder out of reach are reported elsewhere; they are not the file's fault.
         let is_its_own = !matches!(wait, Wait::Turn | Wait::Folder);
         Waiting { wait, since: file.since, overdue: is_late && is_its_own }
     }

@@ -5,12 +5,12 @@ use std::time::Duration;
 use super::edge::Change;
 use crate::flow::booth::Press;
 
-/// How long things take at a button.
+/// The times that apply to a button.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Times {
-    /// So long after a press nothing is another: people press twice when nothing seems to happen.
+    /// How long after a press no other press counts: people press twice when nothing seems to happen.
     pub lock_out: Duration,
-    /// A button that is held for so long is pressed long.
+    /// A button that is held this long is a long press.
     pub long_press: Duration,
 }
 
@@ -18,7 +18,7 @@ pub struct Times {
 #[derive(Debug, Clone)]
 pub struct Button {
     times: Times,
-    /// Since when it is down; none where this down is no press, or has been one already.
+    /// Since when it is down; `None` if this is not a press, or has already been counted as one.
     down_since: Option<Duration>,
     locked_until: Duration,
 }
@@ -29,7 +29,7 @@ impl Button {
         Button { times, down_since: None, locked_until: Duration::ZERO }
     }
 
-    /// Takes in what the button's contact has done.
+    /// Processes a change of the button's contact.
     pub fn change(&mut self, change: Change, now: Duration) -> Option<Press> {
         match change {
             Change::Down => {
@@ -44,14 +44,15 @@ impl Button {
         }
     }
 
-    /// A long press is one as soon as it is long enough: who holds the button sees the light change.
+    /// A long press counts as soon as it is long enough: the person who holds the button sees the light
+    /// change.
     pub fn tick(&mut self, now: Duration) -> Option<Press> {
         self.due().filter(|due| now >= *due)?;
         self.down_since = None;
         self.press(Press::Long, now)
     }
 
-    /// Takes a press that the button itself has told.
+    /// Processes a press that the button itself has reported.
     pub fn press(&mut self, press: Press, now: Duration) -> Option<Press> {
         if now < self.locked_until {
             return None;
@@ -60,12 +61,12 @@ impl Button {
         Some(press)
     }
 
-    /// When a button that is held has been held for long.
+    /// When a held button becomes a long press.
     pub fn due(&self) -> Option<Duration> {
         self.down_since.map(|since| since + self.times.long_press)
     }
 
-    /// Whatever is down now is no press; the lock-out stays.
+    /// Whatever is down now does not count as a press; the lock-out stays.
     pub fn let_go(&mut self) {
         self.down_since = None;
     }
@@ -98,7 +99,7 @@ mod tests {
         assert_eq!(held.due(), Some(ms(3010)));
         assert_eq!((held.tick(ms(3009)), held.tick(ms(3010))), (None, Some(Press::Long)));
         assert_eq!((held.tick(ms(9999)), held.change(Change::Up, ms(9999))), (None, None));
-        // Nobody looked in between.
+        // There was no tick in between.
         let mut late = button();
         late.change(Change::Down, ms(10));
         assert_eq!(late.change(Change::Up, ms(3010)), Some(Press::Long));
@@ -111,7 +112,7 @@ mod tests {
         let again: Vec<u64> =
             (1..1500).filter(|at| pressed.press(Press::Short, ms(*at)).is_some()).collect();
         assert_eq!(again, [1000]);
-        // A button that goes down within it has not been pressed, however long it is held.
+        // A button that goes down within the lock-out is not pressed, however long it is held.
         pressed.change(Change::Down, ms(1999));
         assert_eq!((pressed.due(), pressed.change(Change::Up, ms(9000))), (None, None));
     }

@@ -13,19 +13,19 @@ pub struct Codes {
     pub suffix: String,
 }
 
-/// What a line of a reader says.
+/// What a line from a reader means.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Said {
     /// This id.
     Id(String),
-    /// An id that cannot be understood: what stands where it should is empty or no plain text.
+    /// An id that cannot be understood: the text in its place is empty or not plain text.
     Unread,
-    /// Nothing to us: it lacks what stands around an id.
+    /// Not for us: it lacks the prefix or suffix of an id.
     Nothing,
 }
 
 impl Codes {
-    /// What a line says.
+    /// What a line means.
     pub fn said(&self, line: &[u8]) -> Said {
         let inside = line.strip_prefix(self.prefix.as_bytes());
         let inside = inside.and_then(|rest| rest.strip_suffix(self.suffix.as_bytes()));
@@ -44,8 +44,8 @@ const ENTER: u16 = 28;
 const KEYPAD_ENTER: u16 = 96;
 const SHIFTS: [u16; 2] = [42, 54];
 
-/// The characters of keys in rows, from the key of this number on; a US keyboard's, which readers
-/// are when they leave the factory.
+/// The characters of keys in rows, starting with the key of this number; those of a US keyboard, which
+/// is how readers leave the factory.
 const ROWS: [(u16, &str, &str); 6] = [
     (2, "1234567890-=", "!@#$%^&*()_+"),
     (16, "qwertyuiop[]", "QWERTYUIOP{}"),
@@ -59,7 +59,7 @@ const ROWS: [(u16, &str, &str); 6] = [
 #[derive(Debug, Clone, Default)]
 pub struct Typed {
     text: String,
-    /// What was typed was dropped: what still comes up to Enter is its tail, and no line.
+    /// The text was dropped: everything that follows up to Enter is its tail, and not a line.
     in_tail: bool,
     shift: bool,
     last_key: Duration,
@@ -67,7 +67,7 @@ pub struct Typed {
 }
 
 impl Typed {
-    /// Takes a key that goes down or up; gives the line that Enter ends, and one that is dropped.
+    /// Processes a key that goes down or up; returns the line that Enter ends, and one that is dropped.
     pub fn key(&mut self, code: u16, down: bool, now: Duration) -> Vec<Line> {
         if SHIFTS.contains(&code) {
             self.shift = down;
@@ -96,7 +96,7 @@ impl Typed {
         lines
     }
 
-    /// Drops half an id whose rest has not come: somebody typed, or the reader lost its cable.
+    /// Drops half an id whose rest has not arrived: someone typed, or the reader lost its cable.
     pub fn tick(&mut self, now: Duration) -> Option<Line> {
         self.due().filter(|due| now >= *due).map(|_| self.drop_text())
     }
@@ -106,19 +106,19 @@ impl Typed {
         (!self.text.is_empty()).then(|| self.last_key + HALF_LINE)
     }
 
-    /// Begins anew with the key that comes next.
+    /// Starts anew with the next key.
     pub fn clear(&mut self) {
         self.text.clear();
         self.in_tail = false;
     }
 
-    /// Begins anew with the next line.
+    /// Starts anew with the next line.
     pub fn pass_over(&mut self) {
         self.in_tail |= !self.text.is_empty();
         self.text.clear();
     }
 
-    /// How many keys were dropped since this was last asked.
+    /// How many keys were dropped since the last call.
     pub fn dropped(&mut self) -> u64 {
         std::mem::take(&mut self.dropped)
     }
@@ -176,7 +176,7 @@ mod tests {
         typed(&mut keys, &[25]);
         keys.key(42, false, NOW);
         assert_eq!(typed(&mut keys, &[79, 80, 12, 44, KEYPAD_ENTER]), whole("P12-z"));
-        // What goes up types nothing.
+        // A key that goes up types nothing.
         keys.key(5, false, NOW);
         assert_eq!(typed(&mut keys, &[ENTER]), []);
     }
@@ -194,7 +194,7 @@ mod tests {
         assert_eq!(typed(&mut keys, &[59, 1, ENTER]), [], "function keys are no characters");
         assert_eq!(keys.dropped(), 2);
         assert_eq!(typed(&mut keys, &[2, ENTER]), whole("1"));
-        // What was begun before is no line, and neither is its rest.
+        // Text that was started before is not a line, and neither is its rest.
         keys.key(2, true, NOW);
         keys.pass_over();
         assert_eq!(typed(&mut keys, &[3, ENTER, 4, ENTER]), whole("3"));

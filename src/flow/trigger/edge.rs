@@ -1,4 +1,4 @@
-//! A contact that is seen closed or open, bouncing → when it closes and opens.
+//! A contact that is seen closed or open, with bounces → when it closes and opens.
 
 use std::time::Duration;
 
@@ -11,30 +11,30 @@ pub enum Change {
     Up,
 }
 
-/// A contact and how long it must be seen alike before that is believed.
+/// A contact, and how long its state must be stable before it is accepted.
 #[derive(Debug, Clone)]
 pub struct Contact {
     debounce: Duration,
-    /// As it is believed to be; none before that is known.
+    /// The accepted state; `None` before it is known.
     closed: Option<bool>,
-    /// How it is seen where that is not what is believed, and since when without a break.
+    /// The state that is seen if it differs from the accepted one, and since when without a break.
     seen: Option<(bool, Duration)>,
     closed_since: Option<Duration>,
 }
 
 impl Contact {
-    /// A contact of which nothing is known: one that is closed from the beginning, because it
-    /// sticks or somebody leans on it, does not close.
+    /// A contact whose state is unknown: one that is closed from the beginning, because it is stuck or
+    /// someone leans on it, does not count as closing.
     pub fn unknown(debounce: Duration) -> Contact {
         Contact { debounce, closed: None, seen: None, closed_since: None }
     }
 
-    /// A contact that tells its changes only and has told none: it is open.
+    /// A contact that only reports its changes and has reported none: it is open.
     pub fn open(debounce: Duration) -> Contact {
         Contact { closed: Some(false), ..Contact::unknown(debounce) }
     }
 
-    /// Takes in how the contact is seen at `now`; says what it has done, if that is certain by now.
+    /// Processes how the contact is seen at `now`; returns what it has done, if that is certain by now.
     pub fn observe(&mut self, closed: bool, now: Duration) -> Option<Change> {
         if self.closed == Some(closed) {
             self.seen = None;
@@ -51,13 +51,13 @@ impl Contact {
         known.then_some(if closed { Change::Down } else { Change::Up })
     }
 
-    /// When it is certain what the contact does if it goes on to be seen as it is; none where it is
-    /// seen as it is believed to be.
+    /// When a change becomes certain if the contact stays as it is seen; `None` if it is seen in its
+    /// accepted state.
     pub fn due(&self) -> Option<Duration> {
         self.seen.map(|(_, since)| since + self.debounce)
     }
 
-    /// Since when the contact is believed to be closed.
+    /// Since when the contact is accepted as closed.
     pub fn closed_since(&self) -> Option<Duration> {
         self.closed_since
     }
@@ -73,7 +73,7 @@ mod tests {
         Duration::from_millis(time)
     }
 
-    /// What comes of a contact seen so at these times, ms.
+    /// The changes of a contact that is seen like this at these times, ms.
     fn changes(contact: &mut Contact, seen: &[(u64, bool)]) -> Vec<(u64, Change)> {
         let change = |(at, closed): &(u64, bool)| Some((*at, contact.observe(*closed, ms(*at))?));
         seen.iter().filter_map(change).collect()

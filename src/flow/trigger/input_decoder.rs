@@ -1,4 +1,4 @@
-//! What one port is listened to for: everything that it gives → what has been heard.
+//! What the station listens for at one port: all of its input → what was heard.
 
 use std::time::Duration;
 
@@ -11,12 +11,12 @@ use super::token::Tokens;
 use crate::flow::booth::{Heard, Press};
 use crate::record::SourceKind;
 
-/// What a port gives at one time.
+/// Input from a port at one time.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Input {
-    /// Nothing came in the time that it was listened to.
+    /// Nothing arrived in the time that it was listened to.
     Nothing,
-    /// Bytes of a serial line, as they came.
+    /// Bytes of a serial line, as they arrived.
     Bytes(Vec<u8>),
     /// Whether the contact on its modem line is closed, as sampled.
     Closed(bool),
@@ -31,10 +31,10 @@ pub enum Input {
     },
 }
 
-/// How a button shows in what its port gives.
+/// How a button shows in the input from its port.
 #[derive(Debug, Clone)]
 pub enum Shows {
-    /// Lines, and a contact across two pins; each may be left out.
+    /// Lines, and a contact across two pins; each is optional.
     Serial {
         /// The lines that are presses.
         tokens: Tokens,
@@ -45,14 +45,14 @@ pub enum Shows {
     Key(u16),
 }
 
-/// How a button is listened to.
+/// How button signals are interpreted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hearing {
-    /// A contact must be seen alike for so long before it is believed.
+    /// How long a contact must be stable before its state is accepted.
     pub debounce: Duration,
     /// Lock-out and long press.
     pub times: Times,
-    /// A contact that is closed for so long sticks.
+    /// A contact that is closed for this long is stuck.
     pub stuck: Duration,
 }
 
@@ -67,7 +67,7 @@ enum Sense {
 #[derive(Debug, Clone)]
 pub struct InputDecoder {
     sense: Sense,
-    /// How the contact was last told to be, for ports that tell changes only.
+    /// The last reported state of the contact, for ports that only report changes.
     closed: bool,
     garbage: u64,
 }
@@ -87,7 +87,7 @@ impl InputDecoder {
         InputDecoder { sense: Sense::Reader { codes, lines, typed }, closed: false, garbage: 0 }
     }
 
-    /// The port was opened anew: nothing is known of its contact. A lock-out goes on.
+    /// The port was opened anew: nothing is known about its contact. A lock-out continues.
     pub fn begin(&mut self) {
         self.closed = false;
         match &mut self.sense {
@@ -103,8 +103,9 @@ impl InputDecoder {
         }
     }
 
-    /// What was begun up to now is no press and no id: the port was settling. A box may greet without
-    /// ending its line, and the press after that is one; the rest of an id may be another's.
+    /// Anything that was started up to now is not a press and not an id: the port was settling. A box
+    /// may send a greeting without a line end, and the press after it must count; the rest of an id may
+    /// be another id.
     pub fn settled(&mut self) {
         match &mut self.sense {
             Sense::Button { lines, button, .. } => {
@@ -118,7 +119,7 @@ impl InputDecoder {
         }
     }
 
-    /// Takes what the port gave by `now`.
+    /// Processes what arrived from the port by `now`.
     pub fn hear(&mut self, input: &Input, now: Duration) -> Vec<Heard> {
         match &mut self.sense {
             Sense::Reader { codes, lines, typed } => {
@@ -137,7 +138,7 @@ impl InputDecoder {
             return Vec::new();
         };
         let mut presses = Vec::new();
-        // A port that tells changes has been as it was told until this one.
+        // A port that reports changes kept its last reported state until this input.
         if !matches!(input, Input::Closed(_))
             && !matches!(shows, Shows::Serial { .. })
             && let Some(change) = contact.observe(self.closed, now)
@@ -172,13 +173,13 @@ impl InputDecoder {
                 }
             }
         }
-        // What meant no press says nothing of a patient: it is only counted.
+        // Input that is not a press says nothing about a patient: it is only counted.
         let _ = lines.tick(now);
         self.garbage += lines.dropped();
         presses
     }
 
-    /// When the port is to be listened to again at the latest, if anything has been begun.
+    /// The latest time at which the port must be read again, if anything was started.
     pub fn due(&self) -> Option<Duration> {
         match &self.sense {
             Sense::Button { lines, contact, button, .. } => {
@@ -188,19 +189,19 @@ impl InputDecoder {
         }
     }
 
-    /// Whether the contact is closed for longer than anybody holds a button.
+    /// Whether the contact is closed for longer than anyone holds a button.
     pub fn is_stuck(&self, now: Duration) -> bool {
         let Sense::Button { hearing, contact, .. } = &self.sense else { return false };
         contact.closed_since().is_some_and(|since| now.saturating_sub(since) >= hearing.stuck)
     }
 
-    /// What came and meant nothing since this was last asked: bytes, or keys.
+    /// How many bytes or keys without a meaning arrived since the last call.
     pub fn garbage(&mut self) -> u64 {
         std::mem::take(&mut self.garbage)
     }
 }
 
-/// A contact of which nothing is told yet. One that is sampled may be closed already.
+/// A contact that has not reported anything yet. One that is sampled may be closed already.
 fn contact(shows: &Shows, hearing: Hearing) -> Contact {
     match shows {
         Shows::Serial { .. } => Contact::unknown(hearing.debounce),
@@ -208,8 +209,8 @@ fn contact(shows: &Shows, hearing: Hearing) -> Contact {
     }
 }
 
-/// What a reader gave: ids, and where one could not be understood, that somebody tried; and how much
-/// of it is no id.
+/// Input from a reader: the ids, an unread event for each id that could not be understood, and how much
+/// of the input is not an id.
 fn read(
     codes: &Codes,
     lines: &mut Lines,
@@ -228,7 +229,7 @@ fn read(
     for line in read {
         let (said, length) = match &line {
             Line::Whole(line) => (codes.said(line), line.len() as u64),
-            // How much was dropped is counted where it was.
+            // The length of dropped input is counted where it was dropped.
             Line::Dropped => (Said::Unread, 0),
         };
         let by = SourceKind::Reader;

@@ -1,20 +1,20 @@
-//! Bytes of a serial port → lines, bounded whatever comes.
+//! Bytes of a serial port → lines, bounded for any input.
 
 use std::time::Duration;
 
-/// The longest line that is kept, bytes. Tokens and ids of patients are shorter by far.
+/// The longest line that is kept, bytes. Tokens and patients' ids are far shorter.
 pub const LINE_MOST: usize = 64;
 
-/// How long the rest of a line is awaited. A box sends a line in one go, 64 bytes take 70 ms at
-/// 9600 baud; what stops in the middle was cut off and must not be completed by the next press.
+/// How long to wait for the rest of a line. A box sends a line in one go, 64 bytes take 70 ms at 9600
+/// baud; a line that stops in the middle was cut off and must not be completed by the next press.
 pub const HALF_LINE: Duration = Duration::from_millis(500);
 
-/// What became of one line, of bytes or of keys.
+/// The outcome of one line, of bytes or of keys.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Line {
-    /// It came to its end; without the end, and never empty.
+    /// It is complete; without its line end, and never empty.
     Whole(Vec<u8>),
-    /// It became too long, or stopped in the middle: it is dropped, with what still comes of it.
+    /// It became too long, or stopped in the middle: it is dropped, together with its tail.
     Dropped,
 }
 
@@ -22,15 +22,15 @@ pub enum Line {
 #[derive(Debug, Clone, Default)]
 pub struct Lines {
     line: Vec<u8>,
-    /// The line was dropped: what still comes up to its end is its tail, and no line.
+    /// The line was dropped: everything that follows up to its end is its tail, and not a line.
     in_tail: bool,
     last_byte: Duration,
     dropped: u64,
 }
 
 impl Lines {
-    /// Takes bytes that were read by `now`; gives the lines that they end, without empty ones, of
-    /// which each pair of carriage return and line feed makes one, and those that are dropped.
+    /// Processes bytes that were read by `now`; returns the lines that they complete and those that are
+    /// dropped. Empty lines are left out; each pair of carriage return and line feed makes one.
     pub fn take(&mut self, bytes: &[u8], now: Duration) -> Vec<Line> {
         let mut lines: Vec<Line> = self.tick(now).into_iter().collect();
         for byte in bytes {
@@ -52,29 +52,29 @@ impl Lines {
         lines
     }
 
-    /// Drops half a line whose rest has not come.
+    /// Drops half a line whose rest has not arrived.
     pub fn tick(&mut self, now: Duration) -> Option<Line> {
         self.due().filter(|due| now >= *due).map(|_| self.drop_line())
     }
 
-    /// When half a line is dropped; none where there is none.
+    /// When half a line is dropped; `None` if there is none.
     pub fn due(&self) -> Option<Duration> {
         (!self.line.is_empty()).then(|| self.last_byte + HALF_LINE)
     }
 
-    /// Begins anew with what comes next; what was begun is not counted.
+    /// Starts anew with the next byte; the unfinished line is not counted.
     pub fn clear(&mut self) {
         self.line.clear();
         self.in_tail = false;
     }
 
-    /// Begins anew with the next line; the one that was begun is not counted.
+    /// Starts anew with the next line; the unfinished line is not counted.
     pub fn pass_over(&mut self) {
         self.in_tail |= !self.line.is_empty();
         self.line.clear();
     }
 
-    /// How many bytes were dropped since this was last asked.
+    /// How many bytes were dropped since the last call.
     pub fn dropped(&mut self) -> u64 {
         std::mem::take(&mut self.dropped)
     }
@@ -125,7 +125,7 @@ mod tests {
         assert_eq!(lines.take(b"03\r\n", NOW * 20), [], "the tail, however late, is no line");
         assert_eq!((lines.dropped(), lines.dropped()), (8, 0));
         assert_eq!(lines.take(b"1003\r", NOW * 20), [whole(b"1003")]);
-        // Nobody looked in between.
+        // There was no tick in between.
         lines.take(b"PRE", NOW * 30);
         let both = lines.take(b"PRESS\nPRESS\n", NOW * 30 + HALF_LINE);
         assert_eq!(both, [Line::Dropped, whole(b"PRESS")]);

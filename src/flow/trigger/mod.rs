@@ -1,4 +1,4 @@
-//! What comes from a port → presses and ids, and how a port lives: found, lost and found again.
+//! Input from a port → presses and ids, and the lifecycle of a port: found, lost and found again.
 //!
 //! ```text
 //! bytes ── lines ── token ──┐
@@ -6,8 +6,8 @@
 //! bytes or keys ── code ──────────────────▶ Heard::Named
 //! ```
 //!
-//! `now` is the station's monotonic clock. Nothing that comes from a port can make anything here
-//! grow: buffers are bounded, and what they cannot hold is counted and dropped.
+//! `now` is the station's monotonic clock. No input from a port can make anything here grow: buffers are
+//! bounded, and what they cannot hold is counted and dropped.
 
 pub mod button;
 pub mod code;

@@ -1,11 +1,11 @@
-//! The lifecycle of a port: looked for, opened, settling, listened to, lost and looked for again, for
-//! ever; and how much of that is said.
+//! The lifecycle of a port: looked for, opened, settling, listened to, lost and looked for again,
+//! without end; and how much of that is logged.
 
 use std::time::Duration;
 
 use serde::Serialize;
 
-/// How a port is.
+/// The state of a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PortState {
@@ -13,19 +13,19 @@ pub enum PortState {
     NotLooked,
     /// It is not there.
     Absent,
-    /// Another program has it.
+    /// Another program uses it.
     Busy,
     /// The station's user may not open it.
     Denied,
-    /// It is there and does not work.
+    /// It is there but does not work.
     Failed,
-    /// It has just been opened, and what comes is not believed yet.
+    /// It has just been opened, and its input is not trusted yet.
     Settling,
     /// It is listened to.
     Open,
-    /// It is listened to, but its contact is closed for longer than anybody presses a button.
+    /// It is listened to, but its contact is closed for longer than anyone presses a button.
     Stuck,
-    /// Its driver does not come back.
+    /// Its driver does not return.
     Hung,
 }
 
@@ -63,7 +63,7 @@ impl PortState {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{why}")]
 pub struct PortFault {
-    /// What kind of fault.
+    /// The kind of fault.
     pub kind: FaultKind,
     /// In words, without the port's path.
     pub why: String,
@@ -72,9 +72,9 @@ pub struct PortFault {
 /// The kinds of faults, each with a state of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaultKind {
-    /// There is no such port, or not any more.
+    /// There is no such port, or it is gone.
     Absent,
-    /// Another program has it.
+    /// Another program uses it.
     Busy,
     /// The station's user may not open it.
     Denied,
@@ -93,27 +93,27 @@ impl FaultKind {
     }
 }
 
-/// The first pause before a port is tried again. A port that was just plugged in belongs to its
-/// group some 100 ms later; until then opening it is denied.
+/// The first pause before a port is tried again. A port that was just plugged in gets its group some 100
+/// ms later; until then opening it is denied.
 const FIRST_PAUSE: Duration = Duration::from_millis(50);
 
-/// The longest pause: a cable that is put back works by the time its owner has stood up.
+/// The longest pause: a port works within seconds after its cable is plugged in again.
 const LONGEST_PAUSE: Duration = Duration::from_secs(3);
 
-/// A port that was open for so long was sound: when it is lost, it is looked for at once again.
+/// A port that was open for this long was sound: when it is lost, it is looked for again at once.
 const SOUND: Duration = Duration::from_secs(10);
 
-/// At most one line of the log in so long, however often a port comes and goes.
+/// At most one log line in this time, however often a port comes and goes.
 const LINE_EVERY: Duration = Duration::from_secs(60);
 
-/// What is to be done with a port.
+/// What to do with a port.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Want {
     /// Open it.
     Open,
-    /// Leave it for so long.
+    /// Leave it alone for this long.
     Wait(Duration),
-    /// Listen; what comes is not believed yet, for so long.
+    /// Listen, but do not trust the input for this long.
     Settle(Duration),
     /// Listen.
     Listen,
@@ -125,7 +125,7 @@ pub struct PortLifecycle {
     settle: Duration,
     state: PortState,
     why: Option<String>,
-    /// Openings in a row that came to nothing.
+    /// Failed attempts to open it, in a row.
     failures: u32,
     next_try: Duration,
     opened: Duration,
@@ -135,7 +135,7 @@ pub struct PortLifecycle {
 }
 
 impl PortLifecycle {
-    /// A port that is to be looked for from `now` on and settles so long once it is open.
+    /// A port that is to be looked for from `now` on, and that settles for `settle` once it is open.
     pub fn new(settle: Duration, now: Duration) -> PortLifecycle {
         PortLifecycle {
             settle,
@@ -149,7 +149,7 @@ impl PortLifecycle {
         }
     }
 
-    /// How the port is.
+    /// The state of the port.
     pub fn state(&self) -> PortState {
         self.state
     }
@@ -159,12 +159,12 @@ impl PortLifecycle {
         self.why.as_deref()
     }
 
-    /// Since when it has not been listened to for a while without a break.
+    /// Since when it has not worked steadily.
     pub fn unsound_since(&self) -> Option<Duration> {
         self.unsound_since
     }
 
-    /// What is to be done at `now`.
+    /// What to do at `now`.
     pub fn wants(&self, now: Duration) -> Want {
         match self.state {
             PortState::Open | PortState::Stuck | PortState::Hung => Want::Listen,
@@ -186,7 +186,7 @@ impl PortLifecycle {
         self.opened = now;
     }
 
-    /// It was listened to at `now`, and its contact sticks or not.
+    /// It was listened to at `now`; `stuck` is whether its contact is stuck.
     pub fn listened(&mut self, stuck: bool, now: Duration) {
         self.state = if stuck { PortState::Stuck } else { PortState::Open };
         if stuck {
@@ -206,7 +206,7 @@ impl PortLifecycle {
         self.failures = self.failures.saturating_add(1);
     }
 
-    /// The state to be told in the log now, if there is one: each once, and seldom enough.
+    /// The state to log now, if there is one: each state once, and not too often.
     pub fn tell(&mut self, now: Duration) -> Option<PortState> {
         if matches!(self.state, PortState::NotLooked | PortState::Settling) {
             return None;
@@ -221,7 +221,7 @@ impl PortLifecycle {
     }
 }
 
-/// The pause after so many failures in a row.
+/// The pause after this many failures in a row.
 fn pause(failures: u32) -> Duration {
     FIRST_PAUSE.saturating_mul(1 << failures.min(16)).min(LONGEST_PAUSE)
 }

@@ -1,16 +1,16 @@
 //! An input report of a USB device → whether its button is down.
 
-/// The bits of a report that say that the button is down.
+/// The bits of a report that mean that the button is down.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Pattern {
     /// The bits that count, byte by byte from the report's first.
     pub mask: Vec<u8>,
-    /// What they are while the button is down.
+    /// Their values while the button is down.
     pub value: Vec<u8>,
 }
 
 impl Pattern {
-    /// Whether the button is down; none for a report that is too short to say.
+    /// Whether the button is down; `None` for a report that is too short.
     pub fn is_down(&self, report: &[u8]) -> Option<bool> {
         let bytes = report.get(..self.mask.len())?;
         let masked = bytes.iter().zip(&self.mask).map(|(byte, mask)| byte & mask);

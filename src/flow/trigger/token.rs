@@ -1,18 +1,18 @@
-//! The lines that are presses: exactly these, letter by letter, and no others.
+//! The lines that are presses: exact matches only.
 
 use crate::flow::booth::Press;
 
-/// The lines by which a button says that it was pressed.
+/// The lines by which a button reports a press.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Tokens {
-    /// Those of a short press.
+    /// The lines of a short press.
     pub short: Vec<String>,
-    /// Those of a long press.
+    /// The lines of a long press.
     pub long: Vec<String>,
 }
 
 impl Tokens {
-    /// The press a line means; none for any other line.
+    /// The press that a line means; `None` for any other line.
     pub fn press(&self, line: &[u8]) -> Option<Press> {
         let among = |tokens: &[String]| tokens.iter().any(|token| token.as_bytes() == line);
         if among(&self.short) {

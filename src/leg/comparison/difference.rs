@@ -1,19 +1,19 @@
-//! How the two legs of a patient differ: left minus right everywhere.
+//! Differences between the two legs of a patient, always left minus right.
 
 use super::volume::Volume;
 use crate::leg::level::Level;
 use crate::leg::measured::LegReport;
 use crate::leg::side::Side;
 
-/// From here on a difference of girth is said to be a swelling, mm. From memory of clinical use,
-/// not checked against a source.
+/// A girth difference of at least this much is reported as a swelling, mm. From memory of clinical
+/// use, not checked against a source.
 pub const GIRTH_MM: f64 = 20.0;
 
-/// From here on a difference of volume is said to be a swelling, % of the smaller leg. From memory
-/// of clinical use, not checked against a source.
+/// A volume difference of at least this much is reported as a swelling, % of the smaller leg. From
+/// memory of clinical use, not checked against a source.
 pub const VOLUME_PERCENT: f64 = 10.0;
 
-/// A difference of no more than this many of its standard errors is not called real.
+/// A difference counts as real if it exceeds this many of its standard errors.
 const REAL_SDS: f64 = 2.0;
 
 /// The differences of one patient's legs.
@@ -21,10 +21,10 @@ const REAL_SDS: f64 = 2.0;
 pub struct Differences {
     /// Levels found on both legs, lowest first.
     pub levels: Vec<LevelDifference>,
-    /// Whole volume, over the range along the axis that was measured on both legs; none where one
+    /// Whole volume, over the range along the axis that was measured on both legs; `None` if one
     /// leg has no whole volume.
     pub whole: Option<VolumeDifference>,
-    /// Slices of 4 cm that were measured whole on both legs, lowest first.
+    /// Slices of 4 cm that were measured completely on both legs, lowest first.
     pub slices: Vec<VolumeDifference>,
 }
 
@@ -33,7 +33,7 @@ pub struct Differences {
 pub struct Difference {
     /// Left minus right.
     pub value: f64,
-    /// Standard error, not finite where it cannot be judged.
+    /// Standard error; not finite if unknown.
     pub sd: f64,
 }
 
@@ -42,9 +42,9 @@ pub struct Difference {
 pub struct LevelDifference {
     /// Which level.
     pub level: Level,
-    /// Of the tape girths, mm.
+    /// Difference of the tape girths, mm.
     pub girth_mm: Difference,
-    /// Of the heights of the level, mm.
+    /// Difference of the level's heights, mm.
     pub height_mm: Difference,
 }
 
@@ -55,13 +55,13 @@ pub struct VolumeDifference {
     pub from_mm: f64,
     /// Upper end, mm along each axis.
     pub to_mm: f64,
-    /// Of the volumes, mL.
+    /// Difference of the volumes, mL.
     pub ml: Difference,
-    /// The same, % of the smaller one of the two.
+    /// The same, % of the smaller volume.
     pub percent: f64,
 }
 
-/// A difference that is as large as a swelling and larger than its own uncertainty.
+/// A difference that reaches the swelling threshold and exceeds its own uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum LegsDiffer {
     /// In the tape girth at a level.
@@ -97,7 +97,7 @@ impl Difference {
         Difference { value: left[0] - right[0], sd: left[1].hypot(right[1]) }
     }
 
-    /// Whether it is larger than its own uncertainty.
+    /// Whether the difference exceeds its own uncertainty.
     pub fn is_real(&self) -> bool {
         self.value.abs() > REAL_SDS * self.sd
     }
@@ -107,7 +107,7 @@ impl Difference {
     }
 }
 
-/// How the legs differ; none where one of them was not measured.
+/// The differences between the legs; `None` if one of them was not measured.
 pub fn differences(legs: &[LegReport]) -> Option<Differences> {
     let of = |side: Side| legs.iter().find(|leg| leg.side == side);
     let (left, right) = (of(Side::Left)?, of(Side::Right)?);
@@ -131,7 +131,7 @@ pub fn differences(legs: &[LegReport]) -> Option<Differences> {
     })
 }
 
-/// The whole volumes over the range of distances that both legs have.
+/// The whole volumes, over the range of distances that both legs have.
 fn whole(left: &LegReport, right: &LegReport) -> Option<VolumeDifference> {
     let (l, r) = (left.volume.whole?, right.volume.whole?);
     let (from_mm, to_mm) = (l.from_mm.max(r.from_mm), l.to_mm.min(r.to_mm));
@@ -146,9 +146,9 @@ fn volume(left: Volume, right: Volume) -> VolumeDifference {
 }
 
 impl Differences {
-    /// The differences that are as large as a swelling and real, with the level of a girth.
+    /// The differences that reach the swelling threshold and are real, each girth with its level.
     ///
-    /// B1 is left out: it lies on a slope, so its girth says more of its height than of the leg.
+    /// B1 is left out: it lies on a slope, so its girth reflects its height more than the leg.
     pub fn swellings(&self) -> Vec<(Option<Level>, LegsDiffer)> {
         let girth = |at: &LevelDifference| {
             let found = at.girth_mm;

@@ -1,4 +1,4 @@
-//! Volumes, the legs' differences, and what the scanner's own measures say to ours.
+//! Volumes, the legs' differences, and the comparison with the scanner's own measures.
 
 pub mod difference;
 pub mod opinion;

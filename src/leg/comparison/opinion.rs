@@ -1,13 +1,13 @@
-//! What the scanner's own measures say about ours.
+//! What the scanner's own measures imply about ours.
 
 /// A measure that has a counterpart here.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Measure {
     /// Height of the body.
     Stature,
-    /// Girth of the calf: C.
+    /// Girth of the calf, at C.
     Calf,
-    /// Girth over the malleoli, somewhat more than B.
+    /// Girth over the malleoli, somewhat larger than B.
     Ankle,
 }
 
@@ -20,7 +20,7 @@ impl Measure {
         }
     }
 
-    /// What a measure of theirs is compared with.
+    /// Our measure that the scanner's is compared with.
     fn own(self) -> &'static str {
         match self {
             Measure::Stature => "body height",
@@ -30,42 +30,42 @@ impl Measure {
     }
 }
 
-/// What the scanner's measures say to ours, or why they say nothing.
+/// A disagreement between the scanner's measures and ours, or the reason for not comparing them.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum SecondOpinion {
     /// The measurement file could not be read.
     #[error("the scanner's own measures (.ord) were not compared: {why}")]
     Unreadable {
-        /// Why not.
+        /// The reason.
         why: String,
     },
-    /// More than one measurement file could be the scan's.
+    /// More than one measurement file could belong to the scan.
     #[error("{files} measurement files (.ord) bear this scan's name; none of them was compared")]
     Ambiguous {
         /// How many.
         files: usize,
     },
-    /// Its stature is ours in another unit.
+    /// The scanner's stature is ours in another unit.
     #[error(
         "the scanner's stature is {theirs_mm:.0} mm, gaiter's {ours_mm:.0} mm, a factor of \
          {factor}: a wrong unit in one of the two files?"
     )]
     Unit {
-        /// Theirs, mm by their unit.
+        /// The scanner's stature, mm by its unit.
         theirs_mm: f64,
-        /// Ours, mm.
+        /// Our stature, mm.
         ours_mm: f64,
         /// Ratio of the units.
         factor: f64,
     },
-    /// A measure differs by more than two programs' definitions do.
+    /// A measure differs by more than the definitions of two programs explain.
     #[error("the scanner's {} is {theirs_mm:.0} mm, gaiter's {} {ours_mm:.0} mm", measure.word(), measure.own())]
     Disagrees {
-        /// Which.
+        /// Which measure.
         measure: Measure,
-        /// Theirs, mm.
+        /// The scanner's value, mm.
         theirs_mm: f64,
-        /// Ours, mm.
+        /// Our value, mm.
         ours_mm: f64,
     },
     /// Each calf fits the other leg.
@@ -74,9 +74,9 @@ pub enum SecondOpinion {
          each: are left and right swapped?"
     )]
     Sides {
-        /// Theirs, left, mm.
+        /// The scanner's left calf, mm.
         left_mm: f64,
-        /// Theirs, right, mm.
+        /// The scanner's right calf, mm.
         right_mm: f64,
     },
 }

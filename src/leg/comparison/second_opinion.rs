@@ -1,5 +1,5 @@
-//! What the scanner's own measures (`.ord`) say to ours: a second opinion on stature, calf and
-//! ankle, and on which leg is the left one. It only ever gives findings; nothing is corrected.
+//! Compares the scanner's own measures (`.ord`) with ours: a second opinion on stature, calf and
+//! ankle, and on which leg is the left one. It only gives findings and corrects nothing.
 
 use super::opinion::{Measure, SecondOpinion};
 use crate::leg::finding::{Finding, What};
@@ -9,10 +9,10 @@ use crate::leg::side::Side;
 use crate::leg::{Extraction, Landmark};
 use crate::scan::ord::Ord;
 
-/// Names of measures as scanners write them, lower case without spaces, underscores and sides.
+/// Names of measures as scanners write them, lower case, without spaces, underscores and sides.
 /// `Head_Top_Height`, `Calf_Left`, `Calf_Right`, `Calf_Circ`, `Ankle_Girth_Left`,
-/// `Ankle_Girth_Right` and `Ankle_Circ` were read in a public program for \[TC\]2 files (the NOMO
-/// data set); the others are the obvious ways to write the same, not seen in a file.
+/// `Ankle_Girth_Right` and `Ankle_Circ` come from a public program for \[TC\]2 files (the NOMO data
+/// set); the others are obvious spellings of the same names, not seen in a file.
 const NAMES: [(&str, Measure); 12] = [
     ("headtopheight", Measure::Stature),
     ("height", Measure::Stature),
@@ -28,31 +28,31 @@ const NAMES: [(&str, Measure); 12] = [
     ("anklecircumference", Measure::Ankle),
 ];
 
-/// Statures agree within this share: hair, and soles that no scanner sees, make some millimetres.
+/// Statures agree within this share: hair, and soles that no scanner sees, add some millimetres.
 const STATURE_SHARE: f64 = 0.02;
 
-/// Statures whose ratio is one of these, or its inverse, are given in different units: mm, cm, m
-/// and inch among one another.
+/// If the ratio of two statures is one of these, or its inverse, their units differ (among mm, cm,
+/// m and inch).
 const UNIT_RATIOS: [f64; 6] = [2.54, 10.0, 25.4, 39.37, 100.0, 1000.0];
 
-/// Calf girths agree within this, mm: two programs look for the largest girth in different planes
-/// and smooth differently; tapes are 4 mm apart in the mean (ISO 20685). Judgement.
+/// Calf girths agree within this, mm: two programs search for the largest girth in different planes
+/// and smooth differently; tapes differ by 4 mm on average (ISO 20685). Judgement.
 const CALF_MM: f64 = 15.0;
 
-/// An ankle girth may fall below B by no more than this, mm. It is taken over the malleoli, where
-/// the leg is wider than at B, its narrowest. Judgement.
+/// An ankle girth may be smaller than B by up to this, mm. It is taken over the malleoli, where the
+/// leg is wider than at B, its narrowest point. Judgement.
 const ANKLE_BELOW_B_MM: f64 = 10.0;
 
-/// … and be no more than this many times as large: the girth around heel and instep is 1.5 times B
-/// in the mean (ANSUR II), and that is no ankle's. Judgement.
+/// … and larger than B by up to this factor: the girth around heel and instep is 1.5 times B on
+/// average (ANSUR II), and is not an ankle girth. Judgement.
 const ANKLE_MAX_SHARE: f64 = 1.6;
 
-/// Sides are doubted where each of the two calves fits the other leg better by this much, mm. Two
-/// programs differ by about 5 mm on one calf, and mostly alike on both. Judgement.
+/// The sides are in doubt if each of the two calves fits the other leg better by this much, mm. Two
+/// programs differ by about 5 mm on one calf, and usually in the same direction on both. Judgement.
 const SIDES_MM: f64 = 10.0;
 
-/// Compares the scanner's measures with an extraction's. What either of them lacks is not compared;
-/// after a wrong unit nothing is.
+/// Compares the scanner's measures with an extraction's. Measures that either side lacks are
+/// skipped; after a unit mismatch nothing else is compared.
 pub fn compare(extraction: &Extraction, ord: &Ord) -> Vec<Finding> {
     let theirs = Theirs { ord };
     let stature = extraction.body.stature_mm.and_then(|ours_mm| theirs.stature(ours_mm));
@@ -63,13 +63,13 @@ pub fn compare(extraction: &Extraction, ord: &Ord) -> Vec<Finding> {
     stature.map(Finding::from).into_iter().chain(girths).collect()
 }
 
-/// The other program's measures by their meaning.
+/// The scanner's measures, by meaning.
 struct Theirs<'a> {
     ord: &'a Ord,
 }
 
 impl Theirs<'_> {
-    /// The first measure of this meaning and side, mm; one of zero was not taken.
+    /// The first measure of this meaning and side, mm; a value of zero means that it was not taken.
     fn mm(&self, measure: Measure, side: Option<Side>) -> Option<f64> {
         let is = |(name, mm): &&(String, f64)| meaning(name) == Some((measure, side)) && *mm > 0.0;
         self.ord.measures.iter().find(is).map(|(_, mm)| *mm)
@@ -90,7 +90,7 @@ impl Theirs<'_> {
 
     fn legs(&self, legs: &[LegReport]) -> Vec<Finding> {
         let calves = match self.sides(legs) {
-            // The disagreement on each calf is this one.
+            // This finding covers the disagreement on each calf.
             Some(sides) => vec![Finding::from(sides)],
             None => self.girths(legs, Measure::Calf, Level::C, |theirs_mm, ours_mm| {
                 (theirs_mm - ours_mm).abs() <= CALF_MM
@@ -117,8 +117,8 @@ impl Theirs<'_> {
         is_swapped.then_some(SecondOpinion::Sides { left_mm, right_mm })
     }
 
-    /// The disagreements about one girth: of each side, and of one that names no side, which may be
-    /// either leg's.
+    /// The disagreements about one girth: on each side, and for a measure without a side, which may
+    /// belong to either leg.
     fn girths(
         &self,
         legs: &[LegReport],
@@ -148,9 +148,9 @@ fn level_of(legs: &[LegReport], side: Side, level: Level) -> Option<&Landmark> {
     legs.iter().find(|leg| leg.side == side)?.landmarks.iter().find(|l| l.level == level)
 }
 
-/// What a measure of this name is, and of which side; none where it has no counterpart here.
+/// The measure and side that a name means; `None` if there is no counterpart here.
 ///
-/// The side may stand before, behind or within the name, as a word; as a letter, before or behind.
+/// The side may occur as a word before, behind or within the name, or as a letter before or behind it.
 pub fn meaning(name: &str) -> Option<(Measure, Option<Side>)> {
     let plain: String = name.chars().filter(char::is_ascii_alphanumeric).collect();
     let plain = plain.to_ascii_lowercase();

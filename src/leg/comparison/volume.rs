@@ -1,5 +1,5 @@
 //! Leg volume from section areas. Sections are parallel planes across the leg's axis, so the volume
-//! between two of them is exactly the integral of the area inside over the distance along the axis.
+//! between two of them is exactly the integral of the enclosed area over the distance along the axis.
 
 use std::f64::consts::{PI, TAU};
 
@@ -9,13 +9,13 @@ use crate::leg::levels::landmark::Landmark;
 use crate::leg::sections::equidistant::Sections;
 use crate::leg::sections::section::{Curve, Section};
 
-/// Length of the slices that clinics chart, mm: tapes are laid every 4 cm from the floor.
+/// Length of the slices that clinics chart, mm: tape measurements are taken every 4 cm from the floor.
 const SLICE_MM: f64 = 40.0;
 
 /// Cubic millimetres in a millilitre.
 const MM3_PER_ML: f64 = 1000.0;
 
-/// Nodes on (−1, 1) and weights of Gauss and Legendre's rule of four points, exact to degree 7.
+/// Nodes on (−1, 1) and weights of the four-point Gauss-Legendre rule, exact to degree 7.
 const GAUSS: [[f64; 2]; 4] = [
     [-0.861_136_311_594_052_6, 0.347_854_845_137_453_85],
     [-0.339_981_043_584_856_26, 0.652_145_154_862_546_1],
@@ -23,11 +23,11 @@ const GAUSS: [[f64; 2]; 4] = [
     [0.861_136_311_594_052_6, 0.347_854_845_137_453_85],
 ];
 
-/// Pieces of a turn in which the square of a polynomial of order 15 is integrated; the rule's error
-/// is then below 10⁻⁹ of the area.
+/// Number of pieces of a full turn when the square of a polynomial of order 15 is integrated; the
+/// rule's error is then below 10⁻⁹ of the area.
 const POLYNOMIAL_PIECES: usize = 48;
 
-/// Sections that one cubic of the area goes through.
+/// Number of sections that one cubic of the area interpolates.
 const STENCIL: usize = 4;
 
 /// Volumes of one leg.
@@ -35,12 +35,12 @@ const STENCIL: usize = 4;
 pub struct LegVolume {
     /// Area of the sections over the distance along the axis.
     pub areas: AreaCurve,
-    /// From the lowest measured section to the highest, which is at the crotch; none where a
-    /// section between them is open.
+    /// From the lowest measured section to the highest, which is at the crotch; `None` if a section
+    /// between them is open.
     pub whole: Option<Volume>,
-    /// Heights of the centres of these two sections, mm; as `whole`.
+    /// Heights of the centres of these two sections, mm; `None` together with `whole`.
     pub whole_height_mm: Option<[f64; 2]>,
-    /// Between the levels B and D; none where one of them is absent or a section is open.
+    /// Between the levels B and D; `None` if one of them is absent or a section is open.
     pub b_to_d: Option<Volume>,
     /// Slices of 4 cm along the axis, the first one from the floor, up to the highest section.
     pub slices: Vec<Slice>,
@@ -55,8 +55,8 @@ pub struct Volume {
     pub to_mm: f64,
     /// The volume, mL.
     pub ml: f64,
-    /// Its standard error, mL: that of the girths, taken as fully correlated along the leg, which
-    /// is the worst that it can be.
+    /// Its standard error, mL: from the errors of the girths, assumed fully correlated along the
+    /// leg, which is the worst case.
     pub sd_ml: f64,
 }
 
@@ -67,11 +67,11 @@ pub struct Slice {
     pub from_mm: f64,
     /// Upper end, mm along the axis from the floor.
     pub to_mm: f64,
-    /// What lies between; none where the slice was not measured whole.
+    /// The volume between the ends; `None` if the slice was not measured completely.
     pub volume: Option<Volume>,
 }
 
-/// The area inside the sections over the distance along the axis.
+/// The area enclosed by the sections over the distance along the axis.
 #[derive(Debug, Clone)]
 pub struct AreaCurve {
     /// Runs of neighbouring measured sections, ascending.
@@ -110,12 +110,12 @@ pub fn leg_volume(sections: &Sections, curve: &GirthCurve, landmarks: &[Landmark
 }
 
 impl AreaCurve {
-    /// The areas of a leg's sections; `curve` knows the standard errors of their girths.
+    /// The areas of a leg's sections; `curve` provides the standard errors of their girths.
     pub fn of(sections: &Sections, curve: &GirthCurve) -> AreaCurve {
         let (from_mm, to_mm) = curve.domain();
         let row = |section: &Section| {
             let area_mm2 = area_mm2(&section.curve);
-            // Below its range the curve's nearest error stands for that of the section.
+            // Below the curve's range, the curve's error at its lower end is used for the section.
             let girth_sd_mm = curve.tape_sd(section.along_mm.clamp(from_mm, to_mm), 0);
             let sd_mm2 = 2.0 * area_mm2 * girth_sd_mm / section.girth.tape_mm;
             let (along_mm, height_mm) = (section.along_mm, section.height_mm);
@@ -131,8 +131,8 @@ impl AreaCurve {
         AreaCurve { runs: runs.map(measured).filter(|run| !run.is_empty()).collect() }
     }
 
-    /// The volume between two planes, mm along the axis; none where they are no range, or where
-    /// one of them or a section between them was not measured.
+    /// The volume between two planes, mm along the axis; `None` if they are not a valid range, or
+    /// if one of them or a section between them was not measured.
     pub fn volume(&self, from_mm: f64, to_mm: f64) -> Option<Volume> {
         let holds = |run: &&Vec<AreaRow>| {
             let ends = run.first().zip(run.last());
@@ -172,8 +172,8 @@ fn cubic(rows: &[AreaRow], along_mm: f64, which: usize) -> f64 {
     rows.iter().map(|own| share(own) * own.area_mm2[which]).sum()
 }
 
-/// The area inside a section, ∮ r²/2 dθ in mm²: exact for the pieces of a periodic spline, whose
-/// square has degree 6.
+/// The area enclosed by a section, ∮ r²/2 dθ in mm²: exact for the pieces of a periodic spline,
+/// whose square has degree 6.
 pub fn area_mm2(curve: &Curve) -> f64 {
     let ends = match curve {
         Curve::Periodic { basis, .. } => basis.breakpoints().to_vec(),
@@ -186,7 +186,7 @@ pub fn area_mm2(curve: &Curve) -> f64 {
     ends.windows(2).map(piece).sum()
 }
 
-/// The integral of a function between two places.
+/// The integral of a function between two abscissas.
 fn integral(from: f64, to: f64, function: impl Fn(f64) -> f64) -> f64 {
     let (middle, half) = ((from + to) / 2.0, (to - from) / 2.0);
     let sum: f64 = GAUSS.iter().map(|[node, weight]| weight * function(middle + half * node)).sum();

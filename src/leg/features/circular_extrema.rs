@@ -1,31 +1,31 @@
-//! Turning points of a closed row of values: the peaks and valleys that stand out, and where the
-//! middle of each is.
+//! Turning points of a cyclic sequence of values: the prominent peaks and valleys, and the middle
+//! of each.
 
 /// A turning point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Turn {
-    /// Of the value.
+    /// Index of the value.
     pub index: usize,
-    /// Whether it is a peak; else it is a valley.
+    /// Whether it is a peak; otherwise it is a valley.
     pub is_peak: bool,
-    /// The smaller of its differences from the turning points on both sides.
+    /// The smaller of its differences from the two neighbouring turning points.
     pub prominence: f64,
     /// The turning points before and after it.
     neighbours: [usize; 2],
 }
 
-/// The part of a peak or valley that is nearer to its extreme than some depth.
+/// The part of a peak or valley that differs from its extreme by less than a given depth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Cap {
     /// Its centre of area, in steps from the turning point.
     pub middle: f64,
-    /// The values that tell where that is, each with how many steps it moves the middle per unit of
-    /// its own change.
+    /// The values that determine the middle, each with the steps by which it moves the middle per
+    /// unit of its own change.
     pub pulls: Vec<(usize, f64)>,
 }
 
-/// Turning points that differ from both neighbouring ones by the gate or more, peaks and valleys
-/// by turns: pairs that differ by less are left out, the closest first.
+/// Turning points that differ from both neighbouring ones by the gate or more, alternately peaks
+/// and valleys: pairs that differ by less are removed, the closest pair first.
 pub fn standing_out(values: &[f64], gate: f64) -> Vec<Turn> {
     let mut turns = turns(values);
     let difference = |a: &Turn, b: &Turn| (values[a.index] - values[b.index]).abs();
@@ -53,7 +53,7 @@ pub fn standing_out(values: &[f64], gate: f64) -> Vec<Turn> {
     turns
 }
 
-/// Where a closed row of values stops rising or falling. Of equal values the last counts.
+/// Where a cyclic sequence stops rising or falling. Of a run of equal values the last one counts.
 fn turns(values: &[f64]) -> Vec<Turn> {
     let count = values.len();
     let rises = |index: usize| {
@@ -74,13 +74,13 @@ fn turns(values: &[f64]) -> Vec<Turn> {
 }
 
 impl Turn {
-    /// The part between the neighbouring turning points that differs from the value here by less
-    /// than `depth`, which must be more than 0. A smaller turning point that was left out belongs
-    /// to it, so that of two alike bottoms of a flat valley the middle is told and not either.
+    /// The part between the neighbouring turning points that differs from this value by less than
+    /// `depth`, which must be greater than 0. It includes smaller turning points that were removed,
+    /// so a flat valley with two equal bottoms yields the middle between them and not one of them.
     pub fn cap(&self, values: &[f64], depth: f64) -> Cap {
         let count = values.len();
         let [before, after] = self.neighbours;
-        // A lone pair neighbours each other on both sides.
+        // In a lone pair each turning point is the other's neighbour on both sides.
         let [back, ahead] = [self.index + count - before, after + count - self.index]
             .map(|steps| (steps - 1) % count + 1);
         let inside = |step: usize| {
@@ -95,7 +95,8 @@ impl Turn {
         let pull = |step: f64| outward * (step - middle) / area;
         let mut pulls: Vec<(usize, f64)> =
             cap.iter().map(|(index, step, _)| (*index, pull(*step))).collect();
-        // The depth counts from the value here, so that value moves the whole rim the other way.
+        // The depth is relative to this value, so this value moves the whole rim in the opposite
+        // direction.
         let all: f64 = pulls.iter().map(|(_, pull)| pull).sum();
         pulls.push((self.index, -all));
         Cap { middle, pulls }
@@ -130,7 +131,7 @@ mod tests {
 
     #[test]
     fn the_middle_is_that_of_the_whole_cap_across_the_seam_too() {
-        // The peak is flat on top from 9 to 2; its flanks fall alike.
+        // The peak is flat on top from 9 to 2; its two flanks fall equally.
         let values = [5.0, 5.0, 5.0, 4.0, 2.0, 0.0, 0.5, 2.0, 4.0, 5.0];
         let peak = standing_out(&values, 1.0)[0];
         assert_eq!((peak.index, peak.is_peak, peak.prominence), (2, true, 5.0));

@@ -1,20 +1,20 @@
-//! Three-point curvature (paper 1.3, fig. 4a): the parabola in the chord lengths through three
+//! Three-point curvature (paper 1.3, fig. 4a): of the parabola in the chord lengths through three
 //! neighbouring points. Convex is positive.
 //!
-//! The paper's determinant is negative for a convex curve run counter-clockwise; the sign here is
-//! turned. On a circle it gives κ / cos²(φ/2), φ the angle between neighbours: 0.2 % too much at
-//! 5°.
+//! The paper's determinant is negative for a convex curve traversed counter-clockwise; here the
+//! sign is inverted. On a circle the result is κ / cos²(φ/2), with φ the angle between neighbours:
+//! 0.2 % too much at 5°.
 
 use nalgebra::Point2;
 
 /// Curvature at `middle`, per unit of length, positive where the curve before → middle → after
-/// turns left. None where two of the points coincide.
+/// turns left. `None` if two of the points coincide.
 pub fn three_point(before: &Point2<f64>, middle: &Point2<f64>, after: &Point2<f64>) -> Option<f64> {
     let (ta, tb) = ((middle - before).norm(), (after - middle).norm());
     if ta <= 0.0 || tb <= 0.0 {
         return None;
     }
-    // x(t) = x2 + a2 t + a3 t² through x(−ta) = x1 and x(tb) = x3; y alike.
+    // x(t) = x2 + a2 t + a3 t² through x(−ta) = x1 and x(tb) = x3; the same for y.
     let (back, ahead) = ((before - middle) / -ta, (after - middle) / tb);
     let quadratic = (ahead - back) / (ta + tb);
     let linear = (back * tb + ahead * ta) / (ta + tb);
@@ -22,9 +22,9 @@ pub fn three_point(before: &Point2<f64>, middle: &Point2<f64>, after: &Point2<f6
     (speed > 0.0).then(|| 2.0 * linear.perp(&quadratic) / speed.powi(3))
 }
 
-/// Curvature at each of the points of a closed curve run counter-clockwise; 0 where neighbours
-/// coincide. The curve must be smooth between neighbours: noise of σ in points h apart makes √6 σ/h²
-/// of the curvature.
+/// Curvature at each point of a closed curve traversed counter-clockwise; 0 where neighbours
+/// coincide. The curve must be smooth between neighbours: noise of σ in points h apart adds √6 σ/h²
+/// to the curvature.
 pub fn around(points: &[Point2<f64>]) -> Vec<f64> {
     let count = points.len();
     let at = |index: usize| {

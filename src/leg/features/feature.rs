@@ -1,8 +1,9 @@
 //! Feature points: peaks and valleys of the curvature around a section (paper 1.3, fig. 4b, 4c).
 //!
-//! The curvature is that of the section's outline without its finest harmonics. A point is where
-//! the curvature turns by more than the leg's roundness and the scan's noise explain. Its place is
-//! the middle of what is curved alike: the flattest spot of a flat side may be anywhere on it.
+//! The curvature is that of the section's outline without its finest harmonics. A feature point is
+//! a turning point of the curvature that exceeds the leg's roundness and the scan's noise. Its
+//! position is the middle of the stretch of similar curvature, because the flattest spot of a flat
+//! side may be anywhere on it.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -17,14 +18,14 @@ use crate::leg::sections::section::Section;
 /// Angles at which the curvature is taken.
 const ANGLES: usize = 360;
 
-/// A peak or valley stands out by at least this share of the mean curvature 2π / girth; less is a
-/// round side of the leg, curved alike.
+/// A peak or valley has a prominence of at least this share of the mean curvature 2π / girth; less
+/// is a round side of the leg with uniform curvature.
 const PROMINENCE_MIN_SHARE: f64 = 0.25;
 
-/// … and by at least this many standard errors of a difference of two curvatures; less is noise.
+/// … and of at least this many standard errors of a difference of two curvatures; less is noise.
 const PROMINENCE_MIN_SD: f64 = 2.0;
 
-/// What a feature point is.
+/// The kind of a feature point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
     /// Locally most curved: a corner, such as the tibial crest or the Achilles tendon.
@@ -50,18 +51,19 @@ pub struct Feature {
     pub kind: Kind,
     /// Angle around the section's centre, degrees in (−180, 180]: 0 front, 90 lateral.
     pub angle_deg: f64,
-    /// The place on the fitted curve, body frame, mm.
+    /// The point on the fitted curve, body frame, mm.
     pub position: Point3<f64>,
-    /// Standard error of the place along the skin from the scan's noise, mm.
+    /// Standard error of the position along the skin from the scan's noise, mm.
     pub position_sd_mm: f64,
-    /// The largest (peak) or smallest (valley) curvature of what is curved alike, 1/mm, positive
-    /// where convex. Waves as fine as n around are told as 1 / (1 + (n / 7.5)⁶) of themselves.
+    /// The largest (peak) or smallest (valley) curvature of the stretch of similar curvature, 1/mm,
+    /// positive where convex. Waves of number n around are attenuated to 1 / (1 + (n / 7.5)⁶) of
+    /// their size.
     pub curvature_per_mm: f64,
-    /// By how much it stands out from its neighbours, 1/mm.
+    /// Prominence relative to its neighbours, 1/mm.
     pub prominence_per_mm: f64,
 }
 
-/// The feature points of a section in order around from the front: P1, P2, …
+/// The feature points of a section, in order around it from the front: P1, P2, …
 pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
     let (curvatures, turns) = turns(section, &angles());
     let error = CurvatureError::of(section);
@@ -85,18 +87,18 @@ pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
 }
 
 /// The curvature in which the feature points of a section are found, at `count` equal angles from
-/// −180° on, 1/mm. `count` is a divisor of 360.
+/// −180° on, 1/mm. `count` must be a divisor of 360.
 pub fn curvatures(section: &Section, count: usize) -> Vec<f64> {
     let all = curvature::around(&outline(section, &angles()));
     all.into_iter().step_by(ANGLES / count).collect()
 }
 
-/// The angles at which the curvature of any section is taken, with their harmonics.
+/// The angles at which the curvature of a section is taken, with their harmonics.
 pub fn angles() -> Harmonics {
     Harmonics::at(ANGLES)
 }
 
-/// The angles of the peaks among them, radians in (−π, π].
+/// The angles of a section's curvature peaks, radians in (−π, π].
 pub fn peaks(section: &Section, angles: &Harmonics) -> Vec<f64> {
     let (curvatures, turns) = turns(section, angles);
     let peaks = turns.into_iter().filter(|turn| turn.is_peak);
@@ -104,7 +106,7 @@ pub fn peaks(section: &Section, angles: &Harmonics) -> Vec<f64> {
     peaks.map(|turn| wrapped(angle(middle(turn)))).collect()
 }
 
-/// The curvature around a section and where it turns by more than roundness and noise explain.
+/// The curvature around a section and its turning points beyond roundness and noise.
 fn turns(section: &Section, angles: &Harmonics) -> (Vec<f64>, Vec<Turn>) {
     let curvatures = curvature::around(&outline(section, angles));
     let noise = PROMINENCE_MIN_SD * SQRT_2 * CurvatureError::of(section).sd();
@@ -112,12 +114,12 @@ fn turns(section: &Section, angles: &Harmonics) -> (Vec<f64>, Vec<Turn>) {
     (curvatures, turns)
 }
 
-/// Curvatures that differ by less are alike, 1/mm.
+/// Curvatures that differ by less than this count as equal, 1/mm.
 fn alike(section: &Section) -> f64 {
     PROMINENCE_MIN_SHARE * TAU / section.girth.contour_mm
 }
 
-/// The angle of a place in the row of angles.
+/// The angle at a (fractional) index into the angles.
 fn angle(index: f64) -> f64 {
     -PI + TAU * index / ANGLES as f64
 }
@@ -126,7 +128,7 @@ fn angle(index: f64) -> f64 {
 fn outline(section: &Section, angles: &Harmonics) -> Vec<Point2<f64>> {
     let radii = (0..ANGLES).map(|index| section.curve.radius(angle(index as f64)));
     let smooth = angles.smoothed(&radii.collect::<Vec<f64>>());
-    // The first angle is −180°, so that each direction is the opposite one.
+    // The first angle is −180°, so each direction is inverted.
     let directions = angles.directions().map(|(cos, sin)| (-cos, -sin));
     smooth
         .into_iter()
@@ -135,12 +137,12 @@ fn outline(section: &Section, angles: &Harmonics) -> Vec<Point2<f64>> {
         .collect()
 }
 
-/// What the scan's noise makes of the curvature: standard errors of its harmonics, 1/mm, each for
-/// its sine and its cosine.
+/// The curvature error from the scan's noise: standard errors of its harmonics, 1/mm, the same for
+/// the sine and the cosine.
 struct CurvatureError([f64; harmonic::FINEST + 1]);
 
 impl CurvatureError {
-    /// A harmonic of the radius has twice the variance of its mean, and n times around it makes
+    /// A harmonic of the radius has twice the variance of its mean, and the harmonic n contributes
     /// (n² − 1) / r² of curvature.
     fn of(section: &Section) -> CurvatureError {
         let independent_mm = SQRT_2 * section.rms_mm / (section.points as f64).sqrt();
@@ -152,12 +154,12 @@ impl CurvatureError {
         }))
     }
 
-    /// Standard error of the curvature at any place.
+    /// Standard error of the curvature at any angle.
     fn sd(&self) -> f64 {
         self.0.iter().map(|sd| sd * sd).sum::<f64>().sqrt()
     }
 
-    /// Standard error of a cap's middle, in steps, each harmonic carried through.
+    /// Standard error of a cap's middle, in steps, propagated through each harmonic.
     fn middle_sd(&self, cap: &Cap) -> f64 {
         let variance = |(n, sd): (usize, &f64)| {
             let (mut sine, mut cosine) = (0.0, 0.0);
@@ -172,7 +174,7 @@ impl CurvatureError {
     }
 }
 
-/// The same angle in (−π, π].
+/// The equivalent angle in (−π, π].
 fn wrapped(angle: f64) -> f64 {
     PI - (PI - angle).rem_euclid(TAU)
 }

@@ -1,9 +1,9 @@
-//! The outline of a section without what is finer than the shape of a leg: radius over angle, in
-//! which each harmonic keeps the more the coarser it is.
+//! The outline of a section without detail finer than the shape of a leg: radius over angle, in
+//! which coarse harmonics keep more of their size than fine ones.
 //!
-//! Curvature grows with the square of the harmonic, and noise with it: what the scanner scatters
-//! by 0.3 mm would make more peaks than the leg has. The paper's curve of order 15 leaves the fine
-//! harmonics out as well, all at once; that lets the outline swing beside every corner.
+//! Curvature grows with the square of the harmonic, and so does its noise: scanner scatter of 0.3
+//! mm would produce more peaks than the leg has. The paper's curve of order 15 also drops the fine
+//! harmonics, but abruptly, which makes the outline oscillate beside every corner.
 
 use std::f64::consts::TAU;
 
@@ -11,8 +11,8 @@ use std::f64::consts::TAU;
 /// mean and as many pairs as 7.5 harmonics.
 const HALVED_HARMONIC: f64 = 7.5;
 
-/// A harmonic keeps 1 / (1 + (n / 7.5)⁶): four waves around keep 98 %. With a higher power a flat
-/// side between two corners would be given a swing of its own.
+/// A harmonic keeps 1 / (1 + (n / 7.5)⁶): four waves around keep 98 %. A higher power would add an
+/// oscillation to a flat side between two corners.
 const POWER: i32 = 6;
 
 /// The finest harmonic that is kept at all; it keeps 0.1 %.
@@ -26,18 +26,18 @@ pub fn kept(harmonic: usize) -> f64 {
 /// Sine and cosine of each harmonic.
 const WAVES: usize = 2 * FINEST;
 
-/// Sums that are taken side by side.
+/// Number of sums computed side by side.
 const LANES: usize = 4;
 
-/// The harmonics at equal angles all around, for any number of outlines.
+/// The harmonics at equal angles all around, reusable for any number of outlines.
 pub struct Harmonics {
-    /// For each angle the cosines of all harmonics, then their sines; 0 for what so few angles do
-    /// not tell apart.
+    /// For each angle the cosines of all harmonics, then their sines; 0 for harmonics that are too
+    /// fine for the number of angles.
     waves: Vec<[f64; WAVES]>,
 }
 
 impl Harmonics {
-    /// The harmonics at so many angles.
+    /// The harmonics at `count` angles.
     pub fn at(count: usize) -> Harmonics {
         let turn: Vec<(f64, f64)> =
             (0..count).map(|step| (TAU * step as f64 / count as f64).sin_cos()).collect();
@@ -52,7 +52,7 @@ impl Harmonics {
         Harmonics { waves: (0..count).map(waves).collect() }
     }
 
-    /// As many values as there are angles, with each of their harmonics kept by its share.
+    /// Smooths one value per angle: each harmonic keeps its share.
     pub fn smoothed(&self, values: &[f64]) -> Vec<f64> {
         let count = values.len() as f64;
         let mut sizes = [0.0; WAVES];

@@ -1,5 +1,5 @@
-//! The body frame: right-handed, millimetres, +Z up from the floor, −Y where the toes point, +X
-//! the patient's left, origin midway between the feet.
+//! The body frame: right-handed, millimetres, +Z up from the floor, −Y in the direction of the
+//! toes, +X the patient's left, origin midway between the feet.
 
 use nalgebra::{Matrix4, Point2, Point3, Rotation3, Translation3, Vector2, Vector3};
 
@@ -20,12 +20,11 @@ use crate::scan::Scan;
 /// A declared facing and the feet must agree within this angle, degrees.
 const DECLARED_FACING_MAX_DEG: f64 = 45.0;
 
-/// Heights at which the trunk is looked at, as shares of stature: above every crotch, below the
-/// ribs.
+/// Heights at which the trunk is examined, as shares of stature: above every crotch, below the ribs.
 const TRUNK_SHARES: [f64; 4] = [0.57, 0.59, 0.61, 0.63];
 
-/// A lone leg stands at least this far beside the trunk's middle, mm; hips are 80 to 100 mm off it,
-/// and who stands on one leg moves it in.
+/// A lone leg stands at least this far from the trunk's middle, mm; hips are 80 to 100 mm from it,
+/// and a patient who stands on one leg moves that leg inwards.
 const BESIDE_TRUNK_MIN_MM: f64 = 40.0;
 
 /// A scan in the body frame.
@@ -33,41 +32,41 @@ const BESIDE_TRUNK_MIN_MM: f64 = 40.0;
 pub struct Body {
     /// The skin in the body frame, fragments left out.
     pub mesh: Mesh,
-    /// Height of the highest point above the floor, mm; none where only a leg was scanned.
+    /// Height of the highest point above the floor, mm; `None` if only a leg was scanned.
     pub stature_mm: Option<f64>,
-    /// The stature by which heights are looked for: the body's own, or that which goes with a lone
+    /// The stature that search heights are relative to: the body's own, or one inferred from a lone
     /// leg's foot, mm.
     pub scale_mm: f64,
-    /// Middle of each shank that is there, looking along −Z, mm.
+    /// Middle of each shank that is present, looking along −Z, mm.
     pub shanks: Sides<Option<Point2<f64>>>,
     /// Standard error of the floor's height, mm.
     pub floor_sd_mm: f64,
-    /// Where the toes point in the export: degrees about up, counter-clockwise from above.
+    /// Direction of the toes in the export: degrees about up, counter-clockwise from above.
     pub facing_deg: f64,
-    /// What `facing_deg` was taken from.
+    /// The source of `facing_deg`.
     pub facing_from: FacingFrom,
     /// The unit of the export.
     pub unit: Unit,
-    /// Whether the unit was found rather than declared.
+    /// Whether the unit was inferred rather than declared.
     pub unit_inferred: bool,
-    /// From the export's coordinates, in its own unit, to the body frame.
+    /// Transform from the export's coordinates, in its own unit, to the body frame.
     pub from_export: Matrix4<f64>,
 }
 
-/// What the facing was taken from.
+/// The source of the facing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FacingFrom {
     /// The toes.
     Feet,
-    /// The declaration; the feet say nothing, for this reason.
+    /// The declaration, because the feet do not show the facing, for this reason.
     Declared(FeetUnclear),
 }
 
-/// Brings a scan into the body frame.
+/// Transforms a scan into the body frame.
 ///
 /// # Errors
-/// A [`BodyFault`] where the scan is no whole standing body, or no lone leg where one was declared,
-/// or its sides cannot be told.
+/// A [`BodyFault`] if the scan is not a whole standing body, or not a lone leg where one was
+/// declared, or if its sides cannot be determined.
 pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     let scan = &without_fragments(scan);
     if scan.points.is_empty() {
@@ -106,10 +105,10 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     })
 }
 
-/// Middle of each shank that is there.
+/// Middle of each shank that is present.
 type Shanks = Sides<Option<Point2<f64>>>;
 
-/// Which shank is whose, and the place on the floor that becomes the origin.
+/// The shank of each side, and the point on the floor that becomes the origin.
 fn sides(
     standing: &Mesh,
     stance: &Stance,
@@ -142,8 +141,8 @@ fn only(side: Side, shank: Point2<f64>) -> Shanks {
     Sides::of_each(|of| (of == side).then_some(shank))
 }
 
-/// The middle of the trunk: of the largest outline at heights above the crotch; none where it is
-/// not seen from all sides, because half a trunk has its middle elsewhere.
+/// The middle of the trunk: of the largest outline at heights above the crotch. `None` if it is not
+/// seen from all sides, because the middle of half a trunk is elsewhere.
 fn trunk_middle(standing: &Mesh, stature_mm: f64) -> Option<Point2<f64>> {
     let heights: Vec<f64> = TRUNK_SHARES.iter().map(|share| share * stature_mm).collect();
     let middles: Vec<Point2<f64>> =
@@ -152,7 +151,7 @@ fn trunk_middle(standing: &Mesh, stature_mm: f64) -> Option<Point2<f64>> {
     (!middles.is_empty()).then(|| (sum / middles.len() as f64).into())
 }
 
-/// The middle of the largest outline in a slice, where it closes.
+/// The middle of the largest outline in a slice, if it is closed.
 fn outline_middle(slice: &[Point2<f64>]) -> Option<Point2<f64>> {
     let outlines = clusters(slice, LINK_MM).into_iter();
     let hulls = outlines.filter_map(|outline| Some((Hull::of(&outline)?, outline)));
@@ -163,7 +162,7 @@ fn outline_middle(slice: &[Point2<f64>]) -> Option<Point2<f64>> {
     (largest_gap_deg(&angles) < GAP_MAX_DEG).then_some(middle)
 }
 
-/// The rotation that brings the export's up axis to +z and keeps it right-handed.
+/// The rotation that turns the export's up axis to +z and stays right-handed.
 fn upright(up: Up) -> Rotation3<f64> {
     let columns = match up {
         Up::Y => [Vector3::x(), Vector3::z(), -Vector3::y()],
@@ -173,7 +172,7 @@ fn upright(up: Up) -> Rotation3<f64> {
     Rotation3::from_matrix_unchecked(nalgebra::Matrix3::from_columns(&columns))
 }
 
-/// The scan's skin under an affine map from this unit to millimetres.
+/// The scan's skin after an affine transform from this unit to millimetres.
 fn moved(scan: &Scan, map: &Matrix4<f64>, unit: Unit) -> Mesh {
     let points: Vec<Point3<f64>> = scan.points.iter().map(|p| map.transform_point(p)).collect();
     if scan.triangles.is_empty() {
@@ -183,7 +182,7 @@ fn moved(scan: &Scan, map: &Matrix4<f64>, unit: Unit) -> Mesh {
     Mesh::new(points, scan.triangles.clone())
 }
 
-/// Where the toes point in the upright frame, by the feet, checked against the declaration.
+/// The direction of the toes in the upright frame, from the feet, checked against the declaration.
 fn facing(
     stance: &Stance,
     choice: FacingChoice,
@@ -198,7 +197,7 @@ fn facing(
     }
     let toes = match stance.toes {
         Ok(toes) => toes,
-        // The floor is not where it seems, so heights would be wrong as well.
+        // The floor is not where it seems, so heights would be wrong too.
         Err(unclear @ FeetUnclear::NoFoot { .. }) => return Err(BodyFault::FacingUnclear(unclear)),
         Err(unclear) => return Ok((declared, FacingFrom::Declared(unclear))),
     };

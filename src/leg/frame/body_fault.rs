@@ -1,4 +1,4 @@
-//! Why a scan is no standing body that can be measured.
+//! Reasons why a scan is not a measurable standing body.
 
 use super::stance::{FeetUnclear, NoLegs};
 use crate::leg::method::{Unit, Up};
@@ -7,7 +7,7 @@ use crate::leg::method::{Unit, Up};
 /// one unit can be plausible.
 pub const STATURE_MM: [f64; 2] = [1000.0, 2300.0];
 
-/// Why a scan is no standing body that can be measured.
+/// Why a scan is not a measurable standing body.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BodyFault {
     /// All shells are tiny.
@@ -20,7 +20,7 @@ pub enum BodyFault {
         figure(*height), up.word(), figure(*x), figure(*y), figure(*z)
     )]
     NoPlausibleUnit {
-        /// The axis taken as up.
+        /// The axis assumed to be up.
         up: Up,
         /// Extent along it, export units.
         height: f64,
@@ -38,12 +38,12 @@ pub enum BodyFault {
         unit.word(), figure(*stature_mm), STATURE_MM[0], STATURE_MM[1]
     )]
     UnitImplausible {
-        /// As declared.
+        /// The declared unit.
         unit: Unit,
-        /// What it leads to, mm.
+        /// The resulting stature, mm.
         stature_mm: f64,
     },
-    /// There are not two legs on the floor, nor one alone.
+    /// Neither two legs on the floor nor a single one.
     #[error(
         "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
          stature, one alone at {singles} ({most} at most at one height): is nobody there, is a leg \
@@ -54,12 +54,12 @@ pub enum BodyFault {
         pairs: usize,
         /// Heights at which exactly one was seen.
         singles: usize,
-        /// Heights that were looked at.
+        /// Heights that were examined.
         heights: usize,
-        /// The most that were seen at one height.
+        /// The largest number seen at one height.
         most: usize,
     },
-    /// The feet do not show where the body faces and nobody declared it.
+    /// The feet do not show the facing, and none was declared.
     #[error(
         "left and right cannot be told: {0}; both feet must be seen whole, with nothing else on \
          the floor"
@@ -77,7 +77,7 @@ pub enum BodyFault {
     /// The declared facing is the up axis.
     #[error("the declared facing is along the up axis")]
     FacingVertical,
-    /// One leg alone, and it stands under the middle of the trunk.
+    /// A single leg that stands under the middle of the trunk.
     #[error(
         "only one leg is seen, {off_mm:.0} mm beside the middle of the trunk: whether it is the left \
          or the right cannot be told; scan it as a lone leg, with its side declared"
@@ -86,7 +86,7 @@ pub enum BodyFault {
         /// Distance of the shank from the trunk's middle across the body, mm.
         off_mm: f64,
     },
-    /// No unit makes the scan of a lone leg a leg.
+    /// No unit makes the scan plausible as a lone leg.
     #[error(
         "no unit makes this a lone leg: {} units high, its foot {} units long; is `scope` right?",
         figure(*height), figure(*foot)
@@ -94,10 +94,10 @@ pub enum BodyFault {
     NoPlausibleLeg {
         /// Extent along the up axis, export units.
         height: f64,
-        /// Length of what stands on the floor, export units.
+        /// Length of the part on the floor, export units.
         foot: f64,
     },
-    /// A lone leg was declared and two are there.
+    /// A lone leg was declared but two are present.
     #[error("a lone leg was declared and two are seen: `scope` must be \"body\" for this scan")]
     TwoLegs,
 }
@@ -120,7 +120,7 @@ impl BodyFault {
     }
 }
 
-/// A length of unknown unit for people: one decimal, or powers of ten where it is absurd.
+/// Formats a length of unknown unit for display: one decimal, or powers of ten if it is absurd.
 fn figure(value: f64) -> String {
     let usual = (0.1..1e6).contains(&value);
     if usual { format!("{value:.1}") } else { format!("{value:.1e}") }

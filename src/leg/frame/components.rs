@@ -1,4 +1,4 @@
-//! Connected shells of the mesh: the body in one or more large ones, and small fragments that are
+//! Connected shells of the mesh: the body in one or more large ones, and small fragments, which are
 //! specks in the air or pieces of the floor.
 
 use super::point_cloud;
@@ -6,12 +6,11 @@ use super::union_find::DisjointSets;
 use crate::scan::Scan;
 
 /// A shell with fewer than this share of all points is a fragment. Body parts that scanners export
-/// as shells of their own hold 4 % and more; floor pieces and specks 0.3 % and less.
+/// as separate shells have 4 % or more; floor pieces and specks 0.3 % or less.
 const FRAGMENT_MAX_SHARE: f64 = 0.005;
 
-/// All shells that are no fragments: their triangles, in their given order, and the points that
-/// these use. Of a bare cloud, the places that hang together with many, in the order of their
-/// coordinates.
+/// All shells that are not fragments: their triangles in the given order, and the points that these
+/// use. For a bare cloud, the points in large connected groups, ordered by their coordinates.
 pub fn without_fragments(scan: &Scan) -> Scan {
     let count = scan.points.len();
     if scan.triangles.is_empty() {
@@ -27,7 +26,7 @@ pub fn without_fragments(scan: &Scan) -> Scan {
     Scan { points: used.into_iter().map(|point| scan.points[point as usize]).collect(), triangles }
 }
 
-/// Whether a point belongs to a shell that is no fragment, by the point that stands for its shell.
+/// Whether a point belongs to a shell that is not a fragment; `roots` gives each point's shell.
 fn large(roots: &[u32]) -> impl Fn(u32) -> bool {
     let mut sizes = vec![0usize; roots.len()];
     roots.iter().for_each(|&root| sizes[root as usize] += 1);
@@ -35,7 +34,7 @@ fn large(roots: &[u32]) -> impl Fn(u32) -> bool {
     move |point| sizes[roots[point as usize] as usize] as f64 > least
 }
 
-/// For each point the number of a point that stands for its shell.
+/// For each point the index of the point that represents its shell.
 fn connected(count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     let mut shells = DisjointSets::new(count);
     for &[a, b, c] in triangles {
@@ -45,8 +44,8 @@ fn connected(count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     (0..count as u32).map(|point| shells.root(point)).collect()
 }
 
-/// The triangles that `keeps` chooses, with their points numbered anew, and the old numbers of
-/// these points, both in the order of the triangles.
+/// The triangles that `keeps` accepts, with renumbered points, and the old indices of these points,
+/// both in the order of the triangles.
 pub fn part(
     point_count: usize,
     triangles: &[[u32; 3]],

@@ -1,44 +1,44 @@
-//! The floor under feet whose soles nobody saw.
+//! The floor under feet whose soles were not seen.
 //!
-//! A scanner sees the skin of a foot until it turns under, and what is lowest there is still above
-//! the floor: by millimetres where the skin is seen almost down to it, by the radius of the foot's
-//! edge where it is seen only from above. How far the skin has turned where it ends tells how far
-//! the floor is: the edge of a foot is round.
+//! A scanner sees the skin of a foot until it curves under, and the lowest visible skin is still
+//! above the floor: by millimetres if the skin is seen almost down to it, by the radius of the
+//! foot's edge if it is seen only from above. The direction of the skin where it ends shows how far
+//! below the floor is, because the edge of a foot is round.
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
 /// Share of a foot's points that may lie below its lowest skin: noise and stray points.
 const STRAY_SHARE: f64 = 0.002;
 
-/// Radius of the edge of a standing foot's sole, mm. Judgement; on generated bodies the skin turns
-/// over height as on an edge of about 13 mm.
+/// Radius of the edge of a standing foot's sole, mm. Judgement; on generated bodies the direction
+/// of the skin changes with height as on an edge of about 13 mm.
 const EDGE_RADIUS_MM: f64 = 12.0;
 
-/// Skin up to this far above the lowest tells how far it has turned, mm.
+/// Skin up to this far above the lowest point is used to determine its direction, mm.
 const BAND_MM: f64 = 3.0;
 
-/// The turn of the skin is taken over patches of this radius, mm, or of the larger one where the
-/// points are few: the noise of single triangles is as large as the turn.
+/// The direction of the skin is averaged over patches of this radius, mm, or of the larger one where
+/// points are few, because the noise of single triangles is as large as the change in direction.
 const PATCH_RADII_MM: [f64; 2] = [8.0, 16.0];
 
 /// A patch with fewer points than this has no direction.
 const PATCH_POINTS_MIN: usize = 6;
 
-/// Patches looked at: enough to tell a quartile of them.
+/// Number of patches: enough to determine a quartile.
 const PATCHES: usize = 300;
 
-/// The patches of lowest floor are those that stand on it; arch and toes end higher. Of all
-/// patches this share lies below.
+/// The patches with the lowest floor are in contact with it; arch and toes end higher. This share
+/// of all patches lies below the result.
 const CONTACT_SHARE: f64 = 0.25;
 
-/// Standard error of the floor where the skin is seen all the way down, mm: heels sink in, feet
+/// Standard error of the floor where the skin is seen all the way down, mm: heels sink in, and feet
 /// are not flat.
 const SD_MIN_MM: f64 = 1.5;
 
-/// What was not seen is uncertain by this share of it.
+/// The unseen height is uncertain by this share of itself.
 const UNSEEN_SD_SHARE: f64 = 0.5;
 
-/// The floor's height and how well it is known.
+/// The floor's height and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Floor {
     /// Height, mm.
@@ -47,7 +47,7 @@ pub struct Floor {
     pub sd_mm: f64,
 }
 
-/// The floor under feet that are given by their points; none where there are no points.
+/// The floor under feet given as points; `None` if there are no points.
 pub fn floor(feet: &[Vec<[f64; 3]>]) -> Option<Floor> {
     let lowest_mm = feet.iter().filter_map(|foot| lowest_mm(foot)).reduce(f64::min)?;
     let rims: Vec<Vector3<f64>> = feet
@@ -74,12 +74,12 @@ fn lowest_mm(foot: &[[f64; 3]]) -> Option<f64> {
     (stray < heights.len()).then(|| *heights.select_nth_unstable_by(stray, f64::total_cmp).1)
 }
 
-/// The floor below a place of the skin by the smallest patch that has enough points.
+/// The floor below a point of the skin, from the smallest patch that has enough points.
 fn floor_below(middle: &Vector3<f64>, rims: &[Vector3<f64>]) -> Option<f64> {
     PATCH_RADII_MM.into_iter().find_map(|radius_mm| floor_by_patch(middle, rims, radius_mm))
 }
 
-/// The floor that the round edge meets of which a patch of skin around `middle` is a piece.
+/// The floor below a round edge; the patch of skin around `middle` is a piece of that edge.
 fn floor_by_patch(middle: &Vector3<f64>, rims: &[Vector3<f64>], radius_mm: f64) -> Option<f64> {
     let reach = radius_mm * radius_mm;
     let (mut count, mut sum, mut squares) = (0usize, Vector3::zeros(), Matrix3::zeros());
@@ -113,7 +113,7 @@ mod tests {
         around
             .flat_map(|angle| seen.clone().map(move |turn| (angle, turn)))
             .map(|(angle, turn)| {
-                // An ellipse, and square to it the round edge.
+                // An ellipse, with the round edge perpendicular to it.
                 let out = nalgebra::Vector2::new(angle.cos() / 35.0, angle.sin() / 110.0);
                 let out = out.normalize() * (EDGE_RADIUS_MM * turn.cos());
                 let z = floor_mm + EDGE_RADIUS_MM * (1.0 - turn.sin());

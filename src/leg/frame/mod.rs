@@ -1,5 +1,5 @@
-//! The body frame (paper 1.1): what is one body at all, its unit, how it stands, where its toes point,
-//! where the floor is.
+//! The body frame (paper 1.1): what belongs to the body, its unit, its stance, the direction of its
+//! toes, and the floor.
 
 pub mod body;
 pub mod body_fault;

@@ -1,27 +1,26 @@
-//! Bare point clouds: their places, how far apart these lie, and fragments without triangles to
-//! tell them.
+//! Bare point clouds: their distinct points, the spacing of these, and fragments without triangles
+//! to identify them.
 
 use nalgebra::Point3;
 
 use super::union_find::DisjointSets;
 
-/// Points at which the spacing is looked at; their median is good to some percent.
+/// Points at which the spacing is sampled; their median is accurate to some percent.
 const SAMPLES: usize = 64;
 
 /// The distance to the third nearest neighbour is about the spacing, 1/√density, both in a regular
-/// grid (1.0) and among points at random (0.94).
+/// grid (1.0) and among random points (0.94).
 const NEIGHBOUR: usize = 3;
 
-/// Side of the cells by which points hang together, in spacings: among points at random 2 % of
-/// such cells on the skin are empty, which parts nothing.
+/// Side of the cells that connect points, in spacings: among random points 2 % of such cells on the
+/// skin are empty, which separates nothing.
 const CELL_SPACINGS: f64 = 2.0;
 
 /// A cell of space.
 type Cell = [i64; 3];
 
-/// The places of the points, each once, in the order of their coordinates. In which order and how
-/// often a cloud names its points says nothing: one that was made of triangles has each corner six
-/// times.
+/// The distinct points, ordered by their coordinates. The order and the multiplicity of points in a
+/// cloud carry no information: a cloud made from triangles has each corner six times.
 pub fn places(points: &[Point3<f64>]) -> Vec<Point3<f64>> {
     let mut places = points.to_vec();
     places.sort_unstable_by(|p, q| {
@@ -53,8 +52,8 @@ pub fn spacing(points: &[Point3<f64>]) -> f64 {
     found.get(found.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// For each point the number of a point that stands for all those it hangs together with: through
-/// cells that touch.
+/// For each point the index of the point that represents its connected group; points are connected
+/// through touching cells.
 pub fn roots(points: &[Point3<f64>], spacing: f64) -> Vec<u32> {
     let side = (CELL_SPACINGS * spacing).max(f64::MIN_POSITIVE);
     let cell = |p: &Point3<f64>| -> Cell { [0, 1, 2].map(|axis| (p[axis] / side).floor() as i64) };
@@ -76,7 +75,7 @@ pub fn roots(points: &[Point3<f64>], spacing: f64) -> Vec<u32> {
     (0..points.len() as u32).map(|point| sets.root(point)).collect()
 }
 
-/// The 13 of the 26 cells around one that come after it in order.
+/// The 13 of the 26 surrounding cells that come after this one in order.
 fn cells_after([x, y, z]: Cell) -> impl Iterator<Item = Cell> {
     let near = -1..=1;
     let offsets = near.clone().flat_map(move |dx| {

@@ -1,4 +1,4 @@
-//! How a body stands: its shanks, its feet, where the toes point, where the floor is.
+//! The stance of a body: its shanks, its feet, the direction of the toes, and the floor.
 
 use nalgebra::{Point2, Rotation2, Vector2, Vector3};
 
@@ -7,72 +7,72 @@ use crate::leg::parting::cluster::clusters;
 use crate::leg::sections::hull::Hull;
 use crate::leg::sections::slice::{Crossing, Mesh};
 
-/// Heights at which the shanks are looked for, as shares of stature: above the malleoli (0.045),
-/// below the calf's belly (0.20), where no hand hangs and legs hardly ever touch.
+/// Heights at which the shanks are searched for, as shares of stature: above the malleoli (0.045)
+/// and below the calf's belly (0.20), where no hand hangs and legs hardly ever touch.
 const SHANK_SHARES: [f64; 8] = [0.08, 0.09, 0.10, 0.11, 0.12, 0.13, 0.14, 0.15];
 
 /// At least this many of these heights must show exactly two shanks …
 const SHANK_SLICES_MIN: usize = 3;
 
-/// … or this many exactly one and none more: a hole that hides a shank is not as high.
+/// … or this many exactly one and none more: a hole that hides a shank is shorter than that.
 const LONE_SLICES_MIN: usize = 6;
 
-/// Points of one shank nearer than this belong together, mm: three times the spacing of a coarse
+/// Points of one shank closer than this are connected, mm: three times the spacing of a coarse
 /// export, less than the gap between two shanks.
 const SHANK_LINK_MM: f64 = 20.0;
 
-/// Diameter of a shank, least and most, mm; lymphoedema included.
+/// Minimum and maximum diameter of a shank, mm, including lymphoedema.
 const SHANK_DIAMETER_MM: [f64; 2] = [35.0, 300.0];
 
-/// A ring surrounds its middle when its points fall into this many of eight equal sectors; a
-/// sheet, an arm seen from one side or a speck does not.
+/// A ring surrounds its middle if its points fall into this many of eight equal sectors; a sheet,
+/// an arm seen from one side or a speck does not.
 const SHANK_SECTORS_MIN: usize = 5;
 
 /// Points below this share of stature belong to the feet: under the malleoli.
 const FOOT_SHARE: f64 = 0.035;
 
-/// Length of a foot as a share of stature, least and most. ANSUR II: 0.139 to 0.169 from first to
-/// last percentile; a skin that ends above the sole is a little shorter, a swollen foot longer.
+/// Minimum and maximum length of a foot as a share of stature. ANSUR II: 0.139 to 0.169 from first to
+/// last percentile; a foot whose skin ends above the sole is a little shorter, a swollen foot longer.
 const FOOT_LENGTH_SHARE: [f64; 2] = [0.115, 0.19];
 
-/// Widest foot as a share of stature. ANSUR II: 0.066 at the last percentile; swollen feet are wider,
-/// a plate or a platform under the feet is far wider.
+/// Maximum width of a foot as a share of stature. ANSUR II: 0.066 at the last percentile; swollen
+/// feet are wider, and a plate or platform under the feet is far wider.
 const FOOT_WIDTH_MAX_SHARE: f64 = 0.10;
 
-/// A foot reaches at least this far ahead of its ankle, compared with behind it; a foot that is
-/// seen whole reaches 2 to 4 times as far.
+/// Minimum ratio of a foot's reach ahead of its ankle to that behind it; a foot that is seen whole
+/// reaches 2 to 4 times as far.
 const TOE_TO_HEEL_MIN: f64 = 1.3;
 
-/// Feet that point further apart than this say nothing about facing, degrees.
+/// Feet that point further apart than this do not show the facing, degrees.
 const FEET_SPREAD_MAX_DEG: f64 = 100.0;
 
-/// A facing found from the feet that is further from square to the line through the ankles than
-/// this is contradictory, degrees.
+/// The feet contradict the ankles if the facing found from the feet deviates by more than this from
+/// the perpendicular to the line through the ankles, degrees.
 const SQUARE_MAX_DEG: f64 = 35.0;
 
 /// The stance of an upright body whose lowest point is at about z = 0, mm.
 #[derive(Debug, Clone)]
 pub struct Stance {
-    /// Middle of each shank, one or two in no order, at their lowest common height.
+    /// Middle of each shank, one or two in any order, at their lowest common height.
     pub shanks: Vec<Point2<f64>>,
     /// Middle of each foot, in the order of `shanks`.
     pub feet: Vec<Point2<f64>>,
-    /// Direction of the toes, as far as the feet show it.
+    /// Direction of the toes, if the feet show it.
     pub toes: Result<Vector2<f64>, FeetUnclear>,
     /// The floor under the soles.
     pub floor: Floor,
 }
 
-/// Why the feet do not show where the body faces.
+/// Why the feet do not show the facing.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FeetUnclear {
-    /// Hardly any point near the floor.
+    /// Hardly any points near the floor.
     #[error("a foot has only {points} points")]
     NotSeen {
-        /// Points of the foot that has fewer.
+        /// Points of the foot with fewer points.
         points: usize,
     },
-    /// What stands on the floor is no foot: a platform, a plate, or a leg without its foot.
+    /// The part on the floor is not a foot but a platform, a plate, or a leg without its foot.
     #[error(
         "what stands on the floor is {length_percent:.0} % of the stature long and \
          {width_percent:.0} % wide, which is no foot"
@@ -83,7 +83,7 @@ pub enum FeetUnclear {
         /// Width, percent of the stature.
         width_percent: f64,
     },
-    /// A foot that reaches as far ahead of the ankle as behind it.
+    /// A foot reaches as far ahead of the ankle as behind it.
     #[error("a foot reaches {ratio:.2} times as far ahead of its ankle as behind it")]
     NoToes {
         /// Reach ahead over reach behind.
@@ -98,28 +98,28 @@ pub enum FeetUnclear {
     /// The toes point along the line through the ankles.
     #[error("the toes point {off_deg:.0} degrees off the square to the line through the ankles")]
     NotSquare {
-        /// Angle off the square, degrees.
+        /// Deviation from the perpendicular, degrees.
         off_deg: f64,
     },
 }
 
-/// What was seen where two shanks, or one alone, were expected.
+/// What was seen where two shanks, or a single one, were expected.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NoLegs {
     /// Heights at which exactly two were seen.
     pub pairs: usize,
     /// Heights at which exactly one was seen.
     pub singles: usize,
-    /// Heights that were looked at.
+    /// Heights that were examined.
     pub heights: usize,
-    /// The most that were seen at one height.
+    /// The largest number seen at one height.
     pub most: usize,
 }
 
 /// Finds the stance of a body with this stature, mm.
 ///
 /// # Errors
-/// [`NoLegs`] where too few heights show exactly two shanks, or one and nothing else.
+/// [`NoLegs`] if too few heights show exactly two shanks, or one and nothing else.
 pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
     let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
     let slices = mesh.slices(&Vector3::z_axis(), &heights);
@@ -140,7 +140,7 @@ pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
     })
 }
 
-/// The shanks at the lowest height that shows as many as the body has.
+/// The shanks at the lowest height that shows the full number.
 fn shanks(rings: Vec<Vec<Point2<f64>>>) -> Result<Vec<Point2<f64>>, NoLegs> {
     let of_count = |count: usize| rings.iter().filter(|found| found.len() == count).count();
     let (pairs, singles) = (of_count(2), of_count(1));
@@ -155,7 +155,7 @@ fn shanks(rings: Vec<Vec<Point2<f64>>>) -> Result<Vec<Point2<f64>>, NoLegs> {
     Ok(rings.into_iter().find(|found| found.len() == legs).unwrap_or_default())
 }
 
-/// Middles of the rings in a slice that can be shanks.
+/// Middles of the rings in a slice that may be shanks.
 fn shank_middles(slice: &[Crossing]) -> Vec<Point2<f64>> {
     let points: Vec<Point2<f64>> = slice.iter().map(|crossing| crossing.position.xy()).collect();
     let rings = clusters(&points, SHANK_LINK_MM);
@@ -177,7 +177,7 @@ fn shank_middle(ring: &[Point2<f64>]) -> Option<Point2<f64>> {
     (surrounded && (least..=most).contains(&size)).then_some(middle)
 }
 
-/// Points of each foot: those below `top_mm`, each with the shank that is nearer.
+/// Points of each foot: those below `top_mm`, each assigned to the nearer shank.
 fn feet(mesh: &Mesh, shanks: &[Point2<f64>], top_mm: f64) -> Vec<Vec<[f64; 3]>> {
     let mut feet = vec![Vec::new(); shanks.len()];
     for point in mesh.points().iter().filter(|point| point.z < top_mm) {
@@ -191,9 +191,9 @@ fn feet(mesh: &Mesh, shanks: &[Point2<f64>], top_mm: f64) -> Vec<Vec<[f64; 3]>> 
     feet
 }
 
-/// Where the toes point: of one foot its own direction; of two halfway between the feet's mean
-/// direction and the square to the line through the ankles, since a foot turned out spoils the one
-/// and a foot set forward the other.
+/// The direction of the toes. For one foot, its own direction. For two, halfway between the feet's
+/// mean direction and the perpendicular to the line through the ankles, because a foot turned out
+/// distorts the former and a foot set forward the latter.
 fn toes(
     shanks: &[Point2<f64>],
     feet: &[Vec<[f64; 3]>],
@@ -220,7 +220,7 @@ fn toes(
     Ok((toes + square).normalize())
 }
 
-/// The long axis of one foot, pointing to the end that is further from the ankle.
+/// The long axis of one foot, pointing to the end further from the ankle.
 fn toe_direction(
     ankle: Point2<f64>,
     foot: &[[f64; 3]],
@@ -248,7 +248,7 @@ fn toe_direction(
 
 /// The long axis of points seen from above, and their extents.
 pub struct LongAxis {
-    /// Unit vector along it, of either sign.
+    /// Unit vector along it, of arbitrary sign.
     pub direction: Vector2<f64>,
     /// Extent along it, in the unit of the points.
     pub length: f64,

@@ -1,4 +1,4 @@
-//! Disjoint sets: what hangs together with what.
+//! Disjoint sets, for connected components.
 
 /// Disjoint sets of indices with path halving and union by size (Tarjan 1975).
 pub struct DisjointSets {
@@ -7,12 +7,12 @@ pub struct DisjointSets {
 }
 
 impl DisjointSets {
-    /// `count` sets of one member each.
+    /// Creates `count` sets of one member each.
     pub fn new(count: usize) -> DisjointSets {
         DisjointSets { parents: (0..count as u32).collect(), sizes: vec![1; count] }
     }
 
-    /// The member that stands for the set of `member`.
+    /// The member that represents the set of `member`.
     pub fn root(&mut self, mut member: u32) -> u32 {
         while self.parents[member as usize] != member {
             let grandparent = self.parents[self.parents[member as usize] as usize];
@@ -22,7 +22,7 @@ impl DisjointSets {
         member
     }
 
-    /// Makes one set of the two sets of `a` and `b`.
+    /// Merges the sets of `a` and `b`.
     pub fn join(&mut self, a: u32, b: u32) {
         let (mut large, mut small) = (self.root(a), self.root(b));
         if large == small {

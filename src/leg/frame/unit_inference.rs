@@ -1,5 +1,5 @@
-//! How large a scan is: the unit of its coordinates, told by what alone makes a person or a leg of
-//! it.
+//! The size of a scan: the unit of its coordinates is the only one that makes it a plausible person
+//! or leg.
 
 use nalgebra::{Point3, Rotation3, Vector3};
 
@@ -8,7 +8,7 @@ use super::stance::long_axis;
 use crate::leg::method::{Method, Unit, UnitChoice};
 use crate::scan::Scan;
 
-/// What lies this low belongs to a lone leg's foot, mm: under the ankle.
+/// Points below this height belong to a lone leg's foot, mm: under the ankle.
 const LONE_FOOT_MM: f64 = 60.0;
 
 /// Lengths of feet, mm, from a child's to the longest; the ratio of the limits is below that of
@@ -25,13 +25,13 @@ const FOOT_LENGTH_MEAN_SHARE: f64 = 0.152;
 pub(in crate::leg) struct Size {
     /// The unit of the export.
     pub unit: Unit,
-    /// The stature that heights are looked for by, mm.
+    /// The stature that search heights are relative to, mm.
     pub scale_mm: f64,
-    /// Whether that is the height of the scan.
+    /// Whether `scale_mm` is the height of the scan.
     pub is_whole: bool,
 }
 
-/// Lowest and highest corner of points.
+/// Lowest and highest corner of the points.
 pub(in crate::leg) fn extent(
     points: impl Iterator<Item = Point3<f64>>,
 ) -> (Point3<f64>, Point3<f64>) {
@@ -62,8 +62,8 @@ pub(in crate::leg) fn whole_body(
     Ok(Size { unit, scale_mm: extent.z * unit.in_mm(), is_whole: true })
 }
 
-/// The size of a lone leg between two heights, export units: told by its foot, because a leg may be
-/// cut anywhere.
+/// The size of a lone leg between two heights, export units: inferred from its foot, because a leg
+/// may be cut anywhere.
 pub(in crate::leg) fn lone_leg(
     scan: &Scan,
     method: &Method,

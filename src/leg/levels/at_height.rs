@@ -1,5 +1,5 @@
-//! Girths at heights that a person asked for, as clinics chart them: every 10 cm above the floor,
-//! say, whatever the levels of the leg are.
+//! Girths at requested heights, as clinics chart them: every 10 cm above the floor, for example,
+//! independent of the levels of the leg.
 
 use super::girth::GirthCurve;
 use super::level_reading::doubts;
@@ -7,12 +7,12 @@ use crate::leg::doubt::Doubt;
 use crate::leg::sections::section::SPACING_MM;
 use crate::leg::sections::section::Section;
 
-/// What was found at a height that was asked for.
+/// The result at a requested height.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AtHeight {
-    /// The height above the floor, mm, as it was asked for: that of the section's centre.
+    /// The requested height of the section's centre above the floor, mm.
     pub height_mm: f64,
-    /// The girth there, or why there is none.
+    /// The girth there, or the reason why there is none.
     pub found: Result<HeightGirth, NoGirth>,
 }
 
@@ -27,14 +27,14 @@ pub struct HeightGirth {
     pub girth_contour_mm: f64,
     /// Standard error of the tape girth, mm.
     pub girth_sd_mm: f64,
-    /// What a person must know before using it.
+    /// What a reader must know before using it.
     pub doubts: Vec<Doubt>,
 }
 
 /// Why there is no girth at a height.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoGirth {
-    /// The leg was not measured so low or so high.
+    /// The leg was not measured at this height.
     #[error("girths were measured from {from_mm:.0} to {to_mm:.0} mm")]
     Outside {
         /// Lowest height, mm.
@@ -47,8 +47,8 @@ pub enum NoGirth {
     NotSeen,
 }
 
-/// The girths at heights above the floor, mm, in the order asked for. `near` gives the section
-/// nearest to a distance along the axis, where it could be measured.
+/// The girths at heights above the floor, mm, in the order of the request. `near` gives the section
+/// nearest to a distance along the axis, if it could be measured.
 pub fn at_heights<'a>(
     curve: &GirthCurve,
     heights_mm: &[f64],
@@ -64,7 +64,8 @@ pub fn at_heights<'a>(
                 girth_sd_mm: curve.tape_sd(along_mm, 0),
                 doubts,
             };
-            // The curve bridges such places; a level may stand there in doubt, a charted girth not.
+            // The curve bridges such gaps; a level there may be reported with a doubt, a charted
+            // girth may not.
             if girth.doubts.contains(&Doubt::NotSeen) { Err(NoGirth::NotSeen) } else { Ok(girth) }
         });
         AtHeight { height_mm, found }
@@ -72,7 +73,7 @@ pub fn at_heights<'a>(
     heights_mm.iter().map(one).collect()
 }
 
-/// Where along the axis the section's centre is at a height.
+/// The distance along the axis at which the section's centre has a given height.
 fn along_mm(curve: &GirthCurve, height_mm: f64) -> Result<f64, NoGirth> {
     let (from, to) = curve.domain();
     let measured = curve.rows.iter().filter(|row| (from..=to).contains(&row.along_mm));

@@ -1,24 +1,24 @@
-//! Turning points of the girth curve: which of them stand out, which of them are the levels, and
-//! why a level has none.
+//! Turning points of the girth curve: which of them are prominent, which of them are the levels,
+//! and why a level is absent.
 
 use super::girth::GirthCurve;
 use crate::leg::level::Level;
 
-/// An extremum that stands out by less than this is no clear one, mm; a tape reads to 1 to 2 mm.
+/// An extremum with less prominence than this is not clear, mm; a tape reads to 1 to 2 mm.
 pub const CLEAR_MM: f64 = 1.5;
 
-/// An extremum below this many standard errors is noise and not looked at, even in doubt; and two
-/// girths nearer to each other cannot be told apart.
+/// An extremum of less than this many standard errors is noise and ignored, even as a doubtful one;
+/// two girths closer than this are equal within the noise.
 const NOISE_SDS: f64 = 2.0;
 
-/// … nor below this, mm: perfect data have no noise, but rounding.
+/// … the same in mm, because perfect data have no noise but rounding.
 const NOISE_MIN_MM: f64 = 0.1;
 
-/// Step in which extrema are looked for, mm; the curve's pieces are twelve times as long.
+/// Step of the search for extrema, mm; the curve's pieces are twelve times as long.
 const STEP_MM: f64 = 1.0;
 
-/// Two extrema of one level whose girths cannot be told apart are two places from this distance
-/// on, mm; nearer ones are one flat place, which the height's standard error tells.
+/// Two extrema of one level with equal girths are two separate ones from this distance on, mm;
+/// closer ones are one flat stretch, which the height's standard error covers.
 const APART_MM: f64 = 20.0;
 
 /// A turning point of the girth curve.
@@ -28,20 +28,20 @@ pub(in crate::leg) struct Extremum {
     pub along_mm: f64,
     /// Tape girth, mm.
     pub tape_mm: f64,
-    /// Whether the girth is largest there, not smallest.
+    /// Whether the girth has a maximum there; otherwise a minimum.
     pub is_maximum: bool,
-    /// What an extremum here must stand out by to be more than noise, mm.
+    /// The prominence that an extremum here needs to be more than noise, mm.
     gate_mm: f64,
 }
 
 /// The extremum of a level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::leg) struct Peak {
-    /// Where it is.
+    /// The extremum itself.
     pub at: Extremum,
-    /// How far it stands out, mm.
+    /// Its prominence, mm.
     pub prominence_mm: f64,
-    /// Another place, as far along the axis, that may be the level as well, mm.
+    /// Distance along the axis of another extremum that could also be the level, mm.
     pub rival_mm: Option<f64>,
 }
 
@@ -60,7 +60,7 @@ pub enum Absence {
         /// Lower end of the search, along the axis, mm.
         along_mm: f64,
     },
-    /// The curve does not turn up to the end of the search.
+    /// The curve does not turn before the end of the search.
     #[error(
         "the girth does not clearly turn up to {along_mm:.0} mm along the leg, where the search ends"
     )]
@@ -68,10 +68,10 @@ pub enum Absence {
         /// Upper end of the search, along the axis, mm.
         along_mm: f64,
     },
-    /// The level is measured from one that is absent.
+    /// The level depends on another one that is absent.
     #[error("it is measured from {}, which is absent", .0.name())]
     Needs(Level),
-    /// The level would lie above one that is above it on every leg.
+    /// The level would lie above one that is higher on every leg.
     #[error("it would lie above {}", .0.name())]
     Beyond(Level),
 }
@@ -84,7 +84,7 @@ pub(in crate::leg) struct Extrema {
 }
 
 impl Extrema {
-    /// Finds them between two distances along the axis.
+    /// Finds the extrema between two distances along the axis.
     pub fn of(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Extrema {
         let turns = turns(curve, from_mm, to_mm);
         let clear = standing_out(&turns, |_| CLEAR_MM);
@@ -95,7 +95,7 @@ impl Extrema {
                 |i: &usize| turns[*i].is_maximum == is_maximum && turns[*i].along_mm > above_mm;
             inner.clone().find(fits).map(|i| peak(turns, i))
         };
-        // Where the curve begins lower still, the lowest minimum is not in sight.
+        // If the curve starts even lower, the lowest minimum is outside the range.
         let lowest = |b: &Peak| turns.iter().take(1).all(|turn| b.at.tape_mm < turn.tape_mm);
         let lowest_of = |turns: &[Extremum]| first(turns, 0.0, false).filter(lowest);
         let b = lowest_of(&clear).or_else(|| lowest_of(&faint));
@@ -129,8 +129,8 @@ impl Extrema {
     }
 }
 
-/// Turning points of the curve in a range, ascending, with the range's two ends as the first and
-/// last: an end counts as the turning point that the curve makes of it.
+/// Turning points of the curve in a range, ascending. The first and last are the two ends of the
+/// range; each counts as a maximum or minimum according to the slope there.
 fn turns(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Vec<Extremum> {
     let count = ((to_mm - from_mm) / STEP_MM).max(1.0) as usize;
     let at = |index: usize| from_mm + (to_mm - from_mm) * index as f64 / count as f64;
@@ -152,7 +152,7 @@ fn turns(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Vec<Extremum> {
     turns
 }
 
-/// The zero of `function` between two places of different sign, by bisection to 1 µm.
+/// The zero of `function` between two abscissas with values of opposite sign, by bisection to 1 µm.
 pub(in crate::leg) fn root(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let falls = function(low) > 0.0;
     while high - low > 1e-3 {
@@ -166,7 +166,7 @@ pub(in crate::leg) fn root(function: impl Fn(f64) -> f64, mut low: f64, mut high
     (low + high) / 2.0
 }
 
-/// An inner turning point and how far it stands out from the lesser of its two neighbours.
+/// An inner turning point and its prominence relative to the closer of its two neighbours.
 fn peak(turns: &[Extremum], index: usize) -> Peak {
     let at = turns[index];
     let neighbours = [turns[index - 1].tape_mm, turns[index + 1].tape_mm];
@@ -174,8 +174,8 @@ fn peak(turns: &[Extremum], index: usize) -> Peak {
     Peak { at, prominence_mm: apart[0].min(apart[1]), rival_mm: None }
 }
 
-/// The nearest turning point of the same kind between two places whose girth cannot be told from
-/// this one's.
+/// The nearest turning point of the same kind in a range whose girth is equal to this one's within
+/// the noise.
 fn rival_mm(turns: &[Extremum], of: &Extremum, low_mm: f64, high_mm: f64) -> Option<f64> {
     let far = |turn: &Extremum| (turn.along_mm - of.along_mm).abs();
     let inner = turns.iter().take(turns.len().saturating_sub(1)).skip(1);
@@ -189,8 +189,8 @@ fn rival_mm(turns: &[Extremum], of: &Extremum, low_mm: f64, high_mm: f64) -> Opt
     rivals.min_by(|a, b| far(a).total_cmp(&far(b))).map(|turn| turn.along_mm)
 }
 
-/// Leaves out pairs of neighbouring turning points that differ by less than their gates, the
-/// closest pair first; what stays stands out (topological persistence in one dimension).
+/// Removes pairs of neighbouring turning points that differ by less than their gates, the closest
+/// pair first; the remaining ones are prominent (topological persistence in one dimension).
 fn standing_out(turns: &[Extremum], gate_mm: impl Fn(&Extremum) -> f64) -> Vec<Extremum> {
     let mut kept = turns.to_vec();
     loop {
@@ -203,7 +203,7 @@ fn standing_out(turns: &[Extremum], gate_mm: impl Fn(&Extremum) -> f64) -> Vec<E
         let Some((index, _)) = closest else { break };
         let last = kept.len() - 1;
         match index {
-            // An end of the range stays an end; only its inner neighbour goes.
+            // An end of the range stays an end; only its inner neighbour is removed.
             0 if kept.len() > 2 => drop(kept.remove(1)),
             _ if index + 1 == last && kept.len() > 2 => drop(kept.remove(index)),
             _ if kept.len() > 2 => drop(kept.drain(index..index + 2)),

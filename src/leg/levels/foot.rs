@@ -1,8 +1,8 @@
 //! The foot: its length and breadth, Y over heel and instep, and A around the metatarsal heads.
 //!
-//! Feet stand on the floor and no scanner sees the soles. Y is a closed section all the same: its
-//! plane leaves the foot through the heel's rounding, some millimetres above the floor. A is not;
-//! its tape is closed along the floor.
+//! Scanners do not see the soles of standing feet. Y is still a closed section, because its plane
+//! leaves the foot at the rounding of the heel, some millimetres above the floor. A is not; its
+//! tape is closed along the floor.
 
 use std::f64::consts::TAU;
 
@@ -23,73 +23,74 @@ use crate::leg::sections::section::Section;
 /// The foot's outline is taken below this height, as a share of stature: under the malleoli.
 const TOP_STATURE_SHARE: f64 = 0.035;
 
-/// Length of a foot as a share of stature, least and most. ANSUR II: 0.139 to 0.169 from first to
-/// last percentile; a short foot and a swollen one need some room.
+/// Minimum and maximum length of a foot as a share of stature. ANSUR II: 0.139 to 0.169 from first
+/// to last percentile; short and swollen feet need some room.
 const LENGTH_STATURE_SHARE: [f64; 2] = [0.115, 0.19];
 
-/// Both ends of a foot are round: the slice of this length at its end …
+/// Both ends of a foot are round: a slice of this length at the end …
 const END_MM: f64 = 5.0;
 
-/// … is no broader than this share of the foot. A wider one is where the scan ends, not the foot.
+/// … is no broader than this share of the foot. A broader one means that the scan ends, not the foot.
 const END_BREADTH_SHARE: f64 = 0.75;
 
-/// The foot ends where only this many points lie beyond: a noisy point or two are no toe.
+/// The foot ends where only this many points lie beyond, because one or two noisy points are not a toe.
 const BEYOND: usize = 2;
 
-/// Fewer points than this are no foot.
+/// Fewer points than this are not a foot.
 const POINTS_MIN: usize = 50;
 
-/// Y's plane is laid through the line where the vertical behind the heel meets the floor; either is
-/// known to this, mm, and the floor no better than the soles are seen.
+/// Y's plane passes through the line where the vertical behind the heel meets the floor. Both are
+/// uncertain by this, mm; the floor depends on how much of the soles was seen.
 const HEEL_SD_MM: f64 = 2.0;
 
-/// Y's section is taken from the skin this far to both sides of its plane, mm.
+/// Y's section uses the skin this far on both sides of its plane, mm.
 const Y_REACH_MM: f64 = 24.0;
 
-/// How girth and height change with the plane's place is read this far to both sides of it, mm.
+/// The change of girth and height with the plane's position is measured this far on both sides of
+/// it, mm.
 const Y_BESIDE_MM: f64 = 4.0;
 
 /// Head of the first metatarsal as a share of the foot's length from the heel: 0.735 ± 0.008, from
 /// ball-of-foot length over foot length in ANSUR II (first 28 men of the table).
 const MEDIAL_SHARE: f64 = 0.735;
 
-/// … and of the fifth: the usual ball line of lasts, 0.1 of the length behind the first.
+/// … and of the fifth: the usual ball line of shoe lasts, 0.1 of the length behind the first.
 const LATERAL_SHARE: f64 = 0.635;
 
-/// Standard deviation of these shares between people; the lateral one is not in ANSUR II.
+/// Standard deviation of these shares among people; ANSUR II has no lateral one.
 const SHARE_SD: f64 = 0.02;
 
 /// Standard error of A's girth from closing it along the floor, mm: a sole's edge is rounded by
 /// some millimetres.
 const SOLE_SD_MM: f64 = 2.0;
 
-/// The skin at a place of the foot's edge is looked for this far ahead and behind, mm.
+/// The skin at a point of the foot's edge is searched for this far ahead and behind, mm.
 const EDGE_REACH_MM: f64 = 6.0;
 
-/// The forefoot is lower than this share of stature; what a plane meets above is the leg.
+/// The forefoot is lower than this share of stature; points of a plane above it belong to the leg.
 const FOREFOOT_STATURE_SHARE: f64 = 0.08;
 
-/// Figures of a foot as a whole.
+/// Dimensions of a foot as a whole.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Foot {
     /// From the heel to the longest toe, along the foot, mm.
     pub length_mm: f64,
-    /// Largest breadth, square to the length, mm.
+    /// Largest breadth, perpendicular to the length, mm.
     pub breadth_mm: f64,
 }
 
-/// What was measured on a foot.
+/// The measurements of a foot.
 #[derive(Debug, Clone, PartialEq)]
 pub(in crate::leg) struct FootReport {
     /// The foot as a whole.
     pub foot: Foot,
     /// A, by proportion.
     pub a: Option<Estimate>,
-    /// Y, where its section is seen.
+    /// Y, if its section was seen.
     pub y: Option<Landmark>,
 }
 
-/// Measures a leg's foot; none where it is not seen from heel to toes.
+/// Measures a leg's foot; `None` if it was not seen from heel to toes.
 pub(in crate::leg) fn foot(
     leg: &Leg,
     axis: &LegAxis,
@@ -101,7 +102,7 @@ pub(in crate::leg) fn foot(
     Some(FootReport { foot, a: a(leg, axis, &frame, stature_mm), y: y(leg, axis, &frame, fit) })
 }
 
-/// A foot's own directions on the floor.
+/// A foot's own frame on the floor.
 struct Frame {
     /// The back edge of the heel, on the foot's middle line.
     heel: Point2<f64>,
@@ -124,7 +125,7 @@ impl Frame {
         }
         let hull = Hull::of(&points)?;
         let (long, centre) = (hull.long_axis(), hull.centroid());
-        // The toes point to −Y, whichever way a foot is turned out.
+        // The toes point to −Y, however far the foot is turned out.
         let ahead = if long.y < 0.0 { long } else { -long };
         let lateral = Vector2::new(-ahead.y, ahead.x) * leg.side.lateral_sign();
         let [back_mm, toes_mm] = extent_mm(points.iter().map(|p| (p - centre).dot(&ahead)))?;
@@ -139,7 +140,7 @@ impl Frame {
         (is_foot && frame.has_round_ends()).then_some(frame)
     }
 
-    /// Whether the foot narrows to both its ends, as feet do and cut ones do not.
+    /// Whether the foot narrows towards both ends, as whole feet do and cut ones do not.
     fn has_round_ends(&self) -> bool {
         let ends = [[0.0, END_MM], [self.length_mm - END_MM, self.length_mm]];
         ends.iter().all(|&[from_mm, to_mm]| {
@@ -159,14 +160,14 @@ impl Frame {
         Some(Point2::new(ahead_mm, sign * aside_mm))
     }
 
-    /// A point of the floor, (ahead, lateral) from the heel, in the body frame.
+    /// A point on the floor, (ahead, lateral) from the heel, in the body frame.
     fn on_floor(&self, point: &Point2<f64>) -> Point3<f64> {
         let place = self.heel + self.ahead * point.x + self.lateral * point.y;
         Point3::new(place.x, place.y, 0.0)
     }
 }
 
-/// Where values begin and end but for the outermost few; none where there are no more.
+/// Minimum and maximum of the values without the outermost few; `None` if there are no others.
 fn extent_mm(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let mut sorted: Vec<f64> = values.collect();
     sorted.sort_by(f64::total_cmp);
@@ -174,7 +175,7 @@ fn extent_mm(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     Some([*inner.first()?, *inner.last()?])
 }
 
-/// A level vector of the body frame.
+/// A horizontal vector of the body frame.
 fn level(direction: &Vector2<f64>) -> Vector3<f64> {
     Vector3::new(direction.x, direction.y, 0.0)
 }
@@ -188,7 +189,7 @@ fn y(leg: &Leg, axis: &LegAxis, frame: &Frame, fit: SectionFit) -> Option<Landma
         front: Unit::new_normalize(up + ahead),
         lateral: Unit::new_normalize(level(&frame.lateral)),
     };
-    // The paper measures no foot; its polynomial is for sections that are nearly round.
+    // The paper does not measure feet; its polynomial is for sections that are nearly round.
     let fit = if fit == SectionFit::Paper { SectionFit::Periodic } else { fit };
     let skin = sections(leg, tape, [-Y_REACH_MM, Y_REACH_MM], fit)?;
     let places = skin.at(leg, &[-Y_BESIDE_MM, 0.0, Y_BESIDE_MM]);
@@ -213,7 +214,7 @@ fn y(leg: &Leg, axis: &LegAxis, frame: &Frame, fit: SectionFit) -> Option<Landma
     })
 }
 
-/// A: the vertical section through the metatarsal heads, by their share of the foot's length.
+/// A: the vertical section through the metatarsal heads, located by their share of the foot's length.
 fn a(leg: &Leg, axis: &LegAxis, frame: &Frame, stature_mm: f64) -> Option<Estimate> {
     let top_mm = FOREFOOT_STATURE_SHARE * stature_mm;
     let shifted = |share: f64| Ball::of(leg, frame, top_mm, share);
@@ -244,8 +245,8 @@ struct Ball {
 }
 
 impl Ball {
-    /// The section through both edges of the foot, shifted ahead by a share of its length; none
-    /// where too much of its skin is not seen.
+    /// The section through both edges of the foot, shifted ahead by a share of its length; `None`
+    /// if too much of its skin was not seen.
     fn of(leg: &Leg, frame: &Frame, top_mm: f64, shift: f64) -> Option<Ball> {
         let medial = frame.on_floor(&frame.edge(MEDIAL_SHARE + shift, -1.0)?);
         let lateral = frame.on_floor(&frame.edge(LATERAL_SHARE + shift, 1.0)?);
@@ -259,7 +260,8 @@ impl Ball {
             .filter(|position| position.z < top_mm)
             .map(|position| Point2::new((position - middle).dot(&across), position.z))
             .collect();
-        // The sole counts as seen: below the floor's line, mirrored, there is no gap to find.
+        // The sole counts as seen: the angles are mirrored below the floor line, so no gap is found
+        // there.
         let seen = skin.iter().map(|p| p.y.max(0.0).atan2(p.x));
         let seen: Vec<f64> = seen.flat_map(|angle| [angle, -angle]).collect();
         let gap_deg = largest_gap_deg(&seen);

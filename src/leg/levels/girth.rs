@@ -12,30 +12,30 @@ const INTERVAL_MM: f64 = 12.0;
 /// usual export.
 const INDEPENDENT_ROWS: usize = 3;
 
-/// Neighbouring sections share mesh points and with them errors; about this many of them are worth
-/// one independent section.
+/// Neighbouring sections share mesh points and thus errors; about this many of them are worth one
+/// independent section.
 const ROWS_PER_INDEPENDENT: f64 = 2.0;
 
-/// A bridged gap up to this wide costs a section no weight, degrees; beyond, its error grows with
-/// the square of the gap.
+/// A bridged gap up to this wide does not reduce a section's weight, degrees; beyond that, its
+/// error grows with the square of the gap.
 const FREE_GAP_DEG: f64 = 20.0;
 
-/// The curve begins here, as a share of stature: below, through heel and instep, the girth falls
-/// by 7 mm per mm of height, and bending a smooth curve into that would bend it at the ankle too.
+/// The curve begins here, as a share of stature: below, through heel and instep, the girth falls by
+/// 7 mm per mm of height, and a smooth curve that followed that would also be bent at the ankle.
 const FROM_STATURE_SHARE: f64 = 0.04;
 
-/// Fewer measured sections than this make no curve.
+/// Fewer measured sections than this are too few for a curve.
 const ROWS_MIN: usize = 20;
 
-/// Girth over the distance along the axis, continuous with two derivatives.
+/// Girth over the distance along the axis, with two continuous derivatives.
 #[derive(Debug, Clone)]
 pub struct GirthCurve {
-    /// What was measured, one entry a section plane, ascending.
+    /// The measurements, one entry per section plane, ascending.
     pub rows: Vec<GirthRow>,
     tape: Spline,
     contour: Spline,
-    /// Standard errors of the tape girth and of its first two derivatives where the sections know
-    /// them themselves, by their distance along the axis.
+    /// Standard errors of the tape girth and of its first two derivatives, for sections that
+    /// provide them, with their distance along the axis.
     known_sd: Vec<(f64, [f64; 3])>,
 }
 
@@ -44,11 +44,11 @@ pub struct GirthCurve {
 pub struct GirthRow {
     /// Distance along the axis, mm.
     pub along_mm: f64,
-    /// Height of the section's centre and its girth; none where the section is open.
+    /// Height of the section's centre and its girth; `None` if the section is open.
     pub measured: Option<(f64, Girth)>,
 }
 
-/// Fits the girth curve from the ankle up; none where too few sections were measured.
+/// Fits the girth curve from the ankle up; `None` if too few sections were measured.
 pub fn girth_curve(sections: &Sections, stature_mm: f64) -> Option<GirthCurve> {
     let fitted = sections.rows.iter().filter_map(|row| row.section.as_ref());
     let measured: Vec<_> =
@@ -80,8 +80,8 @@ pub fn girth_curve(sections: &Sections, stature_mm: f64) -> Option<GirthCurve> {
     })
 }
 
-/// The penalty that cross-validation finds where it sees only sections that share no mesh point;
-/// the median over the ways to choose them. Relative to the data, so it serves for all of them.
+/// The penalty found by cross-validation on sections that share no mesh point: the median over the
+/// possible choices. It is relative to the data, so it is valid for all sections.
 fn lambda(basis: &Basis, along: &[f64], tape_mm: &[f64], weights: &[f64]) -> Option<f64> {
     let every = |values: &[f64], first: usize| -> Vec<f64> {
         values.iter().skip(first).step_by(INDEPENDENT_ROWS).copied().collect()
@@ -101,7 +101,7 @@ impl GirthCurve {
         self.tape.basis.domain()
     }
 
-    /// Tape girth and its first three derivatives by the distance along the axis.
+    /// Tape girth and its first three derivatives with respect to the distance along the axis.
     pub fn tape(&self, along_mm: f64) -> [f64; 4] {
         self.tape.derivatives(along_mm)
     }
@@ -129,8 +129,8 @@ impl GirthCurve {
         self.tape.rms
     }
 
-    /// Height above the floor of the section at this distance along the axis, between the nearest
-    /// measured ones; none outside them.
+    /// Height above the floor of the section at this distance along the axis, interpolated between
+    /// the nearest measured ones; `None` outside them.
     pub fn height_mm(&self, along_mm: f64) -> Option<f64> {
         let measured = self.rows.iter().filter_map(|row| Some((row.along_mm, row.measured?.0)));
         let below = measured.clone().rfind(|(along, _)| *along <= along_mm)?;

@@ -1,10 +1,10 @@
-//! A level of a leg as it was found, or as it is estimated.
+//! A level of a leg, either found or estimated.
 
 use crate::leg::doubt::Doubt;
 use crate::leg::level::{By, Level};
 
-/// Girths of legs, mm, from a small child's ankle to a thigh with elephantiasis; what lies outside
-/// was not measured on a leg.
+/// Plausible girths of legs, mm, from a small child's ankle to a thigh with elephantiasis; values
+/// outside were not measured on a leg.
 const GIRTH_MM: [f64; 2] = [90.0, 1200.0];
 
 /// A level found on a leg.
@@ -12,13 +12,13 @@ const GIRTH_MM: [f64; 2] = [90.0, 1200.0];
 pub struct Landmark {
     /// Which level.
     pub level: Level,
-    /// By what it was found.
+    /// How it was found.
     pub by: By,
     /// Distance along the axis from the floor, mm.
     pub along_mm: f64,
     /// Vertical height of the section's centre above the floor, mm.
     pub height_mm: f64,
-    /// Length from the floor along the skin of the leg's medial side, mm; none on the foot.
+    /// Length from the floor along the skin of the leg's medial side, mm; `None` on the foot.
     pub surface_length_mm: Option<f64>,
     /// Girth over the convex hull, mm.
     pub girth_tape_mm: f64,
@@ -28,19 +28,19 @@ pub struct Landmark {
     pub height_sd_mm: f64,
     /// Standard error of the tape girth, mm.
     pub girth_sd_mm: f64,
-    /// What a person must know before using it.
+    /// What a reader must know before using it.
     pub doubts: Vec<Doubt>,
 }
 
 impl Landmark {
-    /// Whether a leg can have this girth at all.
+    /// Whether a leg can have this girth.
     pub fn is_plausible(&self) -> bool {
         is_plausible(self.girth_tape_mm)
     }
 }
 
 impl Estimate {
-    /// Whether a leg can have this girth at all.
+    /// Whether a leg can have this girth.
     pub fn is_plausible(&self) -> bool {
         is_plausible(self.girth_tape_mm)
     }
@@ -50,12 +50,12 @@ fn is_plausible(girth_mm: f64) -> bool {
     (GIRTH_MM[0]..=GIRTH_MM[1]).contains(&girth_mm)
 }
 
-/// A level by proportion, where the skin does not show it: a figure to fall back on, no landmark.
+/// A level estimated by proportion, because the skin does not show it: a fallback, not a landmark.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// Which level.
     pub level: Level,
-    /// By which proportion.
+    /// The proportion.
     pub by: By,
     /// Distance of the section's centre from the floor along the leg's axis, mm.
     pub along_mm: f64,
@@ -63,11 +63,11 @@ pub struct Estimate {
     pub height_mm: f64,
     /// Girth over the convex hull, mm.
     pub girth_tape_mm: f64,
-    /// Standard error of the height, mm: how much bodies differ in the proportion.
+    /// Standard error of the height, mm: the variation of the proportion among people.
     pub height_sd_mm: f64,
     /// Standard error of the tape girth, mm, from that of the height.
     pub girth_sd_mm: f64,
-    /// What a person must know before using it.
+    /// What a reader must know before using it.
     pub doubts: Vec<Doubt>,
 }
 

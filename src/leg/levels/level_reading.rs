@@ -1,4 +1,4 @@
-//! What is read at one place of a leg: girths and height from the girth curve, doubts from the skin
+//! Readings at one position on a leg: girths and height from the girth curve, doubts from the skin
 //! around it.
 
 use super::extremum::root;
@@ -8,27 +8,27 @@ use crate::leg::doubt::Doubt;
 use crate::leg::level::{By, Level};
 use crate::leg::sections::section::Section;
 
-/// A gap in the skin wider than this is named as a doubt, degrees.
+/// A gap in the skin wider than this is reported as a doubt, degrees.
 pub(in crate::leg) const GAP_DOUBT_DEG: f64 = 30.0;
 
-/// Points that scatter more than this about the section are not one skin, mm: cloth, a second
-/// layer, a patient who moved. Scanners scatter by 1 mm, poor ones by 1.5.
+/// Points that scatter by more than this about the section do not form a single skin, mm: cloth, a
+/// second layer, a patient who moved. Scanners scatter by 1 mm, poor ones by 1.5.
 const SCATTER_DOUBT_MM: f64 = 2.0;
 
-/// Skin that is longer than the tape by more than this share is folded, or no skin.
+/// Skin that is longer than the tape by more than this share is folded, or is not skin.
 const FOLDS_DOUBT_SHARE: f64 = 0.01;
 
 /// Reads levels off a girth curve.
 pub(in crate::leg) struct Ruler<'c, F> {
     /// The curve.
     pub curve: &'c GirthCurve,
-    /// The section nearest to a distance along the axis, where it could be measured.
+    /// The section nearest to a distance along the axis, if it could be measured.
     pub near: F,
 }
 
 impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
-    /// A level at a distance along the axis, with the standard errors of its height and girth; none
-    /// outside the measured sections.
+    /// A level at a distance along the axis, with the standard errors of its height and girth;
+    /// `None` outside the measured sections.
     pub fn landmark(
         &self,
         level: Level,
@@ -50,8 +50,8 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
         })
     }
 
-    /// A level at a height above the floor that is known to so much, mm; none outside the measured
-    /// sections.
+    /// A level at a height above the floor with this standard error, mm; `None` outside the
+    /// measured sections.
     pub fn at_height(
         &self,
         level: Level,
@@ -65,7 +65,8 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
         self.landmark(level, by, along_mm, [height_sd_mm, girth_sd_mm])
     }
 
-    /// Where along the axis the sections' centre is at a height; heights ascend along a leg.
+    /// The distance along the axis at which the sections' centre has a given height; heights ascend
+    /// along a leg.
     fn along_mm(&self, height_mm: f64) -> Option<f64> {
         let (low, high) = self.curve.domain();
         let above = |along_mm: f64| Some(self.curve.height_mm(along_mm)? - height_mm);
@@ -74,7 +75,7 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
     }
 }
 
-/// What the skin at a distance along the axis gives to doubt; `section` is the nearest one.
+/// The doubts about the skin at a distance along the axis; `section` is the nearest one.
 pub(in crate::leg) fn doubts(
     curve: &GirthCurve,
     along_mm: f64,
@@ -84,7 +85,7 @@ pub(in crate::leg) fn doubts(
     section.map_or_else(|| vec![Doubt::NotSeen], section_doubts)
 }
 
-/// What a section gives to doubt.
+/// The doubts about a section.
 pub(in crate::leg) fn section_doubts(section: &Section) -> Vec<Doubt> {
     let (gap_deg, rms_mm) = (section.largest_gap_deg, section.rms_mm);
     let excess = section.girth.contour_mm / section.girth.tape_mm - 1.0;

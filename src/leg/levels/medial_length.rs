@@ -1,4 +1,4 @@
-//! Lengths along the skin of a leg's medial side, where fitters lay the tape.
+//! Lengths along the skin of a leg's medial side, where fitters place the tape.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -8,9 +8,9 @@ use crate::leg::sections::section::Section;
 /// The medial side as an angle around a section.
 const MEDIAL: f64 = -FRAC_PI_2;
 
-/// Length from the floor to a level along the medial skin, mm: from section to section by straight
-/// lines, bridging what was not seen, and straight down from the lowest one, since a tape hangs
-/// there beside the foot. None outside the measured sections.
+/// Length from the floor to a level along the medial skin, mm: straight lines from section to
+/// section, across any gaps, and straight down from the lowest section, because the tape hangs
+/// beside the foot there. `None` outside the measured sections.
 pub(in crate::leg) fn surface_length_mm(sections: &Sections, along_mm: f64) -> Option<f64> {
     let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
     let point = |section: &Section| section.point(&sections.axis, MEDIAL);

@@ -1,5 +1,5 @@
-//! The height–girth curve and the levels on it (paper 1.2, fig. 3): B, B1, C, D by search, the others by
-//! foot, crotch or a height that a person asked for.
+//! The height–girth curve and its levels (paper 1.2, fig. 3): B, B1, C, D by search, the others by
+//! the foot, the crotch or a requested height.
 
 pub mod at_height;
 pub mod extremum;

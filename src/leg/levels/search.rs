@@ -1,8 +1,8 @@
-//! The search for levels on the girth curve: B, C and D by its valleys and peak, B1 by its largest
+//! The search for levels on the girth curve: B, C and D at its valleys and peak, B1 at its largest
 //! slope (paper 1.2, fig. 3b and 3c; definitions in the README) or at a fixed height above B.
 //!
-//! Decided by the shape of the curve alone. A level that is not there is absent; where a level
-//! usually lies decides nothing.
+//! Only the shape of the curve decides. A missing level is reported as absent; the usual position
+//! of a level has no influence.
 
 use super::extremum::{Absence, CLEAR_MM, Extrema, Peak};
 use super::girth::GirthCurve;
@@ -13,40 +13,41 @@ use crate::leg::level::{By, Level};
 use crate::leg::method::B1;
 use crate::leg::sections::section::Section;
 
-/// An extremum that stands out by less than this many of its standard errors is no clear one.
+/// An extremum with a prominence below this many standard errors is not clear.
 const CLEAR_SDS: f64 = 3.0;
 
-/// Levels are looked for from here, as a share of stature: above the malleoli (ANSUR II, lateral
+/// The search for levels starts here, as a share of stature: above the malleoli (ANSUR II, lateral
 /// malleolus: mean 0.042, 99th percentile 0.048).
 const FROM_STATURE_SHARE: f64 = 0.045;
 
-/// … to here, as a share of the crotch's height: above every knee (mid-patella at 0.575).
+/// … and ends here, as a share of the crotch's height: above every knee (mid-patella at 0.575).
 const TO_CROTCH_SHARE: f64 = 0.80;
 
-/// The slope at B1 is taken over this length, mm: noise of single sections is no slope.
+/// The slope at B1 is averaged over this length, mm, so that noise of single sections has little
+/// effect.
 const SLOPE_SPAN_MM: f64 = 30.0;
 
-/// Step in which the largest slope is looked for, mm.
+/// Step of the search for the largest slope, mm.
 const STEP_MM: f64 = 1.0;
 
-/// Nearer to an end of the search than this, the curve is not seen on both sides of an extremum:
-/// one of its pieces, mm.
+/// Closer than this to an end of the search, the curve is not seen on both sides of an extremum,
+/// mm: the length of one of its pieces.
 const EDGE_MM: f64 = 12.0;
 
-/// A height less certain than this is not determined, mm: a finger's breadth.
+/// A height with a larger standard error than this is poorly determined, mm: a finger's breadth.
 const FLAT_SD_MM: f64 = 15.0;
 
-/// What the search for B, B1, C and D gave.
+/// The result of the search for B, B1, C and D.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Levels {
     /// Levels found, lowest first.
     pub found: Vec<Landmark>,
-    /// Levels that are absent and why, lowest first.
+    /// Levels that are absent, with the reason, lowest first.
     pub absent: Vec<(Level, Absence)>,
 }
 
-/// Finds the levels. `near` gives the section nearest to a distance along the axis, where it could
-/// be measured.
+/// Finds the levels. `near` gives the section nearest to a distance along the axis, if it could be
+/// measured.
 pub fn levels<'a>(
     curve: &GirthCurve,
     stature_mm: f64,
@@ -78,10 +79,10 @@ pub fn levels<'a>(
     levels
 }
 
-/// Makes landmarks of places on the girth curve.
+/// Turns positions on the girth curve into landmarks.
 struct Search<'c, F> {
     ruler: Ruler<'c, F>,
-    /// Where the search begins and ends, mm along the axis.
+    /// Start and end of the search, mm along the axis.
     ends_mm: [f64; 2],
 }
 
@@ -98,7 +99,7 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
         Some(landmark)
     }
 
-    /// What the shape of the curve gives to doubt about an extremum.
+    /// The doubts about an extremum from the shape of the curve.
     fn extremum_doubts(&self, peak: &Peak, [height_sd_mm, girth_sd_mm]: [f64; 2]) -> Vec<Doubt> {
         let Peak { at, prominence_mm, rival_mm } = *peak;
         let shallow = prominence_mm < CLEAR_MM.max(CLEAR_SDS * girth_sd_mm);
@@ -114,7 +115,7 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
         all.into_iter().flatten().collect()
     }
 
-    /// B1 as it is chosen.
+    /// B1 by the chosen definition.
     fn b1(&self, b1: B1, b: Option<Peak>, c: Option<Peak>) -> Result<Landmark, Absence> {
         let b_mm = b.ok_or(Absence::Needs(Level::B))?.at.along_mm;
         let c_mm = c.map(|c| c.at.along_mm);
@@ -127,7 +128,7 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
         }
     }
 
-    /// B1 where the girth grows most between B and C.
+    /// B1 where the girth grows fastest between B and C.
     fn steepest(&self, b_mm: f64, c_mm: f64) -> Option<Landmark> {
         let curve = self.ruler.curve;
         let along_mm = steepest(curve, b_mm, c_mm)?;
@@ -142,7 +143,7 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
         Some(landmark)
     }
 
-    /// B1 at a fixed height above B; no less certain than B itself, and never above C.
+    /// B1 at a fixed height above B; its height has the standard error of B's, and it is never above C.
     fn above_b(&self, b_mm: f64, c_mm: Option<f64>, distance_mm: f64) -> Result<Landmark, Absence> {
         let curve = self.ruler.curve;
         let height_mm = curve.height_mm(b_mm).ok_or(Absence::Needs(Level::B))? + distance_mm;
@@ -158,19 +159,19 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
     }
 }
 
-/// Where the curve rises most between two places, over a span; none where they are closer.
+/// Where the curve rises fastest in a range, averaged over a span; `None` if the range is too short.
 fn steepest(curve: &GirthCurve, from_mm: f64, to_mm: f64) -> Option<f64> {
     let count = ((to_mm - from_mm) / STEP_MM) as usize;
     let at = |index: usize| from_mm + STEP_MM * index as f64;
     let most = (1..count).max_by(|a, b| rise(curve, at(*a)).total_cmp(&rise(curve, at(*b))))?;
-    // The parabola through the steepest place and its neighbours tells it between the steps.
+    // The parabola through the steepest step and its neighbours gives the position between the steps.
     let [before, own, after] = [most - 1, most, most + 1].map(|index| rise(curve, at(index)));
     let bend = before - 2.0 * own + after;
     let off = if bend < 0.0 { (0.5 * (before - after) / bend).clamp(-0.5, 0.5) } else { 0.0 };
     Some(at(most) + STEP_MM * off)
 }
 
-/// Slope of the curve over a span, as far as the curve reaches.
+/// Slope of the curve over a span, limited to the curve's range.
 fn rise(curve: &GirthCurve, along_mm: f64) -> f64 {
     let [below, above] = span(curve, along_mm);
     (curve.tape(above)[0] - curve.tape(below)[0]) / (above - below)
@@ -182,8 +183,8 @@ fn span(curve: &GirthCurve, along_mm: f64) -> [f64; 2] {
     [(along_mm - half).max(low), (along_mm + half).min(high)]
 }
 
-/// Standard error of the place of the largest rise, mm: that of the rise's slope, whose two ends
-/// err apart from each other, over how sharply the rise turns, taken over the span.
+/// Standard error of the position of the largest rise, mm: that of the rise's slope (with
+/// independent errors at the two ends) divided by the curvature of the rise, taken over the span.
 fn steepest_sd_mm(curve: &GirthCurve, along_mm: f64) -> f64 {
     let [below, above] = span(curve, along_mm);
     let slope_sd = curve.tape_sd(below, 1).hypot(curve.tape_sd(above, 1)) / (above - below);

@@ -1,9 +1,9 @@
-//! The levels that hang from the crotch: G by its distance, E and F by proportion.
+//! The levels that depend on the crotch: G by its distance, E and F by proportion.
 //!
-//! The girth has no feature at the middle of the patella. Its bulge is one of the front's outline,
-//! but on bodies of known shape without any noise the outline's outermost place and its sharpest
-//! bend lie between 0.58 and 0.69 of the crotch's height, as fat and muscle above the knee will have
-//! it. So E is an estimate, and so is F, which is measured from it.
+//! The girth has no feature at the middle of the patella. The patella shows as a bulge in the
+//! outline of the front, but on noise-free bodies of known shape the outline's outermost point and
+//! its sharpest bend lie between 0.58 and 0.69 of the crotch's height, depending on the fat and
+//! muscle above the knee. So E is an estimate, and so is F, which depends on it.
 
 use super::landmark::{Estimate, Landmark};
 use super::level_reading::Ruler;
@@ -15,10 +15,10 @@ use crate::leg::sections::section::Section;
 /// Height of the mid-patella as a share of the crotch's (ANSUR II: men 0.577, women 0.574).
 pub const KNEE_CROTCH_SHARE: f64 = 0.575;
 
-/// Standard deviation of that share between people (ANSUR II: men 0.014, women 0.013).
+/// Standard deviation of that share among people (ANSUR II: men 0.014, women 0.013).
 const KNEE_CROTCH_SHARE_SD: f64 = 0.014;
 
-/// G, a vertical distance below the crotch; none where the leg is not measured that high.
+/// G, a vertical distance below the crotch; `None` if the leg was not measured that high.
 pub(in crate::leg) fn g<'a>(
     ruler: &Ruler<impl Fn(f64) -> Option<&'a Section>>,
     crotch: &Crotch,
@@ -28,8 +28,8 @@ pub(in crate::leg) fn g<'a>(
     ruler.at_height(Level::G, by, crotch.height_mm - distance_mm, crotch.sd_mm)
 }
 
-/// E by its share of the crotch's height and F halfway from there to G, as far as the leg is
-/// measured; lowest first. D, where it was found, is below every knee.
+/// E by its share of the crotch's height and F halfway from there to G, if the leg was measured
+/// that high; lowest first. D, if found, is below every knee.
 pub(in crate::leg) fn knee_and_thigh<'a>(
     ruler: &Ruler<impl Fn(f64) -> Option<&'a Section>>,
     crotch: &Crotch,

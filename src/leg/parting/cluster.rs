@@ -1,16 +1,16 @@
-//! Single-linkage clusters of points in a slice: legs, hands and specks apart.
+//! Single-linkage clusters of points in a slice, which separate legs, hands and specks.
 
 use nalgebra::Point2;
 
 use crate::leg::frame::union_find::DisjointSets;
 
-/// A cell of the plane, half a link wide, as one number in the order of x and then of y: such are
-/// sorted and searched in half the time.
+/// A cell of the plane, half a link wide, packed into one number that orders by x and then by y;
+/// such numbers are sorted and searched in half the time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct Cell(u64);
 
 impl Cell {
-    /// What makes the order of numbers without sign that of those with one.
+    /// The sign bit; flipping it gives unsigned numbers the order of signed ones.
     const SIGN: i32 = i32::MIN;
 
     fn new([x, y]: [i32; 2]) -> Cell {
@@ -26,7 +26,7 @@ impl Cell {
 /// Groups points so that each is at most `link` from another of its group; groups in the order of
 /// their first point, members in the given order.
 ///
-/// Two points of one cell are always near enough, so a crowded cell costs no more than its count.
+/// Two points of one cell are always close enough, so a crowded cell costs only linear time.
 pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
     let cell =
         |p: &Point2<f64>| Cell::new([p.x, p.y].map(|value| (value / (link / 2.0)).floor() as i32));
@@ -40,7 +40,7 @@ pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
         let (place, first) = own[0];
         own[1..].iter().for_each(|&(_, other)| sets.join(first, other));
         for others in neighbours(&by_cell, place) {
-            // Cells that belong together already need not be compared point by point.
+            // Cells that are already connected need not be compared point by point.
             if sets.root(first) != sets.root(others[0].1)
                 && own.iter().any(|&(_, a)| others.iter().any(|&(_, b)| near(a, b)))
             {
@@ -51,11 +51,11 @@ pub fn clusters(points: &[Point2<f64>], link: f64) -> Vec<Vec<Point2<f64>>> {
     grouped(points, &mut sets)
 }
 
-/// The points of each inhabited cell that comes after `place` in order and lies within a link.
+/// The points of each non-empty cell that comes after `place` in order and lies within a link.
 fn neighbours(by_cell: &[(Cell, u32)], place: Cell) -> impl Iterator<Item = &[(Cell, u32)]> {
     const REACH: i32 = 2;
     let [x, y] = place.place();
-    // The cells of one x stand side by side.
+    // The cells of one x are adjacent in the sorted list.
     (0..=REACH).flat_map(move |dx| {
         let x = x.saturating_add(dx);
         let lowest = if dx == 0 { y.saturating_add(1) } else { y.saturating_sub(REACH) };

@@ -3,108 +3,107 @@
 use super::leg_tracking::{Parting, Step, follow};
 use crate::leg::sections::slice::Mesh;
 
-/// Distance of the slices in which the crotch is then found, mm.
+/// Distance between the fine slices that locate the crotch, mm.
 const FINE_STEP_MM: f64 = 1.0;
 
-/// Of the slices above a crotch at least this share shows one outline of both legs.
+/// At least this share of the slices above a crotch shows one outline for both legs.
 const ONE_SHARE: f64 = 0.8;
 
-/// … and so of the first of them.
+/// … and the same share of the first few of them.
 const JOIN_STEPS: usize = 5;
 
-/// Fine slices begin this far below the last height at which the thighs are apart, mm.
+/// The fine slices begin this far below the last height at which the thighs are separate, mm.
 const FINE_BELOW_MM: f64 = 10.0;
 
-/// The thighs close in on each other over this height, mm, at a rate that leads on to where they
-/// meet.
+/// The rate at which the thighs approach each other is measured over this height, mm, and
+/// extrapolated to where they meet.
 const CLOSING_MM: f64 = 5.0;
 
-/// The crotch is at most this much above the last height at which the thighs were seen apart, mm;
-/// further up they would be seen apart still.
+/// The crotch is at most this much above the last height at which the thighs were seen separate,
+/// mm; further up they would still be seen separate.
 const CLOSED_MAX_MM: f64 = 8.0;
 
-/// Thighs close in on each other by more than this, mm in a mm of height, where they meet. Slower
-/// ones run along each other, or the skin in the fold was not seen.
+/// Thighs approach each other by more than this where they meet, mm per mm of height. If they
+/// approach more slowly, they run along each other, or the skin in the fold was not seen.
 const CLOSING_MIN: f64 = 0.6;
 
-/// Standard error of a crotch where the thighs are seen apart up to it, mm.
+/// Standard error of the crotch if the thighs are seen separate up to it, mm.
 const APART_SD_MM: f64 = 3.0;
 
-/// The notch between the thighs in front runs out above the crotch, in the pubic region. It is at
-/// an end where it is shallower than this share of the body's depth.
+/// The notch between the thighs in front ends above the crotch, in the pubic region. It ends where
+/// it is shallower than this share of the body's depth.
 const NOTCH_END_SHARE: f64 = 0.10;
 
-/// … and that is this share of stature above the crotch: 12 to 35 mm in bodies of known crotch.
+/// … and that point is this share of stature above the crotch: 12 to 35 mm in bodies with a known
+/// crotch.
 const NOTCH_ABOVE_CROTCH_SHARE: f64 = 0.0145;
 
-/// Standard error of a crotch that is told from the notch, or from thighs that run along each other,
-/// mm.
+/// Standard error of a crotch found from the notch, or from thighs that run along each other, mm.
 const NOTCH_SD_MM: f64 = 15.0;
 
-/// Thighs that become one this far below the crotch as told from the notch touch, mm: two standard
-/// errors.
+/// Thighs touch if they join this far below the crotch found from the notch, mm: two standard errors.
 const TOUCHING_MIN_MM: f64 = 2.0 * NOTCH_SD_MM;
 
-/// Standard error of a crotch where only one leg is followed up to the trunk, mm: the slices'
-/// distance and the slope of a hip.
+/// Standard error of the crotch if only one leg is followed up to the trunk, mm: from the distance
+/// between slices and the slope of a hip.
 const ONE_LEG_SD_MM: f64 = 20.0;
 
-/// The crotch where nobody can see it, as a share of stature (ANSUR II).
+/// The assumed crotch height if it is not visible, as a share of stature (ANSUR II).
 const MEAN_SHARE: f64 = 0.48;
 
 /// Standard deviation of that share among people (ANSUR II), rounded up.
 const SD_SHARE: f64 = 0.015;
 
-/// The height of the crotch and how it was told.
+/// The height of the crotch and its source.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crotch {
     /// Above the floor, mm.
     pub height_mm: f64,
     /// Standard error, mm.
     pub sd_mm: f64,
-    /// What it was told from.
+    /// The source of the height.
     pub from: CrotchFrom,
 }
 
-/// What the crotch was told from.
+/// The source of the crotch's height.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CrotchFrom {
-    /// The thighs, seen apart up to it.
+    /// The thighs, seen separate up to it.
     Thighs,
     /// The end of the notch in front, because the thighs touch.
     Notch {
-        /// Height from which on they touch, mm.
+        /// Height above which they touch, mm.
         touching_from_mm: f64,
     },
-    /// Where one leg reaches the trunk, because the other is not there.
+    /// The height at which one leg reaches the trunk, because the other is missing.
     OneLeg,
-    /// Nothing: it stands where a body of this size has it.
+    /// No observation: the usual height for a body of this size.
     Proportion {
-        /// Height from which on the legs are one and no fold shows between them; none where the
-        /// scan does not reach a crotch.
+        /// Height above which the legs are joined without a visible fold between them; `None` if
+        /// the scan does not reach the crotch.
         touching_from_mm: Option<f64>,
     },
 }
 
 impl Crotch {
-    /// The crotch where one leg, followed alone, reaches the trunk.
+    /// The crotch at the height where one leg, followed alone, reaches the trunk.
     pub fn of_one_leg(end_mm: f64) -> Crotch {
         Crotch { height_mm: end_mm, sd_mm: ONE_LEG_SD_MM, from: CrotchFrom::OneLeg }
     }
 
-    /// The crotch that is not in the scan.
+    /// A crotch outside the scan.
     pub fn unseen(stature_mm: f64) -> Crotch {
         let from = CrotchFrom::Proportion { touching_from_mm: None };
         Crotch { height_mm: MEAN_SHARE * stature_mm, sd_mm: SD_SHARE * stature_mm, from }
     }
 
-    /// The crotch that is hidden between legs that are one from some height on.
+    /// A crotch hidden between legs that are joined from some height on.
     pub fn hidden(touching_from_mm: f64, stature_mm: f64) -> Crotch {
         let from = CrotchFrom::Proportion { touching_from_mm: Some(touching_from_mm) };
         Crotch { from, ..Crotch::unseen(stature_mm) }
     }
 
-    /// Height from which on the legs touch, mm, where they do below it.
+    /// Height above which the legs touch below the crotch, mm, if they do.
     pub fn touching_from_mm(&self) -> Option<f64> {
         match self.from {
             CrotchFrom::Notch { touching_from_mm } => Some(touching_from_mm),
@@ -113,20 +112,20 @@ impl Crotch {
         }
     }
 
-    /// Height from which on no fold shows between the legs and neither is seen for itself, mm.
+    /// Height above which the legs are joined without a visible fold, mm, if the crotch is hidden.
     pub fn hidden_from_mm(&self) -> Option<f64> {
         if self.is_seen() { None } else { self.touching_from_mm() }
     }
 
-    /// Whether it was seen at all.
+    /// Whether the crotch was seen.
     pub fn is_seen(&self) -> bool {
         !matches!(self.from, CrotchFrom::Proportion { .. })
     }
 }
 
-/// From which step on legs that were followed upwards are one for good; none where they never are.
+/// The step from which on legs, followed upwards, stay joined; `None` if they never do.
 ///
-/// Single slices of a trunk may fall apart where its points are few.
+/// Single slices of a trunk may fall apart where it has few points.
 pub fn join(steps: &[Step]) -> Option<usize> {
     let is_one = |step: &Step| step.neck.is_some();
     let share =
@@ -138,8 +137,8 @@ pub fn join(steps: &[Step]) -> Option<usize> {
     })
 }
 
-/// The crotch of legs that were followed upwards and are one from the step `join` on. `mesh` is
-/// asked again in finer steps.
+/// The crotch of legs that were followed upwards and are joined from the step `join` on. Slices
+/// `mesh` again in finer steps.
 pub fn crotch(mesh: &Mesh, steps: &[Step], join: usize, growth_mm: f64, stature_mm: f64) -> Crotch {
     let (below, joined) = steps.split_at(join);
     let join_mm = joined.first().map_or(0.0, |step| step.height_mm);
@@ -159,12 +158,12 @@ fn notch_share(step: &Step) -> f64 {
     step.neck.map_or(0.0, |neck| neck.notch_share)
 }
 
-/// Where thighs that are apart at `last` and one at `join_mm` meet: as their distance, which is
-/// seen until the points of one are as near to the other's as to each other, leads on to zero.
-/// With its standard error.
+/// The height at which thighs meet that are separate at `last` and joined at `join_mm`, with its
+/// standard error. Their distance is visible until the points of one thigh are as close to the
+/// other's as to each other; from there it is extrapolated to zero.
 ///
-/// Below the top of an arch its width grows with the root of the depth, so it is the square of the
-/// distance that falls evenly.
+/// Below the top of an arch the width grows with the square root of the depth, so the square of the
+/// distance is what decreases linearly.
 fn closed(mesh: &Mesh, last: &Step, join_mm: f64, growth_mm: f64) -> (f64, f64) {
     let from_mm = last.height_mm - FINE_BELOW_MM;
     let count = ((join_mm + FINE_BELOW_MM - from_mm) / FINE_STEP_MM) as usize + 1;
@@ -191,7 +190,7 @@ mod tests {
     use crate::leg::parting::thigh_divider::Neck;
     use crate::leg::side::Sides;
 
-    /// Steps 10 mm apart in which the legs are one as the pattern says.
+    /// Steps 10 mm apart; the pattern has a 1 where the legs are joined.
     fn steps(pattern: &str) -> Vec<Step> {
         let neck = Neck::of(&[], [-80.0, 80.0]);
         let step = |(index, mark)| Step {
@@ -206,10 +205,10 @@ mod tests {
     #[test]
     fn legs_are_one_from_where_nearly_all_slices_above_show_one() {
         assert_eq!(join(&steps("0000011111111111")), Some(5));
-        // A slice of the trunk that falls apart, even the last, is no crotch.
+        // A slice of the trunk that falls apart, even the last one, is not a crotch.
         assert_eq!(join(&steps("0000011111111011")), Some(5));
         assert_eq!(join(&steps("0000011111111110")), Some(5));
-        // Knees that touch are none either.
+        // Knees that touch are not a crotch either.
         assert_eq!(join(&steps("0011100000001111111111")), Some(12));
     }
 

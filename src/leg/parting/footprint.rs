@@ -1,6 +1,6 @@
-//! Where a leg lies at one height: the smallest polygon around its points with 16 fixed directions
-//! of edges (a discrete oriented polytope). It exceeds the convex hull by 2 % of the radius at
-//! most and is asked for every point of the next slice, so it must be quick.
+//! The position of a leg at one height: the smallest polygon around its points with 16 fixed edge
+//! directions (a discrete oriented polytope). It exceeds the convex hull by at most 2 % of the
+//! radius and is evaluated for every point of the next slice, so it must be fast.
 
 use std::f64::consts::FRAC_1_SQRT_2 as C45;
 
@@ -37,12 +37,12 @@ const DIRECTIONS: [[f64; 2]; 16] = [
 pub struct Footprint {
     /// Mean of the points, mm.
     pub middle: Point2<f64>,
-    /// Furthest reach of the points in each direction, mm.
+    /// Maximum extent of the points in each direction, mm.
     reach: [f64; DIRECTIONS.len()],
 }
 
 impl Footprint {
-    /// The footprint of points; none where there are fewer than three.
+    /// The footprint of points; `None` if there are fewer than three.
     pub fn of(points: &[Point2<f64>]) -> Option<Footprint> {
         const POINTS_MIN: usize = 3;
         if points.len() < POINTS_MIN {
@@ -58,7 +58,7 @@ impl Footprint {
         Some(Footprint { middle: (sum / points.len() as f64).into(), reach })
     }
 
-    /// How far a point lies beyond the polygon, mm; negative within.
+    /// Distance of a point beyond the polygon, mm; negative inside.
     pub fn beyond_mm(&self, point: &Point2<f64>) -> f64 {
         let reaches = self.reach.iter().zip(DIRECTIONS);
         reaches.fold(f64::NEG_INFINITY, |beyond, (reach, [x, y])| {
@@ -73,7 +73,8 @@ impl Footprint {
     }
 }
 
-/// The larger of two numbers that are some: `f64::max`, which asks that of both, takes thrice as long.
+/// The larger of two numbers that are not NaN: `f64::max`, which checks both for NaN, takes three
+/// times as long.
 fn larger(a: f64, b: f64) -> f64 {
     if b > a { b } else { a }
 }

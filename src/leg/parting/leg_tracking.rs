@@ -1,5 +1,5 @@
-//! Legs followed slice by slice: what lies where a leg was one slice ago is the leg. Hands, specks
-//! and floor pieces never do. Nothing is assumed about shells, holes or closed outlines.
+//! Tracks legs slice by slice: whatever lies where a leg was one slice ago is the leg. Hands,
+//! specks and floor pieces never lie there. Shells, holes and closed outlines are irrelevant.
 
 use nalgebra::{Point2, Vector3};
 use rayon::prelude::*;
@@ -10,54 +10,54 @@ use super::thigh_divider::Neck;
 use crate::leg::sections::slice::Mesh;
 use crate::leg::side::{Side, Sides};
 
-/// Points nearer than this belong together, mm: twice the spacing of a usual export (6 mm).
+/// Points closer than this are connected, mm: twice the spacing of a usual export (6 mm).
 pub const LINK_MM: f64 = 12.0;
 
-/// A cluster is both legs' when each holds more than this share of its points.
+/// A cluster belongs to both legs if each holds more than this share of its points.
 const SHARED_MIN_SHARE: f64 = 0.1;
 
-/// A leg holds at least this share of a cluster that is its own. By their girths a hand at the thigh
-/// leaves some 0.7; of a trunk, reached by one leg alone, the leg is some 0.6.
+/// A cluster belongs to one leg if the leg holds at least this share of it. Judging by girths, with
+/// a hand at the thigh the leg holds some 0.7; of a trunk reached by one leg alone, some 0.6.
 const OWN_MIN_SHARE: f64 = 0.65;
 
-/// A leg may be unseen in this many slices on end (a bandage, a strap, a row of holes) before it
-/// has come to its end.
+/// A leg may be unseen in this many consecutive slices (a bandage, a strap, a row of holes) before
+/// it counts as ended.
 const UNSEEN_MAX: usize = 3;
 
-/// The innermost skin of a thigh within which the nearest points of two thighs lie, mm.
+/// The nearest points of two thighs lie within this depth of their inner skin, mm.
 const INNER_MM: f64 = 40.0;
 
-/// How a cluster that is both legs' is parted.
+/// How a cluster that belongs to both legs is split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parting {
     /// Along the neck between the thighs.
     Neck,
-    /// Point by point to the leg that is nearer, as for feet that touch.
+    /// Point by point to the nearer leg, for feet that touch.
     Nearest,
 }
 
-/// One slice passed.
+/// One slice of the track.
 #[derive(Debug, Clone)]
 pub struct Step {
     /// Its height, mm.
     pub height_mm: f64,
-    /// Where the legs lie, as far as they are seen.
+    /// The positions of the legs, if seen.
     pub prints: Sides<Option<Footprint>>,
-    /// Where the legs were parted, if they are one here.
+    /// The line between the legs, if they are joined here.
     pub neck: Option<Neck>,
-    /// Distance between the two legs' points where they are apart, mm; none where they are not or
-    /// only one is followed.
+    /// Distance between the two legs' points, mm; `None` if the legs are joined or only one is
+    /// followed.
     pub gap_mm: Option<f64>,
 }
 
-/// The slices passed and where legs came to their end.
+/// The slices of the track, and the ends of the legs.
 #[derive(Debug, Clone)]
 pub struct Track {
-    /// How clusters that are both legs' were parted.
+    /// How clusters that belong to both legs were split.
     pub parting: Parting,
-    /// In the order followed.
+    /// The slices, in the order followed.
     pub steps: Vec<Step>,
-    /// The last height at which a leg was seen, where it was lost before the last slice, mm.
+    /// The last height at which a leg was seen, if it was lost before the last slice, mm.
     pub ends_mm: Sides<Option<f64>>,
 }
 
@@ -110,8 +110,8 @@ pub fn slices(mesh: &Mesh, heights_mm: &[f64]) -> Vec<Vec<Point2<f64>>> {
     flat
 }
 
-/// The points of a slice's clusters that are the left and the right leg's, and the neck where they
-/// are one.
+/// The points of a slice's clusters that belong to the left and to the right leg, and the neck if
+/// the legs are joined.
 fn share_out(
     slice: Vec<Vec<Point2<f64>>>,
     last: &Sides<Option<Footprint>>,
@@ -147,8 +147,8 @@ fn share_out(
     (own, neck)
 }
 
-/// Least distance between the points of the two legs, mm; of legs that are further apart than they
-/// can be seen to close in on each other, that across the body.
+/// Smallest distance between the points of the two legs, mm; if the legs are too far apart to be
+/// closing in on each other, their distance across the body.
 fn gap_mm(own: &Sides<Vec<Point2<f64>>>) -> Option<f64> {
     let reach = |points: &[Point2<f64>], of: fn(f64, f64) -> f64| {
         points.iter().map(|point| point.x).reduce(of)
@@ -158,7 +158,7 @@ fn gap_mm(own: &Sides<Vec<Point2<f64>>>) -> Option<f64> {
     if inner_left - inner_right > INNER_MM {
         return Some(inner_left - inner_right);
     }
-    // The nearest pair lies between the legs: points beyond their middles need not be compared.
+    // The nearest pair lies between the legs, so points beyond their middles need not be compared.
     let near = |points: &[Point2<f64>], x_mm: f64| -> Vec<Point2<f64>> {
         points.iter().filter(|point| (point.x - x_mm).abs() < INNER_MM).copied().collect()
     };

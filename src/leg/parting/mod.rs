@@ -1,5 +1,5 @@
-//! The two legs cut from the body at the crotch (paper 1, fig. 2a): followed slice by slice, parted where
-//! thighs touch.
+//! Cuts the two legs from the body at the crotch (paper 1, fig. 2a): follows them slice by slice,
+//! and splits thighs that touch.
 
 pub(super) mod cluster;
 pub mod crotch;

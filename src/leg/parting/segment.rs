@@ -1,8 +1,8 @@
 //! Segmentation: the two legs cut from the body, and the crotch where they meet (paper 1, fig. 2a).
 //!
-//! Each leg is followed slice by slice from its shank, upwards into the trunk, downwards to the
-//! floor. Thighs that touch are parted along the neck between them. A leg that is not there, or
-//! ends early, does not keep the other from being cut.
+//! Each leg is followed slice by slice from its shank, upwards into the trunk and downwards to the
+//! floor. Thighs that touch are split along the neck between them. A leg that is missing or ends
+//! early does not prevent cutting the other.
 
 use nalgebra::Point2;
 
@@ -13,39 +13,39 @@ use crate::leg::frame::body::Body;
 use crate::leg::sections::slice::Mesh;
 use crate::leg::side::{Side, Sides};
 
-/// Distance of the slices in which a leg is followed, mm.
+/// Distance between the slices in which a leg is followed, mm.
 const STEP_MM: f64 = 10.0;
 
-/// From one slice to the next a leg may widen by this, mm: a slope of 45° and some noise.
+/// A leg may widen by this from one slice to the next, mm: a slope of 45° and some noise.
 const GROWTH_UP_MM: f64 = 12.0;
 
-/// Downwards the instep and the heel widen faster, mm.
+/// Downwards, the instep and the heel widen faster, mm.
 const GROWTH_DOWN_MM: f64 = 30.0;
 
-/// Height at which following begins, as a share of stature: the middle of the heights in which
-/// the stance saw the shanks.
+/// Height at which tracking starts, as a share of stature: the middle of the heights at which the
+/// stance saw the shanks.
 const START_SHARE: f64 = 0.11;
 
-/// Points of a shank are no further from its middle than this, mm; lymphoedema included.
+/// Points of a shank are within this distance of its middle, mm, including lymphoedema.
 const SHANK_REACH_MM: f64 = 160.0;
 
-/// Where crotches are, as shares of stature. ANSUR II: mean 0.48, first to last percentile 0.45 to
-/// 0.52; children and patients need some room.
+/// Range of crotch heights, as shares of stature. ANSUR II: mean 0.48, first to last percentile
+/// 0.45 to 0.52; children and patients need some room.
 const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
 
 /// A leg that ends below this share of stature has no calf and is not measured.
 const LEG_MIN_SHARE: f64 = 0.20;
 
-/// A triangle with a longer edge is no piece of skin but a spike or a bridge, mm; ten times the edges
-/// of a usual export, and no hole that could be closed honestly is as wide.
+/// A triangle with a longer edge is not skin but a spike or a bridge, mm. This is ten times the
+/// edge of a usual export, and wider than any hole that could be closed reliably.
 const EDGE_MAX_MM: f64 = 60.0;
 
-/// A leg keeps this much skin above the crotch, mm: a section square to a tilted axis reaches
-/// higher at the hip than at the crotch.
+/// A leg keeps this much skin above the crotch, mm, because a section perpendicular to a tilted
+/// axis reaches higher at the hip than at the crotch.
 const ABOVE_CROTCH_MM: f64 = 60.0;
 
-/// Of a leg that ends early this much is left out, mm: two of the slices in which it was followed,
-/// because the last may lie on what follows.
+/// This much is cut off a leg that ends early, mm: two of the slices in which it was followed,
+/// because the last may lie on whatever comes next.
 const CUT_MARGIN_MM: f64 = 20.0;
 
 /// One leg's skin in the body frame, foot included, cut above the crotch.
@@ -55,41 +55,41 @@ pub struct Leg {
     pub side: Side,
     /// The leg's skin.
     pub mesh: Mesh,
-    /// Where the leg ends below the crotch, mm; none where it reaches it.
+    /// The height at which the leg ends below the crotch, mm; `None` if it reaches the crotch.
     pub cut_mm: Option<f64>,
 }
 
-/// The legs and where they part.
+/// The legs and the crotch.
 #[derive(Debug, Clone)]
 pub struct Legs {
-    /// The legs; none where a leg is not in the scan.
+    /// The legs; `None` for a leg that is not in the scan.
     pub legs: Sides<Option<Leg>>,
-    /// Where they part.
+    /// The crotch.
     pub crotch: Crotch,
 }
 
-/// Why the legs cannot be parted.
+/// Why the legs cannot be separated.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum SegmentFault {
-    /// Every leg ends where a leg goes on.
+    /// Every leg ends below where a crotch could be.
     #[error(
         "no leg goes on above {height_mm:.0} mm: the upper part of the legs is missing in the \
          scan; scan again"
     )]
     LegsEnd {
-        /// Height of the last slice that shows one, mm.
+        /// Height of the last slice that shows a leg, mm.
         height_mm: f64,
     },
-    /// The legs become one where calves are.
+    /// The legs join at the height of the calves.
     #[error(
         "the legs become one at {height_mm:.0} mm, on the calf: is there cloth around them? scan \
          again with the legs bare and apart"
     )]
     JoinTooLow {
-        /// Where, mm.
+        /// The height, mm.
         height_mm: f64,
     },
-    /// The legs never become one.
+    /// The legs never join.
     #[error(
         "the legs are still apart at {height_mm:.0} mm, above any crotch: is the upper body \
          missing in the scan?"
@@ -114,7 +114,7 @@ impl SegmentFault {
 /// Cuts the body into its legs.
 ///
 /// # Errors
-/// A [`SegmentFault`] where no leg can be followed to where the legs meet.
+/// A [`SegmentFault`] if no leg can be followed to where the legs meet.
 pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
     let stature_mm = body.scale_mm;
     let start_mm = START_SHARE * stature_mm;
@@ -146,13 +146,13 @@ pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
     Ok(Legs { legs: Sides { left, right }, crotch })
 }
 
-/// Heights from `from` to below `to`, ascending, the first half a step above `from`.
+/// Heights from `from` to below `to`, ascending; the first is half a step above `from`.
 fn heights(from_mm: f64, to_mm: f64) -> Vec<f64> {
     let count = ((to_mm - from_mm) / STEP_MM).max(0.0) as usize;
     (0..count).map(|index| from_mm + (index as f64 + 0.5) * STEP_MM).collect()
 }
 
-/// The legs' footprints where following begins.
+/// The legs' footprints where tracking starts.
 fn seeds(
     mesh: &Mesh,
     shanks: &Sides<Option<Point2<f64>>>,
@@ -169,7 +169,7 @@ fn seeds(
     })
 }
 
-/// The crotch, checked against where crotches are.
+/// The crotch, checked against the usual range.
 fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentFault> {
     let stature_mm = body.scale_mm;
     if body.stature_mm.is_none() {
@@ -183,7 +183,7 @@ fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentF
             if found.height_mm < LEG_MIN_SHARE * stature_mm {
                 return Err(SegmentFault::JoinTooLow { height_mm: found.height_mm });
             }
-            // No fold shows where the crotch is: cloth, or thighs pressed together.
+            // No fold shows the crotch: cloth, or thighs pressed together.
             let touching_from_mm = found.height_mm;
             let is_hidden = found.height_mm < lowest_mm;
             if is_hidden { Crotch::hidden(touching_from_mm, stature_mm) } else { found }
@@ -204,7 +204,7 @@ fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentF
     Ok(crotch)
 }
 
-/// The steps in which both legs are followed, and from which on they are one.
+/// The steps in which both legs are followed, and the step from which on they are joined.
 fn joined(up: &Track) -> Option<(&[Step], usize)> {
     let ends = [up.ends_mm.left, up.ends_mm.right];
     let end_mm = ends.into_iter().flatten().fold(f64::INFINITY, f64::min);
@@ -215,16 +215,16 @@ fn joined(up: &Track) -> Option<(&[Step], usize)> {
 
 /// A range of heights of both legs, ascending.
 struct Zone<'a> {
-    /// The slices passed, ascending.
+    /// The tracked slices, ascending.
     track: &'a Track,
-    /// How far beyond a footprint skin still belongs to the leg, mm.
+    /// Skin belongs to the leg up to this far beyond a footprint, mm.
     margin_mm: f64,
-    /// The zone ends here, mm.
+    /// The upper end of the zone, mm.
     top_mm: f64,
 }
 
 impl Zone<'_> {
-    /// Whose leg a place at this height belongs to; none where it is neither's.
+    /// The leg that a point at this height belongs to; `None` if neither.
     fn owner(&self, place: &Point2<f64>, height_mm: f64) -> Option<Side> {
         let steps = &self.track.steps;
         let above = steps.partition_point(|step| step.height_mm < height_mm);
@@ -244,7 +244,7 @@ impl Zone<'_> {
     }
 }
 
-/// One leg's skin: what the zones give to its side.
+/// One leg's skin: all skin that the zones assign to its side.
 fn cut(mesh: &Mesh, side: Side, [foot, shank]: &[Zone; 2]) -> Mesh {
     mesh.part(|middle, longest_mm| {
         let zone = if middle.z < foot.top_mm { foot } else { shank };

@@ -1,19 +1,19 @@
-//! Where two thighs that touch are parted: along the line from the notch between them in front to
-//! the notch behind.
+//! The line that splits two thighs that touch: from the notch between them in front to the notch
+//! behind.
 
 use nalgebra::Point2;
 
-/// Places across the body at which the notches are looked for, mm apart.
+/// Step across the body in the search for the notches, mm.
 const STEP_MM: f64 = 2.0;
 
-/// The outline's reach at such a place is that of the points up to this far from it, mm: the
-/// spacing of a usual export.
+/// The outline's reach at a position includes points up to this far from it, mm: the spacing of a
+/// usual export.
 const WINDOW_MM: f64 = 6.0;
 
-/// A notch shallower than this share of the outline's depth is none; then the line keeps halfway.
+/// A notch shallower than this share of the outline's depth is ignored; the line then stays halfway.
 const NOTCH_MIN_SHARE: f64 = 0.03;
 
-/// The line that parts the outline of both thighs, as places (x, y) in the body frame.
+/// The line that splits the outline of both thighs, as points (x, y) in the body frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Neck {
     front: Point2<f64>,
@@ -22,7 +22,7 @@ pub struct Neck {
     pub notch_share: f64,
 }
 
-/// How far an outline reaches to the front and to the back at some place across.
+/// The reach of an outline to the front and to the back at one position across the body.
 #[derive(Debug, Clone, Copy)]
 struct Reach {
     x_mm: f64,
@@ -31,8 +31,8 @@ struct Reach {
 }
 
 impl Neck {
-    /// The neck between the middles (x, mm) of the right and of the left leg in the outline of
-    /// both. Front is −y.
+    /// The neck between the middles (x, mm) of the right and the left leg in the outline of both.
+    /// Front is −y.
     pub fn of(outline: &[Point2<f64>], between_mm: [f64; 2]) -> Neck {
         let [from_mm, to_mm] = between_mm;
         let halfway_mm = (from_mm + to_mm) / 2.0;
@@ -55,7 +55,7 @@ impl Neck {
         Neck { front: at(&front, 1.0, front_mm), back: at(&back, -1.0, back_mm), notch_share }
     }
 
-    /// Whether a place lies to the left of the line, where the left leg is.
+    /// Whether a point lies to the left of the line, where the left leg is.
     pub fn is_left(&self, place: &Point2<f64>) -> bool {
         let depth_mm = self.back.y - self.front.y;
         let share = ((place.y - self.front.y) / depth_mm.max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
@@ -63,12 +63,12 @@ impl Neck {
     }
 }
 
-/// The outline's reach at places across the body. A place that has no points of its own, because
-/// the skin in the fold was not seen, takes the deepest reach there can be: none.
+/// The outline's reach at positions across the body. A position without points, because the skin in
+/// the fold was not seen, counts as a notch of infinite depth.
 fn reaches(outline: &[Point2<f64>], from_mm: f64, to_mm: f64) -> Vec<Reach> {
     let mut across = outline.to_vec();
     across.sort_by(|p, q| p.x.total_cmp(&q.x));
-    // From the middle to both sides, so that a mirrored body is parted along the mirrored line.
+    // From the middle to both sides, so that a mirrored body is split along the mirrored line.
     let middle_mm = (from_mm + to_mm) / 2.0;
     let beside = ((to_mm - from_mm) / 2.0 / STEP_MM).max(0.0) as usize;
     let reach = |index: usize| {
@@ -85,19 +85,19 @@ fn reaches(outline: &[Point2<f64>], from_mm: f64, to_mm: f64) -> Vec<Reach> {
     (0..=2 * beside).map(reach).collect()
 }
 
-/// The deepest place of a fold.
+/// The deepest point of a fold.
 #[derive(Debug, Clone, Copy)]
 struct Notch {
-    /// Where across the body.
+    /// Position across the body.
     x_mm: f64,
-    /// How far inward the outline lies there.
+    /// How far inward the outline lies at this position.
     inward_mm: f64,
-    /// Its depth against the lesser of the crests beside it.
+    /// Its depth relative to the lower of the two adjacent crests.
     depth_mm: f64,
 }
 
-/// The deepest notch of an outline; `inward_mm` is how far it lies inward. Where several places are
-/// as deep, their middle.
+/// The deepest notch of an outline; `inward_mm` gives how far inward it lies. If several positions
+/// are equally deep, the middle between the first and the last.
 fn deepest(reaches: &[Reach], inward_mm: impl Fn(&Reach) -> f64) -> Option<Notch> {
     let inward: Vec<f64> = reaches.iter().map(inward_mm).collect();
     let most = inward.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -114,7 +114,7 @@ fn deepest(reaches: &[Reach], inward_mm: impl Fn(&Reach) -> f64) -> Option<Notch
 mod tests {
     use super::*;
 
-    /// Two circles of the outline of thighs, as far as each is outside the other.
+    /// Two circles as the outline of thighs; each only as far as it is outside the other.
     fn thighs(middles: [[f64; 2]; 2], radius: f64) -> Vec<Point2<f64>> {
         let [a, b] = middles.map(|[x, y]| Point2::new(x, y));
         let ring = |middle: Point2<f64>, other: Point2<f64>| {
@@ -134,7 +134,7 @@ mod tests {
             assert!(neck.is_left(&Point2::new(14.0, y)), "{y}");
             assert!(!neck.is_left(&Point2::new(6.0, y)), "{y}");
         }
-        // The circles meet at 41 mm before and behind the line of their middles.
+        // The circles meet 41 mm in front of and behind the line through their middles.
         let depth = (90.0 - (90.0_f64.powi(2) - 80.0_f64.powi(2)).sqrt()) / 180.0;
         // A window of 6 mm to each side fills the sharp bottom of the notch.
         assert!((neck.notch_share - depth).abs() < 0.06, "{} for {depth}", neck.notch_share);
@@ -144,7 +144,7 @@ mod tests {
     fn a_leg_set_forward_makes_a_slanting_line() {
         let outline = thighs([[-80.0, -30.0], [80.0, 30.0]], 90.0);
         let neck = Neck::of(&outline, [-80.0, 80.0]);
-        // The notches are told to some millimetres.
+        // The notches are accurate to some millimetres.
         let parts = outline.iter().filter(|p| p.x.abs() > 18.0 || p.y.abs() > 40.0);
         for place in parts {
             let left = (place - Point2::new(80.0, 30.0)).norm() < 90.5;

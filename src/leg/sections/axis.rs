@@ -1,7 +1,7 @@
 //! The leg's own axis, along which it is made upright (paper 1.1).
 //!
-//! The paper takes the first principal component of the points ([`principal_axis`]); that leans by
-//! up to 3.6° towards whatever was seen better. A line through the centroids of sections, each of
+//! The paper uses the first principal component of the points ([`principal_axis`]), which leans by
+//! up to 3.6° towards the better visible side. A line through the centroids of sections, all with
 //! equal weight, does not depend on how densely the skin was sampled ([`axis`]).
 
 use nalgebra::{Matrix3, Point2, Point3, SymmetricEigen, Unit, Vector3};
@@ -11,32 +11,32 @@ use super::slice::Crossing;
 use crate::leg::parting::segment::Leg;
 use crate::leg::side::Side;
 
-/// The axis is laid through centroids from here, as a share of stature: above the foot.
+/// The centroids for the axis start here, as a share of stature: above the foot.
 const FROM_STATURE_SHARE: f64 = 0.066;
 
-/// … to here, as a share of the crotch's height: below the groin.
+/// … and end here, as a share of the crotch's height: below the groin.
 const TO_CROTCH_SHARE: f64 = 0.92;
 
-/// Distance of the sections that give centroids, mm.
+/// Distance between the sections that provide centroids, mm.
 const SPACING_MM: f64 = 20.0;
 
-/// Sections are first horizontal, then square to the axis so found; after three rounds the axis
+/// Sections are first horizontal, then perpendicular to the axis found; after three rounds the axis
 /// moves by less than 0.01°.
 const ROUNDS: usize = 3;
 
-/// Fewer centroids than this make no axis.
-const CENTROIDS_MIN: usize = 10;
+/// Fewer centroids than this are too few for an axis.
+pub const CENTROIDS_MIN: usize = 10;
 
-/// Fewer points than this make no axis; a leg of an export has thousands.
-const POINTS_MIN: usize = 100;
+/// Fewer points than this are too few for an axis; a leg of an export has thousands.
+pub const POINTS_MIN: usize = 100;
 
-/// A leg that leans more than this is not standing on it, degrees; A-poses lean by 6 to 11.
+/// A leg that leans by more than this is not standing, degrees; A-poses lean by 6 to 11.
 const TILT_MAX_DEG: f64 = 35.0;
 
-/// A leg's axis with the frame of the sections square to it.
+/// A leg's axis with the frame of the sections perpendicular to it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LegAxis {
-    /// Where the axis meets the floor, z = 0; along-axis distances count from here, mm.
+    /// The point where the axis meets the floor, z = 0; along-axis distances count from here, mm.
     pub foot: Point3<f64>,
     /// Unit vector up along the axis.
     pub direction: Unit<Vector3<f64>>,
@@ -70,7 +70,7 @@ pub enum AxisFault {
 }
 
 impl LegAxis {
-    /// The axis through `through` with this direction, upwards whatever its sign.
+    /// The axis through `through` with this direction, turned upwards if necessary.
     fn new(through: Point3<f64>, direction: Vector3<f64>, side: Side) -> LegAxis {
         let direction = Unit::new_normalize(direction * direction.z.signum());
         let foot = through - direction.into_inner() * (through.z / direction.z);
@@ -104,7 +104,7 @@ impl LegAxis {
             + self.lateral.into_inner() * in_plane.y
     }
 
-    /// Where the leg's skin crosses each section plane; `along_mm` ascends.
+    /// The points where the leg's skin crosses each section plane; `along_mm` must ascend.
     pub fn slices(&self, leg: &Leg, along_mm: &[f64]) -> Vec<Vec<Crossing>> {
         let zero = self.direction.dot(&self.foot.coords);
         let offsets: Vec<f64> = along_mm.iter().map(|along| along + zero).collect();
@@ -120,7 +120,7 @@ impl LegAxis {
 /// Finds a leg's axis.
 ///
 /// # Errors
-/// An [`AxisFault`] where there are too few sections or the leg leans too far.
+/// An [`AxisFault`] if there are too few sections or the leg leans too far.
 pub fn axis(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<LegAxis, AxisFault> {
     let (from_mm, to_mm) = (FROM_STATURE_SHARE * stature_mm, TO_CROTCH_SHARE * crotch_height_mm);
     let mut axis = LegAxis::new(Point3::origin(), Vector3::z(), leg.side);
@@ -138,17 +138,17 @@ pub fn axis(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<LegAxis
             return Err(AxisFault::TooFewSections { found: centroids.len() });
         }
         let (through, direction) = line_through(&centroids);
-        // In every round, because the next one's planes are as many as the axis leans.
+        // Checked in every round, because the number of planes in the next one grows with the tilt.
         axis = standing(LegAxis::new(through, direction, leg.side))?;
     }
     Ok(axis)
 }
 
-/// Finds a leg's axis as the paper does: the first principal component of all its points below the
-/// crotch, the foot's among them.
+/// Finds a leg's axis as in the paper: the first principal component of all its points below the
+/// crotch, including the foot.
 ///
 /// # Errors
-/// An [`AxisFault`] where there are too few points or the leg leans too far.
+/// An [`AxisFault`] if there are too few points or the leg leans too far.
 pub fn principal_axis(leg: &Leg, crotch_height_mm: f64) -> Result<LegAxis, AxisFault> {
     let below = leg.mesh.points().iter().filter(|point| point.z <= crotch_height_mm);
     let points: Vec<Point3<f64>> = below.copied().collect();
@@ -159,7 +159,7 @@ pub fn principal_axis(leg: &Leg, crotch_height_mm: f64) -> Result<LegAxis, AxisF
     standing(LegAxis::new(through, direction, leg.side))
 }
 
-/// An axis that does not lean more than a standing leg's.
+/// Refuses an axis that leans more than a standing leg's.
 fn standing(axis: LegAxis) -> Result<LegAxis, AxisFault> {
     let tilt_deg = axis.tilt_deg();
     if tilt_deg.is_nan() || tilt_deg > TILT_MAX_DEG {
@@ -168,7 +168,7 @@ fn standing(axis: LegAxis) -> Result<LegAxis, AxisFault> {
     Ok(axis)
 }
 
-/// Centroid of the area inside an outline that is given as unordered points, by their angle about
+/// Centroid of the area inside an outline given as unordered points, ordered by their angle about
 /// the middle of their hull; a gap is closed by its chord.
 pub fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
     let middle = Hull::of(points)?.centroid();
@@ -185,7 +185,7 @@ pub fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
     (twice_area > 0.0).then(|| middle + moment / (3.0 * twice_area))
 }
 
-/// The line of least squared distances: a point on it and its direction.
+/// The least-squares line: a point on it and its direction.
 fn line_through(points: &[Point3<f64>]) -> (Point3<f64>, Vector3<f64>) {
     let middle =
         points.iter().fold(Vector3::zeros(), |sum, p| sum + p.coords) / points.len() as f64;

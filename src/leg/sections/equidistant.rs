@@ -16,9 +16,9 @@ use crate::leg::parting::segment::Leg;
 pub struct Sections {
     /// The frame the sections lie in.
     pub axis: LegAxis,
-    /// What every one of them was taken from.
+    /// The source of all sections.
     pub source: Source,
-    /// One entry a plane, [`SPACING_MM`] apart, ascending; none where the skin does not close.
+    /// One entry per plane, [`SPACING_MM`] apart, ascending.
     pub rows: Vec<Row>,
 }
 
@@ -27,26 +27,26 @@ pub struct Sections {
 pub struct Row {
     /// Distance of the plane along the axis, mm.
     pub along_mm: f64,
-    /// The section, where it could be measured.
+    /// The section, if it could be measured.
     pub section: Option<Section>,
 }
 
-/// What the sections of one leg are taken from.
+/// The source of the sections of one leg.
 #[derive(Debug, Clone)]
 pub enum Source {
     /// The skin as one function, fitted to all points.
     Skin(Box<Skin>),
-    /// Each plane's own crossings with the mesh, as periodic splines.
+    /// Each plane's own intersections with the mesh, as periodic splines.
     Crossings {
         /// Their penalty, see [`PlaneFit::Periodic`].
         lambda: f64,
     },
-    /// The paper's pairs of points across each plane, as its polynomials.
+    /// The paper's pairs of points across each plane, as polynomials.
     Pairs(Pairs),
 }
 
 /// Cuts a leg into sections between two distances along its axis, from above the foot to the
-/// crotch; none where it has hardly any points.
+/// crotch; `None` if the leg has hardly any points.
 pub fn sections(
     leg: &Leg,
     axis: LegAxis,
@@ -70,28 +70,28 @@ pub fn sections(
 }
 
 impl Sections {
-    /// The section of the plane nearest to a distance along the axis; none where it is open.
+    /// The section of the plane nearest to a distance along the axis; `None` if it is open.
     pub fn nearest(&self, along_mm: f64) -> Option<&Section> {
         let far = |row: &&Row| (row.along_mm - along_mm).abs();
         let row = self.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
         row.and_then(|row| row.section.as_ref())
     }
 
-    /// The outline of a row, bridged where the skin was not seen in up to `gap_deg` of it; none
-    /// where more is missing.
+    /// The outline of a row, bridged if up to `gap_deg` of the skin was not seen; `None` if more is
+    /// missing.
     pub fn outline(&self, row: &Row, gap_deg: f64) -> Option<Outline> {
         match (&row.section, &self.source) {
             (Some(section), _) => Some(section.into()),
             (None, Source::Skin(skin)) if skin.largest_gap_deg(row.along_mm) <= gap_deg => {
                 skin.outline(row.along_mm)
             }
-            // The other sources know nothing of a section but its own points.
+            // The other sources know only the points of the section itself.
             _ => None,
         }
     }
 
     /// The sections of the same leg at other distances along the axis, which must ascend, from the
-    /// same source; none where the skin does not close.
+    /// same source; `None` where the skin is not closed.
     pub fn at(&self, leg: &Leg, along_mm: &[f64]) -> Vec<Option<Section>> {
         match &self.source {
             Source::Skin(skin) => {

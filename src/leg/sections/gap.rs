@@ -1,12 +1,12 @@
-//! Gaps between directions in which the skin was seen.
+//! Gaps between the directions in which the skin was seen.
 
 use std::f64::consts::TAU;
 
-/// A section with a gap wider than this in its points is not measured, degrees: a bridge over
+/// A section is not measured if its points have a gap wider than this, degrees, because bridging
 /// more is a guess.
 pub const GAP_MAX_DEG: f64 = 60.0;
 
-/// Widest angle between neighbours among angles in radians, degrees; 360 where there are none.
+/// Widest difference between neighbouring angles, given in radians, in degrees; 360 if there are none.
 pub fn largest_gap_deg(angles: &[f64]) -> f64 {
     let mut seen = angles.to_vec();
     seen.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Convex hulls in the plane: what a tape measure lies on.
+//! Convex hulls in the plane: the shape that a tape measure follows.
 
 use nalgebra::{Point2, Rotation2, Vector2};
 
@@ -9,7 +9,7 @@ pub struct Hull {
 }
 
 impl Hull {
-    /// The convex hull of points, by Andrew's monotone chain (1979). None where the points do not
+    /// The convex hull of points, by Andrew's monotone chain (1979). `None` if the points do not
     /// span an area.
     pub fn of(points: &[Point2<f64>]) -> Option<Hull> {
         let mut sorted = points.to_vec();
@@ -27,7 +27,7 @@ impl Hull {
         self.edges().map(|(from, to)| (to - from).norm()).sum()
     }
 
-    /// Centroid of the area enclosed.
+    /// Centroid of the enclosed area.
     pub fn centroid(&self) -> Point2<f64> {
         let first = self.corners[0];
         let mut moment = Vector2::zeros();
@@ -41,8 +41,8 @@ impl Hull {
         first + moment / (3.0 * twice_area)
     }
 
-    /// The direction in which the area enclosed is longest, of either sign: the principal axis of
-    /// its second moments.
+    /// The direction in which the enclosed area is longest, of arbitrary sign: the principal axis
+    /// of its second moments.
     pub fn long_axis(&self) -> Vector2<f64> {
         let centre = self.centroid();
         let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
@@ -105,7 +105,7 @@ mod tests {
         let mut points: Vec<_> = [(0.0, 0.0), (5.0, 0.0), (5.0, 2.0), (0.0, 2.0)]
             .map(|(x, y)| turn * Point2::new(x, y))
             .to_vec();
-        // Many points on one side would draw the axis of the points.
+        // Many points on one side would shift the axis of the points.
         points.extend((0..50).map(|i| turn * Point2::new(5.0, 0.04 * f64::from(i))));
         let axis = Hull::of(&points).unwrap().long_axis();
         assert!((axis.perp(&(turn * Vector2::x()))).abs() < 1e-12, "{axis}");

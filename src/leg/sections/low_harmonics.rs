@@ -1,12 +1,12 @@
-//! What a fit of the skin as a whole smooths away along the leg: its mean radius and its slowest
-//! waves around, each with a smoothing of its own.
+//! Restores what a fit of the whole skin smooths away along the leg: its mean radius and its
+//! slowest waves around, each with its own smoothing.
 //!
-//! The smoothing of the skin serves the single place, where the noise is all there. The mean and
-//! the slow waves are taken from all points around, where the noise averages out, and bear far less
-//! smoothing along; and a girth hangs on them: a wave of n around and amplitude a adds
-//! n² π a² / 2r to it, so an ankle whose oval is smoothed by a tenth is 2 mm too small. They
-//! are fitted to what the skin leaves over, one after the other (backfitting; Hastie and
-//! Tibshirani, Generalized Additive Models, 1990).
+//! The smoothing of the skin suits single points, where all of the noise remains. The mean and the
+//! slow waves are averages over all points around, in which the noise cancels, and need far less
+//! smoothing along the leg. The girth depends on them: a wave of number n and amplitude a adds n² π
+//! a² / 2r to it, so an ankle whose oval is smoothed by a tenth is 2 mm too small. They are fitted
+//! one after the other to the residuals of the skin (backfitting; Hastie and Tibshirani,
+//! Generalized Additive Models, 1990).
 
 use std::f64::consts::TAU;
 
@@ -14,49 +14,49 @@ use nalgebra::Complex;
 
 use crate::spline::{Basis, Smoothing, Spline, fit};
 
-/// Waves around up to this number: as fine as the paper's curve of order 15, whose 16 coefficients
-/// hold as much as 8 waves. An ankle with its tendon needs them; finer ones are as small as noise.
+/// Highest wave number around: as fine as the paper's curve of order 15, whose 16 coefficients
+/// correspond to 8 waves. An ankle with its tendon needs them; finer waves are as small as the noise.
 const WAVES: usize = 8;
 
-/// Points are averaged over lengths that are this part of a piece of the basis along: within one
-/// the slow waves hardly change.
+/// Points are averaged over bins of a length that is this fraction of a piece of the basis along;
+/// within a bin the slow waves hardly change.
 const BINS_PER_PIECE: usize = 4;
 
-/// The slow part of the skin that is added to its fit.
+/// The slow part of the skin, which is added to its fit.
 #[derive(Debug, Clone)]
 pub struct Waves {
-    /// The basis of their heights.
+    /// The basis of the waves' heights.
     along: Basis,
     waves: Vec<Wave>,
 }
 
-/// One wave around, its height a function of the distance along.
+/// One wave around; its height is a function of the distance along.
 #[derive(Debug, Clone)]
 struct Wave {
-    /// Number around; 0 is the mean.
+    /// Wave number around; 0 is the mean.
     count: usize,
     height: Spline,
-    /// What it adds to the coefficients of a curve around where its height is 1.
+    /// Its contribution to the coefficients of a curve around where its height is 1.
     shares: Vec<f64>,
 }
 
-/// What the skin leaves over; all slices are as long.
+/// The residuals of the skin's fit; all slices have the same length.
 #[derive(Debug, Clone, Copy)]
 pub struct Left<'a> {
     /// Distances along, within the basis.
     pub along: &'a [f64],
     /// Angles, radians.
     pub angle: &'a [f64],
-    /// What is left of the radius.
+    /// Residuals of the radius.
     pub value: &'a [f64],
     /// Weights, not negative.
     pub weight: &'a [f64],
 }
 
-/// What a wave of height 1 adds to the coefficients of a curve around in uniform pieces.
+/// The contribution of a wave of height 1 to the coefficients of a curve around in uniform pieces.
 fn shares(count: usize, is_sine: bool, around: &Basis) -> Vec<f64> {
-    // A cubic spline whose coefficients are a wave is that wave, lower by this factor at the knots
-    // (de Boor, A Practical Guide to Splines, 2001).
+    // A cubic spline whose coefficients are a wave is that wave at the knots, reduced by this
+    // factor (de Boor, A Practical Guide to Splines, 2001).
     let turn = TAU * count as f64 / around.count() as f64;
     let lowered = (2.0 + turn.cos()) / 3.0;
     let shape = |angle: f64| {
@@ -66,7 +66,7 @@ fn shares(count: usize, is_sine: bool, around: &Basis) -> Vec<f64> {
     around.greville().into_iter().map(|centre| shape(centre) / lowered).collect()
 }
 
-/// Equal lengths along the leg over which points are averaged.
+/// Bins of equal length along the leg over which points are averaged.
 struct Bins {
     from: f64,
     length: f64,
@@ -90,14 +90,14 @@ impl Bins {
 }
 
 impl Waves {
-    /// Fits the waves for curves around in uniform pieces, and gives what they leave over in their
-    /// turn; none where the data do not determine them.
+    /// Fits the waves for curves around in uniform pieces, and returns them with the remaining
+    /// residuals; `None` if the data do not determine them.
     pub fn of(left: &Left, along: &Basis, around: &Basis) -> Option<(Waves, Vec<f64>)> {
         let bins = Bins::over(along);
         let places: Vec<usize> = left.along.iter().map(|along| bins.place(*along)).collect();
         let mut rest = left.value.to_vec();
         let mut waves = Vec::new();
-        // The wave of number n at every point is turned on from that of number n − 1.
+        // At each point, wave n follows from wave n − 1 by a complex multiplication.
         let turns: Vec<Complex<f64>> =
             left.angle.iter().map(|angle| Complex::from_polar(1.0, *angle)).collect();
         let mut shapes = vec![Complex::new(1.0, 0.0); turns.len()];
@@ -107,7 +107,7 @@ impl Waves {
                 shapes.iter_mut().zip(&turns).for_each(|(shape, turn)| *shape *= turn);
             }
             let shapes = shapes.iter().map(|at| if is_sine { at.im } else { at.re });
-            // Least squares for the height alone: in each bin Σ w s r / Σ w s².
+            // Least squares for the height alone: Σ w s r / Σ w s² in each bin.
             let (mut moments, mut weights) = (vec![0.0; bins.count], vec![0.0; bins.count]);
             for (((place, weight), rest), shape) in
                 places.iter().zip(left.weight).zip(&rest).zip(shapes.clone())
@@ -129,7 +129,7 @@ impl Waves {
         Some((Waves { along: along.clone(), waves }, rest))
     }
 
-    /// What they add to the coefficients of a curve around.
+    /// The contribution of the waves to the coefficients of a curve around.
     pub fn coefficients(&self, along: f64) -> Vec<f64> {
         let row = self.along.row(along);
         let mut added = vec![0.0; self.waves.first().map_or(0, |wave| wave.shares.len())];
@@ -140,13 +140,13 @@ impl Waves {
         added
     }
 
-    /// Standard error of the least known wave's height.
+    /// Standard error of the height of the least certain wave.
     pub fn sd(&self, along: f64) -> f64 {
         let waves = self.waves.iter().filter(|wave| wave.count > 0);
         waves.map(|wave| wave.height.sd(along, 0)).fold(0.0, f64::max)
     }
 
-    /// Standard error of the mean radius, or of its `derivative` along.
+    /// Standard error of the mean radius, or of one of its derivatives along.
     pub fn mean_sd(&self, along: f64, derivative: usize) -> f64 {
         let mean = self.waves.iter().find(|wave| wave.count == 0);
         mean.map_or(0.0, |mean| mean.height.sd(along, derivative))
@@ -158,13 +158,13 @@ mod tests {
     use super::*;
     use std::f64::consts::PI;
 
-    /// A mean, an oval and a tendon that come and go along the leg.
+    /// A mean, an oval and a tendon that vary along the leg.
     fn skin(along: f64, angle: f64) -> f64 {
         let swell = (along / 50.0).sin();
         0.3 * swell + 0.8 * swell * (2.0 * angle).cos() - 0.2 * (7.0 * angle).sin()
     }
 
-    /// Points all around, turned from ring to ring, so that no wave falls on the same places
+    /// Points all around, rotated from ring to ring, so that no wave is sampled at the same phases
     /// everywhere.
     fn places(is_seen: impl Fn(f64, f64) -> bool) -> (Vec<f64>, Vec<f64>) {
         let grid = (0..400).flat_map(|i| (0..60).map(move |j| (f64::from(i), f64::from(j))));

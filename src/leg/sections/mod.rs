@@ -1,5 +1,5 @@
-//! The axis of a leg and the closed curves across it (paper 1.1, fig. 2b–2e): [`skin`] fits them all at
-//! once, [`plane`] and the paper's [`polynomial`] one by one.
+//! The axis of a leg and the closed curves across it (paper 1.1, fig. 2b–2e): [`skin`] fits them
+//! all together, [`plane`] and the paper's [`polynomial`] one by one.
 
 pub mod axis;
 pub mod equidistant;

@@ -1,9 +1,9 @@
-//! Sections plane by plane, each from its own points on the plane (paper 1.1, fig. 2c, 2d), kept
-//! beside [`super::skin`]: a periodic spline through the crossings of the mesh, or the paper's
-//! polynomial through the paper's pairs ([`super::point_pairs`]).
+//! Sections plane by plane, each from its own points on the plane (paper 1.1, fig. 2c, 2d), as an
+//! alternative to [`super::skin`]: a periodic spline through the intersections with the mesh, or
+//! the paper's polynomial through the paper's pairs ([`super::point_pairs`]).
 //!
-//! The points need not be a closed outline nor in any order, so holes and shells that overlap cost
-//! only their points.
+//! The points need not form a closed outline or be in any order, so holes and overlapping shells
+//! only affect their own points.
 
 use std::collections::BTreeSet;
 use std::f64::consts::{PI, TAU};
@@ -18,21 +18,21 @@ use super::section::{Curve, Section, girth, r2};
 use super::slice::Crossing;
 use crate::spline::{Basis, Smoothing, Spline, fit, robust_fit};
 
-/// Pieces of the periodic curve: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh;
-/// how much of that is used is for the smoothing to say.
+/// Pieces of the periodic curve: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh; the
+/// smoothing determines how much of this resolution is used.
 const INTERVALS: usize = 48;
 
-/// Smallest scale of residuals, mm: perfect data must not throw out their own rounding.
+/// Minimum scale of residuals, mm, so that perfect data do not lose points to rounding errors.
 const SCALE_MIN_MM: f64 = 0.02;
 
-/// Of how many section planes one gives its share to the choice of smoothing; the median over some
+/// One in this many section planes contributes to the choice of smoothing; the median over some
 /// twenty is as good as that over all.
 const SMOOTHING_STRIDE: usize = 6;
 
 /// A section with fewer points than this is not fitted.
 const POINTS_MIN: usize = 24;
 
-/// A polynomial of order 15 swings in a gap wider than this, degrees: beyond, its girth is off by
+/// A polynomial of order 15 oscillates in a gap wider than this, degrees: its girth is then off by
 /// centimetres while its R² stays at 0.9998.
 const POLYNOMIAL_GAP_MAX_DEG: f64 = 20.0;
 
@@ -48,11 +48,11 @@ pub enum PlaneFit {
     Polynomial,
 }
 
-/// The penalty for all sections of a leg: the median of what cross-validation finds for each.
+/// The penalty for all sections of a leg: the median of the cross-validation results for each.
 ///
-/// Cross-validation takes errors for independent, but crossings of edges that share a mesh point
-/// share its error. So it sees only crossings that share none; the factor it finds is relative to
-/// the data and serves for all of them.
+/// Cross-validation assumes independent errors, but crossings of edges with a common mesh point
+/// share its error. So it only uses crossings without common points; the resulting factor is
+/// relative to the data and valid for all of them.
 pub fn lambda(axis: &LegAxis, slices: &[Vec<Crossing>]) -> f64 {
     let one = |slice: &Vec<Crossing>| {
         let points = axis.points(&independent(axis, slice));
@@ -66,13 +66,13 @@ pub fn lambda(axis: &LegAxis, slices: &[Vec<Crossing>]) -> f64 {
     found.get(found.len() / 2).copied().unwrap_or(0.0)
 }
 
-/// The pieces of every periodic section curve.
+/// The basis of every periodic section curve.
 fn basis() -> Option<Basis> {
     Basis::uniform_periodic(-PI, TAU, INTERVALS).ok()
 }
 
-/// Crossings of which no two share a point of the mesh, as many as come first around the leg; the
-/// order of the file makes no difference.
+/// Crossings without common mesh points, chosen greedily by position, so that the order in the file
+/// makes no difference.
 fn independent(axis: &LegAxis, slice: &[Crossing]) -> Vec<Crossing> {
     let mut ordered = slice.to_vec();
     let place = |crossing: &Crossing| axis.in_plane(&crossing.position);
@@ -95,7 +95,7 @@ fn polar(points: &[Point2<f64>], centre: Point2<f64>) -> (Vec<f64>, Vec<f64>) {
 }
 
 /// Fits the section through points on a plane, (front, lateral) in mm, about the centroid of their
-/// outline; none where too few points or too wide a gap leave it open.
+/// outline; `None` if there are too few points or too wide a gap.
 pub fn section(
     axis: &LegAxis,
     along_mm: f64,

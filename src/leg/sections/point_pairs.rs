@@ -1,9 +1,9 @@
 //! The paper's points of a section (paper 1.1, steps 1 and 2; fig. 2b, 2c): each point near the
-//! plane is joined with the nearest point on the plane's other side, and the line through both
-//! meets the plane.
+//! plane is paired with the nearest point on the plane's other side, and the line through both
+//! intersects the plane.
 //!
-//! Points alone are asked, triangles never. The line is a chord of the skin: between points e
-//! apart it lies up to e²/8R inside, which the paper accepts.
+//! Only points are used, never triangles. The line is a chord of the skin: between points e apart
+//! it lies up to e²/8R inside, which the paper accepts.
 
 use nalgebra::{Point2, Point3};
 
@@ -12,28 +12,27 @@ use super::polynomial;
 use super::section::SPACING_MM;
 use crate::leg::parting::segment::Leg;
 
-/// Points near a plane: the square of the polynomial's order. About as many random places keep
-/// least squares with a polynomial from swinging (Cohen, Davenport and Leviatan, On the stability
-/// and accuracy of least squares approximations, 2013); with half of them its girths are off
-/// by centimetres.
+/// Points near a plane: the square of the polynomial's order. About this many random points keep a
+/// least-squares polynomial from oscillating (Cohen, Davenport and Leviatan, On the stability and
+/// accuracy of least squares approximations, 2013); with half as many, its girths are off by
+/// centimetres.
 const NEAR_POINTS: f64 = (polynomial::ORDER * polynomial::ORDER) as f64;
 
-/// The points of a leg in the frame of its axis, ready to be paired across planes.
+/// The points of a leg in the frame of its axis, ready for pairing across planes.
 #[derive(Debug, Clone)]
 pub struct Pairs {
     /// (Front, lateral, along) in mm, ascending along the axis.
     points: Vec<Point3<f64>>,
-    /// A point is near a plane up to this far from it, mm.
+    /// A point up to this far from a plane is near it, mm.
     threshold_mm: f64,
 }
 
 impl Pairs {
-    /// All points of a leg; none where none lies between the two distances along the axis.
+    /// All points of a leg; `None` if none lies between the two distances along the axis.
     ///
-    /// The paper's threshold is "preset" and not given. Here it is the distance within which the
-    /// average plane between the two distances has 225 points. It is never less than
-    /// the distance of the planes, so that scanners which put their points in rows have one within
-    /// reach of each plane.
+    /// The paper's threshold is "preset" and not given. Here it is the distance within which an
+    /// average plane between the two distances has 225 points. It is at least the distance between
+    /// planes, so that each plane has points nearby even if the scanner puts its points in rows.
     pub fn of(leg: &Leg, axis: &LegAxis, [from_mm, to_mm]: [f64; 2]) -> Option<Pairs> {
         let place = |point: &Point3<f64>| {
             let in_plane = axis.in_plane(point);
@@ -52,8 +51,8 @@ impl Pairs {
         Some(Pairs { points, threshold_mm })
     }
 
-    /// Where the lines of the pairs across the plane at a distance along the axis meet it, (front,
-    /// lateral) in mm. Two points that are each other's nearest give their place twice.
+    /// Points where the lines of the pairs intersect the plane at a distance along the axis,
+    /// (front, lateral) in mm. Two points that are each other's nearest give their point twice.
     pub fn on_plane(&self, along_mm: f64) -> Vec<Point2<f64>> {
         let (below, above) =
             self.points.split_at(self.points.partition_point(|point| point.z < along_mm));
@@ -72,8 +71,8 @@ impl Pairs {
     }
 }
 
-/// The nearest to a point among others that are ever further from it along the axis: once they are
-/// further along than the nearest is away, none that follow can be nearer.
+/// The nearest to a point among others in order of increasing distance along the axis: once that
+/// distance exceeds the distance to the best one, none that follow can be nearer.
 fn nearest<'a>(
     own: &Point3<f64>,
     others: impl Iterator<Item = &'a Point3<f64>>,
@@ -91,7 +90,8 @@ fn nearest<'a>(
     best.map(|(point, _)| point)
 }
 
-/// Where the line through a point below a plane and one above it, in either order, meets it.
+/// The intersection of a plane with the line through a point below it and one above it, in either
+/// order.
 fn meeting(p: &Point3<f64>, q: &Point3<f64>, along_mm: f64) -> Point2<f64> {
     p.xy() + (q.xy() - p.xy()) * ((along_mm - p.z) / (q.z - p.z))
 }
@@ -106,7 +106,7 @@ mod tests {
 
     const SPAN_MM: [f64; 2] = [20.0, 180.0];
 
-    /// A leg of points alone.
+    /// A leg without triangles.
     fn leg(side: Side, points: Vec<Point3<f64>>) -> Leg {
         Leg { side, mesh: Mesh::cloud(points, 1.0), cut_mm: None }
     }
@@ -120,7 +120,7 @@ mod tests {
         }
     }
 
-    /// Points in golden-angle turns on a tube up to 200 mm: evenly spread, none above another.
+    /// Points in golden-angle turns on a tube up to 200 mm: evenly spread, none directly above another.
     fn spiral(count: u32, radius: impl Fn(f64) -> f64) -> Vec<Point3<f64>> {
         let golden = PI * (3.0 - 5.0_f64.sqrt());
         let at = |i: u32| {
@@ -136,7 +136,8 @@ mod tests {
         let leg = leg(Side::Left, spiral(count, |_| radius_mm));
         let pairs = Pairs::of(&leg, &upright(Side::Left), SPAN_MM).unwrap();
         let spacing_mm = (TAU * radius_mm * 200.0 / f64::from(count)).sqrt();
-        // A point is joined with one near its own foot on the plane: less than two spacings aside.
+        // A point is paired with one near its own projection onto the plane: less than two spacings
+        // aside.
         let sagitta_mm = (2.0 * spacing_mm).powi(2) / (8.0 * radius_mm);
         for along_mm in (20..180).map(|z| f64::from(z) + 0.3) {
             let places = pairs.on_plane(along_mm);
@@ -150,7 +151,7 @@ mod tests {
 
     #[test]
     fn places_on_a_cone_of_rows_are_the_cone_at_the_plane_itself() {
-        // Rows of points straight above each other: every pair lies on a straight line of the cone.
+        // Rows of points directly above each other: every pair lies on a straight line of the cone.
         let at = |row: u32, column: u32| {
             let (angle, z) = (TAU * f64::from(column) / 60.0, 4.0 * f64::from(row));
             let radius = 20.0 + 0.1 * z;
@@ -207,7 +208,7 @@ mod tests {
             let leg = leg(Side::Left, spiral(count, |_| 50.0));
             Pairs::of(&leg, &upright(Side::Left), SPAN_MM).unwrap().threshold_mm
         };
-        // 4 points a millimetre, then 100.
+        // 4 points per millimetre, then 100.
         assert!((threshold_mm(800) - 225.0 / 4.0 / 2.0).abs() < 0.2, "{}", threshold_mm(800));
         assert_eq!(threshold_mm(20_000), SPACING_MM);
     }

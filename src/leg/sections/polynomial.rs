@@ -1,8 +1,8 @@
 //! The paper's section curve: radius over angle in (−π, π] as a polynomial of order 15.
 //!
 //! In Legendre's basis on θ/π, because the powers of θ have a condition number of 2·10⁸. Not
-//! periodic: the two ends meet at the seam at ±180° only as well as the fit makes them, and a gap
-//! in the points sets it swinging. Kept because it is the paper's.
+//! periodic: the two ends at the seam at ±180° match only as well as the fit makes them, and a gap
+//! in the points makes it oscillate. Kept because it is the paper's method.
 
 use std::f64::consts::{PI, TAU};
 
@@ -11,8 +11,8 @@ use nalgebra::{DMatrix, DVector};
 /// Order of the polynomial (paper 1.1).
 pub const ORDER: usize = 15;
 
-/// Singular values below this share of the largest are taken for zero; the basis is orthogonal, so
-/// they appear only where whole ranges of angle have no points.
+/// Singular values below this share of the largest count as zero; the basis is orthogonal, so they
+/// occur only if whole ranges of angle have no points.
 const RANK_TOLERANCE: f64 = 1e-10;
 
 /// Radius over angle as a polynomial of order 15.
@@ -22,7 +22,7 @@ pub struct Polynomial {
     coefficients: Vec<f64>,
 }
 
-/// Least squares through (θ, r); none with fewer points than coefficients.
+/// Least squares through (θ, r); `None` for fewer points than coefficients.
 pub fn fit(angles: &[f64], radii_mm: &[f64]) -> Option<Polynomial> {
     if angles.len() <= ORDER {
         return None;
@@ -36,8 +36,8 @@ pub fn fit(angles: &[f64], radii_mm: &[f64]) -> Option<Polynomial> {
 }
 
 impl Polynomial {
-    /// Radius and its first two derivatives by the angle (radians). Angles outside [−π, π] are
-    /// turned into it: out there the polynomial is metres away from any skin.
+    /// Radius and its first two derivatives with respect to the angle (radians). Angles outside
+    /// [−π, π] are wrapped into it, because outside the polynomial is metres away from any skin.
     pub fn derivatives(&self, angle: f64) -> [f64; 3] {
         let home = if angle.abs() > PI { angle - TAU * (angle / TAU).round() } else { angle };
         let values = legendre(home / PI);

@@ -10,10 +10,10 @@ use super::hull::Hull;
 use super::polynomial::Polynomial;
 use crate::spline::{Basis, Row};
 
-/// Angles at which a curve's girth is measured; the chord error is 3·10⁻⁶ of the girth.
+/// Number of angles at which a curve's girth is measured; the chord error is 3·10⁻⁶ of the girth.
 const GIRTH_ANGLES: usize = 720;
 
-/// Distance of neighbouring sections along the axis, mm.
+/// Distance between neighbouring sections along the axis, mm.
 pub const SPACING_MM: f64 = 5.0;
 
 /// A measured section.
@@ -23,34 +23,34 @@ pub struct Section {
     pub along_mm: f64,
     /// Height of the section's centre above the floor, mm.
     pub height_mm: f64,
-    /// The centroid of the area inside, (front, lateral) in mm from the axis.
+    /// The centroid of the enclosed area, (front, lateral) in mm from the axis.
     pub centre: Point2<f64>,
     /// Radius over angle about `centre`.
     pub curve: Curve,
     /// Circumference.
     pub girth: Girth,
-    /// Standard error of the girth and of its first two derivatives along the axis, where the fit
-    /// knows them.
+    /// Standard error of the girth and of its first two derivatives along the axis, if the fit
+    /// provides them.
     pub girth_sd: Option<[f64; 3]>,
-    /// Standard error of the sine and of the cosine of a slow wave of the radius, mm, where the fit
-    /// knows it.
+    /// Standard error of the sine and of the cosine of a slow wave of the radius, mm, if the fit
+    /// provides it.
     pub wave_sd_mm: Option<f64>,
     /// Number of points on the plane.
     pub points: usize,
     /// Coefficient of determination of the radius over all points.
     pub r2: f64,
-    /// Root mean square of the radial residuals, outliers at their weight, mm.
+    /// Root mean square of the radial residuals, outliers with their weight, mm.
     pub rms_mm: f64,
     /// Widest gap between neighbouring points as seen from the centre, degrees.
     pub largest_gap_deg: f64,
 }
 
-/// Where a section's curve lies: what the surface needs of it.
+/// The position of a section's curve: the part that the surface needs.
 #[derive(Debug, Clone)]
 pub struct Outline {
     /// Distance of the plane along the axis, mm.
     pub along_mm: f64,
-    /// The point that radius and angle count from, (front, lateral) in mm from the axis.
+    /// The origin of radius and angle, (front, lateral) in mm from the axis.
     pub centre: Point2<f64>,
     /// Radius over angle about `centre`.
     pub curve: Curve,
@@ -73,7 +73,7 @@ impl From<&Section> for Outline {
 /// Circumference of a section, mm.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Girth {
-    /// Of the convex hull: what a tape reads, which bridges hollows.
+    /// Of the convex hull: the reading of a tape, which bridges hollows.
     pub tape_mm: f64,
     /// Along the skin.
     pub contour_mm: f64,
@@ -102,7 +102,7 @@ impl Curve {
         }
     }
 
-    /// Radius and its first two derivatives by the angle.
+    /// Radius and its first two derivatives with respect to the angle.
     pub fn derivatives(&self, angle: f64) -> [f64; 3] {
         match self {
             Curve::Periodic { basis, coefficients } => {
@@ -119,7 +119,7 @@ impl Curve {
         Point2::new(radius * angle.cos(), radius * angle.sin())
     }
 
-    /// `count` points at equal angles from −180° on.
+    /// `count` points at equal angles, starting at −180°.
     pub fn points(&self, count: usize) -> Vec<Point2<f64>> {
         (0..count).map(|index| self.point(-PI + TAU * index as f64 / count as f64)).collect()
     }
@@ -133,19 +133,19 @@ impl Section {
 }
 
 /// Coefficient of determination from the sums of squared residuals, of squared deviations from the
-/// mean, and of squared values; 1 where the values differ by rounding only.
+/// mean, and of squared values; 1 if the values differ only by rounding.
 pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
     const ROUNDING: f64 = 1e-18;
     if deviations > ROUNDING * values { 1.0 - residuals / deviations } else { 1.0 }
 }
 
-/// Circumference of a closed curve; none where it encloses nothing.
+/// Circumference of a closed curve; `None` if it encloses no area.
 pub fn girth(curve: &Curve) -> Option<Girth> {
     Girth::of(&curve.points(GIRTH_ANGLES))
 }
 
 impl Girth {
-    /// Circumference of a closed polygon; none where it encloses nothing.
+    /// Circumference of a closed polygon; `None` if it encloses no area.
     fn of(points: &[Point2<f64>]) -> Option<Girth> {
         let next = points.iter().cycle().skip(1);
         let contour_mm = points.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
@@ -153,10 +153,10 @@ impl Girth {
     }
 }
 
-/// The angles at which girths are measured, for any number of periodic curves in one basis.
+/// The angles at which girths are measured, reusable for all periodic curves in one basis.
 #[derive(Debug, Clone)]
 pub struct Spokes {
-    /// The basis' values at each angle, and the angle's direction.
+    /// For each angle, the basis' values and the direction.
     spokes: Vec<(Row, Vector2<f64>)>,
 }
 
@@ -168,7 +168,7 @@ impl Spokes {
         Spokes { spokes: angles.map(spoke).collect() }
     }
 
-    /// As [`girth`], of the curve with these coefficients.
+    /// Like [`girth`], for the curve with these coefficients.
     pub fn girth(&self, coefficients: &[f64]) -> Option<Girth> {
         let point = |(row, direction): &(Row, Vector2<f64>)| {
             Point2::from(direction * row.dot(coefficients))

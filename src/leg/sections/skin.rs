@@ -2,10 +2,10 @@
 //! around it, fitted to every point of the scan at once.
 //!
 //! A section through it uses all the points near its plane, not only those within a few
-//! millimetres of it, and none of the flat facets between them. Holes are bridged from all sides.
-//! How much is smoothed away, along and around, is for the points to say (cross-validation).
+//! millimetres, and none of the flat facets between them. Holes are bridged from all sides.
+//! Cross-validation chooses the amount of smoothing along and around.
 //!
-//! What that smoothing takes from the slow waves around is given back by `wave`.
+//! What the smoothing removes from the slow waves around is restored by `waves`.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
@@ -21,33 +21,33 @@ use crate::spline::{Basis, Scatter, Smoothing, Spline, TensorFit, fit, fit_scatt
 /// Pieces of the function around: 7.5° each, which is 4 mm on a slim ankle and 11 mm on a thigh.
 const INTERVALS_AROUND: usize = 48;
 
-/// Length of its pieces along, mm: about the width of the smallest bump, a malleolus (σ 13 mm).
+/// Length of the pieces along, mm: about the width of the smallest bump, a malleolus (σ 13 mm).
 const INTERVAL_ALONG_MM: f64 = 12.0;
 
-/// Least scale of residuals, mm, so that nothing within 1.4 mm is an outlier: a malleolus that the
-/// first, smoothest fit cuts off must not lose its points. Scanners scatter by 0.5 to 1.5 mm.
+/// Minimum scale of residuals, mm, so that nothing within 1.4 mm is an outlier: a malleolus that
+/// the first, smoothest fit cuts off must not lose its points. Scanners scatter by 0.5 to 1.5 mm.
 const SCALE_MIN_MM: f64 = 0.3;
 
-/// Standard error of a girth even where the points show no noise, mm: what is left of the girth's
-/// error on noise-free bodies of known truth, from the shape between the points.
+/// Minimum standard error of a girth, even if the points show no noise, mm: the remaining error of
+/// girths on noise-free bodies of known shape, caused by the shape between the points.
 const GIRTH_SD_MIN_MM: f64 = 0.1;
 
-/// An outlier counts as no further off than this, mm: a layer over the skin is; a hand or a
-/// speck is none, and its few points do not make a section scatter.
+/// Maximum residual counted for an outlier, mm: a layer over the skin lies within it; a hand or a
+/// speck does not, and its few points should not make a section appear to scatter.
 const STRAY_MM: f64 = 6.0;
 
-/// Distance of the outlines that give the middle of the leg, mm.
+/// Distance between the outlines that determine the middle of the leg, mm.
 const MIDDLE_SPACING_MM: f64 = 20.0;
 
 /// Length of the pieces of the middle's curve, mm.
 const MIDDLE_INTERVAL_MM: f64 = 60.0;
 
-/// A section counts as seen in a direction where there is a point within this many point spacings
-/// of its plane.
+/// A section counts as seen in a direction if there is a point within this many point spacings of
+/// its plane.
 const SEEN_SPACINGS: f64 = 1.5;
 
-/// … and at least this far from it, mm: scanners that sweep put their points in rows that are
-/// further apart than the points in them.
+/// … or within this, mm, if that is more: sweeping scanners put their points in rows that are
+/// further apart than the points within a row.
 const SEEN_MIN_MM: f64 = 5.5;
 
 /// The skin of one leg between two distances along its axis.
@@ -56,15 +56,15 @@ pub struct Skin {
     /// The middle of the leg, (front, lateral) in mm from the axis, over the distance along it.
     middle: [Spline; 2],
     fit: TensorFit,
-    /// What is added to the fitted radius.
+    /// The correction to the fitted radius.
     waves: Waves,
-    /// Where the girths of its sections are measured.
+    /// The angles at which the girths of its sections are measured.
     spokes: Spokes,
-    /// Points of the scan that the fit believes, by their distance along the axis.
+    /// Points of the scan that the fit uses, ordered by their distance along the axis.
     points: Vec<SkinPoint>,
-    /// The others, likewise.
+    /// The outliers, ordered likewise.
     outliers: Vec<SkinPoint>,
-    /// Mean distance of neighbouring points, mm.
+    /// Mean distance between neighbouring points, mm.
     spacing_mm: f64,
     /// Points per mm along the axis, averaged over the leg.
     points_per_mm: f64,
@@ -76,13 +76,12 @@ struct SkinPoint {
     along_mm: f64,
     angle: f64,
     radius_mm: f64,
-    /// How far it lies outside the fitted skin.
+    /// Distance outside the fitted skin.
     residual_mm: f64,
 }
 
 impl Skin {
-    /// Fits the skin of a leg between two distances along its axis; none where there are too few
-    /// points.
+    /// Fits the skin of a leg between two distances along its axis; `None` if there are too few points.
     pub fn of(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<Skin> {
         let middle = middle(leg, axis, from_mm, to_mm)?;
         let place =
@@ -126,7 +125,7 @@ impl Skin {
         Some(Skin { middle, fit, waves, spokes, points, outliers, spacing_mm, points_per_mm })
     }
 
-    /// The section at a distance along the axis; none outside the skin or where too much of it was
+    /// The section at a distance along the axis; `None` outside the skin or if too much of it was
     /// not seen.
     pub fn section(&self, axis: &LegAxis, along_mm: f64) -> Option<Section> {
         let near = self.near(&self.points, along_mm);
@@ -153,14 +152,14 @@ impl Skin {
         })
     }
 
-    /// The skin's outline at a distance along the axis, bridged where it was not seen; none outside
-    /// the skin.
+    /// The skin's outline at a distance along the axis, bridged where it was not seen; `None`
+    /// outside the skin.
     pub fn outline(&self, along_mm: f64) -> Option<Outline> {
         let curve = self.curve(self.coefficients(along_mm)?);
         Some(Outline { along_mm, centre: self.centre(along_mm), curve })
     }
 
-    /// The coefficients of the radius around at a distance along the axis; none outside the skin.
+    /// The coefficients of the radius around at a distance along the axis; `None` outside the skin.
     fn coefficients(&self, along_mm: f64) -> Option<Vec<f64>> {
         let (from_mm, to_mm) = self.fit.function.along().domain();
         if !(from_mm..=to_mm).contains(&along_mm) {
@@ -181,18 +180,18 @@ impl Skin {
         Point2::new(front, lateral)
     }
 
-    /// Widest angle at a distance along the axis in which no point was seen, degrees.
+    /// Widest angle without points at a distance along the axis, degrees.
     pub fn largest_gap_deg(&self, along_mm: f64) -> f64 {
         let near = self.near(&self.points, along_mm);
         largest_gap_deg(&near.iter().map(|point| point.angle).collect::<Vec<_>>())
     }
 
-    /// How far from a plane points still tell whether it was seen, mm.
+    /// Points within this distance of a plane show that it was seen, mm.
     fn reach_mm(&self) -> f64 {
         (SEEN_SPACINGS * self.spacing_mm).max(SEEN_MIN_MM)
     }
 
-    /// Those of some points, ascending, whose distance from a plane says whether it was seen.
+    /// The points (which ascend) within that distance of a plane.
     fn near<'p>(&self, points: &'p [SkinPoint], along_mm: f64) -> &'p [SkinPoint] {
         let reach_mm = self.reach_mm();
         let first = points.partition_point(|point| point.along_mm < along_mm - reach_mm);
@@ -200,8 +199,8 @@ impl Skin {
         &points[first..last]
     }
 
-    /// Coefficient of determination of the believed points of a section, and root mean square
-    /// residual of all of them, mm: cloth or a second layer is left out of the fit, and must be told.
+    /// Coefficient of determination of the used points of a section, and root mean square residual
+    /// of all points, mm: cloth or a second layer is excluded from the fit, but must be reported.
     fn goodness(believed: &[SkinPoint], outliers: &[SkinPoint]) -> (f64, f64) {
         let count = believed.len() as f64;
         let mean = believed.iter().map(|point| point.radius_mm).sum::<f64>() / count;
@@ -217,7 +216,7 @@ impl Skin {
     }
 
     /// Standard error of the girth and of its first two derivatives along the axis, mm: 2π times
-    /// that of the mean radius, for as many points as there are here.
+    /// that of the mean radius, adjusted to the local number of points.
     fn girth_sd(&self, along_mm: f64, near: usize) -> [f64; 3] {
         let here = near as f64 / (2.0 * self.reach_mm());
         let scarcity = (self.points_per_mm / here).sqrt();

@@ -1,55 +1,55 @@
-//! Parallel planes through the skin: the points where the mesh's edges cross them, or, of a bare
+//! Parallel planes through the skin: the points where the mesh's edges cross them or, for a bare
 //! point cloud, the points near them.
 //!
 //! A facet's edge is a chord of the skin: its points lie up to e²/8R inside. On an ankle of radius
-//! 28 mm with edges of 6 mm that makes the girth 0.3 mm too small. So a crossing is moved out to
-//! the curve that the normals at the edge's two ends describe (the quadratic term of Vlachos et
+//! 28 mm with edges of 6 mm that makes the girth 0.3 mm too small. So a crossing is moved outwards
+//! onto the curve described by the normals at the edge's two ends (the quadratic term of Vlachos et
 //! al., Curved PN Triangles, 2001).
 
 use nalgebra::{Point3, Unit, Vector3};
 
 use crate::leg::frame::components;
 
-/// Normals of an edge's two ends that differ more than this do not describe a smooth piece of
-/// skin (a fold, a rim, facets of opposite orientation); then the chord stands. Cosine of 45°.
+/// If the normals at an edge's two ends differ by more than this, they do not describe a smooth piece
+/// of skin (a fold, a rim, facets of opposite orientation), and the chord is used. Cosine of 45°.
 const SMOOTH_EDGE_MIN_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// Of a point cloud the points up to this far from a plane make its slice, mm, or up to one
-/// spacing where that is more: scanners that sweep put their points in rows up to 10 mm apart.
+/// The slice of a point cloud consists of the points up to this far from the plane, mm, or up to
+/// one spacing if that is more: sweeping scanners put their points in rows up to 10 mm apart.
 const SLAB_HALF_MIN_MM: f64 = 5.5;
 
-/// A skin to be sliced: a triangle mesh with the normals of its points, or a bare point cloud.
+/// A skin to be sliced: a triangle mesh with vertex normals, or a bare point cloud.
 #[derive(Debug, Clone)]
 pub struct Mesh {
     points: Vec<Point3<f64>>,
-    /// None of a point cloud.
+    /// Empty for a point cloud.
     triangles: Vec<[u32; 3]>,
-    /// Area-weighted mean normal of the triangles around each point, of either sign; none of a
+    /// Area-weighted mean normal of the triangles around each point, of arbitrary sign; empty for a
     /// point cloud.
     normals: Vec<Vector3<f64>>,
     /// Half the thickness of a point cloud's slices, mm.
     slab_half_mm: f64,
 }
 
-/// Where an edge of the mesh crosses a plane, or the foot of a point near it.
+/// The point where an edge of the mesh crosses a plane, or the projection of a nearby point onto it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crossing {
-    /// The edge's two points, smaller index first; of a point cloud twice the point.
+    /// The edge's two points, smaller index first; for a point cloud, the point twice.
     pub edge: [u32; 2],
-    /// The place.
+    /// The position on the plane.
     pub position: Point3<f64>,
 }
 
 impl Mesh {
-    /// A mesh; every index must be within `points`, as a scan promises.
+    /// A mesh; every index must be within `points`, as guaranteed by a scan.
     pub fn new(points: Vec<Point3<f64>>, triangles: Vec<[u32; 3]>) -> Mesh {
         let mut normals = vec![Vector3::zeros(); points.len()];
         for triangle in &triangles {
             let [a, b, c] = triangle.map(|corner| points[corner as usize]);
             let normal = (b - a).cross(&(c - a));
             for &corner in triangle {
-                // Facets around a point need not be oriented alike; around smooth skin they lie
-                // within a right angle of each other, so the sign can be told.
+                // Facets around a point need not have the same orientation; around smooth skin they
+                // lie within a right angle of each other, so the sign can be determined.
                 let sum: &mut Vector3<f64> = &mut normals[corner as usize];
                 *sum += if sum.dot(&normal) < 0.0 { -normal } else { normal };
             }
@@ -60,13 +60,13 @@ impl Mesh {
         Mesh { points, triangles, normals, slab_half_mm: 0.0 }
     }
 
-    /// A bare point cloud with this distance of neighbouring points.
+    /// A bare point cloud with this distance between neighbouring points.
     pub fn cloud(points: Vec<Point3<f64>>, spacing_mm: f64) -> Mesh {
         let slab_half_mm = spacing_mm.max(SLAB_HALF_MIN_MM);
         Mesh { points, triangles: Vec::new(), normals: Vec::new(), slab_half_mm }
     }
 
-    /// Points.
+    /// The points.
     pub fn points(&self) -> &[Point3<f64>] {
         &self.points
     }
@@ -76,13 +76,13 @@ impl Mesh {
         &self.triangles
     }
 
-    /// What lies below a height.
+    /// The part below a height.
     pub fn below(&self, height_mm: f64) -> Mesh {
         self.part(|middle, _| middle.z < height_mm)
     }
 
-    /// The triangles that `keeps` chooses by their middle and their longest edge, mm, and their
-    /// points; of a point cloud the points, whose edges are 0. Normals stay those of the whole mesh.
+    /// The triangles that `keeps` accepts by their middle and their longest edge, mm, with their
+    /// points; for a point cloud the points, with edges of 0. Normals stay those of the whole mesh.
     pub fn part(&self, keeps: impl Fn(&Point3<f64>, f64) -> bool) -> Mesh {
         if self.triangles.is_empty() {
             let points = self.points.iter().filter(|point| keeps(point, 0.0));
@@ -108,26 +108,27 @@ impl Mesh {
         }
     }
 
-    /// Height of the highest point, mm; −∞ where there is none.
+    /// Height of the highest point, mm; −∞ if there is none.
     pub fn highest_mm(&self) -> f64 {
         self.points.iter().map(|point| point.z).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// Crossings of the mesh's edges with the planes `direction · p = offset`, one list an offset,
-    /// each edge once, in the order of the edges' indices; of a point cloud the feet of the points
-    /// near each plane, in their order. `offsets` must ascend.
+    /// Crossings of the mesh's edges with the planes `direction · p = offset`, one list per offset,
+    /// each edge once, in the order of the edges' indices; for a point cloud the projections of the
+    /// points near each plane, in their order. `offsets` must ascend.
     pub fn slices(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
         if self.triangles.is_empty() {
             return self.slabs(direction, offsets);
         }
         let heights: Vec<f64> = self.points.iter().map(|p| direction.dot(&p.coords)).collect();
-        // An edge as one number, the smaller index above: such are sorted in half the time.
+        // An edge packed into one number, the smaller index in the high bits, which halves the
+        // sorting time.
         let mut edges: Vec<Vec<u64>> = vec![Vec::new(); offsets.len()];
         let mut first = 0;
         for &[a, b, c] in &self.triangles {
             let [p, q, r] = [a, b, c].map(|corner| heights[corner as usize]);
             let (low, high) = (p.min(q).min(r), p.max(q).max(r));
-            // From where the last triangle was, which is near in most exports.
+            // Starts at the last triangle's position, which is close in most exports.
             while first > 0 && offsets[first - 1] > low {
                 first -= 1;
             }
@@ -156,7 +157,7 @@ impl Mesh {
         offsets.iter().zip(edges).map(|(&offset, edges)| crossing(offset, edges)).collect()
     }
 
-    /// The points of a cloud near each plane, moved onto it.
+    /// The points of a cloud near each plane, projected onto it.
     fn slabs(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
         let mut slices = vec![Vec::new(); offsets.len()];
         for (point, index) in self.points.iter().zip(0..) {

@@ -1,4 +1,4 @@
-//! A leg unrolled: where skin lies by its distance along the axis and its column.
+//! A leg unrolled: positions on the skin by their distance along the axis and their column.
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,26 +10,26 @@ use crate::leg::parting::segment::Leg;
 use crate::leg::sections::axis::LegAxis;
 use crate::leg::sections::section::{Outline, Section};
 
-/// Angles at which a section is compared with the surface: none of them a column of the grid.
+/// Angles at which a section is compared with the surface; none of them is a column of the grid.
 const CHECK_ANGLES: usize = 90;
 
-/// Angles that give the mean radius of an outline.
+/// Angles over which the mean radius of an outline is taken.
 const RADIUS_ANGLES: usize = 8;
 
 /// A leg's outlines with the columns across them.
 #[derive(Debug, Clone, Copy)]
 pub struct Unrolled<'a> {
-    /// The frame the outlines lie in.
+    /// The frame of the outlines.
     pub axis: &'a LegAxis,
     /// At least one; ascending.
     pub outlines: &'a [Outline],
-    /// Where the columns run.
+    /// The positions of the columns.
     pub columns: &'a Columns,
 }
 
 impl<'a> Unrolled<'a> {
     /// The scan's points between two distances along the axis, mm. They are spread evenly over the
-    /// skin, so each stands for the same area.
+    /// skin, so each represents the same area.
     pub fn points(&self, leg: &Leg, from_mm: f64, to_mm: f64) -> Vec<Place> {
         let place = |point: &Point3<f64>| {
             let along_mm = self.axis.along(point);
@@ -43,7 +43,7 @@ impl<'a> Unrolled<'a> {
         leg.mesh.points().iter().filter_map(place).collect()
     }
 
-    /// Places all around sections, each for the area that it stands for.
+    /// Points all around the sections, each weighted by the area that it represents.
     pub fn sections(&self, sections: &'a [&'a Section]) -> impl Iterator<Item = Place> + 'a {
         let Unrolled { axis, columns, .. } = *self;
         sections.iter().flat_map(move |section| {
@@ -66,12 +66,12 @@ impl<'a> Unrolled<'a> {
         angles.map(|angle| curve.radius(angle)).sum::<f64>() / RADIUS_ANGLES as f64
     }
 
-    /// How far outside its outline a place lies, mm.
+    /// Distance of a point outside its outline, mm.
     pub fn outside_mm(&self, place: &Place) -> f64 {
         place.radius_mm - self.nearest(place.at.0).curve.radius(place.angle)
     }
 
-    /// From the middle of its outline to a point, square to the axis, body frame, mm.
+    /// Vector from the middle of its outline to a point, perpendicular to the axis, body frame, mm.
     pub fn arm(&self, point: &Point3<f64>) -> Vector3<f64> {
         let along_mm = self.axis.along(point);
         point - self.axis.at(along_mm, &self.nearest(along_mm).centre)

@@ -1,5 +1,5 @@
-//! Where the skin lies off the surface and to which side: the map behind the figures of
-//! [`FitError`](super::fit_error::FitError).
+//! The signed distance of the skin from the surface, position by position: the map behind the
+//! figures of [`FitError`](super::fit_error::FitError).
 
 use std::f64::consts::{PI, TAU};
 
@@ -10,13 +10,14 @@ use super::hole::Coverage;
 use super::ridge_parametrization::Columns;
 use crate::spline::Surface;
 
-/// Distance of the map's rows along the axis, mm, made a little smaller to reach both ends.
+/// Maximum distance between the map's rows along the axis, mm; reduced so that the rows reach both
+/// ends.
 pub const ROW_MM: f64 = 10.0;
 
-/// The map's angles around, −180° first: 8 mm apart on a calf.
+/// Number of the map's angles around, −180° first: 8 mm apart on a calf.
 pub const ANGLES: usize = 48;
 
-/// A node with less than this share of one point around it was not seen.
+/// A node counts as not seen if the points around it have less than this total weight.
 const WEIGHT_MIN: f64 = 0.05;
 
 /// Mean distances of the scan's points from a surface, on rows along and equal angles around.
@@ -24,20 +25,20 @@ const WEIGHT_MIN: f64 = 0.05;
 pub struct ErrorMap {
     /// Distances of the rows along the axis, mm, ascending.
     pub along_mm: Vec<f64>,
-    /// Row by row, [`ANGLES`] each: how far the skin lies outside the surface, mm; none where it was
-    /// not seen.
+    /// Row by row, [`ANGLES`] each: distance of the skin outside the surface, mm; `None` where it
+    /// was not seen.
     pub outside_mm: Vec<Option<f64>>,
 }
 
-/// The angle of a place in a row, radians from −π on.
+/// The angle of an index within a row, radians from −π on.
 pub fn angle(index: usize) -> f64 {
     -PI + TAU * index as f64 / ANGLES as f64
 }
 
 impl ErrorMap {
-    /// The map of points on a surface. Each counts for the four nodes around it, the nearer the more,
-    /// so that noise is averaged and nothing is moved. `outward` is the direction out of the leg at a
-    /// place, of any length.
+    /// The map of points on a surface. Each point counts for the four nodes around it, with
+    /// bilinear weights, so that noise is averaged without a shift. `outward` is the direction out
+    /// of the leg at a point, of any length.
     pub fn of(
         surface: &Surface,
         columns: &Columns,
@@ -74,7 +75,7 @@ impl ErrorMap {
     }
 }
 
-/// How far a point lies outside the surface along the surface's normal, mm; none at a singular place.
+/// Distance of a point outside the surface along its normal, mm; `None` at a singular point.
 fn off_mm(surface: &Surface, place: &Place, outward: &Vector3<f64>) -> Option<f64> {
     let (u, v) = place.at;
     let normal = surface.normal(u, v)?;
@@ -82,7 +83,7 @@ fn off_mm(surface: &Surface, place: &Place, outward: &Vector3<f64>) -> Option<f6
     Some(if normal.dot(outward) < 0.0 { -off_mm } else { off_mm })
 }
 
-/// The two nodes about a place of a row of nodes, and its share in each.
+/// The two nodes next to a position in a row of nodes, with its weight for each.
 fn shares(place: f64) -> [(usize, f64); 2] {
     let below = place.floor().max(0.0);
     let share = place - below;
@@ -123,7 +124,7 @@ mod tests {
         fit_grid(&data, rows, columns).unwrap().surface
     }
 
-    /// Points 4 mm apart, this far outside the tube where they are seen at all.
+    /// Points 4 mm apart, this far outside the tube; `None` where the tube was not seen.
     fn map(outside_mm: impl Fn(f64, f64) -> Option<f64>) -> ErrorMap {
         let rows = (0..48).map(|i| 4.0 * f64::from(i) + 1.0);
         let places: Vec<Place> = rows
@@ -142,7 +143,7 @@ mod tests {
         let found = map(|_, angle| Some(if angle < 0.0 { 0.8 } else { -0.3 }));
         for (node, outside_mm) in found.outside_mm.iter().enumerate() {
             let angle = angle(node % ANGLES);
-            // Nodes between the two have something of both.
+            // Nodes between the two halves contain parts of both.
             let edge = angle.sin().abs() < 0.2;
             let expected = if angle < 0.0 { 0.8 } else { -0.3 };
             let near = (outside_mm.unwrap() - expected).abs() < 0.01;
@@ -167,7 +168,7 @@ mod tests {
         for (node, outside_mm) in found.outside_mm.iter().enumerate() {
             let (u, v) = (found.along_mm[node / ANGLES], angle(node % ANGLES));
             let from_middle_mm = (u - 90.0).hypot(RADIUS_MM * v);
-            // The edge of a hole is as sharp as the points are apart.
+            // The edge of a hole is as sharp as the spacing of the points.
             assert!(from_middle_mm > 15.0 || outside_mm.is_none(), "{u} {v}");
             assert!(from_middle_mm < 35.0 || outside_mm.is_some(), "{u} {v}");
         }

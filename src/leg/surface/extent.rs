@@ -1,19 +1,19 @@
-//! How far the surface reaches: the sections that it is laid through.
+//! The extent of the surface: the sections that it passes through.
 
 use crate::leg::sections::equidistant::Sections;
 use crate::leg::sections::section::{Outline, Section};
 
-/// A section that is not measured lends the surface what was seen of it, unless this much was not,
-/// degrees.
+/// A section that is not measured still contributes its seen part to the surface, unless its gap is
+/// wider than this, degrees.
 const BRIDGED_GAP_DEG: f64 = 180.0;
 
-/// Skin without a measured section for more than this length is not bridged, mm: a calf's girth may
-/// turn within it.
+/// A band longer than this without a measured section is not bridged, mm, because the girth of a
+/// calf may have an extremum within it.
 const BAND_MAX_MM: f64 = 40.0;
 
-/// The outlines of the part of the leg that covers most of the heights and has no wider band
-/// without a measured section; it begins with the highest one that is not above the lower height.
-/// Ascending.
+/// The outlines, ascending, of the part of the leg that covers most of the heights and has no
+/// longer band without a measured section. The part begins with the highest section that is not
+/// above the lower height.
 pub fn span(sections: &Sections, [low_mm, high_mm]: [f64; 2]) -> Vec<Outline> {
     let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
     let measured: Vec<&Section> = measured.collect();

@@ -1,41 +1,41 @@
-//! How far skin lies from a surface.
+//! The distance of skin from a surface.
 
 use nalgebra::Point3;
 use rayon::prelude::*;
 
 use crate::spline::Surface;
 
-/// Distances of skin from a surface, each the shortest.
+/// Shortest distances of skin from a surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FitError {
     /// Mean of |distance| / local radius, weighted by area; 1 is 100 %.
     pub mean_relative: f64,
     /// Root mean square, weighted by area, mm.
     pub rms_mm: f64,
-    /// 95 % of the area are no further away, mm.
+    /// 95 % of the area are within this distance, mm.
     pub p95_mm: f64,
     /// Largest, mm.
     pub max_mm: f64,
 }
 
-/// A place of the skin to be compared.
+/// A point of the skin to be compared.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
-    /// Where it is.
+    /// The point itself.
     pub point: Point3<f64>,
-    /// Where on the surface it should be: distance along the axis, mm, and column.
+    /// Its expected position on the surface: distance along the axis, mm, and column.
     pub at: (f64, f64),
     /// Its angle around the middle of the leg, radians.
     pub angle: f64,
     /// Its distance from the middle of the leg, mm.
     pub radius_mm: f64,
-    /// The area it stands for, in any unit.
+    /// The area that it represents, in any unit.
     pub area: f64,
 }
 
 impl FitError {
-    /// How far places lie from a surface; none where there are no places. The order of summation is
-    /// fixed, so the figures do not depend on threads.
+    /// Distances of points from a surface; `None` if there are no points. The order of summation is
+    /// fixed, so the results do not depend on threads.
     pub fn of(surface: &Surface, places: &[Place]) -> Option<FitError> {
         let distance_mm =
             |place: &Place| (surface.distance_mm(&place.point, place.at.0, place.at.1), place.area);

@@ -1,5 +1,5 @@
-//! The quasi-grid: sections as rows, one common sequence of columns in all of them (paper 2), so
-//! that every row has the same number of points and a column keeps its meaning along the leg.
+//! The quasi-grid: sections as rows with one common sequence of columns (paper 2), so that every
+//! row has the same number of points and a column keeps its meaning along the leg.
 
 use std::f64::consts::{PI, TAU};
 

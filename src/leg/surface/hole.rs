@@ -1,20 +1,20 @@
-//! Holes of the skin that a surface bridges: where they are and how large.
+//! Holes of the skin that a surface bridges: their positions and sizes.
 //!
-//! A place lies in a hole where a disc without any point can be laid over it (a morphological
-//! opening of what was not seen), so the spacing of the points makes none.
+//! A point lies in a hole if it is covered by a disc that contains no scan point (a morphological
+//! opening of the unseen area), so the normal spacing of points does not cause holes.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::leg::frame::union_find::DisjointSets;
 
-/// Radius of that disc in spacings of the points: among points strewn evenly at random, one in a
-/// hundred thousand places would seem to lie in a hole.
+/// Radius of that disc in point spacings: among evenly spread random points, one position in a
+/// hundred thousand would falsely count as a hole.
 const RADIUS_SPACINGS: f64 = 2.0;
 
-/// … and at least this, mm: smaller ones are bridged as well as the skin between any two points.
+/// … and at least this, mm: smaller holes are bridged as reliably as the skin between any two points.
 const RADIUS_MIN_MM: f64 = 8.0;
 
-/// Height of a cell, mm, and cells around: 2.5 mm and less each on a lower leg.
+/// Height of a cell, mm, and number of cells around: at most 2.5 mm each on a lower leg.
 const CELL_MM: f64 = 2.5;
 const CELLS_AROUND: usize = 144;
 
@@ -33,21 +33,21 @@ pub struct Hole {
     pub area_mm2: f64,
 }
 
-/// What of a surface was seen.
+/// The seen and unseen parts of a surface.
 #[derive(Debug, Clone)]
 pub struct Coverage {
     from_mm: f64,
     cell_mm: f64,
-    /// For each cell, rows from below, whether it lies in a hole.
+    /// For each cell, by rows from below, whether it lies in a hole.
     in_hole: Vec<bool>,
     /// The holes, largest first.
     pub holes: Vec<Hole>,
 }
 
 impl Coverage {
-    /// What is not seen of a surface between two distances along the axis, mm, which has
-    /// `radius_mm` around for a radian. `places` is where its points are, those just beyond its
-    /// ends included: distance along the axis, mm, and column.
+    /// Finds the unseen parts of a surface between two distances along the axis, mm, with a radius
+    /// of `radius_mm`. `places` are the positions of its points, including those just beyond its
+    /// ends: distance along the axis, mm, and column.
     pub fn of(
         [from_mm, to_mm]: [f64; 2],
         places: &[(f64, f64)],
@@ -67,7 +67,7 @@ impl Coverage {
         Coverage { from_mm, cell_mm: raster.cell_mm, in_hole, holes }
     }
 
-    /// Whether a place of the surface lies in a hole.
+    /// Whether a point of the surface lies in a hole.
     pub fn is_in_hole(&self, along_mm: f64, column: f64) -> bool {
         let rows = self.in_hole.len() / CELLS_AROUND;
         let row = (((along_mm - self.from_mm) / self.cell_mm).max(0.0) as usize).min(rows - 1);
@@ -79,7 +79,7 @@ impl Coverage {
 struct Raster {
     from_mm: f64,
     cell_mm: f64,
-    /// Millimetres around for a radian, for each row.
+    /// Radius of each row, mm.
     radii_mm: Vec<f64>,
 }
 
@@ -102,12 +102,12 @@ impl Raster {
         (along_mm, -PI + TAU * (column as f64 + 0.5) / CELLS_AROUND as f64)
     }
 
-    /// Sets every cell whose middle is within reach of a place.
+    /// Sets every cell whose middle is within reach of a position.
     fn set_within(&self, cells: &mut [bool], (along_mm, column): (f64, f64), reach_mm: f64) {
         let row =
             |along_mm: f64| ((along_mm - self.from_mm) / self.cell_mm).floor().max(0.0) as usize;
         let last = (row(along_mm + reach_mm) + 1).min(self.radii_mm.len());
-        // In cells from the middle of the first one on.
+        // In units of cells, relative to the middle of the first one.
         let home = (column + PI) / TAU * CELLS_AROUND as f64 - 0.5;
         for row in row(along_mm - reach_mm)..last {
             let up_mm = self.from_mm + self.cell_mm * (row as f64 + 0.5) - along_mm;
@@ -123,7 +123,7 @@ impl Raster {
             }
             let (first, last) = ((home - aside).ceil() as i64, (home + aside).floor() as i64);
             let count = (last + 1 - first).max(0) as usize;
-            // The run ends at the row's end and goes on at its start.
+            // A run that passes the row's end continues at its start.
             let first = first.rem_euclid(CELLS_AROUND as i64) as usize;
             let wrapped = (first + count).saturating_sub(CELLS_AROUND);
             cells[first..first + count - wrapped].fill(true);
@@ -131,7 +131,7 @@ impl Raster {
         }
     }
 
-    /// The connected ones among the cells in holes, largest first.
+    /// The connected groups of cells in holes, largest first.
     fn holes(&self, in_hole: &[bool]) -> Vec<Hole> {
         let mut sets = DisjointSets::new(in_hole.len());
         for cell in (0..in_hole.len()).filter(|cell| in_hole[*cell]) {
@@ -190,7 +190,7 @@ fn column_cell(column: f64) -> usize {
 mod tests {
     use super::*;
 
-    /// Points 5 mm apart on a cylinder of 50 mm radius, in rows turned against each other.
+    /// Points 5 mm apart on a cylinder of 50 mm radius, in rows rotated relative to each other.
     fn strewn(is_seen: impl Fn(f64, f64) -> bool) -> Vec<(f64, f64)> {
         let rows = (0..70).map(|i| (5.0 * f64::from(i) - 10.0, 0.37 * f64::from(i)));
         let places = rows.flat_map(|(u, turn)| {
@@ -218,7 +218,7 @@ mod tests {
                 .wrapping_add(1_442_695_040_888_963_407);
             (state >> 11) as f64 / (1_u64 << 53) as f64
         };
-        // One for 25 mm².
+        // One per 25 mm².
         let places: Vec<(f64, f64)> =
             (0..4300).map(|_| (342.0 * even() - 11.0, TAU * even() - PI)).collect();
         assert_eq!(coverage(&places).holes, []);
@@ -236,8 +236,8 @@ mod tests {
             let [hole] = found.holes[..] else { panic!("{:?}", found.holes) };
             assert!((hole.along_mm - 150.0).abs() < 1.5, "{hole:?}");
             assert!(aside(hole.column).abs() < 1.5, "{hole:?}");
-            // Points are 5 mm apart, so the hole ends up to that far outside the disc; what is narrower
-            // than the laid disc at its upper and lower end does not count.
+            // Points are 5 mm apart, so the hole extends up to that far outside the disc; at its
+            // upper and lower end, parts narrower than the test disc do not count.
             assert!((34.0..=46.0).contains(&hole.length_mm), "{hole:?}");
             assert!((34.0..=46.0).contains(&hole.width_mm), "{hole:?}");
             assert!((1200.0..1600.0).contains(&hole.area_mm2), "{hole:?}");

@@ -1,5 +1,5 @@
-//! The quasi-grid, whose columns follow ridges, and the NURBS surface through it (paper 2); its error,
-//! its holes, its shape for pictures.
+//! The quasi-grid, whose columns follow ridges, and the NURBS surface through it (paper 2), with
+//! its error, its holes and its shape for pictures.
 
 pub(super) mod cylindrical;
 pub mod error_map;

@@ -1,5 +1,4 @@
-//! The NURBS surface of a leg and how far it lies from the sections and from the scan's points
-//! (paper 2).
+//! The NURBS surface of a leg and its distance from the sections and from the scan's points (paper 2).
 
 use std::f64::consts::{PI, TAU};
 
@@ -23,58 +22,60 @@ use crate::spline::{
     KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid_by,
 };
 
-/// Distance of the rows of control points where nobody chose their number, mm.
+/// Default distance between the rows of control points, mm.
 const ROW_MM: f64 = 12.0;
 
-/// Columns of control points where nobody chose their number.
+/// Default number of columns of control points.
 const COLUMNS: usize = 36;
 
-/// Rows of the grid needed for each row of control points, so that none is left to the ridge.
+/// Rows of the grid needed for each row of control points, so that none is determined only by the
+/// ridge term.
 const ROWS_PER_CONTROL_ROW: f64 = 1.25;
 
-/// The fewest sections of what must be covered that make a surface: 10 cm of a leg.
+/// Minimum number of sections in the required range for a surface: 10 cm of a leg.
 const ROWS_MIN: usize = 20;
 
-/// Rows of the grid that are nearer say the same, mm: of a level and a section the level is kept.
+/// Rows of the grid closer than this are redundant, mm: of a level and a section, the level is kept.
 const APART_MM: f64 = 1.0;
 
-/// Places along and around at which the surface is looked at for folds: 10 mm apart and less.
+/// Number of positions along and around at which the surface is checked for folds: at most 10 mm apart.
 const FOLD_PLACES: [usize; 2] = [96, 48];
 
-/// Points that lie off their section by more are no skin of it, mm: they fill no hole.
+/// Points further than this from their section are not its skin, mm, and fill no hole.
 const STRAY_MM: f64 = 6.0;
 
-/// Points so far beyond the ends still show that the skin at the ends was seen, mm.
+/// Points this far beyond the ends still show that the skin at the ends was seen, mm.
 const BEYOND_MM: f64 = 20.0;
 
 /// A leg's surface in the body frame.
 #[derive(Debug, Clone)]
 pub struct LegSurface {
-    /// Parameters: u, distance along the axis in mm, so that curves of constant u are sections; v,
-    /// column in radians from −π, see [`Columns`].
+    /// Parameters: u is the distance along the axis in mm, so that curves of constant u are
+    /// sections; v is the column in radians from −π on, see [`Columns`].
     pub surface: Surface,
-    /// Where the columns run.
+    /// The positions of the columns.
     pub columns: Columns,
-    /// What of it was seen, with the holes that it bridges.
+    /// The seen part of the surface, and the holes that it bridges.
     pub coverage: Coverage,
-    /// How far the scan's points lie outside it, place by place.
+    /// Distances of the scan's points outside the surface, position by position.
     pub error_map: ErrorMap,
-    /// Where its knots lie along and around.
+    /// The placement of its knots along and around.
     pub knots: [KnotsUsed; 2],
-    /// Height of the lower and the upper end's centre above the floor, mm.
+    /// Height of the centres of the lower and the upper end above the floor, mm.
     pub height_mm: [f64; 2],
-    /// How far the measured sections lie from it, where the skin was seen.
+    /// Distance of the measured sections from the surface, where the skin was seen.
     pub to_sections: FitError,
-    /// How far the sections lie from it in holes, where both are bridges; none without holes.
+    /// Distance of the sections from the surface in holes, where both are bridges; `None` without
+    /// holes.
     pub in_holes: Option<FitError>,
-    /// How far the scan's own points lie from it, noise included.
+    /// Distance of the scan's own points from the surface, noise included.
     pub to_points: FitError,
 }
 
-/// Why sections allow no surface.
+/// Why the sections do not allow a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum NoSurface {
-    /// Too little of the leg is seen.
+    /// Too little of the leg was seen.
     #[error(
         "no surface: between {from_mm:.0} and {to_mm:.0} mm only {rows} sections are seen without a \
          band between them, where it needs {needed}"
@@ -84,19 +85,19 @@ pub enum NoSurface {
         rows: usize,
         /// Sections needed.
         needed: usize,
-        /// From this height, mm.
+        /// Lower end of the required heights, mm.
         from_mm: f64,
-        /// To this height, mm.
+        /// Upper end of the required heights, mm.
         to_mm: f64,
     },
-    /// The surface would fold, which no skin about a middle line does: it swings where too little of
-    /// the leg was seen.
+    /// The surface would fold, which skin around a middle line never does: it oscillates where too
+    /// little of the leg was seen.
     #[error("no surface: it would fold at {height_mm:.0} mm, where too little of the leg was seen")]
     Folded {
         /// Height of the fold, mm.
         height_mm: f64,
     },
-    /// All of it lies in holes.
+    /// The whole surface lies in holes.
     #[error("no surface: none of its skin was seen")]
     NothingSeen,
     /// The sections cannot be fitted.
@@ -104,12 +105,12 @@ pub enum NoSurface {
     Fit(#[from] FitFault),
 }
 
-/// Where the surface shall lie.
+/// The required extent of the surface.
 #[derive(Debug, Clone, Copy)]
 pub struct Wanted<'a> {
-    /// The heights that it must cover, mm; it goes on upwards as far as the skin was seen.
+    /// The heights that it must cover, mm; it continues upwards as far as the skin was seen.
     pub height_mm: [f64; 2],
-    /// Distances along the axis of levels that shall be rows of the grid, mm, ascending.
+    /// Distances along the axis of levels that must be rows of the grid, mm, ascending.
     pub levels_mm: &'a [f64],
 }
 
@@ -117,7 +118,7 @@ pub struct Wanted<'a> {
 /// far as the skin was seen.
 ///
 /// # Errors
-/// [`NoSurface`] where too few sections are seen to determine it.
+/// [`NoSurface`] if too few sections were seen to determine it.
 pub fn surface(
     leg: &Leg,
     sections: &Sections,
@@ -181,7 +182,7 @@ pub fn surface(
     })
 }
 
-/// The levels, which ascend, without those that almost are the one below or an end.
+/// The levels (which ascend) without those too close to the previous one or to an end.
 fn apart(levels_mm: &[f64], [low, high]: [f64; 2]) -> Vec<f64> {
     let is_inner = |mm: &f64| (low + APART_MM..=high - APART_MM).contains(mm);
     let mut inner: Vec<f64> = levels_mm.iter().copied().filter(is_inner).collect();
@@ -198,7 +199,7 @@ fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<Surface
     let method = GridMethod {
         control_points: method.control_points.unwrap_or([rows.min(most), COLUMNS]),
         knots: method.knots,
-        // The sections are smooth already, and their outliers gone.
+        // The sections are already smooth and free of outliers.
         smoothing: GridSmoothing::None,
         robust: false,
         marks: [levels.to_vec(), Vec::new()],
@@ -208,7 +209,7 @@ fn fitted(grid: &Grid, levels: &[f64], method: &SurfaceMethod) -> Result<Surface
     fit_grid_by(&data, &domain, &method)
 }
 
-/// The surface with the knots of another one, through the scan's own points on it.
+/// The surface with the knots of another one, fitted to the scan's own points.
 fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Surface, FitFault> {
     let (low, high) = like.along().domain();
     let on_it = || points.iter().filter(|place| (low..=high).contains(&place.at.0));
@@ -225,11 +226,11 @@ fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Su
     Ok(Surface::new(fit.along().clone(), fit.around().clone(), net)?)
 }
 
-/// The height of the lowest fold of a surface, mm: where its outside faces the middle of the leg.
-/// Sections are curves of one radius for each angle, so a surface through them has no such place.
+/// The height of the lowest fold of a surface, mm, where its outside faces the middle of the leg.
+/// Sections are curves with one radius per angle, so a surface through them has no folds.
 fn fold(unrolled: &Unrolled, surface: &Surface) -> Option<f64> {
     let (low, high) = surface.along().domain();
-    // About an axis whose front and lateral turn counter-clockwise, u × v leads inward.
+    // The front and lateral directions turn counter-clockwise about the axis, so u × v points inward.
     let LegAxis { front, lateral, direction, .. } = unrolled.axis;
     let outward = -front.cross(lateral).dot(direction).signum();
     let [rows, columns] = FOLD_PLACES;
@@ -243,7 +244,7 @@ fn fold(unrolled: &Unrolled, surface: &Surface) -> Option<f64> {
     heights.next()
 }
 
-/// What of a surface its points show.
+/// The part of a surface that its points show.
 fn coverage(unrolled: &Unrolled, points: &[Place], surface: &Surface) -> Coverage {
     let skin = points.iter().filter(|place| unrolled.outside_mm(place).abs() <= STRAY_MM);
     let places: Vec<(f64, f64)> = skin.map(|place| place.at).collect();
@@ -251,7 +252,7 @@ fn coverage(unrolled: &Unrolled, points: &[Place], surface: &Surface) -> Coverag
     Coverage::of([low, high], &places, |along_mm| unrolled.radius_mm(along_mm))
 }
 
-/// How far sections lie from a surface, where it was seen and in its holes.
+/// Distance of sections from a surface, where it was seen and in its holes.
 fn to_sections(
     unrolled: &Unrolled,
     sections: &[&Section],
@@ -263,7 +264,7 @@ fn to_sections(
     (FitError::of(surface, &seen), FitError::of(surface, &in_holes))
 }
 
-/// How far the scan's points on a surface lie from it.
+/// Distance of the scan's points on a surface from it.
 fn to_points(points: &[Place], surface: &Surface) -> Option<FitError> {
     let (low, high) = surface.along().domain();
     let on_it = points.iter().filter(|place| (low..=high).contains(&place.at.0));
@@ -294,7 +295,7 @@ mod tests {
     use crate::leg::sections::section::Curve;
     use crate::spline::{Basis, fit_grid};
 
-    /// A tube of 50 mm radius whose columns run backwards where `swing` is more than 0.5.
+    /// A tube of 50 mm radius whose columns run backwards if `swing` is more than 0.5.
     fn tube(axis: &LegAxis, swing: f64) -> Surface {
         let along: Vec<f64> = (0..20).map(|i| 10.0 * f64::from(i)).collect();
         let around: Vec<f64> = (0..72).map(|j| TAU * f64::from(j) / 72.0 - PI).collect();

@@ -1,37 +1,37 @@
-//! Ridges: peaks of curvature that follow each other from section to section, such as the tibial
-//! crest, the Achilles tendon and the heads of the calf muscle.
+//! Ridges: curvature peaks that continue from section to section, such as the tibial crest, the
+//! Achilles tendon and the heads of the calf muscle.
 
 use std::f64::consts::TAU;
 
 use crate::leg::features::feature::{angles, peaks};
 use crate::leg::sections::section::{SPACING_MM, Section};
 
-/// From one section to the next a ridge moves by no more than this along the skin, mm: it runs
-/// within 45° of the leg.
+/// A ridge moves by at most this along the skin from one section to the next, mm: it runs within
+/// 45° of the leg's direction.
 const STEP_MM: f64 = SPACING_MM;
 
-/// A peak may be missing in this many sections in a row; what begins again later is another ridge.
+/// A peak may be missing in this many consecutive sections; after a longer gap a new ridge begins.
 const MISSING_MAX: usize = 2;
 
-/// A ridge is at least this long, mm: longer than a malleolus or a patella, which are bumps.
+/// Minimum length of a ridge, mm: longer than a malleolus or a patella, which are bumps.
 const LENGTH_MIN_MM: f64 = 100.0;
 
-/// A line of curvature peaks along the leg: one place a section, upwards.
+/// A line of curvature peaks along the leg: one point per section, upwards.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Ridge {
-    /// Where its peaks are; at least two.
+    /// Its peaks; at least two.
     pub places: Vec<RidgePlace>,
 }
 
 /// A peak of a ridge.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RidgePlace {
-    /// Which of the sections, counted from the lowest.
+    /// Index of the section, counted from the lowest.
     row: usize,
     /// Distance of its section along the axis, mm.
     pub along_mm: f64,
-    /// Its angle around the section's centre, radians; it does not jump from place to place, so it
-    /// may leave (−π, π].
+    /// Its angle around the section's centre, radians; continuous from point to point, so it may
+    /// leave (−π, π].
     pub angle: f64,
 }
 
@@ -50,7 +50,7 @@ impl Ridge {
     }
 }
 
-/// The ridges of a leg's sections, which ascend.
+/// The ridges of a leg's sections (which ascend).
 pub fn ridges(sections: &[&Section]) -> Vec<Ridge> {
     let angles = angles();
     let mut ridges: Vec<Ridge> = Vec::new();
@@ -71,7 +71,7 @@ pub fn ridges(sections: &[&Section]) -> Vec<Ridge> {
     ridges
 }
 
-/// The ridge and the peak that are nearest to each other, where one goes on from the other.
+/// The ridge and the peak that are closest to each other, if the peak continues the ridge.
 fn nearest(ridges: &[Ridge], peaks: &[f64], row: usize, radius_mm: f64) -> Option<(usize, usize)> {
     let open = ridges.iter().enumerate().filter(|(_, ridge)| {
         let last = ridge.last().row;
@@ -87,7 +87,7 @@ fn nearest(ridges: &[Ridge], peaks: &[f64], row: usize, radius_mm: f64) -> Optio
     pairs.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, ridge, peak)| (ridge, peak))
 }
 
-/// The same turn, in [−π, π].
+/// The equivalent angle in [−π, π].
 fn turned(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }

@@ -1,9 +1,9 @@
 //! The grid's columns: one sequence for all sections, bent along the leg so that a ridge keeps its
 //! column (the open problem of paper 2: "a common sequence of angles").
 //!
-//! Column v lies at the angle v + δ(along, v). On a ridge δ is the ridge's own angle less its mean
-//! one; between ridges, and above and below them, it fades smoothly. Because δ is as smooth as the
-//! surface, bending the columns puts no kink into it.
+//! Column v lies at the angle v + δ(along, v). On a ridge δ is the ridge's own angle minus its mean
+//! angle; between ridges, and above and below them, it fades smoothly. Because δ is as smooth as
+//! the surface, bending the columns adds no kinks.
 
 use std::f64::consts::{PI, TAU};
 
@@ -13,41 +13,41 @@ use super::ridge::Ridge;
 use crate::spline::solve::Singular;
 use crate::spline::{Basis, FitFault, Tensor};
 
-/// Length of the pieces of δ along the leg, mm: ridges lean one way for longer than that.
+/// Length of the pieces of δ along the leg, mm: ridges keep their slope for longer than that.
 const INTERVAL_MM: f64 = 60.0;
 
 /// Pieces of δ around, 30° each: ridges are further apart.
 const INTERVALS_AROUND: usize = 12;
 
-/// Weights of δ's bend along, of its change around and of its size from one coefficient to the
-/// next, where each place of a ridge weighs 1 and there are about ten to a coefficient: a ridge is
-/// followed, and its pull has faded after some 60° and 100 mm.
+/// Weights of δ's curvature along, of its change around and of its size, from one coefficient to
+/// the next. Each point of a ridge has weight 1 and there are about ten per coefficient, so a ridge
+/// is followed, and its influence fades over some 60° and 100 mm.
 const BEND: f64 = 1.0;
 const CHANGE: f64 = 0.3;
 const SIZE: f64 = 0.1;
 
-/// The distance of neighbouring columns may change by this share of itself; where ridges would press
-/// or pull them more, all of δ is made smaller.
+/// The distance between neighbouring columns may change by at most this share; if ridges would
+/// change it more, all of δ is reduced.
 const STRAIN_MAX: f64 = 0.5;
 
-/// What δ is lessened by at a time where it strains the columns too much.
+/// Factor by which δ is reduced per step if it strains the columns too much.
 const LESSENED: f64 = 0.8;
 
-/// Places along and around at which the strain is looked at.
+/// Number of positions along and around at which the strain is evaluated.
 const STRAIN_PLACES: [usize; 2] = [20, 72];
 
-/// Steps that suffice for any columns, were each but a halving …
+/// Maximum number of steps, enough for any columns even if each step only halves the error …
 const INVERSE_STEPS: usize = 24;
 
-/// … which a step this small, in radians, makes unnecessary: 5 nm on the skin.
+/// … and the step size, in radians, that ends the iteration early: 5 nm on the skin.
 const INVERSE_REST: f64 = 1e-7;
 
-/// Where the columns of a leg run.
+/// The positions of the columns of a leg.
 #[derive(Debug, Clone)]
 pub struct Columns {
     /// δ in radians over (along in mm, v in radians).
     bend: Tensor,
-    /// The ridges that keep their column: their v, radians, within [−π, π).
+    /// The v of the ridges that keep their column, radians, within [−π, π).
     pub ridges: Vec<f64>,
 }
 
@@ -55,7 +55,7 @@ impl Columns {
     /// Columns over a range along the axis that follow the ridges.
     ///
     /// # Errors
-    /// A [`FitFault`] where the range is empty.
+    /// A [`FitFault`] if the range is empty.
     pub fn following(ridges: &[Ridge], from_mm: f64, to_mm: f64) -> Result<Columns, FitFault> {
         let intervals = ((to_mm - from_mm) / INTERVAL_MM).ceil().max(1.0) as usize;
         let along = Basis::uniform_clamped(from_mm, to_mm, intervals)?;
@@ -109,7 +109,7 @@ impl Columns {
         self.at(along_mm)(angle)
     }
 
-    /// The column at any angle, radians in [−π, π), at one distance along the axis.
+    /// The function from an angle to its column, radians in [−π, π), at one distance along the axis.
     pub fn at(&self, along_mm: f64) -> impl Fn(f64) -> f64 {
         let (bend, around) = (self.bend.around_at(along_mm), self.bend.around());
         move |angle| {
@@ -123,8 +123,8 @@ impl Columns {
                     break;
                 }
                 let left = v + around.row(v).dot(&bend) - angle;
-                // δ changes by half of v's change at most, so a step of slope 1 at least halves what
-                // is off; one along the last chord does better, or is followed by one of slope 1.
+                // δ changes by at most half of v's change, so a step of slope 1 at least halves the
+                // error. A secant step does better, or is followed by a step of slope 1.
                 let halves = left.abs() <= 0.5 * off.abs();
                 slope = if halves { (off - left) / step } else { 1.0 };
                 off = left;
@@ -133,7 +133,7 @@ impl Columns {
         }
     }
 
-    /// The largest change of the distance of neighbouring columns, as a share of it.
+    /// The largest relative change of the distance between neighbouring columns.
     fn strain(&self) -> f64 {
         let (from_mm, to_mm) = self.bend.along().domain();
         let [rows, columns] = STRAIN_PLACES;
@@ -148,12 +148,12 @@ impl Columns {
     }
 }
 
-/// The same direction in [−π, π).
+/// The equivalent angle in [−π, π).
 fn home(angle: f64) -> f64 {
     (angle + PI).rem_euclid(TAU) - PI
 }
 
-/// Normal equations of a small least-squares problem, added to term by term.
+/// Normal equations of a small least-squares problem, accumulated term by term.
 struct Equations {
     gram: DMatrix<f64>,
     moments: DVector<f64>,
@@ -164,7 +164,7 @@ impl Equations {
         Equations { gram: DMatrix::zeros(unknowns, unknowns), moments: DVector::zeros(unknowns) }
     }
 
-    /// One more equation: the terms' sum shall be `value`.
+    /// Adds one equation: the sum of the terms equals `value`.
     fn add(&mut self, terms: &[(usize, f64)], value: f64) {
         for (i, a) in terms {
             self.moments[*i] += a * value;

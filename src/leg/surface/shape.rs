@@ -1,5 +1,4 @@
-//! The shape of a leg as pictures need it: coarser than what is measured, and nothing is measured
-//! on it.
+//! The shape of a leg for pictures: coarser than the measured data, and not used for measurements.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,38 +13,38 @@ use crate::leg::sections::equidistant::Sections;
 use crate::leg::sections::section::Section;
 use crate::spline::Surface;
 
-/// Places around a row, at equal angles from −180° on.
+/// Number of points around a row, at equal angles from −180° on.
 pub const COLUMNS: usize = error_map::ANGLES;
 
-/// Every so many sections make a row of the skin: 10 mm.
+/// Every n-th section becomes a row of the skin: 10 mm apart.
 const ROWS_APART: usize = 2;
 
-/// So many of the scan's points are shown on a leg: skin between them is 10 mm wide.
+/// Number of the scan's points shown on a leg: about 10 mm apart.
 const SCAN_POINTS: usize = 4000;
 
-/// So many of the scan's points are shown on the section of a level.
+/// Number of the scan's points shown on the section of a level.
 const SECTION_POINTS: usize = 180;
 
-/// Fractional parts of multiples of this are spread as evenly as any (Weyl; the golden ratio).
+/// The fractional parts of its multiples are spread as evenly as possible (Weyl; the golden ratio).
 const GOLDEN: f64 = 0.618_033_988_749_894_9;
 
 /// A leg's shape.
 #[derive(Debug, Clone)]
 pub struct Shape {
-    /// Rows of the measured skin, upwards; none where it does not close.
+    /// Rows of the measured skin, upwards; `None` where a row is not closed.
     pub skin: Vec<Option<Vec<Point3<f64>>>>,
-    /// The surface, row by row at the places of `error_map`; none where there is none.
+    /// The surface, row by row at the positions of `error_map`; `None` without a surface.
     pub surface: Option<Vec<Vec<Point3<f64>>>>,
-    /// A share of the scan's own points.
+    /// A sample of the scan's own points.
     pub scan: Vec<Point3<f64>>,
 }
 
-/// The scan's own points on the plane of a section, about its centre.
+/// One of the scan's own points on the plane of a section, relative to its centre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OnPlane {
     /// 0 front, 90 lateral, degrees.
     pub angle_deg: f64,
-    /// From the section's centre, mm.
+    /// Distance from the section's centre, mm.
     pub radius_mm: f64,
 }
 
@@ -99,7 +98,7 @@ pub fn radii(section: &Section, count: usize) -> Vec<f64> {
     (0..count).map(|i| section.curve.radius(-PI + TAU * i as f64 / count as f64)).collect()
 }
 
-/// At most about `most` of the things, spread evenly over their order.
+/// At most about `most` of the items, spread evenly over their order.
 fn share<T: Copy>(things: &[T], most: usize) -> Vec<T> {
     let share = most as f64 / things.len().max(1) as f64;
     let is_taken = |index: &usize| (*index as f64 * GOLDEN).fract() < share;

@@ -1,5 +1,5 @@
-//! The character sets of GDT. A character that a set does not have is a fault and never another
-//! character: a name or an id that comes out changed is another patient's.
+//! The character sets of GDT. A character that a set lacks is a fault and is never replaced, because a
+//! changed name or id may be that of another patient.
 
 use encoding_rs::{Encoding, WINDOWS_1252};
 
@@ -10,38 +10,38 @@ const CP437: &str = "ÇüéâäàåçêëèïîìÄÅÉæÆôöòûùÿÖÜ¢£�
 /// A character set of GDT messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Charset {
-    /// 7 bit; 9206 says 1.
+    /// 7 bit; field 9206 is 1.
     Ascii,
-    /// IBM code page 437; 9206 says 2.
+    /// IBM code page 437; field 9206 is 2.
     Cp437,
-    /// Windows code page 1252; 9206 says 3, as nearly all do.
+    /// Windows code page 1252; field 9206 is 3, as in nearly all messages.
     Cp1252,
-    /// UTF-8, which GDT 2.1 does not know: 9206 is left out. Newer programs read and write it.
+    /// UTF-8, which GDT 2.1 does not know: field 9206 is left out. Newer programs read and write it.
     Utf8,
 }
 
-/// A character that cannot be written, or must not be: one that would end the line.
+/// A character that cannot be written, or must not be because it would end the line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("the character {character:?} cannot be written in {}", charset.name())]
 pub struct Unwritable {
     /// The character.
     pub character: char,
-    /// In what it was to be written.
+    /// The character set.
     pub charset: Charset,
 }
 
-/// Bytes that are no text of a character set.
+/// Bytes that are not text in a character set.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("byte {at} of the content is no character of {}", charset.name())]
+#[error("byte {at} of the content is not a character of {}", charset.name())]
 pub struct Unreadable {
-    /// Which byte, from 1.
+    /// Position of the byte, from 1.
     pub at: usize,
-    /// In what it was to be read.
+    /// The character set.
     pub charset: Charset,
 }
 
 impl Charset {
-    /// What it is called.
+    /// Its name.
     pub const fn name(self) -> &'static str {
         match self {
             Charset::Ascii => "7 bit",
@@ -51,7 +51,7 @@ impl Charset {
         }
     }
 
-    /// What field 9206 says; none where GDT 2.1 has no number for it.
+    /// Its value in field 9206; `None` if GDT 2.1 has no number for it.
     pub const fn number(self) -> Option<&'static str> {
         match self {
             Charset::Ascii => Some("1"),
@@ -61,16 +61,16 @@ impl Charset {
         }
     }
 
-    /// The set of which field 9206 speaks.
+    /// The set with this value in field 9206.
     pub fn of_number(number: &[u8]) -> Option<Charset> {
         let known = [Charset::Ascii, Charset::Cp437, Charset::Cp1252];
         known.into_iter().find(|set| set.number().map(str::as_bytes) == Some(number))
     }
 
-    /// A text as bytes.
+    /// Encodes a text.
     ///
     /// # Errors
-    /// The first character that the set lacks, or a control character.
+    /// The first character that the set lacks or that is a control character.
     pub fn encode(self, text: &str) -> Result<Vec<u8>, Unwritable> {
         let mut bytes = Vec::with_capacity(text.len());
         for character in text.chars() {
@@ -108,10 +108,10 @@ impl Charset {
         true
     }
 
-    /// Bytes as text.
+    /// Decodes bytes.
     ///
     /// # Errors
-    /// The first byte that the set lacks, or a control character.
+    /// The first byte that the set lacks or that is a control character.
     pub fn decode(self, bytes: &[u8]) -> Result<String, Unreadable> {
         let unreadable = |at: usize| Unreadable { at: at + 1, charset: self };
         if self == Charset::Utf8 {
@@ -127,7 +127,7 @@ impl Charset {
         characters.collect()
     }
 
-    /// The character of one byte, in the sets of one byte a character.
+    /// The character of one byte, in the single-byte sets.
     fn character(self, byte: u8) -> Option<char> {
         if byte.is_ascii() {
             return Some(char::from(byte));
@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn the_umlauts_have_the_bytes_of_their_code_pages() {
-        // As the code pages' tables give them: 437 and 1252.
+        // From the tables of code pages 437 and 1252.
         assert_eq!(Charset::Cp437.encode("ÄÖÜäöüß°").unwrap(), b"\x8e\x99\x9a\x84\x94\x81\xe1\xf8");
         assert_eq!(
             Charset::Cp1252.encode("ÄÖÜäöüß°€").unwrap(),
@@ -162,7 +162,7 @@ mod tests {
             let read: Vec<(u8, String)> = read.collect();
             let expected = match set {
                 Charset::Cp437 => 95 + 128,
-                // Five places of the upper half are empty.
+                // Five places of the upper half are unassigned.
                 Charset::Cp1252 => 95 + 128 - 5,
                 _ => 95,
             };

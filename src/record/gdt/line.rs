@@ -1,8 +1,8 @@
-//! The lines of a GDT message: written with their lengths, read with every doubt told.
+//! The lines of a GDT message: written with their lengths, and read with a fault for every mistake.
 
 use super::charset::{Charset, Unwritable};
 
-/// What a line has besides its content, bytes: length, field and end.
+/// Bytes of a line besides its content: length, field and end.
 const FRAME: usize = 9;
 
 /// The end of a line.
@@ -14,24 +14,24 @@ const LINE_MOST: usize = 999;
 /// The longest message, bytes: its length has five digits.
 const MESSAGE_MOST: usize = 99_999;
 
-/// The kind of a message, the first line.
+/// The field of the first line: the kind of message.
 pub(super) const KIND: u16 = 8000;
 
-/// The length of the whole, the second line.
+/// The field of the second line: the length of the whole message.
 pub(super) const TOTAL: u16 = 8100;
 
-/// The end mark of files that were made for DOS; it may follow the last line.
+/// The end mark of DOS files, which may follow the last line.
 const DOS_END: u8 = 0x1a;
 
 /// Why a message cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum WriteFault {
-    /// A character cannot.
+    /// A character cannot be written.
     #[error("field {field:04}: {why}")]
     Unwritable {
         /// The field.
         field: u16,
-        /// Which character.
+        /// The character and the set.
         why: Unwritable,
     },
     /// A line is too long.
@@ -42,7 +42,7 @@ pub enum WriteFault {
         /// Length of the line, bytes.
         bytes: usize,
     },
-    /// The whole is too long.
+    /// The whole message is too long.
     #[error("the message would have {bytes} bytes, GDT allows {MESSAGE_MOST}")]
     Message {
         /// Length of the message, bytes.
@@ -50,7 +50,7 @@ pub enum WriteFault {
     },
 }
 
-/// A message of this kind, `6310` say, with these fields after its kind and length.
+/// Writes a message of this kind, such as `6310`, with these fields after its kind and length.
 ///
 /// # Errors
 /// See [`WriteFault`].
@@ -86,10 +86,10 @@ fn push(out: &mut Vec<u8>, field: u16, content: &str, charset: Charset) -> Resul
     Ok(())
 }
 
-/// One line as it was read.
+/// One line of a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Line<'a> {
-    /// Which line, from 1.
+    /// Number of the line, from 1.
     pub number: usize,
     /// The field, as a number of four digits.
     pub field: u16,
@@ -97,35 +97,35 @@ pub struct Line<'a> {
     pub content: &'a [u8],
 }
 
-/// What is wrong with the lines of a message. No text quotes what stands in one: it may be a name.
+/// A mistake in the lines of a message. No text quotes their content, because it may be a name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum LineFault {
-    /// There is nothing.
+    /// There is no line.
     #[error("it is empty")]
     Empty,
     /// A line does not begin with a length and a field.
     #[error("line {line} does not begin with a length of three digits and a field of four")]
     Frame {
-        /// Which line.
+        /// Number of the line.
         line: usize,
     },
-    /// A line has another length than it says.
+    /// The length of a line differs from its length field.
     #[error(
         "line {line} says it has {said} bytes and has {found}: written in another character set \
          than counted, or lines not ended by CR LF"
     )]
     Length {
-        /// Which line.
+        /// Number of the line.
         line: usize,
-        /// What it says, bytes.
+        /// Length according to the field, bytes.
         said: usize,
-        /// What it has with its end, bytes.
+        /// Actual length with the line end, bytes.
         found: usize,
     },
 }
 
-/// Reads the lines of a message. Strictly, every line must have the length that it says; else
-/// lengths are not looked at, and a line feed ends a line too. The last line may lack its end.
+/// Reads the lines of a message. If strict, every line must have the length in its length field. If not,
+/// lengths are ignored, and a line feed alone also ends a line. The last line may lack its end.
 ///
 /// # Errors
 /// The first [`LineFault`].
@@ -145,7 +145,7 @@ pub fn read(bytes: &[u8], strict: bool) -> Result<Vec<Line<'_>>, LineFault> {
     if lines.is_empty() { Err(LineFault::Empty) } else { Ok(lines) }
 }
 
-/// The first line without its end, and what follows.
+/// Splits off the first line without its end.
 fn split(bytes: &[u8], strict: bool) -> (&[u8], &[u8]) {
     let end = if strict { END } else { b"\n" };
     let at = bytes.windows(end.len()).position(|window| window == end);

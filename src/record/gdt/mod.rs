@@ -1,9 +1,9 @@
-//! GDT 2.1, the text files by which German practice software and devices talk: orders (6302) in,
+//! GDT 2.1, the text files that German practice software and devices exchange: orders (6302) in,
 //! results (6310) out.
 //!
-//! A message is lines of `LLL FFFF content CR LF` without the blanks: the line's length in bytes,
-//! these three digits and the line's end included; the field; its content. The first line says what
-//! kind of message it is, the second how long the whole is.
+//! A message consists of lines of `LLL FFFF content CR LF` without the blanks: the line's length in
+//! bytes, including these three digits and the line end; the field; its content. The first line holds
+//! the kind of message, the second the length of the whole message.
 
 pub mod charset;
 pub mod line;

@@ -1,37 +1,37 @@
-//! An order for an examination (6302): whom the next scan is of. Names and birth dates are read
-//! over and not kept.
+//! An order for an examination (6302), which names the patient of the next scan. Names and birth dates
+//! are skipped and not kept.
 
 use super::charset::{Charset, Unreadable};
 use super::line::{self, KIND, Line, LineFault, TOTAL};
 
-/// The kind of message that orders an examination.
+/// The kind of message for an order of an examination.
 const ORDER: &[u8] = b"6302";
 
 /// The patient's id.
 const PATIENT: u16 = 3000;
 
-/// The largest order, bytes: real ones have a few hundred.
+/// The largest order, bytes. Real ones have a few hundred.
 pub const ORDER_MOST: u64 = 12 * 1024;
 
-/// What an order says.
+/// The content of an order.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Order {
     /// The patient's id in the practice software (3000).
     pub patient: String,
-    /// Its own number (8310), where it has one.
+    /// The order's own number (8310), if it has one.
     pub request: Option<String>,
-    /// What is to be done (8402), where it says so.
+    /// The requested procedure (8402), if given.
     pub procedure: Option<String>,
-    /// To whom it is sent (8315).
+    /// The receiver (8315).
     pub receiver: Option<String>,
-    /// Who sent it (8316).
+    /// The sender (8316).
     pub sender: Option<String>,
 }
 
-/// Why bytes are no order. No text quotes what stands in them but digits of GDT itself.
+/// Why bytes are not an order. No text quotes their content except digits of GDT itself.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum OrderFault {
-    /// It is too large to be one.
+    /// It is too large for an order.
     #[error("it has {bytes} bytes; an order has at most {ORDER_MOST}")]
     TooLarge {
         /// Its size, bytes.
@@ -40,7 +40,7 @@ pub enum OrderFault {
     /// Its lines are wrong.
     #[error(transparent)]
     Lines(#[from] LineFault),
-    /// It does not begin as a GDT message does.
+    /// It does not begin like a GDT message.
     #[error("its first line is not 8000, the kind of message")]
     NotGdt,
     /// It is another kind of message.
@@ -49,40 +49,40 @@ pub enum OrderFault {
         /// The kind, four digits.
         found: String,
     },
-    /// The length of the whole is not told.
+    /// The length of the whole message is missing.
     #[error("its second line is not 8100, the length of the whole")]
     NoTotal,
-    /// The length of the whole is another.
-    #[error("it says it has {said} bytes in all and has {found}: it is cut short, or wrongly made")]
+    /// The length of the whole message is wrong.
+    #[error("it should have {said} bytes and has {found}: it is truncated or malformed")]
     Total {
-        /// What it says, bytes.
+        /// Length according to the message, bytes.
         said: u64,
-        /// What it has, bytes.
+        /// Actual length, bytes.
         found: u64,
     },
-    /// It is in a character set that gaiter does not know.
-    #[error("its 9206 names no character set of GDT 2.1 (1, 2 or 3)")]
+    /// The character set is unknown to gaiter.
+    #[error("its field 9206 is not a character set of GDT 2.1 (1, 2 or 3)")]
     Charset,
-    /// A field that is needed is no text.
+    /// A required field cannot be decoded.
     #[error("line {line}: {why}")]
     Text {
-        /// Which line.
+        /// Number of the line.
         line: usize,
-        /// Which byte.
+        /// The byte that cannot be decoded.
         why: Unreadable,
     },
-    /// The patient's line is the last and has no end.
+    /// The patient's line is the last one and has no line end.
     #[error("its last line, the patient's, has no end: the id may be cut short")]
     PatientCut,
-    /// It names no patient.
+    /// No patient is named.
     #[error("it names no patient: field 3000 is missing or empty")]
     NoPatient,
-    /// It names two.
+    /// Two patients are named.
     #[error("its lines {first} and {second} name different patients")]
     TwoPatients {
-        /// Which line.
+        /// Line that names one of them.
         first: usize,
-        /// Which line.
+        /// Line that names the other.
         second: usize,
     },
 }
@@ -105,8 +105,8 @@ impl OrderFault {
     }
 }
 
-/// Reads an order. `charset` is that of an order that names none. A lenient reader does not look at
-/// lengths, for programs that count characters or forget them.
+/// Reads an order. `charset` is used for orders that name no character set. A lenient reader ignores
+/// lengths, for programs that count characters or leave them out.
 ///
 /// # Errors
 /// See [`OrderFault`].
@@ -115,7 +115,7 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
     if size > ORDER_MOST {
         return Err(OrderFault::TooLarge { bytes: size });
     }
-    // First of all: what is no order of ours may be another program's, and is left alone.
+    // Checked first: a message that is not an order may be meant for another program and is left alone.
     if let Some(found) = kind(bytes).filter(|kind| *kind != ORDER) {
         let found = String::from_utf8_lossy(found).into_owned();
         return Err(OrderFault::OtherKind { found });
@@ -127,7 +127,7 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
     if !lenient {
         total(&lines, bytes)?;
     } else if lines.last().is_some_and(|line| line.field == PATIENT) && !bytes.ends_with(b"\n") {
-        // Half an id may be another patient's, and no length shows it here.
+        // Half an id may be another patient's, and a lenient reader cannot tell from the length.
         return Err(OrderFault::PatientCut);
     }
     let charset = charset_of(&lines, charset)?;
@@ -141,7 +141,7 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
     })
 }
 
-/// The four digits of the kind of message; none where the bytes do not begin like one.
+/// The four digits of the kind of message; `None` if the bytes do not begin like a message.
 fn kind(bytes: &[u8]) -> Option<&[u8]> {
     let kind = bytes.strip_prefix(b"0138000")?.get(..4)?;
     kind.iter().all(u8::is_ascii_digit).then_some(kind)
@@ -152,7 +152,7 @@ fn total(lines: &[Line<'_>], bytes: &[u8]) -> Result<(), OrderFault> {
     let digits = std::str::from_utf8(line.content).ok();
     let said = digits.and_then(|digits| digits.trim().parse::<u64>().ok());
     let said = said.ok_or(OrderFault::NoTotal)?;
-    // Without a DOS end mark; an end that the last line lacks may be counted or not.
+    // Excludes a DOS end mark. A line end that the last line lacks may be counted or not.
     let bytes = bytes.strip_suffix(&[0x1a]).unwrap_or(bytes);
     let found = u64::try_from(bytes.len()).unwrap_or(u64::MAX);
     let with_end = found + if bytes.ends_with(b"\r\n") { 0 } else { 2 };
@@ -164,7 +164,7 @@ fn total(lines: &[Line<'_>], bytes: &[u8]) -> Result<(), OrderFault> {
 
 fn charset_of(lines: &[Line<'_>], configured: Charset) -> Result<Charset, OrderFault> {
     let Some(named) = lines.iter().find(|line| line.field == 9206) else { return Ok(configured) };
-    // Programs that write UTF-8 have no number for it and may write any.
+    // Programs that write UTF-8 have no number for it and may write any number.
     if configured == Charset::Utf8 {
         return Ok(configured);
     }
@@ -176,14 +176,14 @@ fn decoded(line: &Line<'_>, charset: Charset) -> Result<String, OrderFault> {
     text.map_err(|why| OrderFault::Text { line: line.number, why })
 }
 
-/// The text of a field; none where it is missing or empty.
+/// The text of a field; `None` if it is missing or empty.
 fn text(lines: &[Line<'_>], field: u16, charset: Charset) -> Result<Option<String>, OrderFault> {
     let line = lines.iter().find(|line| line.field == field);
     let text = line.map(|line| decoded(line, charset)).transpose()?;
     Ok(text.filter(|text| !text.is_empty()))
 }
 
-/// The one patient whom all fields 3000 name.
+/// The one patient that all fields 3000 name.
 fn patient(lines: &[Line<'_>], charset: Charset) -> Result<String, OrderFault> {
     let mut named: Option<(usize, String)> = None;
     for line in lines.iter().filter(|line| line.field == PATIENT) {

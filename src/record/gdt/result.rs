@@ -1,7 +1,7 @@
-//! A record as a result (6310): girths and heights of both legs as test blocks, a table for people,
-//! and where the record's files lie.
+//! Writes a record as a result (6310): girths and heights of both legs as test blocks, a table for
+//! people, and the paths of the record's files.
 //!
-//! Lengths are centimetres with one decimal, as tapes are read; girths are those of a tape.
+//! Lengths are in centimetres with one decimal, as on a tape. Girths are those of a tape.
 
 use jiff::civil::DateTime;
 
@@ -13,39 +13,39 @@ use crate::record::Language;
 use crate::record::rounding::cm_words;
 use crate::record::schema::{LandmarkFigures, LegFigures, Record};
 
-/// The kind of message that tells of an examination.
+/// The kind of message for the result of an examination.
 const RESULT: u16 = 6310;
 
 /// The longest line of free text, characters.
 const TEXT_MOST: usize = 60;
 
-/// A file that a result speaks of.
+/// A file that a result refers to.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attachment {
     /// Its name or number in an archive.
     pub name: String,
-    /// Its format, `SVG` say.
+    /// Its format, such as `SVG`.
     pub format: String,
-    /// What it is.
+    /// What it contains.
     pub description: String,
-    /// Where it lies, as the practice software is to look for it.
+    /// Its path, as the practice software sees it.
     pub path: String,
 }
 
-/// Why there is no message of a record.
+/// Why there is no message for a record.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum ResultFault {
-    /// The record is nobody's.
-    #[error("the record names no patient, and practice software takes none without")]
+    /// The record is unassigned.
+    #[error("the record names no patient, which practice software requires")]
     NoPatient,
-    /// It cannot be written.
+    /// The message cannot be written.
     #[error(transparent)]
     Write(#[from] WriteFault),
 }
 
 type Fields = Vec<(u16, String)>;
 
-/// The message of a record whose scan was `taken` then, by the clock on the wall.
+/// Writes the message of a record. `taken` is the local time of its scan.
 ///
 /// # Errors
 /// See [`ResultFault`].
@@ -94,7 +94,7 @@ fn sides(record: &Record) -> impl Iterator<Item = (&LegFigures, Side)> {
     record.legs.iter().filter_map(move |leg| Some((leg, side(leg)?)))
 }
 
-/// The two test blocks of a level: its girth and its height above the floor.
+/// The two test blocks of a level: its girth, and its height above the floor.
 struct Block<'a> {
     level: &'a str,
     side: Side,
@@ -133,7 +133,7 @@ fn in_cm(figure_mm: f64) -> String {
     cm_words(figure_mm, Language::En)
 }
 
-/// The figures for people, in columns of a fixed width.
+/// The figures for people, in columns of fixed width.
 fn table(record: &Record, rules: &GdtRules) -> Vec<String> {
     let legs: Vec<(&LegFigures, Side)> = sides(record).collect();
     let cell = |level: &str, side: Side, figure: fn(&LandmarkFigures) -> f64| {
@@ -161,8 +161,8 @@ fn row(name: &str, left: &str, right: &str) -> String {
     format!("{name:<14}{left:>8}{right:>8}")
 }
 
-/// What must be known of the measurement. A sentence that the character set cannot write is told by
-/// its code.
+/// What readers must know about the measurement. A sentence that the character set cannot write is
+/// replaced by its code.
 fn comments(record: &Record, rules: &GdtRules) -> Vec<String> {
     let scan = record.scan.sha256.get(..8).unwrap_or_default();
     let mut lines = vec![format!("gaiter {}, Scan {scan}", record.made_by.gaiter)];
@@ -183,7 +183,7 @@ fn wrapped(text: &str) -> Vec<String> {
     words::wrapped(text, TEXT_MOST)
 }
 
-/// The fields of an attachment in the order of their numbers, as practice software reads them.
+/// The fields of an attachment in the order of their numbers, which practice software expects.
 fn of_attachment(attachment: &Attachment, ids: &AttachmentFields) -> Fields {
     let parts = [
         (ids.name, &attachment.name),

@@ -1,23 +1,23 @@
-//! How results are written for a practice's software: what products differ in, field numbers and
-//! the names of files.
+//! How results are written for a practice's software: field numbers and file names, in which products
+//! differ.
 
 use super::charset::Charset;
 
-/// A practice software whose habits are known. Everything it stands for can be set by itself.
+/// A practice software with known settings. Each of these settings can also be set on its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Product {
-    /// GDT 2.1 as written.
+    /// GDT 2.1 as specified.
     Default,
-    /// MEDISTAR: as written.
+    /// MEDISTAR: GDT 2.1 as specified.
     Medistar,
-    /// TURBOMED: names its version 02.00.
+    /// TURBOMED: names version 02.00.
     Turbomed,
-    /// tomedo: UTF-8.
+    /// tomedo: uses UTF-8.
     Tomedo,
 }
 
 impl Product {
-    /// What field 9218 says.
+    /// The value of field 9218.
     pub const fn version(self) -> &'static str {
         match self {
             Product::Turbomed => "02.00",
@@ -25,7 +25,7 @@ impl Product {
         }
     }
 
-    /// In what it reads and writes.
+    /// The character set it reads and writes.
     pub const fn charset(self) -> Charset {
         match self {
             Product::Tomedo => Charset::Utf8,
@@ -34,17 +34,17 @@ impl Product {
     }
 }
 
-/// Which fields tell of an attachment; none leaves that out. Products differ here, and a wrong one
-/// is the commonest reason for which nothing is shown.
+/// The fields that describe an attachment; `None` leaves that part out. Products differ here, and a
+/// wrong field is the most common reason why an attachment is not shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct AttachmentFields {
     /// Its name or number in an archive.
     pub name: Option<u16>,
-    /// Its format, `SVG` say.
+    /// Its format, such as `SVG`.
     pub format: Option<u16>,
-    /// What it is.
+    /// What it contains.
     pub description: Option<u16>,
-    /// Where it lies.
+    /// Its path.
     pub path: Option<u16>,
 }
 
@@ -55,14 +55,14 @@ impl Default for AttachmentFields {
     }
 }
 
-/// How a result says where an attachment lies.
+/// How a result refers to the place of an attachment.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reference {
-    /// From the root on, as the practice software sees it.
+    /// By the full path, as the practice software sees it.
     Full,
-    /// From the exchange folder on.
+    /// By the path relative to the exchange folder.
     Relative,
-    /// By the file's name alone.
+    /// By the file name alone.
     Name,
 }
 
@@ -75,32 +75,32 @@ pub struct GdtRules {
     pub sender: String,
     /// Version of GDT (9218).
     pub version: String,
-    /// In what messages are written.
+    /// The character set of messages.
     pub charset: Charset,
-    /// The examination (8402), by which the practice software knows what to do with it.
+    /// The examination (8402), which tells the practice software how to handle the result.
     pub procedure: String,
-    /// Which fields tell of attachments.
+    /// The fields that describe attachments.
     pub attachment_fields: AttachmentFields,
 }
 
-/// How many letters of a short name stand in file names.
+/// How many letters of a short name are used in file names.
 const SHORT: usize = 4;
 
-/// Stands for a number of three digits.
+/// The placeholder for a number of three digits.
 const COUNTER: &str = "{counter}";
 
 /// The largest number.
 pub const COUNTER_MOST: u16 = 999;
 
-/// How the files of results are called.
+/// The name pattern of result files.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct FileName {
     text: String,
 }
 
 impl FileName {
-    /// By a text in which `{receiver}` and `{sender}` stand for the first four letters of the short
-    /// names and `{counter}` for a number; none where that is no file name.
+    /// A pattern from a text in which `{receiver}` and `{sender}` stand for the first four letters of
+    /// the short names and `{counter}` for a number. `None` if it gives no valid file name.
     pub fn new(text: &str, receiver: &str, sender: &str) -> Option<FileName> {
         let short = |name: &str| name.chars().take(SHORT).collect::<String>();
         let text = text.replace("{receiver}", &short(receiver));
@@ -111,12 +111,12 @@ impl FileName {
         is_one.then_some(name)
     }
 
-    /// Whether each file has a number, so that several may wait to be fetched.
+    /// Whether each file gets a number, so that several can wait to be fetched.
     pub fn counts(&self) -> bool {
         self.text.contains(COUNTER)
     }
 
-    /// The name of the file of this number.
+    /// The file name with this number.
     pub fn of(&self, number: u16) -> String {
         self.text.replace(COUNTER, &format!("{number:03}"))
     }

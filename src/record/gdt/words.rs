@@ -1,10 +1,10 @@
-//! What a result says in words. They hold no umlaut where none is needed, so that every character
-//! set can write them.
+//! The words of a result. They avoid umlauts where possible, so that every character set can write
+//! them.
 
 use super::charset::Charset;
 use crate::leg::Side;
 
-/// The side as it stands in names.
+/// The side as it is written in names.
 pub(super) const fn side(side: Side) -> &'static str {
     match side {
         Side::Left => "links",
@@ -17,7 +17,7 @@ pub(super) fn height(charset: Charset) -> &'static str {
     if charset == Charset::Ascii { "Hoehe" } else { "Höhe" }
 }
 
-/// A doubt by its code; the code itself where there are no words for it.
+/// A doubt in words by its code, or the code itself if there are no words for it.
 pub(super) fn doubt(code: &str) -> &str {
     match code {
         "shallow" => "Extremum nur schwach",
@@ -34,7 +34,7 @@ pub(super) fn doubt(code: &str) -> &str {
     }
 }
 
-/// A text in lines of at most so many characters, parted at blanks where there are any.
+/// Wraps a text into lines of at most this many characters, at blanks if there are any.
 pub(super) fn wrapped(text: &str, most: usize) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {

@@ -1,7 +1,7 @@
-//! The letters of pictures and of paper: two fonts within the program, read once.
+//! The letters of pictures and of the PDF: two fonts within the program, parsed once.
 //!
-//! The fonts are TrueType files that `fonts/make.py` made: one `cmap` of format 4, an advance for
-//! every glyph, short offsets, no composite glyphs. Only that is read.
+//! The fonts are TrueType files made by `fonts/make.py`: one `cmap` of format 4, an advance for every
+//! glyph, short offsets, no composite glyphs. Only these features are read.
 //! Source: OpenType 1.9.1, `cmap`, `head`, `hmtx`, `loca`, `glyf`.
 
 use std::collections::BTreeMap;
@@ -16,10 +16,10 @@ const FILES: [&[u8]; 2] =
 static FONTS: LazyLock<[Font; 2]> =
     LazyLock::new(|| FILES.map(|file| Font::read(file).unwrap_or_default()));
 
-/// Units to the height of the letters with their room.
+/// Font units per em, which is the font size.
 pub const UNITS_PER_EM: f64 = 1000.0;
 
-/// A font of the program's own.
+/// One of the embedded fonts.
 #[derive(Debug, Default)]
 pub struct Font {
     file: &'static [u8],
@@ -29,7 +29,7 @@ pub struct Font {
 }
 
 impl Font {
-    /// The font of plain words, or of those that stand out.
+    /// The regular or the bold font.
     pub fn of(is_bold: bool) -> &'static Font {
         &FONTS[usize::from(is_bold)]
     }
@@ -39,24 +39,24 @@ impl Font {
         self.file
     }
 
-    /// The glyph of a letter; none where the font lacks it.
+    /// The glyph of a letter; `None` if the font lacks it.
     pub fn glyph(&self, letter: char) -> Option<u16> {
         self.glyphs.get(&letter).copied()
     }
 
-    /// By how much a glyph moves the pen, 1/[`UNITS_PER_EM`].
+    /// How far a glyph moves the pen, 1/[`UNITS_PER_EM`].
     pub fn advance(&self, glyph: u16) -> u16 {
         self.advances.get(usize::from(glyph)).copied().unwrap_or(0)
     }
 
-    /// Width of words in letters of a size, in the unit of that size.
+    /// Width of a text at a letter size, in the unit of that size.
     pub fn width(&self, words: &str, size: f64) -> f64 {
         let glyphs = words.chars().map(|letter| self.glyph(letter).unwrap_or(0));
         let units: f64 = glyphs.map(|glyph| f64::from(self.advance(glyph))).sum();
         units / UNITS_PER_EM * size
     }
 
-    /// How a glyph is drawn, 1/[`UNITS_PER_EM`], y up from the line of the letters.
+    /// The outline of a glyph, 1/[`UNITS_PER_EM`], y up from the baseline.
     pub fn outline(&self, glyph: u16) -> Vec<Segment> {
         let outline = self.outlines.get(usize::from(glyph));
         outline.and_then(|bytes| segments(bytes)).unwrap_or_default()
@@ -79,9 +79,9 @@ impl Font {
     }
 }
 
-/// Words as both fonts can write them: a letter that they lack, or that is not seen, stands as its
-/// code point, and every blank is a plain one. So no two ids look alike because a letter is missing,
-/// and nothing is ever written from right to left.
+/// A text that both fonts can write. A letter that they lack, or that is invisible, is replaced by its
+/// code point, and every blank by a plain one. So no two ids look alike because a letter is missing, and
+/// nothing is ever written from right to left.
 pub fn writable(words: &str) -> String {
     let mut written = String::with_capacity(words.len());
     for letter in words.chars() {
@@ -95,7 +95,7 @@ pub fn writable(words: &str) -> String {
 }
 
 fn is_writable(letter: char) -> bool {
-    // A soft hyphen has a glyph, but is not to be seen.
+    // A soft hyphen has a glyph but is invisible.
     letter != '\u{AD}' && [false, true].iter().all(|bold| Font::of(*bold).glyph(letter).is_some())
 }
 
@@ -107,14 +107,14 @@ fn table(file: &'static [u8], tag: &[u8; 4]) -> Option<&'static [u8]> {
     file.get(from..from.checked_add(length)?)
 }
 
-/// The glyphs of all letters, from the first table of format 4.
+/// Maps letters to glyphs, from the first table, which has format 4.
 fn glyphs(cmap: &[u8]) -> Option<BTreeMap<char, u16>> {
     let sub = cmap.get(long(cmap, 8)?..)?;
     if word(sub, 0)? != 4 {
         return None;
     }
     let twice = usize::from(word(sub, 6)?);
-    // Four columns: last letter, first letter, what is added, where the glyphs stand.
+    // Four columns: last letter, first letter, delta, offset of the glyph list.
     let [ends, starts, deltas, offsets] = [14, 16 + twice, 16 + 2 * twice, 16 + 3 * twice];
     let mut found = BTreeMap::new();
     for row in (0..twice).step_by(2) {
@@ -132,12 +132,12 @@ fn glyphs(cmap: &[u8]) -> Option<BTreeMap<char, u16>> {
     Some(found)
 }
 
-/// A number of 16 bits, the higher byte first.
+/// A 16-bit number, high byte first.
 fn word(bytes: &[u8], at: usize) -> Option<u16> {
     bytes.get(at..at + 2)?.try_into().ok().map(u16::from_be_bytes)
 }
 
-/// A number of 32 bits, the highest byte first.
+/// A 32-bit number, highest byte first.
 fn long(bytes: &[u8], at: usize) -> Option<usize> {
     bytes.get(at..at + 4)?.try_into().ok().map(u32::from_be_bytes)?.try_into().ok()
 }

@@ -1,20 +1,20 @@
-//! What pictures are drawn with. An ink has a meaning; its colour depends on the theme.
+//! The inks of pictures. An ink has a meaning; its colour depends on the theme.
 
 use crate::leg::Side;
 
 /// Red, green, blue.
 pub type Colour = [u8; 3];
 
-/// What a line or area means.
+/// The meaning of a line or area.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Ink {
-    /// The ground.
+    /// The background.
     Paper,
-    /// Words, and what matters.
+    /// Text and important lines.
     Text,
-    /// Words that explain.
+    /// Explanatory text.
     Muted,
-    /// Lines of a scale.
+    /// Grid lines.
     Grid,
     /// Skin.
     Skin,
@@ -26,20 +26,20 @@ pub enum Ink {
     Scan,
     /// A distance from the surface, as a share of the scale: −1 inside, 1 outside.
     Off(f64),
-    /// What was not seen.
+    /// What the scanner did not see.
     Unseen,
 }
 
 /// Whether pictures are dark on light or light on dark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Theme {
-    /// Paper, and screens by day.
+    /// For paper, and for screens by day.
     Light,
-    /// Screens in a dark room.
+    /// For screens in a dark room.
     Dark,
 }
 
-/// Colours of distances from −1 to 1: blue, pale, red (ColorBrewer RdBu, which the colour-blind can
+/// Colours of distances from −1 to 1: blue, pale, red (ColorBrewer RdBu, which colour-blind people can
 /// read too).
 const OFF: [Colour; 9] = [
     [33, 102, 172],
@@ -54,7 +54,7 @@ const OFF: [Colour; 9] = [
 ];
 
 impl Ink {
-    /// The ink of a leg.
+    /// The ink for a leg.
     pub fn of(side: Side) -> Ink {
         match side {
             Side::Left => Ink::Left,
@@ -62,7 +62,7 @@ impl Ink {
         }
     }
 
-    /// Its colour.
+    /// Its colour in a theme.
     pub fn colour(self, theme: Theme) -> Colour {
         let [light, dark] = match self {
             Ink::Paper => [[255, 255, 255], [21, 25, 31]],
@@ -74,7 +74,7 @@ impl Ink {
             Ink::Right => [[180, 66, 31], [240, 138, 93]],
             Ink::Scan => [[132, 112, 196], [168, 150, 230]],
             Ink::Unseen => [[150, 156, 168], [96, 104, 118]],
-            // The scale must mean the same everywhere.
+            // The scale must have the same meaning in both themes.
             Ink::Off(share) => [off(share); 2],
         };
         match theme {
@@ -83,7 +83,7 @@ impl Ink {
         }
     }
 
-    /// The name of its colour in a page's style sheet; none for inks of the same colour in both
+    /// The name of its colour in a page's style sheet. `None` for inks with the same colour in both
     /// themes.
     pub fn name(self) -> Option<&'static str> {
         match self {
@@ -100,7 +100,7 @@ impl Ink {
         }
     }
 
-    /// The inks that have names.
+    /// The inks with names.
     pub const NAMED: [Ink; 9] = [
         Ink::Paper,
         Ink::Text,
@@ -114,7 +114,7 @@ impl Ink {
     ];
 }
 
-/// The colour of a distance, between those of the scale.
+/// The colour of a distance, interpolated between those of the scale.
 fn off(share: f64) -> Colour {
     let last = OFF.len() - 1;
     let place = (share.clamp(-1.0, 1.0) + 1.0) / 2.0 * last as f64;
@@ -131,7 +131,7 @@ fn off(share: f64) -> Colour {
 mod tests {
     use super::*;
 
-    /// Relative luminance and contrast ratio of WCAG 2.2.
+    /// Contrast ratio of WCAG 2.2, from the relative luminances.
     fn contrast(a: Colour, b: Colour) -> f64 {
         let luminance = |colour: Colour| {
             let linear = colour.map(|channel| {
@@ -150,11 +150,11 @@ mod tests {
             for ground in [Ink::Paper, Ink::Skin] {
                 for ink in [Ink::Text, Ink::Muted, Ink::Left, Ink::Right] {
                     let ratio = contrast(ink.colour(theme), ground.colour(theme));
-                    // WCAG 2.2, 1.4.3: 4.5 for words.
+                    // WCAG 2.2, 1.4.3: 4.5 for text.
                     assert!(ratio >= 4.5, "{ink:?} on {ground:?}, {theme:?}: {ratio:.2}");
                 }
                 let scan = contrast(Ink::Scan.colour(theme), ground.colour(theme));
-                // 1.4.11: 3 for what is drawn.
+                // 1.4.11: 3 for graphics.
                 assert!(scan >= 3.0, "{theme:?}: {scan:.2}");
             }
         }

@@ -1,4 +1,4 @@
-//! Pictures of a record as data: lines, dots and words in inks, which SVG, PDF and PNG are made of.
+//! Pictures of a record as data: lines, dots and text in inks, from which SVG, PDF and PNG are made.
 
 pub mod figures;
 pub mod font;
@@ -13,68 +13,68 @@ pub use outline::Segment;
 /// A drawing; x to the right, y down, px.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {
-    /// What it shows, in words, for those who do not see it.
+    /// A description for people who do not see the picture.
     pub title: String,
     /// Width and height, px.
     pub size: [f64; 2],
-    /// What is drawn, the later over the earlier.
+    /// The marks, later ones over earlier ones.
     pub marks: Vec<Mark>,
 }
 
-/// One thing that is drawn.
+/// One mark of a drawing.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Mark {
     /// Lines, each through its points.
     Lines {
         /// The points of each, px.
         lines: Vec<Vec<[f64; 2]>>,
-        /// Whether each goes back to its beginning.
+        /// Whether each line is closed.
         is_closed: bool,
-        /// What fills them; where they overlap by the rule of even and odd.
+        /// Their fill, if any, by the even-odd rule.
         fill: Option<Ink>,
-        /// What they are drawn with.
+        /// Their stroke, if any.
         stroke: Option<Stroke>,
     },
     /// Round dots of one size.
     Dots {
-        /// Their middles, px.
+        /// Their centres, px.
         at: Vec<[f64; 2]>,
-        /// px.
+        /// Radius, px.
         radius: f64,
-        /// What fills them.
+        /// Their fill, if any.
         fill: Option<Ink>,
-        /// What they are drawn with.
+        /// Their stroke, if any.
         stroke: Option<Stroke>,
     },
-    /// Words on a line.
+    /// One line of text.
     Words {
-        /// Where the line of the letters begins, is centred or ends, px.
+        /// Where the baseline starts, is centred or ends, px.
         at: [f64; 2],
-        /// Which of these.
+        /// Which of these it is.
         anchor: Anchor,
-        /// Height of the letters with their room, px.
+        /// Font size, px.
         size: f64,
-        /// Whether they stand out.
+        /// Whether the text is bold.
         is_bold: bool,
-        /// What they are written with.
+        /// Its ink.
         ink: Ink,
-        /// What they say.
+        /// The text.
         words: String,
     },
 }
 
-/// A line's pen.
+/// The pen of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stroke {
     /// Its ink.
     pub ink: Ink,
     /// Its width, px.
     pub width: f64,
-    /// Length of dashes and of the gaps between them, px; none: one line.
+    /// Length of the dashes and of the gaps between them, px; `None` for a solid line.
     pub dash: Option<f64>,
 }
 
-/// What of a line of words lies at its place.
+/// Which part of a text is at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Anchor {
     /// Its beginning.
@@ -86,7 +86,7 @@ pub enum Anchor {
 }
 
 impl Anchor {
-    /// The share of the words' width that lies before their place.
+    /// The share of the text's width that lies before its place.
     pub fn share(self) -> f64 {
         match self {
             Anchor::Start => 0.0,
@@ -97,7 +97,7 @@ impl Anchor {
 }
 
 impl Picture {
-    /// This one with another below it, as one.
+    /// Combines this picture with another one below it.
     pub fn above(self, below: Picture) -> Picture {
         let ([width, height], [other_width, other_height]) = (self.size, below.size);
         let moved = below.marks.into_iter().map(|mark| mark.moved_down(height));
@@ -133,7 +133,7 @@ impl Mark {
 }
 
 impl Stroke {
-    /// A whole line.
+    /// A solid line.
     pub fn of(ink: Ink, width: f64) -> Option<Stroke> {
         Some(Stroke { ink, width, dash: None })
     }

@@ -1,14 +1,14 @@
-//! Outlines of glyphs: a simple `glyf` entry as lines and parabolas.
+//! Outlines of glyphs: reads a simple `glyf` entry as lines and parabolas.
 //! Source: OpenType 1.9.1, `glyf`, "Simple Glyph Description".
 
-/// A piece of an outline; each contour is closed.
+/// A piece of an outline. Each contour is closed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Segment {
-    /// A contour begins.
+    /// The start of a contour.
     Start([f64; 2]),
-    /// A straight line to here.
+    /// A straight line to this point.
     Line([f64; 2]),
-    /// A parabola by its control point to here.
+    /// A parabola with this control point, to the second point.
     Parabola([f64; 2], [f64; 2]),
 }
 
@@ -23,7 +23,7 @@ const Y_SAME_OR_POSITIVE: u8 = 0x20;
 /// Count of contours and bounding box.
 const HEADER_BYTES: usize = 10;
 
-/// All contours of a glyph; none for bytes that are no simple glyph.
+/// All contours of a glyph; `None` if the bytes are not a simple glyph.
 pub(super) fn segments(glyph: &[u8]) -> Option<Vec<Segment>> {
     if glyph.is_empty() {
         return Some(Vec::new());
@@ -59,7 +59,7 @@ struct Point {
     is_on: bool,
 }
 
-/// Between two control points in a row lies a point of the curve, in their middle.
+/// Midway between two consecutive control points lies a point of the curve.
 fn contour_of(points: &[Point], drawn: &mut Vec<Segment>) {
     let (Some(first), Some(last)) = (points.first(), points.last()) else { return };
     let middle = |a: [f64; 2], b: [f64; 2]| [0, 1].map(|axis| f64::midpoint(a[axis], b[axis]));
@@ -87,7 +87,7 @@ fn contour_of(points: &[Point], drawn: &mut Vec<Segment>) {
     drawn.extend(control.map(|by| Segment::Parabola(by, start)));
 }
 
-/// What is still to be read.
+/// The unread bytes.
 struct Bytes<'a> {
     rest: &'a [u8],
 }
@@ -113,7 +113,7 @@ impl Bytes<'_> {
         (flags.len() == count).then_some(flags)
     }
 
-    /// One coordinate of all points, from the ways between them.
+    /// One coordinate of all points, from the steps between them.
     fn places(&mut self, flags: &[u8], short: u8, same_or_positive: u8) -> Option<Vec<i16>> {
         let mut place = 0_i16;
         let mut next = |flag: &u8| {
@@ -143,7 +143,7 @@ mod tests {
         let drawn = segments(&[header.as_slice(), &triangle].concat()).unwrap();
         let [a, b, c] = [[0.0, 0.0], [10.0, 0.0], [10.0, 20.0]];
         assert_eq!(drawn, [Segment::Start(a), Segment::Line(b), Segment::Line(c)]);
-        // The same with the second and the third beside the curve.
+        // The same with the second and the third as control points.
         let bent = [[0, 2, 0, 0].as_slice(), &[0x31, 0x32, 0x34], &[10], &[20]].concat();
         let drawn = segments(&[header.as_slice(), &bent].concat()).unwrap();
         let curves = [Segment::Parabola(b, [10.0, 10.0]), Segment::Parabola(c, a)];

@@ -1,4 +1,4 @@
-//! Pictures as PNG, for programs that show no SVG.
+//! Pictures as PNG, for programs that do not show SVG.
 
 use thiserror::Error;
 use tiny_skia::{
@@ -10,32 +10,32 @@ use super::font::{Font, UNITS_PER_EM, writable};
 use super::outline::Segment;
 use super::{Anchor, Ink, Mark, Picture, Stroke, Theme};
 
-/// The largest image, pixels: what a poster at 300 dots an inch has, in 256 MB of memory.
+/// The largest image, pixels: a poster at 300 dots per inch, in 256 MB of memory.
 const PIXELS_MAX: f64 = 64e6;
 
-/// Why there is no image.
+/// Why no image can be made.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum PngFault {
-    /// The picture has no area, or too much of it.
+    /// The picture has no area, or too large an area.
     #[error("an image of {width_px:.0} × {height_px:.0} pixels cannot be made")]
     Size {
-        /// Asked-for width.
+        /// Requested width.
         width_px: f64,
-        /// Asked-for height.
+        /// Requested height.
         height_px: f64,
     },
-    /// The image could not be packed.
+    /// The image could not be encoded.
     #[error("the image could not be packed: {message}")]
     Packing {
-        /// The packer's words.
+        /// The encoder's message.
         message: String,
     },
 }
 
-/// An image of the picture in a theme, with so many pixels to one of its own.
+/// Draws a picture in a theme, with this many pixels per px of the picture.
 ///
 /// # Errors
-/// Where the image would have no pixel or more than 64 million.
+/// If the image would have no pixel or more than 64 million.
 pub fn png(picture: &Picture, theme: Theme, scale: f64) -> Result<Vec<u8>, PngFault> {
     let [width_px, height_px] = picture.size.map(|side| (side * scale).ceil());
     let is_possible = width_px >= 1.0 && height_px >= 1.0 && width_px * height_px <= PIXELS_MAX;
@@ -49,7 +49,7 @@ pub fn png(picture: &Picture, theme: Theme, scale: f64) -> Result<Vec<u8>, PngFa
     easel.image.encode_png().map_err(|fault| PngFault::Packing { message: fault.to_string() })
 }
 
-/// An image that is being drawn.
+/// An image being drawn.
 struct Easel {
     image: Pixmap,
     theme: Theme,
@@ -63,7 +63,7 @@ impl Easel {
                 self.paint(path_of(lines, *is_closed), *fill, *stroke);
             }
             Mark::Dots { at, radius, fill, stroke } => {
-                // Each by itself: those that overlap lie over each other.
+                // One by one, so that overlapping dots cover each other.
                 for dot in at {
                     let [x, y] = dot.map(|of| of as f32);
                     let circle = PathBuilder::from_circle(x, y, *radius as f32);
@@ -117,7 +117,7 @@ fn colour(ink: Ink, theme: Theme) -> Color {
     Color::from_rgba8(r, g, b, u8::MAX)
 }
 
-/// Lines through their points; none where there is nothing to draw.
+/// Lines through their points; `None` if there is nothing to draw.
 fn path_of(lines: &[Vec<[f64; 2]>], is_closed: bool) -> Option<Path> {
     let mut path = PathBuilder::new();
     for line in lines {
@@ -132,7 +132,7 @@ fn path_of(lines: &[Vec<[f64; 2]>], is_closed: bool) -> Option<Path> {
     path.finish()
 }
 
-/// The outlines of words on their line.
+/// The outlines of a text on its baseline.
 fn letters(
     words: &str,
     [x, y]: [f64; 2],
@@ -176,7 +176,7 @@ fn letters(
 mod tests {
     use super::*;
 
-    /// The image of marks on a picture of 40 × 20 px.
+    /// The image of these marks on a picture of 40 × 20 px.
     fn image(marks: Vec<Mark>, theme: Theme, scale: f64) -> Pixmap {
         let picture = Picture { title: String::new(), size: [40.0, 20.0], marks };
         Pixmap::decode_png(&png(&picture, theme, scale).unwrap()).unwrap()
@@ -250,7 +250,7 @@ mod tests {
             let columns: Vec<u32> = (0..40).filter(is_inked).collect();
             (columns[0], *columns.last().unwrap())
         };
-        // Each H is 0.765 of the size wide, with room on both sides.
+        // Each H is as wide as 0.765 of the size, with room on both sides.
         assert!(matches!(inked(Anchor::Start), (20..=21, 33..=35)), "{:?}", inked(Anchor::Start));
         assert!(matches!(inked(Anchor::Middle), (12..=14, 26..=27)), "{:?}", inked(Anchor::Middle));
         assert!(matches!(inked(Anchor::End), (4..=6, 18..=19)), "{:?}", inked(Anchor::End));

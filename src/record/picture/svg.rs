@@ -1,14 +1,14 @@
-//! Pictures as SVG: for a file of its own, or for a page that knows the inks' names.
+//! Pictures as SVG: as a file of its own, or embedded in a page that knows the names of the inks.
 
 use std::fmt::Write;
 
 use super::{Anchor, Ink, Mark, Picture, Stroke, Theme};
 
-/// The letters of pictures.
+/// The font families of pictures.
 const FONT: &str = "system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
 
-/// A file of its own, in the theme of its reader; programs that know no style sheets show the
-/// light one.
+/// A file of its own, in the reader's theme. Programs that do not support style sheets show the light
+/// theme.
 pub fn file(picture: &Picture) -> String {
     let style = format!("<style>{}</style>\n", dark_rules());
     let [width, height] = picture.size;
@@ -21,12 +21,12 @@ pub fn file(picture: &Picture) -> String {
     drawn(picture, &(style + &paper))
 }
 
-/// For a page whose style sheet has [`dark_rules`].
+/// For embedding in a page whose style sheet has [`dark_rules`].
 pub fn embedded(picture: &Picture) -> String {
     drawn(picture, "")
 }
 
-/// A style sheet that gives pictures their dark theme where people prefer it.
+/// A style sheet that gives pictures the dark theme for readers who prefer it.
 pub fn dark_rules() -> String {
     let rules = |ink: Ink| {
         let [r, g, b] = ink.colour(Theme::Dark);
@@ -66,7 +66,7 @@ fn markup(mark: &Mark) -> String {
             format!("<path d=\"{path}\"{rule}{}/>", looks(*fill, *stroke))
         }
         Mark::Dots { at, radius, fill, stroke: None } => {
-            // A line without length and with round ends is a dot, and a short one to write.
+            // A line of length zero with round ends is a dot and takes few bytes.
             let path: String = at.iter().map(|dot| format!("{}h0", path(&[*dot]))).collect();
             let stroke = Stroke { ink: fill.unwrap_or(Ink::Text), width: 2.0 * radius, dash: None };
             format!("<path d=\"{path}\"{}/>", looks(None, Some(stroke)))
@@ -94,8 +94,8 @@ fn markup(mark: &Mark) -> String {
     }
 }
 
-/// A line through points, told by the ways between them in whole tenths of px: such are written many
-/// times as fast as fractions.
+/// A path through points, written as the steps between them in whole tenths of px. Integers are
+/// formatted many times as fast as fractions.
 fn path(points: &[[f64; 2]]) -> String {
     let mut path = String::new();
     let tenths = |at: &[f64; 2]| at.map(|of| (of * 10.0).round() as i64);
@@ -113,11 +113,11 @@ fn path(points: &[[f64; 2]]) -> String {
     path
 }
 
-/// Writes a number of tenths as a decimal.
+/// Writes an integer number of tenths as a decimal.
 fn push_tenths(text: &mut String, tenths: i64) {
     let (whole, rest) = (tenths.unsigned_abs() / 10, tenths.unsigned_abs() % 10);
     let sign = if tenths < 0 { "-" } else { "" };
-    // Writing to memory does not fail.
+    // Writing to memory never fails.
     let _ = match rest {
         0 => write!(text, "{sign}{whole}"),
         _ => write!(text, "{sign}{whole}.{rest}"),
@@ -140,7 +140,7 @@ fn looks(fill: Option<Ink>, stroke: Option<Stroke>) -> String {
     looks
 }
 
-/// The light colour of an ink, and a class by which a style sheet changes it.
+/// The light colour of an ink, and the class that lets a style sheet change it.
 fn painted(what: &str, ink: Ink) -> String {
     let class = class(what, ink).map_or(String::new(), |class| format!(" class=\"{class}\""));
     format!("{class} {what}=\"{}\"", colour(ink))
@@ -162,14 +162,14 @@ fn colour(ink: Ink) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// A number of px to a hundredth, without what says nothing.
+/// A number of px to a hundredth, without trailing zeros.
 fn number(px: f64) -> String {
     let text = format!("{px:.2}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
-/// Words as the text of an element.
+/// Escapes text for the content of an element.
 fn escaped(words: &str) -> String {
     words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }

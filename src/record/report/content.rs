@@ -1,7 +1,7 @@
-//! What a report says, as data: rounded by the one rule and in words, for pages and for paper.
+//! The content of a report as data, for pages and for the PDF: all figures are rounded and in words.
 //!
-//! Of two legs the patient's right one comes first everywhere, as it is seen from the front. Levels
-//! come from the highest to the lowest, as a leg stands.
+//! The patient's right leg always comes before the left one, as seen from the front. Levels are ordered
+//! from the highest to the lowest, as on a standing leg.
 
 mod facts;
 mod landmarks;
@@ -16,56 +16,56 @@ use crate::leg::Side;
 use crate::record::schema::LegFigures;
 use crate::record::{Language, Record};
 
-/// Everything that a report says.
+/// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Content {
-    /// The language it is said in.
+    /// The language of the texts.
     pub language: Language,
-    /// What this is.
+    /// The kind of document.
     pub title: String,
     /// The patient's id with nothing hidden in it, or that there is none.
     pub patient: String,
-    /// When and where, in one line, for the head of a page.
+    /// When and where the scan was taken, in one line, for the head of a page.
     pub taken: String,
-    /// Where it comes from: patient, time, station, scan, program.
+    /// The origin: patient, time, station, scan, program.
     pub facts: Vec<Fact>,
     /// The heading of these facts.
     pub origin: String,
-    /// The heading of the girths that matter most, with their unit.
+    /// The heading of the most important girths, with their unit.
     pub key: String,
     /// The girths and lengths at the levels.
     pub levels: Levels,
-    /// Tables that follow: volumes, slices, the foot, heights that were asked for.
+    /// The tables that follow: volumes, slices, the foot, requested heights.
     pub tables: Vec<Table>,
-    /// How well the surface follows the scan, a sentence or more a leg.
+    /// How well the surface follows the scan, at least one sentence per leg.
     pub surfaces: Section,
-    /// Doubts and findings, what matters most first.
+    /// Doubts and findings, most important first.
     pub notes: Section<Note>,
-    /// How many notes there are of each weight, in one line, or that there is none.
+    /// The number of notes of each weight in one line, or that there are none.
     pub summary: String,
-    /// How the figures are to be read.
+    /// How to read the figures.
     pub legend: Section,
-    /// Every figure of every level in mm, digit by digit as in `record.json`.
+    /// Every figure of every level in mm, with the exact digits of `record.json`.
     pub landmarks: Table,
-    /// Headings of the pictures, and what is said where the record holds none.
+    /// Headings of the pictures, and the text for a record without any.
     pub pictures: PictureWords,
 }
 
-/// A heading and what stands below it.
+/// A heading and the content below it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section<T = String> {
     /// The heading.
     pub title: String,
-    /// What stands below it, one paragraph or entry each.
+    /// The content, one paragraph or entry each.
     pub entries: Vec<T>,
 }
 
-/// One thing about the record as a whole.
+/// One fact about the record as a whole.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Fact {
-    /// What it is.
+    /// Its name.
     pub name: String,
-    /// Text that may come from outside: to be escaped, and kept from turning the text around it.
+    /// Its value, possibly from outside: it must be escaped and must not change the text direction.
     pub value: String,
 }
 
@@ -74,64 +74,64 @@ pub struct Fact {
 pub struct Levels {
     /// The heading.
     pub title: String,
-    /// Heads: level; girth and length of the right leg; of the left leg; difference.
+    /// Headings: level; girth and length of the right leg; of the left leg; difference.
     pub columns: LevelColumns,
     /// The levels, highest first.
     pub rows: Vec<LevelRow>,
-    /// Levels without a row, and why; none where all have one.
+    /// The levels without a row, and why; `None` if all have one.
     pub left_out: Option<String>,
 }
 
-/// Heads of the table of levels.
+/// Headings of the table of levels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LevelColumns {
-    /// Of the level.
+    /// The level.
     pub level: String,
-    /// Of the legs, each over two columns, in the order of [`Side::FROM_FRONT`].
+    /// The legs, each over two columns, in the order of [`Side::FROM_FRONT`].
     pub legs: [String; 2],
-    /// Of a girth, with its unit.
+    /// A girth, with its unit.
     pub girth: String,
-    /// Of a length, with its unit.
+    /// A length, with its unit.
     pub length: String,
-    /// Of the difference of the girths, with its unit.
+    /// The difference of the girths, with its unit.
     pub difference: String,
 }
 
 /// One level of both legs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelRow {
-    /// Its name: `B1`.
+    /// Its name, such as `B1`.
     pub level: String,
     /// Where it is on the leg.
     pub place: String,
-    /// Whether it is one of B, B1, C and D, for which every leg is searched.
+    /// Whether it is B, B1, C or D, which are searched on every leg.
     pub is_sought: bool,
-    /// Of each leg, in the order of [`Side::FROM_FRONT`].
+    /// The figures of each leg, in the order of [`Side::FROM_FRONT`].
     pub legs: [LevelFigures; 2],
-    /// Girth of the left leg minus that of the right, cm.
+    /// Girth of the left leg minus girth of the right leg, cm.
     pub difference: Figure,
 }
 
 /// One level of one leg.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LevelFigures {
-    /// What a tape reads, cm.
+    /// Girth by tape, cm.
     pub girth: Figure,
-    /// From the floor along the skin, cm; of an estimated level the height above the floor, which
-    /// its words say.
+    /// From the floor along the skin, cm. For an estimated level it is the height above the floor, and
+    /// the text says so.
     pub length: Figure,
-    /// Its doubts, in few words each.
+    /// Its doubts, each in a few words.
     pub doubts: Vec<String>,
 }
 
-/// A table: each row has a head and as many figures as there are columns behind the first.
+/// A table. Each row has a head and one figure for every column after the first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
     /// The heading, with the unit.
     pub title: String,
-    /// How to read it; none where it needs no words.
+    /// How to read it; `None` if it needs no explanation.
     pub explanation: Option<String>,
-    /// Heads of all columns, that of the rows' heads first.
+    /// Headings of all columns, beginning with that of the rows' heads.
     pub columns: Vec<String>,
     /// The rows.
     pub rows: Vec<TableRow>,
@@ -140,7 +140,7 @@ pub struct Table {
 /// A row of a [`Table`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct TableRow {
-    /// What the row is about.
+    /// The subject of the row.
     pub head: String,
     /// Its figures.
     pub figures: Vec<Figure>,
@@ -153,61 +153,61 @@ pub struct Note {
     pub code: String,
     /// How much it matters.
     pub weight: Weight,
-    /// That in words.
+    /// The weight in words.
     pub weight_words: String,
-    /// Which leg and level, empty for the whole scan.
+    /// The leg and level; empty for the whole scan.
     pub place: String,
-    /// What it is, in few words; the code where it is unknown here.
+    /// A short name, or the code if it is unknown here.
     pub title: String,
-    /// What was found, with its figures.
+    /// The finding, with its figures.
     pub message: String,
-    /// Whether the message could only be given in English, the record's own language.
+    /// Whether the message is only available in English, the language of the record.
     pub is_message_english: bool,
-    /// What it means; none for an unknown code.
+    /// What it means; `None` for an unknown code.
     pub meaning: Option<String>,
-    /// What to do; none for an unknown code.
+    /// What to do; `None` for an unknown code.
     pub action: Option<String>,
 }
 
-/// How much a note matters, the heaviest first.
+/// The weight of a note, heaviest first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Weight {
     /// Something was not measured.
     Error,
-    /// Look before you use the record.
+    /// Check this before using the record.
     Warning,
     /// Worth knowing.
     Info,
 }
 
-/// What is said around the pictures.
+/// The texts around the pictures.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PictureWords {
     /// The heading.
     pub title: String,
     /// What each figure of [`crate::record::picture::figures`] shows.
     pub captions: Vec<Caption>,
-    /// Said where a leg of the record holds no shapes; none where all do.
+    /// The text if a leg of the record has no shape; `None` if all have one.
     pub missing: Option<String>,
-    /// The heading of the view that can be turned.
+    /// The heading of the interactive 3D view.
     pub view: String,
-    /// Said where a page's script does not run.
+    /// The text if the page's script does not run.
     pub no_script: String,
 }
 
-/// What a figure shows.
+/// The caption of a figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Caption {
     /// The figure's name.
     pub name: &'static str,
-    /// What it shows, in few words.
+    /// What it shows, in a few words.
     pub title: String,
     /// How to read it.
     pub text: String,
 }
 
 impl Content {
-    /// What a report of this record says in this language.
+    /// The content of a report of this record in this language.
     pub fn of(record: &Record, language: Language) -> Content {
         let report = Report { record, language };
         let notes = report.notes();
@@ -217,7 +217,7 @@ impl Content {
             patient: report.patient(),
             taken: report.taken(),
             facts: report.facts(),
-            origin: report.say("Where this comes from", "Woher dies stammt"),
+            origin: report.say("Origin of this record", "Woher dies stammt"),
             key: report.say("Girths at D, C, B1 and B (cm)", "Umfänge bei D, C, B1 und B (cm)"),
             levels: report.levels(),
             tables: report.tables(),
@@ -231,7 +231,7 @@ impl Content {
     }
 }
 
-/// A record that is told in a language.
+/// A record with the language of its report.
 struct Report<'a> {
     record: &'a Record,
     language: Language,
@@ -247,7 +247,7 @@ impl Report<'_> {
         Side::FROM_FRONT.map(|side| self.record.leg(side))
     }
 
-    /// Whether somebody found something of this code about a leg, or about a level of it.
+    /// Whether the record has a finding of this code about a leg, or about a level of it.
     fn is_found(&self, code: &str, side: Side, level: Option<&str>) -> bool {
         self.record.findings.iter().any(|finding| {
             let is_there = finding.leg.as_deref() == Some(side.word());

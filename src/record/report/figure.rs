@@ -1,4 +1,4 @@
-//! A figure as the report tells it: rounded, in words, with what it is worth.
+//! A figure as shown in the report: rounded, in words, with its uncertainty.
 
 use crate::record::Language;
 use crate::record::rounding::{
@@ -8,27 +8,27 @@ use crate::record::rounding::{
 /// A figure in words.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Figure {
-    /// The figure in the unit that its table names; of a missing one, why it is missing.
+    /// The figure in the unit of its table, or the reason why it is missing.
     pub value: String,
-    /// What it is uncertain by, without `±`: `?` where that cannot be judged; none where the figure
-    /// has no uncertainty to tell.
+    /// Its uncertainty without `±`; `?` if it is unknown. `None` for a figure without an uncertainty to
+    /// show.
     pub margin: Option<String>,
-    /// How it is to be taken.
+    /// How to read it.
     pub mark: Mark,
 }
 
-/// How a figure is to be taken.
+/// How to read a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
-    /// As it stands.
+    /// At face value.
     Sure,
-    /// There is a doubt; a note tells which.
+    /// There is a doubt, which a note explains.
     Doubtful,
-    /// Given by a proportion of the body, not seen.
+    /// Estimated by a proportion of the body, not seen.
     Estimated,
-    /// There is none; the words say why.
+    /// There is no figure; the words give the reason.
     Missing,
-    /// A difference larger than its own uncertainty, as both are told.
+    /// A difference larger than its own uncertainty, both as shown.
     Real,
 }
 
@@ -71,28 +71,28 @@ impl Figure {
         ]
     }
 
-    /// No figure, and why.
+    /// A missing figure, with the reason.
     pub(super) fn missing(why: &str) -> Figure {
         Figure { value: why.to_owned(), margin: None, mark: Mark::Missing }
     }
 
-    /// A figure or other words as they are.
+    /// A figure or other text without changes.
     pub(super) fn plain(value: impl Into<String>) -> Figure {
         Figure { value: value.into(), margin: None, mark: Mark::Sure }
     }
 
-    /// Whether it is told in words instead of digits.
+    /// Whether there is a reason instead of a figure.
     pub fn is_missing(&self) -> bool {
         self.mark == Mark::Missing
     }
 }
 
-/// An uncertainty that cannot be judged.
+/// The text for an unknown uncertainty.
 fn unknown() -> String {
     "?".to_owned()
 }
 
-/// How a difference is to be taken, of itself and its uncertainty as they are told.
+/// The mark of a difference, from the rounded values that are shown.
 fn reality(told: f64, margin: Option<f64>) -> Mark {
     if margin.is_some_and(|margin| told.abs() > margin) { Mark::Real } else { Mark::Sure }
 }

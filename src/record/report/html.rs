@@ -1,4 +1,4 @@
-//! `report.html`: one file that needs no network, for the screen in both themes and for A4 paper.
+//! `report.html`: one file that works offline, for the screen in both themes and for A4 paper.
 
 mod markup;
 mod parts;
@@ -13,24 +13,24 @@ use crate::record::picture::figures::Figure;
 use crate::record::picture::svg;
 use crate::record::{Language, Record};
 
-/// How the page looks.
+/// The style sheet of the page.
 const STYLE: &str = include_str!("report.css");
 
-/// Begins the view when the page is read; the record stands in the page.
+/// Starts the view when the page is loaded. The record is embedded in the page.
 const BEGIN: &str = include_str!("begin.js");
 
-/// The page of a record in a language, with its figures in that language. The same record gives the
-/// same bytes.
+/// Makes the page of a record in a language, with its figures in that language. The same record gives
+/// the same bytes.
 ///
 /// # Errors
-/// Where a figure of the record cannot be written as JSON.
+/// If a figure of the record cannot be written as JSON.
 pub fn page(
     record: &Record,
     language: Language,
     figures: &[Figure],
 ) -> Result<String, serde_json::Error> {
     let content = Content::of(record, language);
-    // `<` within the JSON's strings could end the script's element; nothing else may hold it.
+    // `<` in the JSON's strings could end the script element, and it occurs nowhere else in JSON.
     let json = serde_json::to_string(record)?.replace('<', "\\u003c");
     let style = format!("{STYLE}{}", svg::dark_rules());
     let script = format!("{VIEWER}\n{BEGIN}");
@@ -56,7 +56,7 @@ fn head(content: &Content, policy: &str) -> String {
     )
 }
 
-/// Nothing is fetched, and nothing runs or paints but what was written here.
+/// The policy: nothing is fetched, and only the embedded script and style are allowed.
 fn policy(style: &str, script: &str) -> String {
     let hash = |text: &str| STANDARD.encode(Sha256::digest(text.as_bytes()));
     format!(

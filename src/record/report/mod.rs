@@ -1,4 +1,4 @@
-//! The report that people read of a record: what it says, as data, and the page it is printed on.
+//! The report of a record for people: its content as data, and the pages it is printed on.
 
 pub mod content;
 mod figure;

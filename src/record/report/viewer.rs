@@ -1,7 +1,7 @@
-//! The 3D view of a record's legs, for pages: our own WebGL without library or network. Its parts are
-//! one script.
+//! The 3D view of a record's legs for pages: own WebGL code without libraries or network access. Its
+//! parts form one script.
 
-/// `gaiterViewer.mount(element, record, {language})` fills an element with the view of a `record.json`.
+/// `gaiterViewer.mount(element, record, {language})` shows the legs of a `record.json` in an element.
 pub const VIEWER: &str = concat!(
     include_str!("viewer/1_words.js"),
     include_str!("viewer/2_reading.js"),

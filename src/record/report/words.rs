@@ -1,12 +1,16 @@
-//! The words of the report that are not of one finding.
+//! The words of the report that do not belong to a single finding.
 
 pub(super) mod findings;
-pub(super) mod messages;
+mod german;
+mod level_findings;
+mod scan_findings;
+pub(super) mod statements;
+mod told;
 
 use crate::leg::{Level, Side};
 use crate::record::{AcquiredFrom, Language, SourceKind};
 
-/// The patient's leg.
+/// The name of a leg.
 pub(super) fn leg(side: Side, language: Language) -> &'static str {
     match side {
         Side::Left => language.pick("left leg", "linkes Bein"),
@@ -14,7 +18,7 @@ pub(super) fn leg(side: Side, language: Language) -> &'static str {
     }
 }
 
-/// The patient's leg as a heading.
+/// The name of a leg as a heading.
 pub(super) fn leg_heading(side: Side, language: Language) -> &'static str {
     match side {
         Side::Left => language.pick("Left leg", "Linkes Bein"),
@@ -22,7 +26,7 @@ pub(super) fn leg_heading(side: Side, language: Language) -> &'static str {
     }
 }
 
-/// Where a level is on the leg.
+/// Where a level is on the leg, in words.
 pub(super) fn place(level: Level, language: Language) -> &'static str {
     match level {
         Level::A => language.pick("forefoot, around the toe joints", "Vorfuß, um die Zehengelenke"),
@@ -37,7 +41,7 @@ pub(super) fn place(level: Level, language: Language) -> &'static str {
     }
 }
 
-/// Who named the patient.
+/// The source that named the patient, in words.
 pub(super) fn source(kind: SourceKind, language: Language) -> &'static str {
     match kind {
         SourceKind::FileName => language.pick("the scan's file name", "Dateiname des Scans"),
@@ -55,7 +59,7 @@ pub(super) fn source(kind: SourceKind, language: Language) -> &'static str {
     }
 }
 
-/// What a time of acquisition was taken from.
+/// The source of a time of acquisition, in words.
 pub(super) fn time_from(from: AcquiredFrom, language: Language) -> &'static str {
     match from {
         AcquiredFrom::Press => language.pick("the button was pressed", "Druck auf den Knopf"),

@@ -1,11 +1,11 @@
-//! The statements of an OBJ file that carry geometry, checked and made plain.
+//! The statements of an OBJ file with geometry, checked and simplified.
 
 use super::super::fault::{CutSign, ScanFault, cut_short, malformed};
 use super::super::format::Format;
 use super::super::text::{excerpt, numbered, words};
 
-/// Statements of the OBJ format (Wavefront specification, version 3.0) and the usual extensions.
-/// A file whose first statement is none of these is no OBJ.
+/// Statements of the OBJ format (Wavefront specification, version 3.0) and the usual extensions. A
+/// file whose first statement is not one of these is not an OBJ file.
 const STATEMENTS: [&str; 30] = [
     "v",
     "vt",
@@ -39,15 +39,15 @@ const STATEMENTS: [&str; 30] = [
     "trace_obj",
 ];
 
-/// The shortest statement of a point, `v 0 0 0` with its line end, bytes. No file has more points
-/// than its length allows, so an index beyond that is wrong before all points are known.
+/// The shortest statement of a point, `v 0 0 0` with its line end, bytes. It limits the number of
+/// points by the file's length, so a larger index is invalid even before all points are known.
 const SHORTEST_POINT_BYTES: usize = 8;
 
-/// Points that tobj is asked for at once, in one object. It takes some 100 bytes for each while it
-/// reads them, so that this many are 7 MB.
+/// Number of points requested from tobj at once, in one object. It needs some 100 bytes per point
+/// while reading, so this many need 7 MB.
 const POINTS_PER_OBJECT: usize = 1 << 16;
 
-/// The geometry of a file in its plainest form.
+/// The geometry of a file in its simplest form.
 pub(super) struct Statements {
     /// `v` lines of three coordinates with decimal points.
     pub points: Vec<u8>,
@@ -55,22 +55,22 @@ pub(super) struct Statements {
     pub triangles: Vec<[u32; 3]>,
     /// Number of `v` lines.
     pub point_count: usize,
-    /// Whether a coordinate has a comma.
+    /// Whether a coordinate contains a comma.
     pub has_commas: bool,
     /// Whether a face uses the point.
     used: Vec<bool>,
-    /// The largest index of a face so far, 0-based, and the line where it stands.
+    /// The largest index in a face so far, 0-based, and its line.
     largest: (usize, usize),
 }
 
 impl Statements {
-    /// Drops comments, names, groups and materials: names in any encoding do no harm then. Colours
-    /// after a point's coordinates go too, because tobj refuses a file where only some points have
-    /// them; so do normals and texture coordinates. Polygons become fans of triangles; triangles
-    /// that use a point twice are left out.
+    /// Drops comments, names, groups and materials, so that the encoding of names does not matter.
+    /// Also drops colours after a point's coordinates, because tobj refuses a file where only some
+    /// points have them, and normals and texture coordinates. Polygons become triangle fans;
+    /// triangles that use a point twice are left out.
     ///
     /// # Errors
-    /// [`ScanFault::Malformed`] for faces of points that do not exist.
+    /// [`ScanFault::Malformed`] for faces with points that do not exist.
     pub(super) fn of(bytes: &[u8]) -> Result<Statements, ScanFault> {
         let mut found = Statements {
             points: Vec::with_capacity(bytes.len() / 2),
@@ -113,8 +113,8 @@ impl Statements {
         self.point_count - self.used.iter().filter(|used| **used).count()
     }
 
-    /// The points in the order in which the triangles use them first, as `f` lines that ask tobj for
-    /// some ten thousand each, and the triangles in their numbers in that order.
+    /// The points in the order of their first use by the triangles, as `f` lines with up to
+    /// `POINTS_PER_OBJECT` points per object, and the triangles with indices in that order.
     pub(super) fn in_order_of_use(&self) -> (Vec<u8>, Vec<[u32; 3]>) {
         const UNUSED: u32 = u32::MAX;
         let mut numbers = vec![UNUSED; self.point_count];
@@ -148,8 +148,8 @@ impl Statements {
         self.points.push(b'\n');
     }
 
-    /// Takes over a face such as `f 1 2 3` of three different points that are there already, as
-    /// nearly all are. Says whether it is one.
+    /// Reads a face such as `f 1 2 3` with three different points that already exist, as nearly all
+    /// faces have. Returns whether the statement is such a face.
     fn plain_triangle(&mut self, statement: &[u8]) -> bool {
         let Some(corners) = plain_corners(statement) else { return false };
         let [a, b, c] = corners;
@@ -163,7 +163,7 @@ impl Statements {
         true
     }
 
-    /// The point that a word such as `3`, `-1`, `3/1` or `3//2` names, 0-based.
+    /// The 0-based point of a word such as `3`, `-1`, `3/1` or `3//2`.
     fn corner(&mut self, word: &[u8], line: usize, points_max: usize) -> Result<u32, ScanFault> {
         let position = word.split(|&b| b == b'/').next().unwrap_or_default();
         let index = match position.strip_prefix(b"-") {
@@ -182,8 +182,8 @@ impl Statements {
         Ok(number)
     }
 
-    /// Takes over the triangles of a polygon around its first corner. Faces of one or two corners are
-    /// points and lines, which OBJ has statements of their own for.
+    /// Adds the triangles of a polygon around its first corner. Faces with one or two corners are
+    /// points and lines, which have their own statements in OBJ.
     fn fan(&mut self, corners: &[u32]) {
         let [first, rest @ ..] = corners else { return };
         if rest.len() < 2 {
@@ -202,9 +202,9 @@ impl Statements {
     }
 }
 
-/// The numbers of a face such as `f 1 2 3`: three, of digits alone, with blanks between.
+/// The numbers of a face such as `f 1 2 3`: three, digits only, separated by blanks.
 fn plain_corners(statement: &[u8]) -> Option<[usize; 3]> {
-    /// No number of so few digits is too large, so none is checked.
+    /// Numbers with so few digits cannot overflow.
     const DIGITS_MAX: usize = 9;
     let mut rest = &statement[1..];
     let mut corners = [0; 3];
@@ -226,7 +226,7 @@ fn plain_corners(statement: &[u8]) -> Option<[usize; 3]> {
     rest.is_empty().then_some(corners)
 }
 
-/// A whole number of digits alone, many times faster than by the standard library.
+/// Parses a whole number of digits only, many times faster than the standard library.
 fn digits(word: &[u8]) -> Option<usize> {
     if word.is_empty() {
         return None;
@@ -237,7 +237,7 @@ fn digits(word: &[u8]) -> Option<usize> {
     })
 }
 
-/// Writes a number in decimal digits, many times faster than by the formatting of the standard library.
+/// Writes a number in decimal digits, many times faster than the standard library's formatting.
 fn push_number(text: &mut Vec<u8>, mut number: u64) {
     const DIGITS_MAX: usize = 20;
     let mut digits = [0; DIGITS_MAX];
@@ -264,7 +264,7 @@ fn is_geometry(statement: &[u8]) -> bool {
     }
 }
 
-/// Refuses a text whose first statement is none of OBJ's.
+/// Refuses a text whose first statement is not an OBJ statement.
 ///
 /// # Errors
 /// [`ScanFault::NotThisFormat`] with that statement.
@@ -278,11 +278,11 @@ pub(super) fn refuse_others(bytes: &[u8]) -> Result<(), ScanFault> {
     }
 }
 
-/// Calls with every `v` and `f` statement, trimmed, and the line where it begins. A `\` at the end
-/// of such a line goes on with the next one; in names it stands for itself, as in Windows' paths.
+/// Calls `each` with every `v` and `f` statement, trimmed, and its first line. A `\` at the end of such
+/// a line continues it on the next one; in names it is an ordinary character, as in Windows paths.
 ///
 /// # Errors
-/// What the caller says; [`ScanFault::CutShort`] where the last line is to be continued.
+/// The fault of `each`; [`ScanFault::CutShort`] if the last line expects a continuation.
 pub(super) fn each_geometry(
     bytes: &[u8],
     mut each: impl FnMut(usize, &[u8]) -> Result<(), ScanFault>,
@@ -313,7 +313,7 @@ pub(super) fn each_geometry(
     Err(cut_short(CutSign::NoLineEnd { line: start }))
 }
 
-/// Where the `count`-th word of a trimmed statement ends.
+/// The end of the `count`-th word of a trimmed statement.
 fn end_of_word(statement: &[u8], count: usize) -> usize {
     let mut seen = 0;
     let mut within = false;

@@ -1,11 +1,11 @@
-//! The elements of a PLY text: a record a line, blank lines aside.
+//! The elements of a text PLY: one record per line; blank lines are ignored.
 
 use super::super::fault::{CutSign, Place, ScanFault, cut_short, malformed};
 use super::super::text::{self, Decimals, excerpt};
 use super::header::{Header, Scalar};
 use super::values::{Record, Values};
 
-/// Number of lines behind the header that are not blank.
+/// Number of non-blank lines after the header.
 pub(super) fn line_count(bytes: &[u8], header: &Header) -> usize {
     text::numbered(&bytes[header.end..]).count()
 }
@@ -13,7 +13,7 @@ pub(super) fn line_count(bytes: &[u8], header: &Header) -> usize {
 /// The records of a text.
 pub(super) struct Lines<'a, L> {
     lines: L,
-    /// What is left of the line at hand.
+    /// The rest of the current line.
     rest: &'a [u8],
     /// Its 1-based number.
     line: usize,
@@ -23,7 +23,7 @@ pub(super) struct Lines<'a, L> {
 }
 
 impl<'a> Lines<'a, ()> {
-    /// The records behind a header.
+    /// The records after a header.
     pub(super) fn of(
         bytes: &'a [u8],
         header: &Header,

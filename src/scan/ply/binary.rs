@@ -5,11 +5,11 @@ use super::super::text::{SECTOR_BYTES, spelled};
 use super::header::{Element, Encoding, Header, Kind, Meaning, Property, Scalar, Shape};
 use super::values::{Record, Values, length};
 
-/// Where the elements end. Only the lengths of lists are read.
+/// The end of the elements. Only the lengths of lists are read.
 ///
 /// # Errors
-/// [`ScanFault::CutShort`] where the file ends before, or was not written to its end; [`ScanFault::Malformed`] for a list of a
-/// negative length.
+/// [`ScanFault::CutShort`] if the file ends earlier, or was not written to its end;
+/// [`ScanFault::Malformed`] for a list of negative length.
 pub(super) fn extent(bytes: &[u8], header: &Header) -> Result<usize, ScanFault> {
     let mut values = Bytes::of(bytes, header);
     for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
@@ -32,7 +32,7 @@ pub(super) fn extent(bytes: &[u8], header: &Header) -> Result<usize, ScanFault> 
     Ok(values.at)
 }
 
-/// The size of a record, bytes, where all are alike.
+/// The size of a record, bytes, if all records have the same size.
 fn stride(element: &Element) -> Option<usize> {
     element
         .properties
@@ -52,17 +52,17 @@ fn missing(element: &Element, has: usize) -> ScanFault {
 /// The records of a binary file.
 pub(super) struct Bytes<'a> {
     bytes: &'a [u8],
-    /// Where the next number begins.
+    /// Offset of the next number.
     at: usize,
-    /// Where the number that was read last begins.
+    /// Offset of the last number read.
     last: usize,
-    /// Where the zeros begin that the file ends with.
+    /// Offset of the zeros at the end of the file.
     written: usize,
     is_big_endian: bool,
 }
 
 impl<'a> Bytes<'a> {
-    /// The records behind a header.
+    /// The records after a header.
     pub(super) fn of(bytes: &'a [u8], header: &Header) -> Bytes<'a> {
         let is_big_endian = header.encoding == Encoding::BigEndian;
         let written = bytes.iter().rposition(|&byte| byte != 0).map_or(0, |last| last + 1);
@@ -90,8 +90,8 @@ impl<'a> Bytes<'a> {
         })
     }
 
-    /// A cloud of points that ends in this many zeros was reserved and not yet filled; one point
-    /// at zero may be meant.
+    /// A cloud of points that ends in this many zeros was reserved and not yet filled; a single
+    /// point at zero may be intended.
     fn refuse_unwritten_points(&self, element: &Element) -> Result<(), ScanFault> {
         let zeros = self.bytes.len() - self.written;
         if element.kind == Kind::Vertex && self.at == self.bytes.len() && zeros >= SECTOR_BYTES {
@@ -106,8 +106,8 @@ impl<'a> Bytes<'a> {
             Shape::List { count, item } => {
                 let start = self.at;
                 let count = length(self, count, record)?;
-                // Windows and network shares reserve a file before they fill it. No exporter
-                // writes faces without corners.
+                // Windows and network shares reserve space for a file before they fill it. No
+                // exporter writes faces without corners.
                 if count == 0 && property.meaning == Meaning::Corners && start >= self.written {
                     let bytes = self.bytes.len() - self.written;
                     return Err(cut_short(CutSign::Unwritten { bytes }));
@@ -139,7 +139,7 @@ impl Values for Bytes<'_> {
             Scalar::U16 => i64::from(u16::from_le_bytes(self.next(record)?)),
             Scalar::I32 => i64::from(i32::from_le_bytes(self.next(record)?)),
             Scalar::U32 => i64::from(u32::from_le_bytes(self.next(record)?)),
-            // The header refuses lists whose length or corners are no whole numbers.
+            // The header refuses lists whose length or corners are not integers.
             Scalar::F32 | Scalar::F64 => self.real(kind, record)? as i64,
         })
     }

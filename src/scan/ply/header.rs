@@ -1,13 +1,14 @@
-//! The header of a PLY file: which elements there are, how many, and of what.
+//! The header of a PLY file: its elements, their counts and their properties.
 
 use super::super::fault::{CutSign, ScanFault, cut_short, malformed};
 use super::super::format::Format;
 use super::super::text::{excerpt, whole, words};
 
-/// Most elements and properties together. Scanners write some ten; a header of more is no header.
+/// Maximum number of elements and properties together. Scanners write some ten; more means that
+/// this is not a header.
 const ENTRIES_MAX: usize = 1000;
 
-/// How the elements are written.
+/// The encoding of the elements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -58,17 +59,17 @@ impl Scalar {
     }
 }
 
-/// One number, or a list of them behind their count.
+/// One number, or a list of numbers preceded by their count.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shape {
     One(Scalar),
     List { count: Scalar, item: Scalar },
 }
 
-/// What a property means to us.
+/// The meaning of a property for this reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Meaning {
-    /// The coordinate of a vertex along an axis, 0 to 2.
+    /// The coordinate of a vertex along axis 0, 1 or 2.
     Axis(usize),
     /// The vertices of a face or strip.
     Corners,
@@ -83,7 +84,7 @@ pub(super) struct Property {
     pub meaning: Meaning,
 }
 
-/// What an element is to us.
+/// The meaning of an element for this reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
     Vertex,
@@ -93,7 +94,7 @@ pub(super) enum Kind {
 }
 
 impl Kind {
-    /// What one of them is called.
+    /// The name of one such element.
     pub(super) fn name(self) -> &'static str {
         match self {
             Kind::Vertex => "vertex",
@@ -103,7 +104,7 @@ impl Kind {
         }
     }
 
-    /// What several of them are called.
+    /// The name of several such elements.
     pub(super) fn plural(self) -> &'static str {
         match self {
             Kind::Vertex => "vertices",
@@ -128,32 +129,32 @@ impl Kind {
     }
 }
 
-/// An element: so many records of the same properties.
+/// An element: a number of records with the same properties.
 #[derive(Debug)]
 pub(super) struct Element {
     pub kind: Kind,
-    /// How many records the header announces; nothing says that they are there.
+    /// The number of records that the header announces; they may not be present.
     pub count: usize,
     pub properties: Vec<Property>,
 }
 
-/// A header that can be read.
+/// A header that was read successfully.
 #[derive(Debug)]
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
-    /// Where the elements begin, bytes.
+    /// Offset of the elements, bytes.
     pub end: usize,
     /// Number of lines of the header.
     pub line_count: usize,
 }
 
 impl Header {
-    /// Reads the header. Its lines end as its first one does, so that a binary body that begins
-    /// with a line feed is not taken for a part of it.
+    /// Reads the header. All of its lines must end like the first one, so that a binary body that
+    /// begins with a line feed does not count as part of it.
     ///
     /// # Errors
-    /// [`ScanFault::CutShort`] without `end_header`, [`ScanFault::Malformed`] with the line.
+    /// [`ScanFault::CutShort`] if `end_header` is missing, [`ScanFault::Malformed`] with the line.
     pub(super) fn of(bytes: &[u8]) -> Result<Header, ScanFault> {
         let (line_end, mut at) = opening(bytes)?;
         let mut encoding = None;
@@ -194,7 +195,7 @@ impl Header {
         Ok(header)
     }
 
-    /// Number of records that take room in the file: those of elements without properties do not.
+    /// Number of records that take up space in the file: those of elements with properties.
     pub(super) fn record_count(&self) -> usize {
         let elements = self.elements.iter().filter(|element| !element.properties.is_empty());
         elements.fold(0, |sum, element| sum.saturating_add(element.count))
@@ -220,7 +221,7 @@ impl Header {
     }
 }
 
-/// How lines end, and where the second one begins.
+/// The line end of the header, and the offset of its second line.
 fn opening(bytes: &[u8]) -> Result<(&'static [u8], usize), ScanFault> {
     let ends: [&[u8]; 3] = [b"\r\n", b"\n", b"\r"];
     let rest = bytes.strip_prefix(b"ply");

@@ -1,4 +1,4 @@
-//! Elements of a PLY file → points and triangles, from whatever gives their numbers.
+//! Elements of a PLY file → points and triangles, from any source of their numbers.
 
 use nalgebra::Point3;
 
@@ -6,7 +6,7 @@ use super::super::fault::{Place, ScanFault};
 use super::super::weld::Unwelded;
 use super::header::{Element, Header, Kind, Meaning, Scalar, Shape};
 
-/// One record of an element: where a reader is.
+/// One record of an element: the reader's current position.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Record<'a> {
     pub element: &'a Element,
@@ -14,26 +14,26 @@ pub(super) struct Record<'a> {
     pub number: usize,
 }
 
-/// Gives the numbers of a file one after the other.
+/// A source that yields the numbers of a file one after the other.
 pub(super) trait Values {
     /// Begins the next record.
     fn begin(&mut self, record: Record) -> Result<(), ScanFault>;
-    /// The next number as a coordinate: finite.
+    /// The next number as a finite coordinate.
     fn coordinate(&mut self, kind: Scalar, record: Record) -> Result<f64, ScanFault>;
-    /// The next number as a whole number.
+    /// The next number as an integer.
     fn whole(&mut self, kind: Scalar, record: Record) -> Result<i64, ScanFault>;
-    /// Passes over so many numbers.
+    /// Skips `count` numbers.
     fn skip(&mut self, kind: Scalar, count: usize, record: Record) -> Result<(), ScanFault>;
     /// Ends the record.
     fn end(&mut self, record: Record) -> Result<(), ScanFault>;
-    /// Where the number that was read last stands.
+    /// The place of the last number read.
     fn place(&self, record: Record) -> Place;
 }
 
 /// Reads all elements: faces as fans, strips as triangles.
 ///
 /// # Errors
-/// The first fault with its place.
+/// The first fault, with its place.
 pub(super) fn mesh(header: &Header, mut values: impl Values) -> Result<Unwelded, ScanFault> {
     let vertices = header.elements.iter().find(|element| element.kind == Kind::Vertex);
     let mut reader = Reader {
@@ -42,7 +42,7 @@ pub(super) fn mesh(header: &Header, mut values: impl Values) -> Result<Unwelded,
         triangles: Vec::new(),
         corners: Vec::new(),
     };
-    // An element without properties takes no room, so its count may be anything.
+    // An element without properties takes up no space, so its count may be anything.
     for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
         for number in 1..=element.count {
             reader.record(&mut values, Record { element, number })?;
@@ -52,11 +52,11 @@ pub(super) fn mesh(header: &Header, mut values: impl Values) -> Result<Unwelded,
 }
 
 struct Reader {
-    /// How many vertices the header announces; faces may stand before them.
+    /// Number of vertices that the header announces; faces may precede them.
     vertex_count: usize,
     points: Vec<Point3<f64>>,
     triangles: Vec<[u32; 3]>,
-    /// The corners of the face at hand.
+    /// The corners of the current face.
     corners: Vec<u32>,
 }
 
@@ -97,7 +97,7 @@ impl Reader {
         self.corners.clear();
         for _ in 0..count {
             let index = values.whole(item, record)?;
-            // In strips -1 ends one strip and begins the next.
+            // In strips, -1 ends one strip and begins the next.
             if is_strip && index == -1 {
                 self.strip();
                 continue;
@@ -125,14 +125,14 @@ impl Reader {
         }
     }
 
-    /// The triangles of a strip, every two of which share an edge.
+    /// The triangles of a strip, in which consecutive triangles share an edge.
     fn strip(&mut self) {
         self.triangles.extend(self.corners.windows(3).map(|part| [part[0], part[1], part[2]]));
         self.corners.clear();
     }
 }
 
-/// The length of a list, which is read.
+/// The length of a list, read as an integer.
 pub(super) fn length(
     values: &mut impl Values,
     kind: Scalar,

@@ -1,4 +1,4 @@
-//! STL as text: `solid`, then facets of three `vertex` lines, then `endsolid`; more than once too.
+//! STL as text: `solid`, then facets of three `vertex` lines, then `endsolid`; possibly repeated.
 
 use nalgebra::Point3;
 
@@ -11,7 +11,7 @@ use super::super::weld::welded;
 /// Whether the text ends with an `endsolid` line, with or without a line end.
 ///
 /// # Errors
-/// [`ScanFault::CutShort`] where it does not.
+/// [`ScanFault::CutShort`] if it does not.
 pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     let text = text::without_mark(bytes).trim_ascii();
     if !starts_with(text, b"solid") {
@@ -32,14 +32,14 @@ fn starts_with(text: &[u8], word: &[u8]) -> bool {
 const KEYWORDS: [&[u8]; 7] =
     [b"vertex", b"facet", b"outer", b"endloop", b"endfacet", b"solid", b"endsolid"];
 
-/// Where in the nested statements a reader is.
+/// The reader's position in the nested statements.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Within {
-    /// Before `solid` or behind `endsolid`.
+    /// Before `solid` or after `endsolid`.
     File,
     /// Between facets.
     Solid,
-    /// Before or behind the loop of a facet.
+    /// Before or after the loop of a facet.
     Facet,
     /// Between the vertices of a loop.
     Loop,
@@ -86,7 +86,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     Ok(welded((points, triangles)))
 }
 
-/// The triangle of the last three points, where a loop has as many.
+/// The triangle of the last three points, if the loop has exactly three.
 fn triangle(
     points: &[Point3<f64>],
     triangle_count: usize,

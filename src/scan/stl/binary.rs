@@ -6,22 +6,22 @@ use super::super::fault::{CutSign, Place, ScanFault, cut_short};
 use super::super::weld::welded;
 use super::super::{Scan, text};
 
-/// Bytes before the first triangle: the header and the number of triangles.
+/// Bytes before the first triangle: the header and the triangle count.
 const HEAD_BYTES: usize = 84;
 
-/// Bytes of a triangle: its normal, its corners, and an attribute.
+/// Bytes per triangle: its normal, its corners, and an attribute.
 const TRIANGLE_BYTES: usize = 50;
 
 /// Bytes of the normal before the first corner.
 const NORMAL_BYTES: usize = 12;
 
-/// Whether the length is exactly that of a binary file with its number of triangles, one at least.
-/// No text is: four characters as a number of triangles make gigabytes.
+/// Whether the length is exactly that of a binary file with its triangle count, which must be at least
+/// one. This never holds for text, because four characters as a triangle count mean gigabytes.
 pub(in super::super) fn is_binary_by_length(bytes: &[u8]) -> bool {
     announced(bytes).is_some_and(|count| count > 0 && length_for(count) == bytes.len())
 }
 
-/// The number of triangles in the header.
+/// The triangle count in the header.
 fn announced(bytes: &[u8]) -> Option<usize> {
     let count = bytes.get(HEAD_BYTES - 4..HEAD_BYTES)?;
     Some(u32::from_le_bytes(count.try_into().ok()?) as usize)
@@ -31,10 +31,10 @@ fn length_for(count: usize) -> usize {
     HEAD_BYTES + TRIANGLE_BYTES * count
 }
 
-/// Whether all announced triangles are there, and written.
+/// Whether all announced triangles are present and written.
 ///
 /// # Errors
-/// [`ScanFault::CutShort`] with figures.
+/// [`ScanFault::CutShort`] with details.
 pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     let Some(count) = announced(bytes) else {
         let what = "bytes of the header";
@@ -44,7 +44,7 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
         let has = (bytes.len() - HEAD_BYTES) / TRIANGLE_BYTES;
         return Err(cut_short(CutSign::Missing { what: "triangles", has, of: count }));
     }
-    // Windows and network shares reserve a file before they fill it.
+    // Windows and network shares reserve space for a file before they fill it.
     let unwritten = bytes.iter().rev().take_while(|&&byte| byte == 0).count();
     if unwritten >= TRIANGLE_BYTES && bytes.len() > HEAD_BYTES {
         return Err(cut_short(CutSign::Unwritten { bytes: unwritten }));
@@ -52,8 +52,8 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     Ok(())
 }
 
-/// Decodes a binary STL. One that is longer than its number of triangles says is refused: either
-/// the number or the rest is wrong, and a body without a leg must not pass.
+/// Decodes a binary STL. A file that is longer than its triangle count says is refused: either the
+/// count or the rest is wrong, and a body without a leg must not pass.
 ///
 /// # Errors
 /// [`ScanFault::CutShort`], [`ScanFault::TooLong`], [`ScanFault::NotFinite`].
@@ -81,7 +81,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     Ok(welded((points, triangles)))
 }
 
-/// Three little-endian numbers; the axis and the number that is not finite otherwise.
+/// Three little-endian numbers; otherwise the axis and value of the first number that is not finite.
 fn point(bytes: &[u8]) -> Result<Point3<f64>, (usize, f32)> {
     let value = |axis: usize| {
         let part = [0, 1, 2, 3].map(|i| bytes[4 * axis + i]);

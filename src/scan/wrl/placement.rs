@@ -1,4 +1,4 @@
-//! Where a transform puts what it holds, as a matrix.
+//! The placement of a transform's contents, as a matrix.
 
 use nalgebra::{Matrix4, Rotation3, Unit, Vector3};
 
@@ -6,10 +6,10 @@ use nalgebra::{Matrix4, Rotation3, Unit, Vector3};
 pub(super) struct Fields<'a>(pub &'a [(&'static str, Vec<f64>)]);
 
 impl Fields<'_> {
-    /// The numbers of a field; the default where the node does not name it.
+    /// The numbers of a field, or the default if the node does not set it.
     ///
     /// # Errors
-    /// The field's name where it has another number of numbers.
+    /// The field's name if it has a different number of values.
     pub(super) fn get<const N: usize>(
         &self,
         name: &'static str,
@@ -23,11 +23,11 @@ impl Fields<'_> {
 }
 
 /// The matrix of a `Transform`, or of VRML 1's `Translation`, `Rotation`, `Scale` and
-/// `MatrixTransform`, which have some of its fields:
+/// `MatrixTransform`, which have a subset of its fields:
 /// T · C · R · SR · S · SR⁻¹ · C⁻¹ (ISO/IEC 14772-1, 6.52).
 ///
 /// # Errors
-/// The name of a field that cannot be understood.
+/// The name of an invalid field.
 pub(super) fn matrix(fields: &Fields) -> Result<Matrix4<f64>, &'static str> {
     const NO_TURN: [f64; 4] = [0.0, 0.0, 1.0, 0.0];
     let move_by = |by: [f64; 3]| Matrix4::new_translation(&Vector3::from(by));
@@ -48,19 +48,19 @@ pub(super) fn matrix(fields: &Fields) -> Result<Matrix4<f64>, &'static str> {
     Ok(whole * own(fields)?)
 }
 
-/// The matrix that a `MatrixTransform` names: it multiplies points from the right, so that its
-/// last row is the translation.
+/// The matrix of a `MatrixTransform`: it multiplies points from the right, so its last row is the
+/// translation.
 fn own(fields: &Fields) -> Result<Matrix4<f64>, &'static str> {
     let identity = Matrix4::identity();
     let mut rows = [0.0; 16];
     rows.copy_from_slice(identity.as_slice());
-    // Column by column is what row by row of the transposed matrix is.
+    // Reading in column order transposes the row-wise matrix.
     let matrix = Matrix4::from_column_slice(&fields.get("matrix", rows)?);
     let is_affine = matrix.row(3) == identity.row(3);
     if is_affine { Ok(matrix) } else { Err("matrix") }
 }
 
-/// A turn by an angle (radians) about an axis; none where there is no axis.
+/// A rotation by an angle (radians) about an axis; the identity if the axis is zero.
 fn rotation([x, y, z, angle]: [f64; 4]) -> Matrix4<f64> {
     match Unit::try_new(Vector3::new(x, y, z), 0.0) {
         Some(axis) => Rotation3::from_axis_angle(&axis, angle).to_homogeneous(),

@@ -1,5 +1,5 @@
-//! Reads the nodes of a VRML text without knowing its grammar node by node: a word before `{` is a
-//! node, any other word that is no number names a field.
+//! Reads the nodes of a VRML text without a grammar for each node type: a word before `{` is a
+//! node, and any other word that is not a number is a field name.
 
 use std::collections::BTreeMap;
 
@@ -12,11 +12,11 @@ use super::placement::{self, Fields};
 use super::scene::{DEPTH_MAX, Node, NodeId, Scene};
 use super::words::{Token, Words};
 
-/// Most nodes of a scene, and most uses of nodes. A scan has a dozen, an assembly of parts some
-/// hundreds.
+/// Maximum number of nodes in a scene, and of uses of nodes. A scan has a dozen, an assembly of
+/// parts some hundreds.
 const NODES_MAX: usize = 10_000;
 
-/// Fields of a few numbers that place or choose something.
+/// Numeric fields that place or choose something.
 const FIELDS: [&str; 11] = [
     "translation",
     "rotation",
@@ -31,14 +31,14 @@ const FIELDS: [&str; 11] = [
     "numPoints",
 ];
 
-/// Most numbers of such a field, those of a matrix.
+/// Maximum number of values in such a field: those of a matrix.
 const FIELD_NUMBERS_MAX: usize = 16;
 
 impl Scene {
     /// Reads the nodes of a text.
     ///
     /// # Errors
-    /// The first fault with its line.
+    /// The first fault, with its line.
     pub(super) fn of(bytes: &[u8], version: Version) -> Result<Scene, ScanFault> {
         let mut reader = Reader {
             words: Words::of(bytes),
@@ -59,7 +59,7 @@ impl Scene {
     }
 }
 
-/// What stands between the brackets of a node.
+/// The contents between the brackets of a node.
 #[derive(Default)]
 struct Body {
     children: Vec<NodeId>,
@@ -72,9 +72,9 @@ struct Reader<'a> {
     words: Words<'a>,
     version: Version,
     nodes: Vec<Node>,
-    /// How often a node is held by another.
+    /// How often nodes are contained in other nodes.
     links: usize,
-    /// Whether a node carries points or holds one that does.
+    /// For each node, whether it carries points or contains a node that does.
     carries: Vec<bool>,
     /// Nodes by the names that `DEF` gives them.
     names: BTreeMap<&'a [u8], NodeId>,
@@ -101,7 +101,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads what stands in a node, up to its closing bracket; in the scene itself, depth 0, up to
+    /// Reads the contents of a node, up to its closing bracket; at depth 0, the scene itself, up to
     /// the end.
     fn body(&mut self, kind: &[u8], depth: usize) -> Result<Body, ScanFault> {
         if depth > DEPTH_MAX {
@@ -172,14 +172,15 @@ impl<'a> Reader<'a> {
         if self.links > NODES_MAX {
             return Err(self.fault(format!("more than {NODES_MAX} nodes; export one mesh")));
         }
-        // The proxy of a Collision stands in for what is seen; it is not seen itself.
+        // The proxy of a Collision replaces the visible nodes in collision tests; it is not visible
+        // itself.
         if field != b"proxy" {
             body.children.push(child);
         }
         Ok(())
     }
 
-    /// A number of a field that places or chooses something; others are passed over.
+    /// A value of a field that places or chooses something; other fields are skipped.
     fn number(&mut self, word: &[u8], field: &[u8], body: &mut Body) -> Result<(), ScanFault> {
         let Some(name) = FIELDS.into_iter().find(|name| name.as_bytes() == field) else {
             return Ok(());
@@ -195,12 +196,12 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// The numbers of a list from its first one on, in threes: points.
+    /// The numbers of a list, given its first one, in groups of three: points.
     fn points(&mut self, first: &'a [u8]) -> Result<Vec<Point3<f64>>, ScanFault> {
         let mut found = Vec::new();
         let mut point = Point3::origin();
         let mut count = 0;
-        // Whether the last four numbers each follow a bare comma.
+        // Whether each of the last four numbers follows a bare comma.
         let mut glued = [true; 4];
         let mut word = Some(first);
         while let Some(text) = word {
@@ -222,7 +223,7 @@ impl<'a> Reader<'a> {
         Ok(found)
     }
 
-    /// The numbers of a list from its first one on: indices, -1 between polygons.
+    /// The numbers of a list, given its first one: indices, with -1 between polygons.
     fn corners(&mut self, first: &'a [u8]) -> Result<Vec<i32>, ScanFault> {
         let mut found = Vec::new();
         let mut word = Some(first);
@@ -241,7 +242,7 @@ impl<'a> Reader<'a> {
         let text = std::str::from_utf8(word).unwrap_or_default();
         match text.parse::<f64>() {
             Ok(value) if value.is_finite() => Ok(value),
-            // Read once more for the message.
+            // Parses again to get the message.
             _ => Decimals::default().number(word, self.words.line()),
         }
     }
@@ -258,7 +259,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Reads a node behind the name of its type.
+    /// Reads a node after the name of its type.
     fn node(&mut self, kind: &'a [u8], depth: usize) -> Result<NodeId, ScanFault> {
         if matches!(kind, b"Inline" | b"WWWInline") {
             return Err(self.fault("an Inline holds the scene in another file; export one file"));
@@ -288,7 +289,7 @@ impl<'a> Reader<'a> {
         self.keep(node)
     }
 
-    /// The node that a body is; the name of a field that is wrong otherwise.
+    /// The node with these contents; otherwise the name of an invalid field.
     fn meant(&self, meaning: Meaning, body: Body, line: usize) -> Result<Node, &'static str> {
         let fields = Fields(&body.fields);
         let is_coordinates = |id: &&NodeId| matches!(self.nodes[**id], Node::Coordinates(_));
@@ -322,10 +323,10 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// The choice of a VRML 1 `Switch` that takes all its children.
+/// The choice of a VRML 1 `Switch` that selects all its children.
 const ALL_CHILDREN: i64 = -3;
 
-/// Which children of a group count.
+/// Which children of a group are used.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Chooses {
     All,
@@ -333,7 +334,7 @@ enum Chooses {
     Named,
 }
 
-/// What a type of node means to us.
+/// The meaning of a node type for this reader.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Meaning {
     Group {
@@ -344,7 +345,7 @@ enum Meaning {
     Coordinates,
     Faces,
     Points,
-    /// Has points, but they are no skin.
+    /// Has points, but they are not skin.
     Lines,
     Unknown,
 }
@@ -372,7 +373,7 @@ fn meaning(kind: &[u8], version: Version) -> Meaning {
     }
 }
 
-/// Whether a word is a number by its beginning, or what exporters write where there is none.
+/// Whether a word begins like a number, or is a substitute that exporters write for a missing one.
 fn begins_number(word: &[u8]) -> bool {
     let none: [&[u8]; 3] = [b"nan", b"inf", b"infinity"];
     none.iter().any(|none| word.eq_ignore_ascii_case(none))

@@ -1,39 +1,39 @@
-//! The nodes of a VRML scene, as far as they carry or place points.
+//! The nodes of a VRML scene that carry or place points.
 
 use nalgebra::{Matrix4, Point3};
 
-/// Deepest nesting of nodes. Scenes of scanners and modellers have ten levels or fewer.
+/// Maximum nesting depth of nodes. Scenes of scanners and modellers have ten levels or fewer.
 pub(super) const DEPTH_MAX: usize = 100;
 
-/// Number of a node in its scene.
+/// Index of a node in its scene.
 pub(super) type NodeId = usize;
 
 /// A node.
 #[derive(Debug)]
 pub(super) enum Node {
-    /// Holds other nodes.
+    /// Contains other nodes.
     Group {
         children: Vec<NodeId>,
-        /// Where it puts them.
+        /// The placement of its children.
         matrix: Option<Box<Matrix4<f64>>>,
-        /// Whether what happens within stays within.
+        /// Whether state changes inside it end with it.
         is_closed: bool,
-        /// The one child that counts, where not all do.
+        /// The only child that is used; `None` if all are.
         choice: Option<i64>,
     },
-    /// Places what follows it (VRML 1).
+    /// Places the nodes after it (VRML 1).
     Placement(Box<Matrix4<f64>>),
-    /// Points for what follows it (VRML 1), or for the node that holds it.
+    /// Points for the nodes after it (VRML 1), or for the node that contains it.
     Coordinates(Vec<Point3<f64>>),
     /// Polygons over points: indices, -1 ends a polygon.
     Faces { coordinates: Option<NodeId>, corners: Vec<i32>, line: usize },
-    /// Points alone: so many (-1 all) from an index on.
+    /// Points without faces: `count` of them (-1 for all) from index `start` on.
     Points { coordinates: Option<NodeId>, start: i64, count: i64, line: usize },
     /// Neither carries nor places points.
     Other,
 }
 
-/// All nodes; the last one holds the others.
+/// All nodes; the last one contains the others.
 #[derive(Debug)]
 pub(super) struct Scene {
     pub nodes: Vec<Node>,

@@ -1,4 +1,4 @@
-//! From the nodes of a scene to its points and triangles, every one where the scene puts it.
+//! Nodes of a scene → points and triangles, each in its place in the scene.
 
 use nalgebra::{Matrix4, Point3};
 
@@ -6,18 +6,18 @@ use super::super::fault::{Place, ScanFault, malformed};
 use super::super::weld::Unwelded;
 use super::scene::{DEPTH_MAX, Node, NodeId, Scene};
 
-/// How often the points and corners of a file may come up through `USE`, on average. Nobody's leg
-/// is in a scan eight times; a scene made to fill the memory doubles with every level.
+/// How often the points and corners of a file may be repeated through `USE`, on average. No scan
+/// contains a leg eight times, but a scene made to exhaust the memory doubles with every level.
 const EXPANSION_MAX: usize = 8;
 
-/// Most nodes visited, those of repeated groups counted each time.
+/// Maximum number of visited nodes, counting those of repeated groups each time.
 const VISITS_MAX: usize = 100_000;
 
-/// The geometry of a scene. Where the scene has faces, points alone are left out afterwards.
+/// The geometry of a scene. If the scene has faces, points without faces are removed later.
 ///
 /// # Errors
 /// [`ScanFault::Malformed`] with the line of the node whose indices are wrong, or for a scene that
-/// repeats itself beyond measure.
+/// repeats itself too often.
 pub(super) fn geometry(scene: Scene) -> Result<Unwelded, ScanFault> {
     let count = |of: fn(&Node) -> usize| scene.nodes.iter().map(of).sum::<usize>();
     let written_points = count(|node| match node {
@@ -42,11 +42,11 @@ pub(super) fn geometry(scene: Scene) -> Result<Unwelded, ScanFault> {
     Ok((walk.points, walk.triangles))
 }
 
-/// What a node meets.
+/// The state that applies to a node.
 #[derive(Debug, Clone, Copy)]
 struct State {
     matrix: Matrix4<f64>,
-    /// The points of VRML 1, which stand before the node that uses them.
+    /// The points of VRML 1, which precede the node that uses them.
     coordinates: Option<NodeId>,
 }
 
@@ -54,8 +54,8 @@ struct Walk<'a> {
     nodes: &'a [Node],
     points: Vec<Point3<f64>>,
     triangles: Vec<[u32; 3]>,
-    /// The points placed last, with their matrix and their first number: several sets of faces
-    /// often use the same.
+    /// The last points placed, with their matrix and their first index, because several face sets
+    /// often use the same points.
     placed: Option<(NodeId, Matrix4<f64>, u32)>,
     visits_left: usize,
     points_left: usize,
@@ -133,7 +133,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// The points of a `PointSet` from a start on, so many of them or, at -1, all.
+    /// The points of a `PointSet` from `start` on: `count` of them, or all for -1.
     fn cloud(
         &mut self,
         coordinates: NodeId,
@@ -152,7 +152,7 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Puts points where they belong and gives the number of the first.
+    /// Transforms points into the scene and returns the index of the first.
     fn place(
         &mut self,
         points: &[Point3<f64>],

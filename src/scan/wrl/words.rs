@@ -1,6 +1,6 @@
 //! The words and brackets of a VRML text. Commas are white space; `#` begins a comment.
 
-/// What a scene is written with.
+/// The tokens of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Token<'a> {
     /// `{`
@@ -22,9 +22,9 @@ pub(super) enum Token<'a> {
 pub(super) struct Words<'a> {
     bytes: &'a [u8],
     at: usize,
-    /// Whether only a comma stands between the last token and the one before it.
+    /// Whether there is only a comma between the last token and the one before it.
     pub is_glued: bool,
-    /// How far the lines have been counted, and the line there.
+    /// The offset up to which lines have been counted; `line` is the line there.
     counted: usize,
     line: usize,
 }
@@ -34,7 +34,7 @@ impl<'a> Words<'a> {
         Words { bytes, at: 0, is_glued: false, counted: 0, line: 1 }
     }
 
-    /// The 1-based line that has been reached.
+    /// The current 1-based line.
     pub(super) fn line(&mut self) -> usize {
         let passed = &self.bytes[self.counted..self.at];
         let after = &self.bytes[self.counted + usize::from(!passed.is_empty())..];
@@ -93,7 +93,7 @@ impl<'a> Words<'a> {
         self.is_glued = &self.bytes[start..self.at] == b",";
     }
 
-    /// Passes a text in quotes; one that is not closed reaches to the end.
+    /// Skips a text in quotes; an unclosed one reaches to the end.
     fn pass_quoted(&mut self) {
         self.at += 1;
         while let Some(&byte) = self.bytes.get(self.at) {
@@ -114,7 +114,7 @@ fn ends_word(byte: u8) -> bool {
     is_white(byte) || matches!(byte, b',' | b'{' | b'}' | b'[' | b']' | b'"' | b'#')
 }
 
-/// Whether every `{` and `[` is closed, and the text ends behind a node, or behind a whole line
+/// Whether every `{` and `[` is closed, and the text ends after a node, or after a complete line
 /// that follows one.
 pub(super) fn is_closed(bytes: &[u8]) -> bool {
     let mut words = Words::of(bytes);
@@ -122,7 +122,7 @@ pub(super) fn is_closed(bytes: &[u8]) -> bool {
     while let Some(token) = words.next() {
         match token {
             Token::Open | Token::ListOpen => depth += 1,
-            // One bracket too many is a fault of another kind, which the reader names.
+            // Surplus closing brackets are a different fault, which the reader reports.
             Token::Close | Token::ListClose => depth = depth.saturating_sub(1),
             _ => {}
         }

@@ -1,8 +1,8 @@
-//! What parts the columns of a list of points, and which of them are coordinates.
+//! The column separator of a list of points, and the columns with the coordinates.
 
 use super::super::text;
 
-/// What parts the columns of a file.
+/// The column separator of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Separator {
     Semicolon,
@@ -11,7 +11,7 @@ pub(super) enum Separator {
 }
 
 impl Separator {
-    /// What parts the columns of a line, by the rule of the module above.
+    /// The column separator of a line, by the rule in the parent module.
     pub(super) fn of(line: &[u8]) -> Separator {
         if line.contains(&b';') {
             Separator::Semicolon
@@ -22,12 +22,12 @@ impl Separator {
         }
     }
 
-    /// The columns of a trimmed line. A separator at its end begins no further column.
+    /// The columns of a trimmed line. A separator at its end does not begin another column.
     pub(super) fn columns(self, line: &[u8]) -> Columns<'_> {
         Columns { separator: self, rest: Some(line) }
     }
 
-    /// In which columns x, y and z stand: where the names say so, else in the first three.
+    /// The columns of x, y and z: by their names if given, otherwise the first three.
     pub(super) fn coordinates(self, names: Option<&[u8]>, column_count: usize) -> [usize; 3] {
         let names = names.unwrap_or_default();
         let place = |axis: &str| {
@@ -52,7 +52,7 @@ fn bare(name: &[u8]) -> &[u8] {
 #[derive(Debug, Clone)]
 pub(super) struct Columns<'a> {
     separator: Separator,
-    /// What has not been given yet; `None` behind the last column.
+    /// The remaining part; `None` after the last column.
     rest: Option<&'a [u8]>,
 }
 

@@ -1,8 +1,8 @@
-//! The surface through a cloud of points, with knots that it finds itself: nurbs.md 6.4, 6.10.
+//! The surface through a cloud of points, with knots chosen automatically: nurbs.md 6.4, 6.10.
 //!
-//! Points that lie anywhere do not tell how a line along or around bends. So a first fit with many
-//! uniform knots, smoothed, is looked at on a grid; the knots are chosen for that grid, and then
-//! the points themselves are fitted with them.
+//! Arbitrarily placed points do not show how a line along or around bends. So a first, smoothed fit
+//! with many uniform knots is sampled on a grid; the knots are chosen for that grid, and then the
+//! points themselves are fitted with them.
 
 use super::fit::{CloudData, CloudFit, CloudMethod, fit_cloud};
 use crate::spline::basis::Basis;
@@ -11,34 +11,34 @@ use crate::spline::grid::GridData;
 use crate::spline::knots::choice::{Choice, chosen};
 use crate::spline::knots::request::{GridDomain, Knots, requests};
 
-/// Which knots the surface through a cloud is to have. Pairs are along and around.
+/// The requested knots of the surface through a cloud. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CloudKnots {
-    /// Rows and columns of control points, at least 4 each and together at most as many as points.
+    /// Rows and columns of control points, at least 4 each, and together at most the number of points.
     pub control_points: [usize; 2],
-    /// Where the knots lie.
+    /// The placement of the knots.
     pub knots: Knots,
-    /// Parameters that are to be knots: heights, and places around.
+    /// Parameters that must be knots: heights, and positions around.
     pub marks: [Vec<f64>; 2],
 }
 
-/// Control points along and around of the first fit where there are points enough.
+/// Control points along and around of the first fit, if there are enough points.
 const FIRST: [usize; 2] = [48, 36];
 
-/// Points that each control point of the first fit needs; with fewer points it has fewer control
-/// points, so that noise does not tell where to put knots.
+/// Points needed for each control point of the first fit; with fewer points it gets fewer control
+/// points, so that noise does not influence the knots.
 const POINTS_EACH: usize = 4;
 
-/// The fewest control points of the first fit each way.
+/// Minimum number of control points of the first fit, along and around.
 const FIRST_LEAST: [usize; 2] = [12, 9];
 
-/// Lines of the grid on which the first fit is looked at; along both ends are among them.
+/// Lines of the grid on which the first fit is sampled; those along include both ends.
 const LOOKED_AT: [usize; 2] = [80, 72];
 
-/// Fits a surface to a cloud with the control points, knots and marks that `knots` asks for.
+/// Fits a surface to a cloud with the control points, knots and marks of `knots`.
 ///
 /// # Errors
-/// A [`FitFault`] as of [`fit_cloud`]; also for marks outside the domain.
+/// A [`FitFault`] as from [`fit_cloud`]; also for marks outside the domain.
 pub fn fit_cloud_by(
     data: &CloudData,
     domain: &GridDomain,
@@ -63,14 +63,14 @@ pub fn fit_cloud_by(
     let around = |j: usize| domain.around_from + domain.period * j as f64 / columns as f64;
     let around: Vec<f64> = (0..columns).map(around).collect();
     let grid = first.surface.grid(&along, &around);
-    // The first fit looks through the noise, so that its grid has none.
+    // The first fit smooths the noise away, so its grid has none.
     let grid = GridData { along: &along, around: &around, points: &grid };
     let Choice { basis: along, .. } = chosen(&grid.profiles_along(), &requests[0])?;
     let Choice { basis: around, .. } = chosen(&grid.profiles_around(), &requests[1])?;
     fit_cloud(data, along, around, method)
 }
 
-/// Control points of the first fit for so many points.
+/// Control points of the first fit for a number of points.
 fn first_control_points(points: usize) -> [usize; 2] {
     let wanted = (POINTS_EACH * FIRST[0] * FIRST[1]) as f64;
     let share = (points as f64 / wanted).sqrt().min(1.0);

@@ -1,34 +1,34 @@
-//! Cholesky factor of a banded symmetric matrix: the equations of a tensor-product surface.
+//! Cholesky factor of a banded symmetric matrix, for the equations of a tensor-product surface.
 //!
-//! Coefficients are numbered row by row, so that functions that overlap lie at most four rows'
-//! width apart. Within that band the factor fills up, and a plain band is all the shape there is.
+//! Coefficients are numbered row by row, so functions that overlap are at most four rows' width
+//! apart. The factor fills up that band completely, so a plain band is sufficient.
 
 use crate::spline::solve::{SMALLEST_RELATIVE_PIVOT, Singular};
 
-/// A symmetric matrix of which only the diagonal and some columns left of it are not zero.
+/// A symmetric matrix in which only the diagonal and some columns left of it are nonzero.
 #[derive(Debug, Clone)]
 pub struct Banded {
     size: usize,
-    /// Entries kept of each row: the diagonal and what lies left of it.
+    /// Entries stored per row: the diagonal and the entries left of it.
     width: usize,
-    /// Row-major; the diagonal entry is the last of each row. What would lie left of column 0 is
-    /// kept as zero.
+    /// Row-major; the diagonal entry is the last of each row. Positions left of column 0 are stored
+    /// as zero.
     entries: Vec<f64>,
 }
 
 impl Banded {
-    /// The zero matrix of `size` rows, of which each keeps `width` entries, the diagonal included.
+    /// The zero matrix with `size` rows, each storing `width` entries, including the diagonal.
     pub fn zero(size: usize, width: usize) -> Banded {
         Banded { size, width, entries: vec![0.0; size * width] }
     }
 
-    /// Adds to the entry of `row` and `column`, `row ≥ column > row − width`.
+    /// Adds to the entry at `row` and `column`, where `row ≥ column > row − width`.
     pub fn add(&mut self, row: usize, column: usize, value: f64) {
         let place = self.place(row, column);
         self.entries[place] += value;
     }
 
-    /// Product with `pairs`, two values a row.
+    /// Product with `pairs`, two values per row.
     pub fn product(&self, pairs: &[[f64; 2]]) -> Vec<[f64; 2]> {
         let mut product = vec![[0.0; 2]; self.size];
         for row in 0..self.size {
@@ -52,14 +52,14 @@ impl Banded {
     /// The Cholesky factor.
     ///
     /// # Errors
-    /// [`Singular`] where the matrix is not positive definite beyond rounding.
+    /// [`Singular`] if the matrix is not positive definite beyond rounding.
     pub fn factor(mut self) -> Result<BandedCholesky, Singular> {
         let width = self.width;
         for i in 0..self.size {
             let first = (i + 1).saturating_sub(width);
             let (above, rest) = self.entries.split_at_mut(i * width);
             let row = &mut rest[..width];
-            // Column `j` of this row is kept at `j + shift`.
+            // Column `j` of this row is stored at `j + shift`.
             let shift = width - 1 - i.min(width - 1);
             for j in first..i {
                 let other = &above[j * width..(j + 1) * width];
@@ -100,7 +100,7 @@ pub struct BandedCholesky {
 }
 
 impl BandedCholesky {
-    /// Solves in place for two right-hand sides, a pair of values for each row.
+    /// Solves in place for two right-hand sides, one pair of values per row.
     pub fn solve(&self, pairs: &mut [[f64; 2]]) {
         let lower = &self.lower;
         for row in 0..lower.size {
@@ -124,7 +124,7 @@ impl BandedCholesky {
     }
 }
 
-/// Sums kept side by side, so that products need not wait for one another.
+/// Number of independent sums, so that products need not wait for one another.
 const LANES: usize = 8;
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -1,6 +1,6 @@
-//! Scattered points sorted by the knot cell that holds them.
+//! Scattered points sorted by knot cell.
 //!
-//! Within one cell every basis function is a cubic of the place in it, so that all sums over points
+//! Within one cell every basis function is a cubic of the local position, so all sums over points
 //! that a fit needs are sums of powers. A point costs some 80 products, and its basis functions are
 //! never evaluated.
 
@@ -11,9 +11,9 @@ use crate::spline::basis::{Basis, DEGREE};
 /// The four functions on one interval of a basis, as cubics.
 #[derive(Debug, Clone, Copy)]
 pub struct Piece {
-    /// Which functions, as in [`crate::spline::Row::indices`].
+    /// The indices of the functions, as in [`crate::spline::Row::indices`].
     pub indices: [usize; 4],
-    /// The coefficients of each function in powers of the local place, −1 to 1 over the interval.
+    /// The coefficients of each function in powers of the local position, −1 to 1 over the interval.
     pub cubics: [[f64; 4]; 4],
     middle: f64,
     half: f64,
@@ -24,7 +24,7 @@ pub fn pieces(basis: &Basis) -> Vec<Piece> {
     let piece = |pair: &[f64]| {
         let (middle, half) = (0.5 * (pair[0] + pair[1]), 0.5 * (pair[1] - pair[0]));
         let rows = basis.rows(middle);
-        // Taylor's series about the middle.
+        // Taylor series about the middle.
         let scales = [1.0, half, half * half / 2.0, half * half * half / 6.0];
         let cubic = |function: usize| [0, 1, 2, 3].map(|p| rows[p].values[function] * scales[p]);
         Piece { indices: rows[0].indices, cubics: [0, 1, 2, 3].map(cubic), middle, half }
@@ -32,18 +32,18 @@ pub fn pieces(basis: &Basis) -> Vec<Piece> {
     basis.breakpoints().windows(2).map(piece).collect()
 }
 
-/// A point of a cloud in the terms of its cell.
+/// A point of a cloud in the local coordinates of its cell.
 #[derive(Debug, Clone, Copy)]
 pub struct Sited {
-    /// Local place along, −1 to 1.
+    /// Local position along, −1 to 1.
     pub s: f64,
-    /// Local place around, −1 to 1.
+    /// Local position around, −1 to 1.
     pub t: f64,
     /// x and y of the point.
     pub value: [f64; 2],
 }
 
-/// A cloud sorted by cell, rows of cells along, columns around.
+/// A cloud sorted by cell; rows of cells along, columns around.
 #[derive(Debug, Clone)]
 pub struct Cells {
     /// The pieces along and around.
@@ -51,12 +51,12 @@ pub struct Cells {
     /// Where each cell's points start in `points`; one more value marks the end.
     starts: Vec<usize>,
     points: Vec<Sited>,
-    /// Which point of the cloud each of `points` is.
+    /// The index in the cloud of each of `points`.
     order: Vec<usize>,
 }
 
 impl Cells {
-    /// Sorts `points`, whose z is the place along, with their places `around`.
+    /// Sorts `points`, whose z is the position along, with their positions `around`.
     pub fn new(points: &[Point3<f64>], around: &[f64], bases: [&Basis; 2]) -> Cells {
         let pieces = bases.map(pieces);
         let columns = pieces[1].len();
@@ -82,7 +82,7 @@ impl Cells {
         Cells { pieces, starts, points: sited, order }
     }
 
-    /// The cells, row by row: row, column and points of each.
+    /// The cells, row by row: row, column and point range of each.
     pub fn iter(&self) -> impl Iterator<Item = (usize, usize, std::ops::Range<usize>)> {
         let columns = self.pieces[1].len();
         let ranges = self.starts.windows(2).map(|pair| pair[0]..pair[1]).enumerate();
@@ -94,15 +94,15 @@ impl Cells {
         &self.points
     }
 
-    /// One value a point, brought from the cells' order to that of the cloud.
+    /// Reorders one value per point from the cells' order to the cloud's.
     pub fn in_cloud_order(&self, values: &[f64]) -> Vec<f64> {
         let mut ordered = vec![0.0; values.len()];
         self.order.iter().zip(values).for_each(|(index, value)| ordered[*index] = *value);
         ordered
     }
 
-    /// How far each point lies from the surface with these coefficients, rows of `columns`, x and
-    /// y: the squared distance at the point's own place.
+    /// Squared distance of each point from the surface with these coefficients (rows of `columns`,
+    /// x and y) at the point's own parameters.
     pub fn squares(&self, coefficients: &[[f64; 2]], columns: usize) -> Vec<f64> {
         let mut squares = Vec::with_capacity(self.points.len());
         for (row, column, range) in self.iter() {
@@ -118,7 +118,7 @@ impl Cells {
         squares
     }
 
-    /// The bicubic of one cell for x and for y: coefficients of powers along × around.
+    /// The bicubics of one cell for x and y: coefficients of powers along × around.
     fn patch(
         &self,
         row: usize,
@@ -144,7 +144,7 @@ impl Cells {
     }
 }
 
-/// A bicubic at a point, by Horner's rule.
+/// A bicubic at a point, by Horner's method.
 fn at(bicubic: &[[f64; 4]; 4], point: &Sited) -> f64 {
     let line = |c: &[f64; 4]| c[0] + point.t * (c[1] + point.t * (c[2] + point.t * c[3]));
     let [a, b, c, d] = bicubic.each_ref().map(line);

@@ -3,14 +3,14 @@
 use super::banded::Banded;
 use super::cells::{Cells, Piece};
 
-/// Powers that a product of two cubics has.
+/// Number of powers in a product of two cubics.
 const POWERS: usize = 7;
 
-/// The pairs of the four functions of an interval, the lesser first.
+/// The pairs of the four functions of an interval, smaller index first.
 const PAIRS: [(usize, usize); 10] =
     [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (1, 2), (2, 3), (0, 2), (1, 3), (0, 3)];
 
-/// BᵀWB and BᵀWy, coefficients row by row along.
+/// BᵀWB and BᵀWy; coefficients row by row along.
 pub struct CloudEquations {
     /// BᵀWB.
     pub gram: Banded,
@@ -22,7 +22,7 @@ pub struct CloudEquations {
 
 impl CloudEquations {
     /// The equations of a sorted cloud with a weight for each of its points, in the cells' order,
-    /// in bases of as many functions.
+    /// in bases with these numbers of functions.
     pub fn new(cells: &Cells, weights: &[f64], [rows, columns]: [usize; 2]) -> CloudEquations {
         let squares = cells.pieces.each_ref().map(|all| {
             all.iter().map(|piece| PAIRS.map(|pair| multiplied(piece, pair))).collect::<Vec<_>>()
@@ -43,13 +43,13 @@ impl CloudEquations {
     }
 }
 
-/// Entries kept of a row of the equations: functions that overlap lie at most three rows apart,
-/// and in those rows anywhere, since they are closed.
+/// Entries stored per row of the equations: functions that overlap are at most three rows apart,
+/// and anywhere within those rows, because the rows are closed.
 fn band_width(columns: usize) -> usize {
     4 * columns
 }
 
-/// The product of two functions of an interval, in powers of the local place.
+/// The product of two functions of an interval, in powers of the local position.
 fn multiplied(piece: &Piece, (a, b): (usize, usize)) -> [f64; POWERS] {
     let mut product = [0.0; POWERS];
     for (p, left) in piece.cubics[a].iter().enumerate() {
@@ -62,7 +62,7 @@ fn multiplied(piece: &Piece, (a, b): (usize, usize)) -> [f64; POWERS] {
 
 /// Weighted sums of powers over the points of one cell.
 struct Sums {
-    /// Σ w sᵖ tᵠ; a power more than needed around makes even runs.
+    /// Σ w sᵖ tᵠ; one power more than needed around, for runs of even length.
     powers: [[f64; POWERS + 1]; POWERS],
     /// Σ w sᵖ tᵠ x, and y.
     values: [[[f64; 4]; 4]; 2],

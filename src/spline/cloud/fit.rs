@@ -1,9 +1,9 @@
-//! Robust smoothing fit of a surface to a cloud of points around a tube that stands along z.
+//! Robust smoothing fit of a surface to a cloud of points around a tube along z.
 //!
 //! u is the height: the control points' z are the Greville abscissae, so that S_z = u everywhere
-//! and curves of constant u are the plane sections; x and y are what is fitted (nurbs.md 6.2).
-//! Minimises Σ w |S − P|² + λu ∬ |S_uuu|² + λv ∬ |S_vvv|². Outliers lose their weight round by
-//! round, first some of it, then all (nurbs.md 6.8).
+//! and curves of constant u are the plane sections; x and y are fitted (nurbs.md 6.2). Minimises Σ
+//! w |S − P|² + λu ∬ |S_uuu|² + λv ∬ |S_vvv|². Outliers lose their weight over several rounds,
+//! first some of it, then all (nurbs.md 6.8).
 
 use nalgebra::Point3;
 
@@ -15,7 +15,7 @@ use crate::spline::basis::{Basis, DEGREE};
 use crate::spline::fit::FitFault;
 use crate::spline::surface::Surface;
 
-/// A cloud of points and where each lies around.
+/// A cloud of points and their positions around.
 #[derive(Debug, Clone, Copy)]
 pub struct CloudData<'a> {
     /// The points; z within the domain of the basis along.
@@ -24,26 +24,26 @@ pub struct CloudData<'a> {
     pub around: &'a [f64],
 }
 
-/// How much a cloud fit may smooth.
+/// The smoothing of a cloud fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum CloudSmoothing {
-    /// As little as leaves places without points bridged.
+    /// Only as much as is needed to bridge areas without points.
     None,
-    /// These lambdas along and around, at least 0. At 1 penalty and data have the same trace.
+    /// These lambdas along and around, at least 0. At 1, penalty and data have equal traces.
     Fixed([f64; 2]),
-    /// The lambdas of least generalised cross-validation score (Craven, Wahba 1979).
+    /// The lambdas with the smallest generalised cross-validation score (Craven, Wahba 1979).
     Gcv,
 }
 
-/// How a cloud is fitted.
+/// The method of a cloud fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CloudMethod {
-    /// How much is smoothed.
+    /// The smoothing.
     pub smoothing: CloudSmoothing,
     /// Whether outliers lose their weight.
     pub robust: bool,
-    /// Residuals of this standard deviation, mm, are never outliers, so that perfect points do not
-    /// throw out what the surface cannot follow.
+    /// Residuals of this standard deviation, mm, are never outliers, so that perfect points are not
+    /// rejected where the surface cannot follow them.
     pub least_scale_mm: f64,
 }
 
@@ -54,58 +54,60 @@ impl Default for CloudMethod {
     }
 }
 
-/// A surface fitted to a cloud, and what it made of the points.
+/// A surface fitted to a cloud, with the statistics of the fit.
 #[derive(Debug, Clone)]
 pub struct CloudFit {
     /// The surface, u in mm.
     pub surface: Surface,
-    /// The weight that each point kept, 0 to 1.
+    /// The final weight of each point, 0 to 1.
     pub weights: Vec<f64>,
     /// Smoothing used, along and around.
     pub lambdas: [f64; 2],
     /// Effective degrees of freedom of each coordinate, at most the number of control points.
     pub edf: f64,
-    /// Standard deviation of the points' horizontal distance from the surface, mm, were it normal.
+    /// Standard deviation of the points' horizontal distance from the surface, mm, assuming a
+    /// normal distribution.
     pub sigma_mm: f64,
 }
 
-/// Smoothing that remains where none is wanted.
+/// Minimum smoothing, even if none is requested.
 const LEAST_LAMBDA: f64 = 1e-10;
 
-/// Smoothing before it is known how much is right: holes are bridged and outliers stand out, yet
-/// bumps as wide as a few intervals stay.
+/// Smoothing before the right amount is known: holes are bridged and outliers stand out, but bumps
+/// as wide as a few intervals remain.
 const FIRST_LAMBDA: f64 = 1e-5;
 
-/// Rounds with Huber's weights: an outlier pulls no more than a point at the rim of the others. The
-/// first fit, without weights, may lie a millimetre off.
+/// Rounds with Huber's weights: an outlier has no more influence than a point at the edge of the
+/// others. The unweighted first fit may be off by a millimetre.
 const HUBER_ROUNDS: usize = 2;
 
-/// Rounds after them in which outliers lose all weight.
+/// Rounds after them, in which outliers lose all weight.
 const WHOLE_ROUNDS: usize = 2;
 
-/// Rounds of choosing the smoothing where weights stay 1.
+/// Rounds of choosing the smoothing when the weights stay 1.
 const PLAIN_ROUNDS: usize = 1;
 
-/// The fewest and the most regions each way in which points are looked for; between them so many
-/// that four points fall in one if they are spread evenly, and hardly any stays empty by chance.
+/// Minimum and maximum number of regions, along and around, that are checked for points. Between
+/// these limits the number gives each region four points if they are spread evenly, so hardly any
+/// region is empty by chance.
 const REGIONS: [f64; 2] = [4.0, 24.0];
 
-/// Regions that must hold a point. With a quarter of a leg missing the rest can still be told; what
-/// lies in the gap is invention, and with half of it missing most of the surface would be.
+/// Share of regions that must hold a point. With a quarter of a leg missing, the rest is still reliable
+/// and only the gap is invented; with half of it missing, most of the surface would be invented.
 const SEEN_SHARE: f64 = 0.75;
 
-/// How far outside the domain rounding may put a point, as a share of its length.
+/// How far rounding may put a point outside the domain, as a share of its length.
 const ROUNDING: f64 = 1e-9;
 
-/// Places nearer to each other than this share of the domain count as one.
+/// Positions closer than this share of the domain count as one.
 const LEAST_STEP: f64 = 1e-6;
 
 /// Fits the surface over `along` (of z) and `around` (of v).
 ///
 /// # Errors
-/// A [`FitFault`]: a point or place not finite or outside the domain, lengths that differ, fewer
-/// points than control points, points at fewer than 4 different heights or places around, more
-/// than a quarter of the surface without points, bases that make no surface.
+/// A [`FitFault`]: a point or position that is not finite or lies outside the domain, different
+/// lengths, fewer points than control points, fewer than 4 different heights or positions around,
+/// more than a quarter of the surface without points, bases that do not form a surface.
 pub fn fit_cloud(
     data: &CloudData,
     along: Basis,
@@ -153,7 +155,7 @@ pub fn fit_cloud(
     Ok(CloudFit { surface, weights, lambdas, edf, sigma_mm })
 }
 
-/// The surface whose x and y have these coefficients and whose z is u.
+/// The surface with these coefficients for x and y, and with z equal to u.
 fn standing(along: Basis, around: Basis, xy: &[[f64; 2]]) -> Result<Surface, FitFault> {
     let heights = along.greville();
     let columns = around.count();
@@ -220,7 +222,8 @@ fn check(data: &CloudData, [along, around]: [&Basis; 2]) -> Result<(), FitFault>
     different(data.around.iter().map(|v| around.wrapped(*v)), to - from)
 }
 
-/// Refuses places of which fewer than four differ by what could hold a slope against rounding.
+/// Refuses positions of which fewer than four are far enough apart to determine a slope despite
+/// rounding.
 fn different(places: impl Iterator<Item = f64>, length: f64) -> Result<(), FitFault> {
     let mut known: Vec<f64> = Vec::new();
     for place in places {

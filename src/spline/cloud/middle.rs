@@ -1,4 +1,4 @@
-//! The middle line of a tube of points that stands along z; nurbs.md 6.1.
+//! The middle line of a tube of points along z; nurbs.md 6.1.
 
 use std::f64::consts::{PI, TAU};
 
@@ -7,20 +7,20 @@ use nalgebra::{Matrix3, Point2, Point3, Vector2, Vector3};
 use crate::spline::basis::Basis;
 use crate::spline::fit::{FitFault, Smoothing, Spline, fit};
 
-/// Slabs of equal height in which the middle is found.
+/// Slabs of equal height in which the middle is determined.
 const SLABS: usize = 60;
 
-/// Sectors of a slab. Each counts alike however many points it holds, so that a side that is seen
-/// better draws the middle no nearer.
+/// Sectors of a slab. All count equally, however many points they hold, so that a better visible
+/// side does not attract the middle.
 const SECTORS: usize = 36;
 
-/// Rounds of finding the sectors about the middle and the middle from the sectors.
+/// Rounds of finding the sectors around the middle, and the middle from the sectors.
 const ROUNDS: usize = 4;
 
-/// Pieces of the line: enough for a leg's bends, too few for one slab's errors.
+/// Pieces of the line: enough for a leg's bends, too few to follow the errors of one slab.
 const INTERVALS: usize = 8;
 
-/// Sectors that must hold points for a slab to count: two thirds of a turn.
+/// Minimum number of sectors with points for a slab to count: two thirds of a turn.
 const SECTORS_MIN: usize = 24;
 
 /// The middle line of a tube, over z.
@@ -31,12 +31,12 @@ pub struct Middle {
 }
 
 impl Middle {
-    /// The middle line of points between their lowest and highest z. Points may be unevenly spread,
-    /// noisy, and up to a third of each sector's outliers.
+    /// The middle line of points between their lowest and highest z. Points may be unevenly spread
+    /// and noisy, and up to a third of each sector may be outliers.
     ///
     /// # Errors
-    /// A [`FitFault`]: a point not finite, or fewer than 4 slabs (of 60) that are seen from most
-    /// sides.
+    /// A [`FitFault`]: a point that is not finite, or fewer than 4 slabs (of 60) that were seen
+    /// from most sides.
     pub fn of(points: &[Point3<f64>]) -> Result<Middle, FitFault> {
         let unusable = |point: &Point3<f64>| !point.iter().all(|value| value.is_finite());
         if let Some(index) = points.iter().position(unusable) {
@@ -68,14 +68,14 @@ impl Middle {
         Ok(Middle { x: line(0)?, y: line(1)? })
     }
 
-    /// The middle at height `z`, that of the nearer end beyond the points.
+    /// The middle at height `z`; beyond the points, that of the nearer end.
     pub fn at(&self, z: f64) -> Point2<f64> {
         let row = self.x.basis.row(z);
         Point2::new(row.dot(&self.x.coefficients), row.dot(&self.y.coefficients))
     }
 
-    /// The direction of each point from the middle at its height, turns from +x towards +y, 0 to 1:
-    /// a place around.
+    /// The direction of each point from the middle at its height, in turns from +x towards +y, 0 to
+    /// 1: a position around.
     pub fn turns(&self, points: &[Point3<f64>]) -> Vec<f64> {
         let turn = |point: &Point3<f64>| {
             let arm = point.xy() - self.at(point.z);
@@ -85,7 +85,8 @@ impl Middle {
     }
 }
 
-/// The place about which the sectors' median radii do not swing; none where too few sectors hold points.
+/// The point around which the sectors' median radii do not oscillate; `None` if too few sectors
+/// hold points.
 fn centre(points: &[Point2<f64>]) -> Option<Point2<f64>> {
     let of = |axis: usize| median(&mut points.iter().map(|point| point[axis]).collect::<Vec<_>>());
     let mut centre = Point2::new(of(0)?, of(1)?);
@@ -96,8 +97,9 @@ fn centre(points: &[Point2<f64>]) -> Option<Point2<f64>> {
             let sector = (SECTORS as f64 * (arm.y.atan2(arm.x) + PI) / TAU) as usize;
             sectors[sector.min(SECTORS - 1)].push(arm.norm());
         }
-        // Of a circle about a place off its middle the radius swings once a turn, by that way. The
-        // least-squares swing, unlike a mean of places, is none the worse for an empty sector.
+        // Around an off-centre point, the radius of a circle oscillates once per turn, in the
+        // direction and by the amount of the offset. Unlike a mean of positions, the least-squares
+        // oscillation is not disturbed by an empty sector.
         let (mut gram, mut moments, mut seen) = (Matrix3::zeros(), Vector3::zeros(), 0);
         for (sector, radii) in sectors.iter_mut().enumerate() {
             let angle = TAU * (sector as f64 + 0.5) / SECTORS as f64 - PI;
@@ -117,7 +119,7 @@ fn centre(points: &[Point2<f64>]) -> Option<Point2<f64>> {
     Some(centre)
 }
 
-/// The median, half way between the middle two of an even number; none of none.
+/// The median; the mean of the middle two if the number is even; `None` if there are no values.
 fn median(values: &mut [f64]) -> Option<f64> {
     let middle = values.len() / 2;
     if values.is_empty() {

@@ -3,10 +3,10 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `fit` | [`fit_cloud`]: robust, smoothing, in given bases |
-//! | `adaptive` | [`fit_cloud_by`]: the same with knots found in a first fit |
-//! | `middle` | [`Middle`]: the middle line of a cloud, and so its points' places around |
-//! | `cells`, `equations`, `banded` | the points summed cell by cell; their equations and solution |
-//! | `penalty`, `weights` | the choice of smoothing; what outliers count for |
+//! | `adaptive` | [`fit_cloud_by`]: the same, with knots from a first fit |
+//! | `middle` | [`Middle`]: the middle line of a cloud, and so its points' positions around |
+//! | `cells`, `equations`, `banded` | sums over the points by cell; their equations and solution |
+//! | `penalty`, `weights` | the choice of smoothing; the weights of outliers |
 
 mod adaptive;
 mod banded;

@@ -1,10 +1,9 @@
-//! How much a cloud fit smooths along and around, and the choice of it by generalised
-//! cross-validation.
+//! The smoothing of a cloud fit along and around, and its choice by generalised cross-validation.
 //!
-//! The penalty is λu Ru ⊗ Mv + λv Mu ⊗ Rv with R the roughness and M the Gram matrix over the
-//! domain. Generalised eigenvectors of (R, M) make it diagonal, and with points spread evenly the
-//! data's own matrix too. Then a fit with any pair of lambdas is a division, and so are its degrees
-//! of freedom and its residual; nurbs.md 6.7, 6.8.
+//! The penalty is λu Ru ⊗ Mv + λv Mu ⊗ Rv, where R is the roughness and M the Gram matrix over the
+//! domain. Generalised eigenvectors of (R, M) make it diagonal and, if points are spread evenly,
+//! the data's own matrix too. Then a fit with any pair of lambdas takes only a division, and so do
+//! its degrees of freedom and its residual; nurbs.md 6.7, 6.8.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -17,8 +16,8 @@ use crate::spline::solve::{Singular, Skyline};
 /// The derivative whose square is penalised.
 const PENALISED: usize = 3;
 
-/// Exponents of ten of the lambdas that the search tries first, along and around alike: from
-/// hardly more than the ridge to where only the slowest waves remain.
+/// Exponents of ten of the lambdas that the search tries first, both along and around: from hardly
+/// more than the ridge to where only the slowest waves remain.
 const SEARCH_DECADES: std::ops::RangeInclusive<i32> = -9..=1;
 
 /// One direction of the penalty.
@@ -31,7 +30,7 @@ struct Direction {
     vectors: DMatrix<f64>,
     /// Uᵀ M, their inverse.
     inverse: DMatrix<f64>,
-    /// Roughness of each eigenvector, in units that make a lambda a number: times tr M / tr R.
+    /// Roughness of each eigenvector, scaled by tr M / tr R so that lambda is dimensionless.
     eigenvalues: Vec<f64>,
     /// tr M / tr R.
     unit: f64,
@@ -42,23 +41,23 @@ struct Direction {
 #[derive(Debug, Clone)]
 pub struct Penalty {
     directions: [Direction; 2],
-    /// Share of the surface that has data.
+    /// Share of the surface with data.
     seen: f64,
 }
 
 impl Penalty {
-    /// The penalty for surfaces in these bases, of which data cover a share `seen`.
+    /// The penalty for surfaces in these bases, with data on a share `seen` of the surface.
     ///
     /// # Errors
-    /// [`Singular`] where a basis' functions cannot be told apart in double precision.
+    /// [`Singular`] if a basis' functions are indistinguishable in double precision.
     pub fn new(along: &Basis, around: &Basis, seen: f64) -> Result<Penalty, Singular> {
         Ok(Penalty { directions: [Direction::new(along)?, Direction::new(around)?], seen })
     }
 
-    /// The factor of the equations with the penalty.
+    /// Factors the equations with the penalty.
     ///
     /// # Errors
-    /// [`Singular`] where data and penalty leave coefficients undetermined.
+    /// [`Singular`] if data and penalty leave coefficients undetermined.
     pub fn factor(
         &self,
         equations: &CloudEquations,
@@ -69,7 +68,7 @@ impl Penalty {
         system.factor()
     }
 
-    /// Adds the penalty to equations of data of this total weight. A lambda of 1 makes the traces
+    /// Adds the penalty to equations of data with this total weight. A lambda of 1 makes the traces
     /// equal if the data are spread evenly.
     fn add_to(&self, system: &mut Banded, lambdas: [f64; 2], weight: f64) {
         let density = self.density(weight);
@@ -91,10 +90,10 @@ impl Penalty {
         }
     }
 
-    /// The pair of lambdas of least score.
+    /// The pair of lambdas with the smallest score.
     ///
-    /// `coefficients` are any fit of these equations that leaves the weighted sum of squares
-    /// `rss`. Where there are no points it stands for them.
+    /// `coefficients` are any fit of these equations, with the weighted sum of squares `rss`. Where
+    /// there are no points, the fit replaces them.
     pub fn best_by_gcv(
         &self,
         equations: &CloudEquations,
@@ -126,15 +125,15 @@ impl Penalty {
         lambdas(best)
     }
 
-    /// Degrees of freedom that a fit with these lambdas uses, were the points spread evenly.
+    /// Degrees of freedom of a fit with these lambdas if the points were spread evenly.
     pub fn edf(&self, lambdas: [f64; 2]) -> f64 {
         let mut edf = 0.0;
         self.each_kept(lambdas, |_, kept| edf += kept);
         edf
     }
 
-    /// The squared size of each pair of eigenvectors in the data, weighted as the data, and the sum
-    /// of squares that none of them holds.
+    /// The squared size of each pair of eigenvectors in the data, weighted like the data, and the
+    /// sum of squares outside all of them.
     fn spectrum(
         &self,
         equations: &CloudEquations,
@@ -158,14 +157,15 @@ impl Penalty {
             outside -= density * open.norm_squared();
             power += (held + open).map(|size| density * size * size);
         }
-        // Rounding can leave a hair below zero of data without noise.
+        // Rounding can give slightly negative values for data without noise.
         (power, outside.max(1e-12 * rss))
     }
 
-    /// Calls for each pair of eigenvectors with its place and the share that a fit keeps of it.
+    /// Calls `call` for each pair of eigenvectors with its indices and the share that a fit keeps
+    /// of it.
     fn each_kept(&self, lambdas: [f64; 2], mut call: impl FnMut((usize, usize), f64)) {
         let [along, around] = &self.directions;
-        // Where there are data they are denser than on average.
+        // In the areas with data, the data are denser than on average.
         let lambdas = lambdas.map(|lambda| self.seen * lambda);
         for (b, rough_b) in around.eigenvalues.iter().enumerate() {
             let base = 1.0 + lambdas[1] * rough_b;
@@ -206,7 +206,7 @@ impl Direction {
 
 /// The functions that overlap with function `i` of a basis of `size`.
 fn neighbours(i: usize, size: usize, periodic: bool) -> impl Iterator<Item = usize> {
-    // Of fewer than seven closed functions some would come twice.
+    // With fewer than seven periodic functions, some would occur twice.
     let reach = if periodic { (2 * DEGREE + 1).min(size) } else { 2 * DEGREE + 1 };
     (0..reach).filter_map(move |step| {
         let shifted = i + size + step - DEGREE.min(size);

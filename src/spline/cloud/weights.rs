@@ -1,34 +1,34 @@
 //! Weights of a cloud's points by their residuals.
 //!
-//! What is near has weight 1. Tukey's biweights (`robust`), which fall from the middle on, would
-//! take weight from every point of a bump that the surface cannot quite follow and so flatten it
-//! further: on the test leg of nurbs.md 1.1 they make the mean error 2 % and the largest 10 %
-//! larger.
+//! Small residuals have weight 1. Tukey's biweights (`robust`), which decrease from zero on, would
+//! reduce the weight of every point of a bump that the surface cannot quite follow, and so flatten
+//! it further: on the test leg of nurbs.md 1.1 they increase the mean error by 2 % and the largest
+//! by 10 %.
 
 use crate::spline::robust::MAD_TO_SD;
 
-/// Residuals up to this many standard deviations keep their weight; Huber's constant, nurbs.md 6.8.
+/// Residuals up to this many standard deviations keep full weight; Huber's constant, nurbs.md 6.8.
 const NEAR: f64 = 2.5;
 
-/// Residuals from this many standard deviations on have none in the end.
+/// Residuals beyond this many standard deviations have no weight in the end.
 const FAR: f64 = 5.0;
 
-/// Standard deviation of standard normal errors under [`Fading::Whole`]: what is large counts for
-/// less. √(E[w x²] / E[w]) by quadrature.
+/// Standard deviation of standard normal errors weighted by [`Fading::Whole`], which reduces large
+/// ones. √(E[w x²] / E[w]) by quadrature.
 pub const FADED_NORMAL_SD: f64 = 0.9964;
 
-/// How weight fades beyond what is near.
+/// How the weight decreases for larger residuals.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Fading {
-    /// As the reciprocal of the residual (Huber): no outlier is lost, none draws more than what is
-    /// just near. Finds the surface from a poor guess.
+    /// As the reciprocal of the residual (Huber): no outlier is lost, and none has more influence
+    /// than a point at the limit. Finds the surface from a poor initial guess.
     Huber,
-    /// As Tukey's biweight, from 1 to nothing.
+    /// Like Tukey's biweight, from 1 to 0.
     Whole,
 }
 
-/// The weights of points by their squared residuals, scaled by the median, but by no less than
-/// `least_scale_mm`. There must be points.
+/// The weights of points by their squared residuals, scaled by the median, but by at least
+/// `least_scale_mm`. There must be at least one point.
 pub fn weights_of(squares: &[f64], least_scale_mm: f64, fading: Fading) -> Vec<f64> {
     let mut sorted = squares.to_vec();
     let middle = sorted.len() / 2;
@@ -49,7 +49,7 @@ pub fn weights_of(squares: &[f64], least_scale_mm: f64, fading: Fading) -> Vec<f
 mod tests {
     use super::*;
 
-    /// Weights where the median residual is 0 and the scale therefore 2 mm.
+    /// The weight if the median residual is 0, so that the scale is 2 mm.
     fn weights(residual_mm: f64, fading: Fading) -> f64 {
         weights_of(&[0.0, 0.0, residual_mm * residual_mm], 2.0, fading)[2]
     }

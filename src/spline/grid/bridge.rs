@@ -1,22 +1,22 @@
-//! Gaps in a grid, bridged by cubics.
+//! Bridges gaps in a grid with cubics.
 //!
-//! Least squares leave a basis free, or nearly so, where data are missing, and a surface that bends
-//! freely swings by metres; a penalty on its derivatives holds it only where it is so strong that
-//! it flattens the rest. So lines are put into a gap, each point on the cubic that leaves and meets
-//! the data on either side with their own place and slope.
+//! Where data are missing, least squares leave a basis undetermined or nearly so, and an
+//! unconstrained surface oscillates by metres; a penalty on its derivatives controls it only if it
+//! is strong enough to flatten the rest. So lines are inserted into a gap. Each of their points
+//! lies on a cubic that continues the data on both sides with their position and slope.
 
 use nalgebra::Point3;
 
 use super::given::{GridData, transposed};
 use crate::spline::knots::profiles::{Domain, Profiles};
 
-/// A stretch without data is a gap beyond this many median distances of lines …
+/// A range without data is a gap if it exceeds this many median line distances …
 const WIDE: f64 = 2.5;
 
 /// … and this many mean spans of the basis.
 const WIDE_SPANS: f64 = 1.0;
 
-/// A grid without gaps: the given lines first, then those put into the gaps.
+/// A grid without gaps: the given lines first, then the inserted ones.
 #[derive(Debug, Clone)]
 pub struct Bridged {
     /// Parameters along.
@@ -25,12 +25,12 @@ pub struct Bridged {
     pub around: Vec<f64>,
     /// The points, row-major.
     pub points: Vec<Point3<f64>>,
-    /// The gaps along and around, each with the last place before it and the first one after it.
+    /// The gaps along and around, each from the last position before it to the first one after it.
     pub gaps: [Vec<[f64; 2]>; 2],
 }
 
 impl Bridged {
-    /// The grid with its gaps filled, for so many spans along and around.
+    /// Fills the gaps of a grid, for these numbers of spans along and around.
     pub fn new(data: &GridData, domains: [Domain; 2], spans: [usize; 2]) -> Bridged {
         let mut rows = data.profiles_along();
         let along = fill(&mut rows, &domains[0], spans[0]);
@@ -49,7 +49,7 @@ impl Bridged {
     }
 }
 
-/// Puts lines into the gaps, and tells these.
+/// Inserts lines into the gaps and returns the gaps.
 fn fill(profiles: &mut Profiles, domain: &Domain, spans: usize) -> Vec<[f64; 2]> {
     let lines = Lines::new(profiles, domain);
     let mut lengths: Vec<f64> = lines.at.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -74,11 +74,11 @@ fn fill(profiles: &mut Profiles, domain: &Domain, spans: usize) -> Vec<[f64; 2]>
     gaps
 }
 
-/// Lines in ascending order, around the seam one more turn's beginning.
+/// Lines in ascending order; if periodic, followed by the first line again, one period later.
 struct Lines {
     at: Vec<f64>,
     values: Vec<Vec<f64>>,
-    /// Number of lines in a turn; none where clamped.
+    /// Number of lines per turn; `None` if clamped.
     turn: Option<usize>,
     period: f64,
 }
@@ -98,7 +98,7 @@ impl Lines {
         Lines { at, values, turn, period }
     }
 
-    /// Place and values of a line, counted on around the seam; None beyond a clamped end.
+    /// Position and values of a line, continued across the seam; `None` beyond a clamped end.
     fn line(&self, i: isize) -> Option<(f64, &[f64])> {
         let Some(turn) = self.turn else {
             let i = usize::try_from(i).ok()?;
@@ -108,8 +108,8 @@ impl Lines {
         Some((self.at[i] + turns as f64 * self.period, &self.values[i]))
     }
 
-    /// The values a share of the way from line `i` to the next: a cubic with the slopes there, or
-    /// with that across the gap where a line stands alone.
+    /// The values at a fraction `share` of the way from line `i` to the next: a cubic with the
+    /// slopes of the data or, next to a single line, with the slope across the gap.
     fn bridge(&self, i: usize, share: f64) -> Option<Vec<f64>> {
         let i = i as isize;
         let ((from, start), (to, end)) = (self.line(i)?, self.line(i + 1)?);
@@ -125,8 +125,8 @@ impl Lines {
         Some((0..start.len()).map(column).collect())
     }
 
-    /// The slopes at the first of three lines of the parabola through them, of the straight line
-    /// where there are but two; None for one.
+    /// The slopes at the first of three lines: of the parabola through them, or of the straight
+    /// line if there are only two; `None` if there is only one.
     fn slopes(&self, [first, second, third]: [isize; 3]) -> Option<Vec<f64>> {
         let ((x, y), second) = (self.line(first)?, self.line(second)?);
         let slope = |(x2, y2): (f64, &[f64]), c: usize| (y2[c] - y[c]) / (x2 - x);

@@ -1,17 +1,17 @@
-//! Parameters for points that have none.
+//! Computes parameters for points that have none.
 
 use nalgebra::{Point3, distance};
 
 use crate::spline::fit::FitFault;
 
 /// The parameter of each column of closed sections, 0 for the first, below 1, ascending: the share
-/// of the section's length that is walked to it along the chords, the closing one included,
-/// averaged over the sections. `points` are row-major, rows of `columns`. Source: nurbs.md 6.2; The
-/// NURBS Book, equations 9.5 and 9.8.
+/// of the section's length up to the column, measured along the chords (including the closing one)
+/// and averaged over the sections. `points` are row-major, rows of `columns`. Source: nurbs.md 6.2;
+/// The NURBS Book, equations 9.5 and 9.8.
 ///
 /// # Errors
-/// [`FitFault::NoGrid`] unless there are whole rows, [`FitFault::NotFinite`],
-/// [`FitFault::NoLength`] where all points of a section are one.
+/// [`FitFault::NoGrid`] unless there are complete rows, [`FitFault::NotFinite`],
+/// [`FitFault::NoLength`] if all points of a section coincide.
 pub fn mean_chord_parameters(points: &[Point3<f64>], columns: usize) -> Result<Vec<f64>, FitFault> {
     let rows = points.len().checked_div(columns).unwrap_or(0);
     if rows == 0 || rows * columns != points.len() {

@@ -1,8 +1,8 @@
-//! Smoothing of a grid by generalised cross-validation, one small eigenproblem a direction.
+//! Smoothing of a grid by generalised cross-validation, one small eigenproblem per direction.
 //!
-//! With A, B the basis matrices of the rows and columns, the fit is C = (AᵀA + λa Ra)⁻¹ Aᵀ P B
-//! (BᵀB + λb Rb)⁻¹. Generalised eigenvectors make AᵀA the identity and Ra diagonal, so that for any
-//! pair of lambdas fit, degrees of freedom and residual are divisions. Source: nurbs.md 6.7.
+//! With A, B the basis matrices of the rows and columns, the fit is C = (AᵀA + λa Ra)⁻¹ Aᵀ P B (BᵀB +
+//! λb Rb)⁻¹. Generalised eigenvectors make AᵀA the identity and Ra diagonal, so that for any pair of
+//! lambdas the fit, its degrees of freedom and its residual take only divisions. Source: nurbs.md 6.7.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -12,15 +12,15 @@ use crate::spline::normal::RIDGE;
 use crate::spline::penalty::roughness;
 use crate::spline::solve::Singular;
 
-/// What is added to a Gram matrix, relative to its mean diagonal; nurbs.md 6.7.
+/// Added to the diagonal of a Gram matrix, relative to its mean; nurbs.md 6.7.
 const GRAM_RIDGE: f64 = 1e-11;
 
-/// Exponents of ten of the lambdas that are tried, relative to the median roughness, and how many;
-/// nurbs.md 6.7.
+/// Range of the exponents of ten of the lambdas that are tried, relative to the median roughness,
+/// and their number; nurbs.md 6.7.
 const SEARCH: [f64; 2] = [-7.0, 4.0];
 const TRIED: usize = 25;
 
-/// A roughness below this share of the largest is zero but for rounding.
+/// A roughness below this share of the largest is zero except for rounding.
 const SMOOTH: f64 = 1e-9;
 
 /// A direction of the grid.
@@ -33,10 +33,10 @@ pub struct Spectrum {
 }
 
 impl Spectrum {
-    /// The spectrum of data at `places`.
+    /// The spectrum for data at `places`.
     ///
     /// # Errors
-    /// [`Singular`] where the places leave the basis undetermined.
+    /// [`Singular`] if the positions leave the basis undetermined.
     pub fn new(basis: &Basis, places: &[f64]) -> Result<Spectrum, Singular> {
         let count = basis.count();
         let design = basis.design(places);
@@ -54,7 +54,7 @@ impl Spectrum {
         Ok(Spectrum { combinations, roughness })
     }
 
-    /// The lambdas to try: none, which leaves the ridge, and ever more.
+    /// The lambdas to try: only the ridge, then increasing values.
     fn lambdas(&self) -> Vec<f64> {
         let largest = self.roughness.iter().copied().fold(0.0, f64::max);
         let mut positive: Vec<f64> =
@@ -67,7 +67,7 @@ impl Spectrum {
         [RIDGE].into_iter().chain(tried.map(|lambda| lambda.max(RIDGE))).collect()
     }
 
-    /// What each combination keeps at a lambda.
+    /// The share that each combination keeps at a lambda.
     fn kept(&self, lambda: f64) -> Vec<f64> {
         self.roughness.iter().map(|rough| 1.0 / (1.0 + lambda * rough)).collect()
     }
@@ -82,7 +82,7 @@ pub struct Smoothest {
     pub edf: f64,
 }
 
-/// The pair of lambdas of least score RSS / (m − edf)² for a grid of xyz triples, row-major.
+/// The pair of lambdas with the smallest score RSS / (m − edf)² for a grid of xyz triples, row-major.
 pub fn best_by_gcv([along, around]: &[Spectrum; 2], values: &[f64]) -> Smoothest {
     let (rows, columns) = (along.combinations.nrows(), around.combinations.nrows());
     let data = (rows * columns) as f64;
@@ -90,7 +90,7 @@ pub fn best_by_gcv([along, around]: &[Spectrum; 2], values: &[f64]) -> Smoothest
         (DMatrix::zeros(along.roughness.len(), around.roughness.len()), 0.0);
     for axis in 0..3 {
         let at = |i: usize, j: usize| values[3 * (i * columns + j) + axis];
-        // Without their mean, so that the place of the whole does not swamp small residuals.
+        // Without the mean, so that a large offset does not hide small residuals.
         let mean = (0..rows * columns).map(|i| values[3 * i + axis]).sum::<f64>() / data;
         let grid = DMatrix::from_fn(rows, columns, |i, j| at(i, j) - mean);
         let projected = along.combinations.tr_mul(&grid) * &around.combinations;

@@ -1,15 +1,15 @@
-//! Refusal of grids whose rows or columns are too few or the same.
+//! Refuses grids whose rows or columns are too few or coincide.
 
 use crate::spline::basis::DEGREE;
 use crate::spline::fit::{FitFault, check_places};
 use crate::spline::knots::profiles::Profiles;
 use crate::spline::knots::request::KnotRequest;
 
-/// Rows nearer than this are one: as a share of the domain in their parameter, or of the data's
-/// extent in all their points.
+/// Rows closer than this are the same: as a share of the domain for their parameters, or of the
+/// data's extent for all of their points.
 const ONE_LINE: f64 = 1e-9;
 
-/// Refuses what no surface with these knots can be fitted to.
+/// Refuses data to which no surface with these knots can be fitted.
 ///
 /// # Errors
 /// [`FitFault::FewerThanControlPoints`], [`FitFault::Basis`], [`FitFault::OutsideDomain`],
@@ -29,7 +29,7 @@ pub fn check_lines(profiles: &Profiles, request: &KnotRequest) -> Result<(), Fit
     }
 }
 
-/// Two neighbours at the same parameter or with the same points.
+/// Two neighbours with the same parameter or the same points.
 fn twins(profiles: &Profiles, request: &KnotRequest) -> Option<[usize; 2]> {
     let Profiles { places, values } = profiles;
     let domain = request.domain;

@@ -1,4 +1,4 @@
-//! The surface through a grid of points, with knots that it finds itself.
+//! The surface through a grid of points, with knots chosen automatically.
 
 use nalgebra::Point3;
 
@@ -15,39 +15,38 @@ use crate::spline::knots::profiles::Domain;
 use crate::spline::knots::request::{GridDomain, Knots, requests};
 use crate::spline::normal::RIDGE;
 
-/// How to fit a grid. Pairs are along and around.
+/// The method of a grid fit. Pairs are along and around.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GridMethod {
-    /// Rows and columns of control points, at least 4 each and at most as many as the data have.
+    /// Rows and columns of control points, at least 4 each and at most the number of the data's.
     pub control_points: [usize; 2],
-    /// Where the knots lie.
+    /// The placement of the knots.
     pub knots: Knots,
-    /// How noise is smoothed away.
+    /// The smoothing of noise.
     pub smoothing: GridSmoothing,
     /// Whether points far from the surface lose their weight.
     pub robust: bool,
-    /// Parameters that are to be knots, such as anatomical sections: the nearest one is moved
-    /// there.
+    /// Parameters that must be knots, such as anatomical sections: the nearest knot is moved there.
     pub marks: [Vec<f64>; 2],
 }
 
-/// How a fit of a grid is to smooth.
+/// The smoothing of a grid fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GridSmoothing {
     /// Plain least squares.
     None,
-    /// The smoothing of least generalised cross-validation score, along and around by themselves;
-    /// right for independent errors. The knots are then found in the smoothed data.
+    /// The smoothing with the smallest generalised cross-validation score, independent along and
+    /// around; correct for independent errors. The knots are then chosen for the smoothed data.
     Gcv,
 }
 
-/// Fits a surface as `method` says. See [`crate::spline::fit_grid`] for the equations.
+/// Fits a surface by `method`. See [`crate::spline::fit_grid`] for the equations.
 ///
-/// Gaps of a few spans are bridged; data that leave more open are refused, as are data that would
-/// only make a surface by solving nonsense.
+/// Gaps of a few spans are bridged. Data with wider gaps are refused, as are data for which the
+/// equations would give a meaningless surface.
 ///
 /// # Errors
-/// A [`FitFault`] with the figures: points that make no grid, are not finite or coincide; fewer
+/// A [`FitFault`] with details: points that do not form a grid, are not finite or coincide; fewer
 /// rows or columns than control points; a gap; a mark or a row outside the domain.
 pub fn fit_grid_by(
     data: &GridData,
@@ -86,14 +85,14 @@ pub fn fit_grid_by(
     })
 }
 
-/// The places in a grid with lines added at its end that are places of the given data.
+/// Translates indices in a grid with appended lines to the given data; drops those in appended lines.
 fn given(places: &[usize], columns: usize, data: &GridData) -> Vec<usize> {
     let places = places.iter().map(|place| (place / columns, place % columns));
     let within = places.filter(|(i, j)| *i < data.along.len() && *j < data.around.len());
     within.map(|(i, j)| i * data.around.len() + j).collect()
 }
 
-/// The smoothing that the method asks for.
+/// The smoothing requested by the method.
 fn smoothest(
     data: &GridData,
     bases: &[Basis; 2],
@@ -112,8 +111,8 @@ fn smoothest(
     }
 }
 
-/// The points without outliers, if the method asks for it, judged by the surface in these bases
-/// with the smoothing that the points of an earlier round need.
+/// The points without outliers, if requested by the method. They are judged by the surface in these
+/// bases with the smoothing for the points of an earlier round.
 fn without_outliers(
     data: &GridData,
     earlier: &[Point3<f64>],
@@ -129,8 +128,8 @@ fn without_outliers(
     Ok(cleaned(data, &solver, bases_used, earlier)?)
 }
 
-/// The points by which knots are placed: those of a fine fit where noise is to be smoothed, which
-/// knots would otherwise follow.
+/// The points for placing the knots: from a fine fit if noise is to be smoothed, because knots
+/// would otherwise follow the noise.
 fn denoised(
     data: &GridData,
     [along, around]: [Domain; 2],

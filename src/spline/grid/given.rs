@@ -1,4 +1,4 @@
-//! Plain least-squares surface through a grid of points: two small solves, one a direction.
+//! Plain least-squares surface through a grid of points: two small solves, one per direction.
 
 use nalgebra::Point3;
 
@@ -14,73 +14,72 @@ use crate::spline::surface::{Surface, SurfaceFault};
 /// Points on a grid of parameters.
 #[derive(Debug, Clone, Copy)]
 pub struct GridData<'a> {
-    /// The parameter u of each row, within the domain of the basis along; any order.
+    /// The parameter u of each row, within the domain of the basis along; in any order.
     pub along: &'a [f64],
-    /// The parameter v of each column; wrapped; any order.
+    /// The parameter v of each column; wrapped; in any order.
     pub around: &'a [f64],
     /// The points, row-major, `along.len()` rows of `around.len()`, mm.
     pub points: &'a [Point3<f64>],
 }
 
 impl GridData<'_> {
-    /// The lines along, a place for each section.
+    /// The lines along, one position per section.
     pub(in crate::spline) fn profiles_along(&self) -> Profiles {
         Profiles { places: self.along.to_vec(), values: flat(self.points) }
     }
 
-    /// The sections, a place for each column.
+    /// The sections, one position per column.
     pub(in crate::spline) fn profiles_around(&self) -> Profiles {
         let values = transposed(&flat(self.points), self.along.len(), self.around.len());
         Profiles { places: self.around.to_vec(), values }
     }
 }
 
-/// A fitted surface and what it leaves of the data.
+/// A fitted surface and its residuals.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SurfaceFit {
     /// The surface.
     pub surface: Surface,
-    /// Root mean square distance between the data and the surface at their own parameters, mm; an
-    /// upper bound of the distance proper.
+    /// Root mean square distance between the data and the surface at the data's own parameters, mm;
+    /// an upper bound of the true distance.
     pub rms_mm: f64,
     /// The largest such distance, mm.
     pub max_mm: f64,
-    /// The lesser [`crate::spline::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12
-    /// the grid does not determine all control points and the ridge chose among the solutions.
+    /// The smaller [`crate::spline::solve::Cholesky::smallest_pivot`] of both directions: near 1e-12
+    /// the grid does not determine all control points, and the ridge selected one of the solutions.
     pub smallest_pivot: f64,
-    /// Where the knots along and around come from.
+    /// The origin of the knots along and around.
     pub knots: [KnotsUsed; 2],
-    /// Marks along and around that could not be knots: another mark or an end is too near.
+    /// Marks along and around that could not become knots, because another mark or an end is too close.
     pub marks_missed: [Vec<f64>; 2],
-    /// Stretches along and around without data that were bridged, each from the last place before
-    /// it to the first one after it: there the surface is a guess.
+    /// Ranges along and around without data that were bridged, each from the last position before
+    /// it to the first one after it: the surface is a guess there.
     pub gaps: [Vec<[f64; 2]>; 2],
-    /// The smoothing along and around, the ridge of 1e-12 included: at 1 the penalty on the third
-    /// derivative has the trace of the data.
+    /// The smoothing along and around, including the ridge of 1e-12: at 1 the penalty on the third
+    /// derivative has the same trace as the data.
     pub lambdas: [f64; 2],
     /// Effective degrees of freedom, at most the number of control points.
     pub edf: f64,
     /// Standard deviation of a point, all coordinates together, √(Σ r² / (m − edf)), mm. Infinite
-    /// where the data leave less than half a degree of freedom. Without smoothing it holds what
-    /// the surface cannot follow besides the noise.
+    /// if the data leave less than half a degree of freedom. Without smoothing it includes, besides
+    /// the noise, the details that the surface cannot follow.
     pub sigma_mm: f64,
-    /// Places of the points that a robust fit left out, ascending; they count in `rms_mm` and
-    /// `max_mm`, not in `sigma_mm`.
+    /// Indices of the points that a robust fit left out, ascending; they count in `rms_mm` and
+    /// `max_mm`, but not in `sigma_mm`.
     pub outliers: Vec<usize>,
 }
 
 /// The tensor-product least-squares surface C = (AᵀA + ridge)⁻¹ Aᵀ P B (BᵀB + ridge)⁻¹.
 ///
-/// The ridge, 1e-12 of the data's trace on the third derivative, keeps control points determined
-/// where no datum lies. Where all data of a row have z equal to an affine function of u (planar
-/// sections, u from their height) the control points' z are that function of the Greville
-/// abscissae, and the surface's own sections at constant u are planar too. Source: nurbs.md 6.2,
-/// 6.6.
+/// The ridge, 1e-12 of the data's trace on the third derivative, keeps control points determined where
+/// there are no data. If all data of a row have a z that is an affine function of u (planar sections, u
+/// from their height), the control points' z are that function of the Greville abscissae, and the
+/// surface's own sections at constant u are planar too. Source: nurbs.md 6.2, 6.6.
 ///
 /// # Errors
-/// A [`FitFault`]: points that make no grid, data not finite, u outside the domain, fewer than 4
-/// different rows or columns, `along` not clamped or `around` not periodic, or a grid that
-/// determines nothing.
+/// A [`FitFault`]: points that do not form a grid, data that are not finite, u outside the domain,
+/// fewer than 4 different rows or columns, `along` not clamped or `around` not periodic, or a grid
+/// that determines nothing.
 pub fn fit_grid(data: &GridData, along: Basis, around: Basis) -> Result<SurfaceFit, FitFault> {
     check(data)?;
     check_places(&along, data.along, data.along)?;
@@ -101,7 +100,7 @@ pub fn solver(
     Ok([along, LeastSquares::new(bases[1], data.around, lambdas[1])?])
 }
 
-/// The surface of the points, with the equations along and around.
+/// The surface of the points, using the equations along and around.
 pub fn surface(
     [along, around]: &[LeastSquares; 2],
     points: &[Point3<f64>],
@@ -116,7 +115,7 @@ pub fn surface(
     Surface::new(basis_along, basis_around, control)
 }
 
-/// The fit of a surface, judged by the data; the outliers do not count in sigma.
+/// The statistics of a surface fit for the data; the outliers do not count in sigma.
 pub fn judged(
     surface: Surface,
     data: &GridData,
@@ -147,12 +146,12 @@ pub fn judged(
     }
 }
 
-/// The coordinates of points, one after another.
+/// The coordinates of points, one after the other.
 pub fn flat(points: &[Point3<f64>]) -> Vec<f64> {
     points.iter().flat_map(|point| [point.x, point.y, point.z]).collect()
 }
 
-/// A grid of xyz triples with rows and columns exchanged.
+/// A grid of xyz triples with rows and columns swapped.
 pub fn transposed(values: &[f64], rows: usize, columns: usize) -> Vec<f64> {
     let places = (0..columns).flat_map(|j| (0..rows).map(move |i| 3 * (i * columns + j)));
     places.flat_map(|place| [values[place], values[place + 1], values[place + 2]]).collect()

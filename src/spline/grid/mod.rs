@@ -3,10 +3,10 @@
 //! | file | what it holds |
 //! |---|---|
 //! | `given` | [`fit_grid`]: least squares in given bases |
-//! | `fit` | [`fit_grid_by`]: the same with knots, smoothing and outliers found by itself |
-//! | `chord` | [`mean_chord_parameters`] of points that have none |
+//! | `fit` | [`fit_grid_by`]: the same, with automatic knots, smoothing and outlier detection |
+//! | `chord` | [`mean_chord_parameters`] for points that have none |
 //! | `bridge`, `outliers`, `cross_validation` | its gaps, its outliers, its noise |
-//! | `distinct` | whether rows and columns differ |
+//! | `distinct` | checks that rows and columns differ |
 
 mod bridge;
 mod chord;

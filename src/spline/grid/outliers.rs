@@ -1,10 +1,10 @@
-//! The points of a grid that do not belong to the surface, found and put onto it.
+//! Finds the points of a grid that do not belong to the surface, and moves them onto it.
 //!
-//! A point is judged by how its residual differs from its neighbours': where a surface is too
-//! stiff for a malleolus all residuals there are large, and alike. The fit that it is judged by is
-//! made with the same equations each time: what stands out is drawn to the surface and fitted
-//! again, with Huber's weights first, which no start leads astray, then with Tukey's. Source:
-//! nurbs.md 6.8; the neighbours and the last step are ours.
+//! A point is judged by the difference of its residual from its neighbours' residuals: where a
+//! surface is too stiff for a malleolus, all residuals are large but similar. The reference fit
+//! always uses the same equations: points that stand out are moved towards the surface and fitted
+//! again, first with Huber's weights, which work from any start, then with Tukey's. Source:
+//! nurbs.md 6.8; the neighbours and the last step are our own.
 
 use nalgebra::{Point3, Vector3};
 
@@ -14,17 +14,17 @@ use crate::spline::least_squares::LeastSquares;
 use crate::spline::robust::{biweights, scale};
 use crate::spline::surface::SurfaceFault;
 
-/// Beyond this many standard deviations Huber's weights begin to fall; 96 % efficiency with normal
-/// errors (Huber, Robust Statistics, 1981).
+/// Huber's weights begin to decrease beyond this many standard deviations; 96 % efficiency with
+/// normal errors (Huber, Robust Statistics, 1981).
 const HUBER: f64 = 1.5;
 
-/// The least standard deviation, as a share of the grid's extent: what rounding leaves.
+/// The minimum standard deviation, as a share of the grid's extent: the size of rounding errors.
 const LEAST_SCALE: f64 = 1e-12;
 
-/// Rounds with either weights at most; nurbs.md 6.8.
+/// Maximum number of rounds with each of the weightings; nurbs.md 6.8.
 const ROUNDS_MAX: usize = 30;
 
-/// Points that move by less than this share of a standard deviation have settled.
+/// Points that move by less than this share of a standard deviation have converged.
 const SETTLED: f64 = 1e-2;
 
 /// A grid without its outliers.
@@ -32,15 +32,15 @@ const SETTLED: f64 = 1e-2;
 pub struct Cleaned {
     /// The points; the outliers lie on the surface.
     pub points: Vec<Point3<f64>>,
-    /// Places of the outliers in the grid, ascending.
+    /// Indices of the outliers in the grid, ascending.
     pub outliers: Vec<usize>,
 }
 
-/// Weights of residuals whose standard deviation is at least so much.
+/// Weights of residuals, given a minimum for their standard deviation.
 type Weighing = fn(&[f64], f64) -> Vec<f64>;
 
-/// The grid without what stands out by 4.7 standard deviations from the surface that these
-/// equations give. `start` are points from which to begin, the data or an earlier result.
+/// The grid without the points that deviate by more than 4.7 standard deviations from the surface
+/// of these equations. `start` are the initial points: the data or an earlier result.
 ///
 /// # Errors
 /// As [`crate::spline::Surface::new`].
@@ -68,20 +68,21 @@ pub fn cleaned(
             }
         }
     }
-    // Points of some weight count in full: half-drawn ones would look like less noise.
+    // Points with some weight count fully, because partly moved points would make the noise appear
+    // smaller.
     let (fitted, weights) = last;
     let whole: Vec<f64> = weights.iter().map(|w| if *w > 0.0 { 1.0 } else { 0.0 }).collect();
     let outliers = (0..whole.len()).filter(|i| whole[*i] == 0.0).collect();
     Ok(Cleaned { points: drawn(data.points, &fitted, &whole), outliers })
 }
 
-/// The points drawn to the surface as far as they lack weight.
+/// Moves the points towards the surface according to their missing weight.
 fn drawn(points: &[Point3<f64>], fitted: &[Point3<f64>], weights: &[f64]) -> Vec<Point3<f64>> {
     let pairs = points.iter().zip(fitted).zip(weights);
     pairs.map(|((point, fit), weight)| fit + *weight * (point - fit)).collect()
 }
 
-/// Which points of a grid lie beside each other.
+/// The neighbours of the points of a grid.
 struct Neighbours {
     /// Rows and columns in ascending order of their parameters.
     rows: Vec<usize>,
@@ -99,7 +100,7 @@ impl Neighbours {
         Neighbours { rows: order(data.along), columns: order(&home) }
     }
 
-    /// How far each point's residual is from the median of those around it, mm.
+    /// Distance of each point's residual from the median of its neighbours' residuals, mm.
     fn standing_out(&self, points: &[Point3<f64>], fitted: &[Point3<f64>]) -> Vec<f64> {
         let left: Vec<Vector3<f64>> = points.iter().zip(fitted).map(|(a, b)| a - b).collect();
         let (rows, columns) = (self.rows.len(), self.columns.len());
@@ -127,13 +128,13 @@ fn median(vectors: &[Vector3<f64>]) -> Vector3<f64> {
     })
 }
 
-/// Huber's weights: as far as a residual goes beyond its reach it counts for less.
+/// Huber's weights: the weight decreases as a residual exceeds the limit.
 fn hubers(sizes: &[f64], least: f64) -> Vec<f64> {
     let reach = HUBER * scale(sizes, least);
     sizes.iter().map(|size| (reach / size).min(1.0)).collect()
 }
 
-/// The longest edge of the points' box.
+/// The longest edge of the points' bounding box.
 fn extent(points: &[Point3<f64>]) -> f64 {
     let lowest = points.iter().fold(Vector3::repeat(f64::MAX), |low, p| low.inf(&p.coords));
     let highest = points.iter().fold(Vector3::repeat(f64::MIN), |high, p| high.sup(&p.coords));

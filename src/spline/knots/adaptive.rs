@@ -1,5 +1,5 @@
-//! Breakpoints where the data bend most: a fine fit tells how the third derivative changes, and
-//! every span gets an equal share of that.
+//! Breakpoints where the data bend most: a fine fit shows how the third derivative changes, and
+//! every span gets an equal share of that change.
 //!
 //! A cubic spline's error on a span of length h grows with h⁴ times the fourth derivative f⁗, so
 //! the best density of breakpoints is proportional to |f⁗|^(1/4) (de Boor, A Practical Guide to
@@ -9,11 +9,11 @@ use super::profiles::{Domain, Profiles};
 use crate::spline::fit::FitFault;
 use crate::spline::least_squares::LeastSquares;
 
-/// Spans of the fine fit for each place, and at most; nurbs.md 6.4.
+/// Spans of the fine fit per position, and their maximum; nurbs.md 6.4.
 const FINE_SHARE: f64 = 0.7;
 const FINE_MOST: usize = 80;
 
-/// Density, relative to its mean, that even the straightest stretch gets. No span is longer than
+/// Minimum density, relative to the mean, even on the straightest stretch. No span is longer than
 /// 1.35 / 0.35 = 3.9 mean ones.
 const FLOOR: f64 = 0.35;
 
@@ -21,11 +21,11 @@ const FLOOR: f64 = 0.35;
 const SMOOTHING: [(isize, f64); 5] =
     [(-2, 1.0 / 9.0), (-1, 2.0 / 9.0), (0, 3.0 / 9.0), (1, 2.0 / 9.0), (2, 1.0 / 9.0)];
 
-/// The lambda of the fine fit (see [`LeastSquares::new`]), whose data have no noise or none any
-/// more; nurbs.md 6.4.
+/// The lambda of the fine fit (see [`LeastSquares::new`]), whose data have no noise, or none left;
+/// nurbs.md 6.4.
 const FINE_LAMBDA: f64 = 1e-9;
 
-/// The equal spans of the fine fit for so many places.
+/// The equal spans of the fine fit for this number of positions.
 pub fn fine(places: usize, domain: &Domain) -> Vec<f64> {
     let spans = (FINE_SHARE * places as f64) as usize;
     domain.equal(spans.clamp(4, FINE_MOST))
@@ -34,7 +34,7 @@ pub fn fine(places: usize, domain: &Domain) -> Vec<f64> {
 /// Breakpoints of `spans` spans with equal shares of the data's bending.
 ///
 /// # Errors
-/// A [`FitFault`] where the data leave the fine fit undetermined.
+/// A [`FitFault`] if the data leave the fine fit undetermined.
 pub fn adaptive(profiles: &Profiles, domain: &Domain, spans: usize) -> Result<Vec<f64>, FitFault> {
     let fine = fine(profiles.places.len(), domain);
     let cells = fine.len() - 1;
@@ -56,8 +56,7 @@ pub fn adaptive(profiles: &Profiles, domain: &Domain, spans: usize) -> Result<Ve
     Ok(equal_shares(&fine, &density, spans))
 }
 
-/// How much the third derivative of the fine fit changes at the end of each cell, over all columns
-/// together.
+/// The change of the fine fit's third derivative at the end of each cell, over all columns together.
 fn jumps(profiles: &Profiles, domain: &Domain, fine: &[f64]) -> Result<Vec<f64>, FitFault> {
     let basis = domain.basis(fine)?;
     let fit = LeastSquares::new(&basis, &profiles.places, FINE_LAMBDA)?;
@@ -76,15 +75,15 @@ fn jumps(profiles: &Profiles, domain: &Domain, fine: &[f64]) -> Result<Vec<f64>,
     let change =
         |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (b - a).powi(2)).sum::<f64>().sqrt();
     let mut jumps: Vec<f64> = thirds.windows(2).map(|pair| change(&pair[0], &pair[1])).collect();
-    // At a clamped end nothing follows the last cell, which is held to bend like the one before.
+    // At a clamped end there is no next cell, so the last change is repeated.
     let (first, last) = (&thirds[0], &thirds[thirds.len() - 1]);
     let held = jumps[jumps.len() - 1];
     jumps.push(if domain.periodic { change(last, first) } else { held });
     Ok(jumps)
 }
 
-/// Breakpoints of `spans` spans that each hold the same integral of a density that is constant on
-/// the cells between `edges`.
+/// Breakpoints of `spans` spans with equal integrals of a density that is constant on the cells
+/// between `edges`.
 fn equal_shares(edges: &[f64], density: &[f64], spans: usize) -> Vec<f64> {
     let mut cumulative = vec![0.0];
     for (pair, density) in edges.windows(2).zip(density) {

@@ -1,4 +1,4 @@
-//! Which breakpoints a fit of one direction gets, and why not those that were asked for.
+//! Chooses the breakpoints of a fit in one direction, and reports why they may differ from the request.
 
 use std::collections::BTreeSet;
 
@@ -11,20 +11,20 @@ use super::schoenberg_whitney::{determines, undetermined};
 use crate::spline::basis::Basis;
 use crate::spline::fit::FitFault;
 
-/// Where the knots of a fit do lie.
+/// The actual placement of the knots of a fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum KnotsUsed {
-    /// In the bases that the caller gave.
+    /// In the bases given by the caller.
     Given,
-    /// At equal distances, as asked.
+    /// At equal distances, as requested.
     Uniform,
     /// Where the data bend.
     Adaptive,
-    /// Where the data bend, but drawn towards the data until each function had some.
+    /// Where the data bend, but shifted towards the data until each function had some.
     Widened,
-    /// Where the residual is least.
+    /// Where the residual is smallest.
     Polished,
-    /// At equal distances, though others were asked for: theirs left no smaller residual.
+    /// At equal distances although others were requested, because theirs left no smaller residual.
     UniformInstead,
 }
 
@@ -47,24 +47,24 @@ impl KnotsUsed {
 pub struct Choice {
     /// The basis with them.
     pub basis: Basis,
-    /// Where they come from.
+    /// The origin of the knots.
     pub used: KnotsUsed,
-    /// Marks that could not be knots.
+    /// Marks that could not become knots.
     pub missed: Vec<f64>,
 }
 
-/// As many functions may stay without a datum in a gap that is bridged: with one more the surface
-/// there would have a cubic piece of its own.
+/// Maximum number of functions without a datum in a bridged gap; with one more, the surface there
+/// would have a cubic piece independent of the data.
 const BRIDGED: usize = 3;
 
-/// Steps in which breakpoints are drawn towards the data until each function has some.
+/// Number of steps in which breakpoints are shifted towards the data until each function has some.
 const WIDENINGS: usize = 8;
 
 /// The basis of equal spans, without marks.
 ///
 /// # Errors
-/// [`FitFault::Gap`] where the places leave too many of its functions open, or an end of the domain
-/// further than a span from the data.
+/// [`FitFault::Gap`] if the positions leave too many functions undetermined, or if an end of the
+/// domain is further than a span from the data.
 pub fn equal_spans(places: &[f64], request: &KnotRequest) -> Result<Basis, FitFault> {
     let basis = request.domain.basis(&request.domain.equal(request.spans))?;
     let functions = undetermined(&basis, places).len();
@@ -81,7 +81,7 @@ pub fn equal_spans(places: &[f64], request: &KnotRequest) -> Result<Basis, FitFa
 /// The knots for these data.
 ///
 /// # Errors
-/// A [`FitFault`] where they make no basis or the data do not determine the fine fit.
+/// A [`FitFault`] if they do not form a basis, or if the data do not determine the fine fit.
 pub fn chosen(profiles: &Profiles, request: &KnotRequest) -> Result<Choice, FitFault> {
     let equal = marked(request.domain.equal(request.spans), &request.domain, request.marks);
     let uniform = request.domain.basis(&equal.breakpoints)?;
@@ -103,15 +103,15 @@ pub fn chosen(profiles: &Profiles, request: &KnotRequest) -> Result<Choice, FitF
     }
 }
 
-/// The polished basis; None where it leaves a function without data.
+/// The polished basis; `None` if it leaves a function without data.
 fn made_better(found: &Marked, request: &KnotRequest, profiles: &Profiles) -> Option<Choice> {
     let basis = request.domain.basis(&polished(profiles, &request.domain, found)).ok()?;
     determines(&basis, &profiles.places).ok()?;
     Some(Choice { basis, used: KnotsUsed::Polished, missed: found.missed.clone() })
 }
 
-/// The basis of the breakpoints, drawn towards an even share of the data until each function has a
-/// datum; None where even that does not help.
+/// The basis of the breakpoints, shifted towards an even distribution of the data until each
+/// function has a datum; `None` if even that is not enough.
 fn widened(found: Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
     let even = evenly_shared(&found, domain, places);
     (0..=WIDENINGS).find_map(|step| {
@@ -125,7 +125,8 @@ fn widened(found: Marked, domain: &Domain, places: &[f64]) -> Option<Choice> {
     })
 }
 
-/// The breakpoints, the free ones between two fixed ones moved so that each span holds as many data.
+/// The breakpoints, with the free ones between two fixed ones moved so that each span holds equally
+/// many data.
 fn evenly_shared(found: &Marked, domain: &Domain, places: &[f64]) -> Vec<f64> {
     let mut even = found.breakpoints.clone();
     let last = even.len() - 1;
@@ -142,8 +143,8 @@ fn evenly_shared(found: &Marked, domain: &Domain, places: &[f64]) -> Vec<f64> {
     even
 }
 
-/// Where `count` of the ascending `places` within `ends` lie below: halfway through the counting of
-/// a place on the place itself, linear in between.
+/// The abscissa within `ends` below which `count` of the ascending `places` lie: a position counts
+/// half at itself, with linear interpolation between positions.
 fn between(places: &[f64], [from, to]: [f64; 2], count: f64) -> f64 {
     let below = (count + 0.5).floor();
     let at = |i: f64| match i {

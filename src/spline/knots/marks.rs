@@ -1,31 +1,31 @@
-//! Breakpoints moved onto places that must be knots.
+//! Moves breakpoints onto positions that must be knots.
 //!
-//! Adaptive knots are not made denser around such places: on the test leg with 30 rows and four
-//! marks that raises the residual along from 0.018 mm to between 0.028 and 0.087 mm as the pulse in
-//! the density grows from a quarter to four times its mean. Moving one knot each costs less.
+//! Adaptive knots are not made denser around such positions: on the test leg with 30 rows and four
+//! marks, that would raise the residual along from 0.018 mm to between 0.028 and 0.087 mm, as the
+//! density pulse grows from a quarter to four times the mean. Moving one knot per mark costs less.
 
 use super::profiles::Domain;
 
-/// No span becomes shorter than this share of the mean one for a mark's sake.
+/// A mark must not shorten a span below this share of the mean span.
 const SHORTEST: f64 = 0.25;
 
-/// A mark this near to a breakpoint, as a share of the mean span, is one already.
+/// A mark this close to a breakpoint, as a share of the mean span, already is one.
 const ROUNDING: f64 = 1e-9;
 
-/// Breakpoints, and which of them must stay where they are.
+/// Breakpoints, with a list of those that must stay where they are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Marked {
     /// The breakpoints.
     pub breakpoints: Vec<f64>,
-    /// Which of them are fixed, ascending: the marks; of a periodic domain with marks the first
-    /// and last too, which are one place; of a clamped one always.
+    /// Indices of the fixed ones, ascending: the marks; for a clamped domain always the first and last
+    /// too; for a periodic domain with marks also the first and last, which are the same position.
     pub fixed: Vec<usize>,
-    /// Marks that no breakpoint could be moved onto.
+    /// Marks onto which no breakpoint could be moved.
     pub missed: Vec<f64>,
 }
 
-/// Moves the nearest breakpoint onto each of `marks`. The breakpoints between two marks are carried
-/// along in proportion. A closed domain is turned so that it starts at its first mark.
+/// Moves the nearest breakpoint onto each of `marks`. The breakpoints between two marks move in
+/// proportion. A closed domain is rotated so that it starts at its first mark.
 pub fn marked(breakpoints: Vec<f64>, domain: &Domain, marks: &[f64]) -> Marked {
     let marks = domain.homed(marks, domain.from);
     let mut found = Marked { breakpoints, fixed: Vec::new(), missed: Vec::new() };
@@ -51,7 +51,7 @@ pub fn marked(breakpoints: Vec<f64>, domain: &Domain, marks: &[f64]) -> Marked {
     found
 }
 
-/// Periodic breakpoints shifted so that the one nearest to `mark` lies on it, and started there.
+/// Periodic breakpoints, shifted so that the one nearest to `mark` lies on it and comes first.
 fn turned(breakpoints: &[f64], domain: &Domain, mark: f64) -> Vec<f64> {
     let period = domain.to - domain.from;
     let spans = breakpoints.len() - 1;
@@ -65,8 +65,7 @@ fn turned(breakpoints: &[f64], domain: &Domain, mark: f64) -> Vec<f64> {
     (0..=spans).map(|i| mark + walked(i)).collect()
 }
 
-/// The breakpoints with one moved onto `mark`, and which one; None where a span would become too
-/// short.
+/// The breakpoints with one moved onto `mark`, and its index; `None` if a span would become too short.
 fn moved(so_far: &Marked, mark: f64, shortest: f64) -> Option<(usize, Vec<f64>)> {
     let Marked { breakpoints, fixed, .. } = so_far;
     let rounding = ROUNDING * shortest;

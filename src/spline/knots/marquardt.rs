@@ -2,31 +2,32 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// Step of the forward differences; half the digits of a double.
+/// Step of the forward differences; half of a double's digits.
 const DIFFERENCE: f64 = 1e-7;
 
 /// The first damping, relative to the largest squared column of the Jacobian.
 const FIRST_DAMPING: f64 = 1e-3;
 
-/// A step that does as well as expected eases the damping by at most this factor (Nielsen 1999).
+/// A step that does as well as expected reduces the damping by at most this factor (Nielsen 1999).
 const EASED: f64 = 1.0 / 3.0;
 
-/// A step that fails is tried again with so much more damping, and ever more, so many times.
+/// A step that fails is retried with the damping raised by this factor, or growing powers of it, up
+/// to this many times.
 const RAISED: f64 = 2.0;
 const TRIALS: i32 = 6;
 
-/// A step that succeeds is tried twice, four times ... as long, so many times: it costs one
-/// evaluation where the next step would cost one for each unknown, and where residuals stay large
-/// the steps are too short (their curvature is left out).
+/// A successful step is retried with twice, four times ... its length, up to this many times: each
+/// try costs one evaluation, whereas the next step would cost one per unknown. The steps are too
+/// short where residuals stay large, because their curvature is neglected.
 const STRETCHES: i32 = 5;
 
-/// A step that takes less than this share of the sum of squares is the last one.
+/// A step that reduces the sum of squares by less than this share is the last one.
 const ENOUGH: f64 = 1e-3;
 
-/// Minimises the sum of squares of `residuals` from zero on, each unknown within ±`reach`, in at
-/// most `budget` steps. Unknowns should be scaled alike. A step to where the residuals are None is
-/// not taken. Sources: Levenberg 1944, Marquardt 1963; the damping by Nielsen, Damping Parameter in
-/// Marquardt's Method, 1999.
+/// Minimises the sum of squares of `residuals` starting from zero, with each unknown within
+/// ±`reach`, in at most `budget` steps. Unknowns should have similar scales. A step to a point
+/// where the residuals are `None` is rejected. Sources: Levenberg 1944, Marquardt 1963; the damping
+/// by Nielsen, Damping Parameter in Marquardt's Method, 1999.
 pub fn least_squares(
     residuals: impl Fn(&[f64]) -> Option<Vec<f64>>,
     reach: &[f64],
@@ -62,10 +63,10 @@ pub fn least_squares(
     at
 }
 
-/// A place and its residuals.
+/// A point and its residuals.
 type Place = (Vec<f64>, DVector<f64>);
 
-/// The place a step away, within the bounds.
+/// The point one step away, clamped to the bounds.
 fn moved(
     residuals: &impl Fn(&[f64]) -> Option<Vec<f64>>,
     at: &[f64],
@@ -99,7 +100,7 @@ fn stretched(
     best
 }
 
-/// The residuals' derivatives by differences, taken towards the middle of the bounds.
+/// The residuals' derivatives by finite differences, taken towards the middle of the bounds.
 fn jacobian(
     residuals: &impl Fn(&[f64]) -> Option<Vec<f64>>,
     at: &[f64],
@@ -116,8 +117,8 @@ fn jacobian(
     Some(jacobian)
 }
 
-/// One damped step. Unknowns at a bound that the step would cross stay there, and the others' step
-/// is found without them.
+/// One damped step. Unknowns at a bound that the step would cross stay there, and the step of the
+/// others is computed without them.
 fn step(
     at: &[f64],
     gram: &DMatrix<f64>,

@@ -1,13 +1,13 @@
-//! Where the knots of a surface lie.
+//! The placement of a surface's knots.
 //!
 //! | file | what it holds |
 //! |---|---|
-//! | `adaptive` | where the data bend |
-//! | `polish`, `marquardt` | where the residual is least, by variable projection |
-//! | `marks` | where the caller wants them |
+//! | `adaptive` | placement where the data bend |
+//! | `polish`, `marquardt` | placement with the smallest residual, by variable projection |
+//! | `marks` | placement at positions requested by the caller |
 //! | `schoenberg_whitney` | [`determines`]: whether data determine a basis |
-//! | `choice` | [`KnotsUsed`]: which of these are used, and what instead |
-//! | `request` | [`Knots`], [`GridDomain`]: what is asked of either direction |
+//! | `choice` | [`KnotsUsed`]: which placement is used, and the fallback |
+//! | `request` | [`Knots`], [`GridDomain`]: the request for each direction |
 //! | `profiles` | the data of one direction |
 
 pub(super) mod adaptive;

@@ -1,9 +1,9 @@
-//! Breakpoints moved to where the plain fit's residual is least: variable projection.
+//! Moves breakpoints to minimise the plain fit's residual: variable projection.
 //!
-//! The unknowns are the logarithms of the spans' changes, so that breakpoints never cross, and of a
-//! closed domain without marks a shift of the whole. The coefficients are not unknowns: for each
-//! set of breakpoints the least-squares fit gives them (Golub, Pereyra 1973). Source: nurbs.md
-//! 6.10.
+//! The unknowns are the logarithms of the changes of the spans, so that breakpoints never cross,
+//! and, for a closed domain without marks, a shift of all of them. The coefficients are not
+//! unknowns: for each set of breakpoints the least-squares fit determines them (Golub, Pereyra
+//! 1973). Source: nurbs.md 6.10.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -13,25 +13,25 @@ use super::profiles::{Domain, Profiles};
 use crate::spline::least_squares::LeastSquares;
 use crate::spline::normal::RIDGE;
 
-/// A span's length may change by this factor's logarithm before the spans are scaled to fill their
-/// stretch again; nurbs.md 6.10.
+/// Maximum change of the logarithm of a span's length, before the spans are scaled to fill their
+/// range again; nurbs.md 6.10.
 const REACH: f64 = 1.2;
 
-/// The shift of the whole is at most this share of the mean span.
+/// Maximum shift of all breakpoints, as a share of the mean span.
 const SHIFT: f64 = 0.5;
 
-/// What a span that is e times as long costs: a hundredth of the squared residual at the start.
-/// With a tenth of that spans on the test leg become shorter than the distance of the sections, and
-/// the surface bulges between them.
+/// Sets the cost of a span that grows by a factor of e: a hundredth of the squared residual at the
+/// start. With a tenth of that cost, spans on the test leg become shorter than the distance between
+/// sections, and the surface bulges between the sections.
 const STIFFNESS: f64 = 0.1;
 
-/// Columns of the data that are this much smaller than the largest are left out.
+/// Columns of the data that are smaller than this share of the largest are dropped.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// Steps at most. On the test leg the residual falls by less than 1 % afterwards.
+/// Maximum number of steps. On the test leg, further steps reduce the residual by less than 1 %.
 const STEPS: usize = 16;
 
-/// The breakpoints moved to where the residual of `profiles` is least. The fixed ones stay.
+/// The breakpoints that minimise the residual of `profiles`. The fixed ones stay in place.
 pub fn polished(profiles: &Profiles, domain: &Domain, start: &Marked) -> Vec<f64> {
     let profiles = compressed(profiles);
     let spans = start.breakpoints.len() - 1;
@@ -55,8 +55,8 @@ pub fn polished(profiles: &Profiles, domain: &Domain, start: &Marked) -> Vec<f64
     changed(start, domain, &found)
 }
 
-/// The breakpoints with the logarithms of their spans changed by the first unknowns, the last one,
-/// if there is one more, being the shift.
+/// The breakpoints after changing the logarithms of their spans by the unknowns; an additional last
+/// unknown is the shift.
 fn changed(start: &Marked, domain: &Domain, unknowns: &[f64]) -> Vec<f64> {
     let Marked { breakpoints, fixed, .. } = start;
     let last = breakpoints.len() - 1;
@@ -76,12 +76,12 @@ fn changed(start: &Marked, domain: &Domain, unknowns: &[f64]) -> Vec<f64> {
     changed
 }
 
-/// The data turned in the space of their columns so that few columns hold all there is.
+/// Rotates the data in the space of their columns, so that few columns contain everything.
 fn compressed(profiles: &Profiles) -> Profiles {
     let rows = profiles.places.len();
     let mut values = DMatrix::from_row_slice(rows, profiles.values.len() / rows, &profiles.values);
     for mut column in values.column_iter_mut() {
-        // Every basis holds the constants, whose size would hide the shape.
+        // Every basis contains the constants, whose size would hide the shape.
         let mean = column.mean();
         column.add_scalar_mut(-mean);
     }

@@ -1,4 +1,4 @@
-//! Data of one direction; of a grid all points of the other direction side by side.
+//! Data of one direction; for a grid, all points of the other direction side by side.
 
 use crate::spline::basis::{Basis, BasisFault};
 use crate::spline::least_squares::LeastSquares;
@@ -8,9 +8,9 @@ use crate::spline::solve::Singular;
 /// Data of one direction.
 #[derive(Debug, Clone)]
 pub struct Profiles {
-    /// Where the rows of `values` lie.
+    /// The positions of the rows of `values`.
     pub places: Vec<f64>,
-    /// Row-major, a row for each place; of a grid the coordinates of all its points there, mm.
+    /// Row-major, one row per position; for a grid, the coordinates of all its points there, mm.
     pub values: Vec<f64>,
 }
 
@@ -18,21 +18,21 @@ impl Profiles {
     /// Sum of the squared residuals of the plain fit in a basis.
     ///
     /// # Errors
-    /// [`Singular`] where the data leave a coefficient undetermined.
+    /// [`Singular`] if the data leave a coefficient undetermined.
     pub fn rss(&self, basis: &Basis) -> Result<f64, Singular> {
         let left = LeastSquares::new(basis, &self.places, RIDGE)?.residuals(&self.values);
         Ok(left.iter().map(|value| value * value).sum())
     }
 }
 
-/// Where a direction's parameter lives.
+/// The domain of a direction's parameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Domain {
     /// Its start.
     pub from: f64,
-    /// Its end; where periodic, the start a period later.
+    /// Its end; if periodic, the start one period later.
     pub to: f64,
-    /// Whether it closes.
+    /// Whether it is closed.
     pub periodic: bool,
 }
 
@@ -51,27 +51,27 @@ impl Domain {
         (0..spans).map(|i| self.from + step * i as f64).chain([self.to]).collect()
     }
 
-    /// Places in ascending order; where periodic, within one period from `start`.
+    /// Positions in ascending order; if periodic, within one period from `start`.
     pub fn homed(&self, places: &[f64], start: f64) -> Vec<f64> {
         let mut places: Vec<f64> = places.iter().map(|place| self.home(*place, start)).collect();
         places.sort_by(f64::total_cmp);
         places
     }
 
-    /// A place; where periodic, within one period from `start`.
+    /// A position; if periodic, within one period from `start`.
     pub fn home(&self, place: f64, start: f64) -> f64 {
         let period = self.to - self.from;
         if self.periodic { start + (place - start).rem_euclid(period) } else { place }
     }
 
-    /// The stretches at the ends of a clamped domain outside all places.
+    /// The ranges at the ends of a clamped domain beyond all positions.
     pub fn open_ends(&self, places: &[f64]) -> Vec<[f64; 2]> {
         let first = places.iter().copied().fold(self.to, f64::min);
         let last = places.iter().copied().fold(self.from, f64::max);
         if self.periodic { Vec::new() } else { vec![[self.from, first], [last, self.to]] }
     }
 
-    /// The two ends of the widest stretch without a place.
+    /// The two ends of the widest range without a position.
     pub fn widest_gap(&self, places: &[f64]) -> [f64; 2] {
         let mut ends = self.homed(places, self.from);
         let next_turn = ends.first().map(|first| first + (self.to - self.from));

@@ -1,16 +1,16 @@
-//! What a caller asks of the knots along and around.
+//! The caller's request for the knots along and around.
 
 use super::profiles::Domain;
 use crate::spline::fit::FitFault;
 
-/// Where the knots of a fit are to lie.
+/// The requested placement of a fit's knots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Knots {
     /// At equal distances.
     Uniform,
     /// Denser where the data bend more (nurbs.md 6.4).
     Adaptive,
-    /// Adaptive, then moved to where the residual is least (nurbs.md 6.10).
+    /// Adaptive, then moved to minimise the residual (nurbs.md 6.10).
     Polished,
 }
 
@@ -25,33 +25,34 @@ impl Knots {
     }
 }
 
-/// Where the surface's parameters live.
+/// The domain of the surface's parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GridDomain {
     /// First and last parameter along.
     pub along: [f64; 2],
-    /// Where a turn around starts, unless knots are polished or marked; then the knots say.
+    /// The start of a turn around, unless knots are polished or marked; then the knots determine it.
     pub around_from: f64,
     /// The period around.
     pub period: f64,
 }
 
-/// What is asked of the knots of one direction.
+/// The request for the knots of one direction.
 #[derive(Debug, Clone, Copy)]
 pub struct KnotRequest<'a> {
     /// "along" or "around".
     pub direction: &'static str,
-    /// Where the parameter lives.
+    /// The domain of the parameter.
     pub domain: Domain,
     /// Number of spans.
     pub spans: usize,
-    /// Where the knots are to lie.
+    /// The placement of the knots.
     pub knots: Knots,
-    /// Places that are to be knots.
+    /// Positions that must be knots.
     pub marks: &'a [f64],
 }
 
-/// What is asked along and around of a surface with so many rows and columns of control points.
+/// The requests along and around for a surface with these numbers of rows and columns of control
+/// points.
 ///
 /// # Errors
 /// [`FitFault::MarkOutside`].

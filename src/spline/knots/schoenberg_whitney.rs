@@ -1,12 +1,12 @@
-//! Whether data determine every function of a basis: the conditions of Schoenberg and Whitney.
+//! Whether data determine every function of a basis: the Schoenberg-Whitney conditions.
 
 use crate::spline::basis::{Basis, DEGREE};
 
-/// A function of a basis for which no datum is left.
+/// A function of a basis that no datum is left for.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[error("no datum is left for function {function}, which lives from {from} to {to}")]
 pub struct Undetermined {
-    /// 0-based function.
+    /// 0-based index of the function.
     pub function: usize,
     /// Start of its support; for a periodic basis it may lie a period early.
     pub from: f64,
@@ -14,19 +14,19 @@ pub struct Undetermined {
     pub to: f64,
 }
 
-/// Places nearer than this share of the domain count as one.
+/// Positions closer than this share of the domain count as one.
 const ONE_PLACE: f64 = 1e-9;
 
-/// Whether each function can be given a datum of its own within its support.
+/// Checks whether each function can be assigned a datum of its own within its support.
 ///
-/// On a clamped basis this holds exactly where a least-squares fit has one solution (Schoenberg,
-/// Whitney 1953; The NURBS Book 9.4). On a periodic one it is necessary only: uniform knots with
-/// as many data, an even number, in the middles of the spans are singular all the same, so look at
-/// the smallest pivot too. Order does not matter; periodic places are wrapped.
+/// On a clamped basis this holds exactly if a least-squares fit has a unique solution (Schoenberg,
+/// Whitney 1953; The NURBS Book 9.4). On a periodic basis it is only necessary: uniform knots with
+/// the same, even number of data in the middles of the spans are still singular, so check the
+/// smallest pivot too. Order does not matter; periodic positions are wrapped.
 ///
 /// # Errors
-/// The first function without a datum. Where several assignments leave as few functions empty,
-/// which one is named is a convention.
+/// The first function without a datum. If several assignments leave equally few functions empty,
+/// the choice of the reported one is a convention.
 pub fn determines(basis: &Basis, places: &[f64]) -> Result<(), Undetermined> {
     match undetermined(basis, places).first() {
         Some(&function) => {
@@ -37,15 +37,15 @@ pub fn determines(basis: &Basis, places: &[f64]) -> Result<(), Undetermined> {
     }
 }
 
-/// The functions that stay without a datum when as many as possible have one, ascending.
+/// The functions that remain without a datum when as many as possible have one, ascending.
 pub fn undetermined(basis: &Basis, places: &[f64]) -> Vec<usize> {
     let places = distinct(basis, places);
     let supports = Supports::of(basis);
     if !basis.is_periodic() {
         return supports.left_over(0, &places);
     }
-    // Somewhere the turn must be cut open: any function that has data at all can come first, but
-    // which datum it takes decides what the last functions still find.
+    // The cycle must be cut open somewhere: any function that has data at all can come first, but
+    // the datum that it takes determines what is left for the last functions.
     let (from, to) = basis.domain();
     let period = to - from;
     let unrolled: Vec<f64> = [-1.0, 0.0, 1.0]
@@ -75,7 +75,7 @@ pub fn undetermined(basis: &Basis, places: &[f64]) -> Vec<usize> {
     fewest.unwrap_or_default()
 }
 
-/// The places in order, wrapped, each once.
+/// The distinct positions, wrapped and in order.
 fn distinct(basis: &Basis, places: &[f64]) -> Vec<f64> {
     let (from, to) = basis.domain();
     let mut places: Vec<f64> = places.iter().map(|x| basis.wrapped(*x)).collect();
@@ -84,11 +84,11 @@ fn distinct(basis: &Basis, places: &[f64]) -> Vec<f64> {
     places
 }
 
-/// Where the functions live.
+/// The supports of the functions.
 struct Supports<'a> {
     knots: &'a [f64],
     count: usize,
-    /// The period; 0 where clamped.
+    /// The period; 0 if clamped.
     period: f64,
 }
 
@@ -99,21 +99,21 @@ impl Supports<'_> {
         Supports { knots: basis.knots(), count: basis.count(), period }
     }
 
-    /// The open support of a function, counted on past the last one a period later.
+    /// The open support of a function; indices beyond the last function continue one period later.
     fn at(&self, function: usize) -> [f64; 2] {
         let (turn, function) = (function / self.count, function % self.count);
         let shift = turn as f64 * self.period;
         [self.knots[function] + shift, self.knots[function + DEGREE + 1] + shift]
     }
 
-    /// The functions, from `start` on once round, that find none of the ascending `places` when
-    /// each takes the first that is left.
+    /// The functions, from `start` once around, that get none of the ascending `places` when each
+    /// takes the first one left.
     fn left_over(&self, start: usize, places: &[f64]) -> Vec<usize> {
         let mut left = Vec::new();
         let mut free = places.iter().copied().peekable();
         for function in start..start + self.count {
             let [from, to] = self.at(function);
-            // At a clamped end the outermost function does not vanish.
+            // At a clamped end the outermost function is nonzero.
             let first = self.period == 0.0 && function == 0;
             let last = self.period == 0.0 && function + 1 == self.count;
             while free.next_if(|x| *x < from || (*x == from && !first)).is_some() {}

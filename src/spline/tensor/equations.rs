@@ -6,19 +6,19 @@ use nalgebra::DMatrix;
 use super::kronecker::Direction;
 use crate::spline::basis::{DEGREE, Row};
 
-/// Functions of one direction that overlap with one: itself and three to either side.
+/// Number of functions in one direction that overlap with a given one: itself and three on each side.
 const REACH: usize = 2 * DEGREE + 1;
 
-/// Conjugate gradients end when the residual has fallen to this share of the right-hand side …
+/// Conjugate gradients stop when the residual has fallen to this share of the right-hand side …
 const SOLVED: f64 = 1e-9;
 
-/// … or after so many steps; a usual leg needs 20 to 40, one with wide holes 100.
+/// … or after this many steps; a usual leg needs 20 to 40, one with wide holes 100.
 const STEPS_MAX: usize = 400;
 
 /// (BᵀWB + penalty) c = BᵀWy, coefficients as a matrix: along × around.
 pub struct Equations<'a> {
     directions: &'a [Direction; 2],
-    /// For each coefficient its 7 × 7 neighbours', row-major.
+    /// For each coefficient, the entries of its 7 × 7 neighbours, row-major.
     gram: Vec<[f64; REACH * REACH]>,
     moments: DMatrix<f64>,
     /// Weight of the data per cell of the grid.
@@ -59,7 +59,7 @@ impl<'a> Equations<'a> {
         Equations { directions, gram, moments, density }
     }
 
-    /// The coefficients with this smoothing, from a first guess.
+    /// The coefficients with this smoothing, starting from an initial guess.
     pub fn solved(&self, lambdas: [f64; 2], guess: DMatrix<f64>) -> DMatrix<f64> {
         let (system, kept) = (self.penalised(lambdas), self.evenly_kept(lambdas));
         let mut solution = guess;
@@ -125,7 +125,7 @@ impl<'a> Equations<'a> {
         system
     }
 
-    /// What the solution keeps of each pair of eigenvectors if the data are spread evenly.
+    /// The share of each pair of eigenvectors that the solution keeps if the data are spread evenly.
     fn evenly_kept(&self, lambdas: [f64; 2]) -> DMatrix<f64> {
         let [along, around] = self.directions.each_ref().map(|direction| &direction.eigenvalues);
         DMatrix::from_fn(along.len(), around.len(), |a, b| {
@@ -142,20 +142,20 @@ impl<'a> Equations<'a> {
     }
 }
 
-/// Places in the neighbours' form that lie within the matrix.
+/// Offsets of neighbours that lie within the matrix.
 fn neighbours_along(i: usize, height: usize) -> std::ops::Range<usize> {
     DEGREE.saturating_sub(i)..REACH.min(height + DEGREE - i)
 }
 
-/// Coefficients that a product takes side by side: as many as fill the registers.
+/// Number of coefficients that a product processes in parallel: as many as fit in the registers.
 const LANES: usize = 8;
 
-/// A matrix between coefficients and their 7 × 7 neighbours, laid out for its product.
+/// A matrix between coefficients and their 7 × 7 neighbours, arranged for fast multiplication.
 struct System {
     height: usize,
     width: usize,
     /// For each run of [`LANES`] coefficients of a row, and each neighbour, their factors; 0 for
-    /// neighbours outside and for what fills the last run.
+    /// neighbours outside the matrix and for the padding of the last run.
     factors: Vec<[[f64; LANES]; REACH * REACH]>,
 }
 
@@ -165,7 +165,7 @@ impl System {
         System { height, width, factors }
     }
 
-    /// The factors of the run that holds a coefficient, and its lane in it.
+    /// The factors of the run that contains a coefficient, and the coefficient's lane.
     fn factors_of(&mut self, i: usize, j: usize) -> (&mut [[f64; LANES]], usize) {
         let run = i * self.width.div_ceil(LANES) + j / LANES;
         (&mut self.factors[run], j % LANES)
@@ -176,7 +176,7 @@ impl System {
         let (height, width) = (self.height, self.width);
         let runs = width.div_ceil(LANES);
         // With rows of zeros above and below, and each row padded by its wrapped neighbours, every
-        // run of neighbours is there without a question.
+        // run of neighbours exists and needs no bounds check.
         let line = runs * LANES + 2 * DEGREE;
         let mut padded = vec![0.0; (height + 2 * DEGREE) * line];
         for place in 0..width + 2 * DEGREE {
@@ -205,7 +205,7 @@ impl System {
     }
 }
 
-/// Adds `factor · values` without a matrix between.
+/// Adds `factor · values` without a temporary matrix.
 fn axpy(to: &mut DMatrix<f64>, factor: f64, values: &DMatrix<f64>) {
     let both = to.as_mut_slice().iter_mut().zip(values.as_slice());
     both.for_each(|(to, value)| *to += factor * value);

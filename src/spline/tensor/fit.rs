@@ -1,9 +1,9 @@
 //! Robust smoothing fit of a tensor-product spline to scattered data.
 //!
 //! Minimises Σ w (y − f)² + λu ∬ f_uu² + λv ∬ f_vv². The two lambdas are chosen by generalised
-//! cross-validation on a grid of cells into which the data are averaged (`kronecker`); the
-//! equations of the scattered data themselves are then solved (`equations`). Outliers lose
-//! their weight round by round.
+//! cross-validation on a grid of cells into which the data are averaged (`kronecker`); then the
+//! equations of the scattered data themselves are solved (`equations`). Outliers lose their weight
+//! over several rounds.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -14,39 +14,39 @@ use crate::spline::basis::{Basis, DEGREE, Row};
 use crate::spline::fit::FitFault;
 use crate::spline::robust::biweights;
 
-/// Scattered data of a function of two variables; all slices are as long.
+/// Scattered data of a function of two variables; all slices have the same length.
 #[derive(Debug, Clone, Copy)]
 pub struct Scatter<'a> {
-    /// Places along, within the clamped basis.
+    /// Positions along, within the clamped basis.
     pub u: &'a [f64],
-    /// Places around, wrapped.
+    /// Positions around, wrapped.
     pub v: &'a [f64],
     /// Values.
     pub value: &'a [f64],
 }
 
-/// A fitted function and how well it is known.
+/// A fitted function and its accuracy.
 #[derive(Debug, Clone)]
 pub struct TensorFit {
     /// The function.
     pub function: Tensor,
-    /// The weight that each datum kept, 0 to 1.
+    /// The final weight of each datum, 0 to 1.
     pub weights: Vec<f64>,
-    /// Standard deviation of a datum, were its errors normal.
+    /// Standard deviation of a datum, assuming normal errors.
     pub sigma: f64,
     /// Effective degrees of freedom.
     pub edf: f64,
-    /// Smoothing along and around, relative to the roughness of the cells' grid.
+    /// Smoothing along and around, relative to the roughness on the grid of cells.
     pub lambdas: [f64; 2],
     /// The direction along.
     direction: Direction,
-    /// For each of its eigenvectors the variance of the mean over a turn, σ² 1.
+    /// For each of its eigenvectors the variance of the mean over a turn, for σ² = 1.
     mean_variances: Vec<f64>,
 }
 
 impl TensorFit {
-    /// Standard error of the mean over one turn, or of its `derivative` along (0 to 3), at `u`, if
-    /// the data were spread evenly: the Bayesian form, σ² bᵀ(AᵀA ⊗ BᵀB + penalty)⁻¹ b.
+    /// Standard error of the mean over one turn, or of one of its derivatives along (0 to 3), at
+    /// `u`, if the data were spread evenly: the Bayesian form, σ² bᵀ(AᵀA ⊗ BᵀB + penalty)⁻¹ b.
     pub fn mean_around_sd(&self, u: f64, derivative: usize) -> f64 {
         let row = self.function.along().rows(u)[derivative.min(DEGREE)];
         let vectors = &self.direction.vectors;
@@ -60,10 +60,10 @@ impl TensorFit {
     }
 }
 
-/// For each eigenvector along, the variance that the mean over one turn has by it if the data, of
-/// this weight per cell and of variance 1, were spread evenly.
+/// For each eigenvector along, its contribution to the variance of the mean over one turn, if the
+/// data, of this weight per cell and of variance 1, were spread evenly.
 fn mean_variances([along, around]: &[Direction; 2], lambdas: [f64; 2], density: f64) -> Vec<f64> {
-    // The basis functions around are alike, so the mean over a turn weighs them alike.
+    // All basis functions around have the same shape, so the mean over a turn weights them equally.
     let count = around.gram.nrows();
     let mean = around.vectors.tr_mul(&DVector::from_element(count, 1.0 / count as f64));
     let one = |rough_a: &f64| {
@@ -75,21 +75,21 @@ fn mean_variances([along, around]: &[Direction; 2], lambdas: [f64; 2], density: 
     along.eigenvalues.iter().map(one).collect()
 }
 
-/// Rounds of reweighting and choosing the smoothing; both have settled to 1 % after three.
+/// Rounds of reweighting and choosing the smoothing; both converge to 1 % after three.
 const ROUNDS: usize = 3;
 
-/// Standard deviation of standard normal errors under the biweights that they are given: what is
-/// large counts for less (closed form for Tukey's constant 4.685).
+/// Standard deviation of standard normal errors weighted by the biweights, which reduce large ones
+/// (closed form for Tukey's constant 4.685).
 const WEIGHTED_NORMAL_SD: f64 = 0.910;
 
-/// Smoothing of the first round, relative to the median roughness: enough that holes are bridged
-/// and outliers stand out.
+/// Smoothing of the first round, relative to the median roughness: enough to bridge holes and make
+/// outliers stand out.
 const FIRST_SMOOTHING: f64 = 1.0;
 
 /// Fits the function. Residuals of `least_scale` are never outliers.
 ///
 /// # Errors
-/// A [`FitFault`] where there are too few data to fit anything.
+/// A [`FitFault`] if there are too few data for a fit.
 pub fn fit_scatter(
     data: &Scatter,
     along: Basis,
@@ -151,8 +151,9 @@ struct Grid {
 }
 
 impl Grid {
-    /// Cell averages: the fit at each cell's middle plus the weighted mean of the residuals in it,
-    /// so that where in its cell a datum lies makes no difference; and how many cells hold data.
+    /// Cell averages, and the number of cells with data. An average is the fit at the cell's middle
+    /// plus the weighted mean of the residuals in the cell, so the position of a datum within its
+    /// cell makes no difference.
     fn cells(
         &self,
         data: &Scatter,
@@ -182,14 +183,14 @@ impl Grid {
     }
 }
 
-/// The interval of ascending breakpoints that holds `x`, the nearest one where none does.
+/// The interval of ascending breakpoints that contains `x`, or the nearest one.
 fn place(breakpoints: &[f64], x: f64) -> usize {
     let last = breakpoints.len() - 2;
     breakpoints.partition_point(|breakpoint| *breakpoint <= x).saturating_sub(1).min(last)
 }
 
-/// Breakpoints with the middle of each interval between them: a clamped basis has three functions
-/// more than intervals, which one cell an interval could not tell apart.
+/// Breakpoints with the middle of each interval inserted: a clamped basis has three more functions
+/// than intervals, which one cell per interval could not distinguish.
 fn halved(breakpoints: &[f64]) -> Vec<f64> {
     let last = breakpoints.last().copied();
     let pairs = breakpoints.windows(2);

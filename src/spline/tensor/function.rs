@@ -12,7 +12,7 @@ pub struct Tensor {
 }
 
 impl Tensor {
-    /// A function of these bases; `coefficients` must be as many as their product.
+    /// A function in these bases; the number of `coefficients` must be the product of their counts.
     pub(crate) fn new(along: Basis, around: Basis, coefficients: Vec<f64>) -> Tensor {
         debug_assert_eq!(coefficients.len(), along.count() * around.count());
         Tensor { along, around, coefficients }
@@ -28,7 +28,7 @@ impl Tensor {
         &self.around
     }
 
-    /// The value at (u, v); see [`Basis::rows`] about places outside the domain.
+    /// The value at (u, v); see [`Basis::rows`] for positions outside the domain.
     pub fn value(&self, u: f64, v: f64) -> f64 {
         let (along, around) = (self.along.row(u), self.around.row(v));
         self.contracted(&along, &around)
@@ -46,7 +46,7 @@ impl Tensor {
         coefficients
     }
 
-    /// Sum of the coefficients under two rows of basis values.
+    /// Sum of the coefficients, weighted by two rows of basis values.
     fn contracted(&self, along: &Row, around: &Row) -> f64 {
         let width = self.around.count();
         let line = |i: usize| {

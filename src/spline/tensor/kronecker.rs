@@ -1,9 +1,9 @@
-//! Smoothing on a full grid of cells, one small eigenproblem a direction; nurbs.md 6.7 with the
+//! Smoothing on a full grid of cells, one small eigenproblem per direction; nurbs.md 6.7 with the
 //! two penalties added instead of multiplied.
 //!
-//! With A, B the basis matrices of the cells' rows and columns, generalised eigenvectors U of
-//! (R, AᵀA) make AᵀA the identity and the roughness R diagonal. Then a fit with any pair of
-//! lambdas is a division, and so are its degrees of freedom and its residual.
+//! With A, B the basis matrices of the cells' rows and columns, generalised eigenvectors U of (R,
+//! AᵀA) make AᵀA the identity and the roughness R diagonal. Then a fit with any pair of lambdas
+//! takes only a division, and so do its degrees of freedom and its residual.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -14,13 +14,13 @@ use crate::spline::solve::Singular;
 /// The derivative whose square is penalised.
 const PENALISED: usize = 2;
 
-/// What is added to a Gram matrix, relative to its mean diagonal, so that a cell-less stretch does
+/// Added to the diagonal of a Gram matrix, relative to its mean, so that a range without cells does
 /// not make it singular.
 const RIDGE: f64 = 1e-9;
 
-/// Exponents of ten of the lambdas that are tried, relative to the median eigenvalue, in halves,
-/// along and around. At 0 the middle of the basis is halved; with much less than that around, a
-/// stretch without data is not bridged but swings, and its equations are close to singular.
+/// Exponents of ten of the lambdas that are tried, in half decades relative to the median eigenvalue,
+/// along and around. At 0 the middle of the basis is halved; with much less smoothing around, a range
+/// without data oscillates instead of being bridged, and its equations are close to singular.
 const SEARCH_HALVES: [std::ops::RangeInclusive<i32>; 2] = [-2..=10, -1..=10];
 
 /// One direction of the grid.
@@ -30,7 +30,7 @@ pub struct Direction {
     pub design: DMatrix<f64>,
     /// Generalised eigenvectors, functions × functions: UᵀAᵀA U = 1, UᵀR U = diag(eigenvalues).
     pub vectors: DMatrix<f64>,
-    /// Their transpose, which a product by it wants laid out.
+    /// Their transpose, stored so that products with it are fast.
     pub vectors_transposed: DMatrix<f64>,
     /// Roughness of each eigenvector, at least 0.
     pub eigenvalues: Vec<f64>,
@@ -44,7 +44,7 @@ impl Direction {
     /// The direction of a basis with cells at `middles`.
     ///
     /// # Errors
-    /// [`Singular`] where the cells leave the basis undetermined.
+    /// [`Singular`] if the cells leave the basis undetermined.
     pub fn new(basis: &Basis, middles: &[f64]) -> Result<Direction, Singular> {
         let count = basis.count();
         let design = basis.design(middles);
@@ -62,7 +62,7 @@ impl Direction {
         Ok(Direction { design, vectors, vectors_transposed, eigenvalues, gram, roughness: rough })
     }
 
-    /// The unit in which lambdas are searched: one over the median positive eigenvalue.
+    /// The unit of lambda in the search: one over the median positive eigenvalue.
     pub fn unit(&self) -> f64 {
         let largest = self.eigenvalues.iter().copied().fold(0.0, f64::max);
         let mut positive: Vec<f64> =
@@ -72,8 +72,8 @@ impl Direction {
     }
 }
 
-/// The pair of lambdas of least generalised cross-validation score for values on the grid's cells,
-/// of which `seen` hold data. Returns it with the degrees of freedom that the fit then uses.
+/// The pair of lambdas with the smallest generalised cross-validation score for values on the
+/// grid's cells, of which `seen` have data. Returns it with the degrees of freedom of that fit.
 pub fn best_by_gcv(
     along: &Direction,
     around: &Direction,
@@ -85,7 +85,7 @@ pub fn best_by_gcv(
     let outside = cells.norm_squared() - projected.norm_squared();
     let height = along.eigenvalues.len();
     let score = |lambdas: [f64; 2]| {
-        // Sums along side by side: one alone would wait for itself at every term.
+        // Several sums in parallel, because a single one would wait for itself at every term.
         let (mut lost, mut kept) = (vec![0.0; height], vec![0.0; height]);
         for (rough_b, sizes) in around.eigenvalues.iter().zip(projected.as_slice().chunks(height)) {
             let base = 1.0 + lambdas[1] * rough_b;

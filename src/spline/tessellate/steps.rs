@@ -1,18 +1,18 @@
-//! How finely a tube must be divided for its triangles to keep to it.
+//! How finely a tube must be divided so that its triangles stay within the tolerance.
 //!
-//! Between two knots along and two around the surface is one bicubic patch. A triangle with its
+//! Between two knots along and two around, the surface is one bicubic patch. A triangle with its
 //! corners on the patch, right-angled in the parameters with legs of `1/n` along and `1/m` around
-//! (in units of the patch), lies nowhere further from it than `(U/n² + 2W/(nm) + V/m²) / 8`, where
-//! U, W and V bound the patch's second derivatives (Filip, Magedson, Markot 1986). Those are
-//! bounded by the differences of its Bézier points.
+//! (in units of the patch), is nowhere further from it than `(U/n² + 2W/(nm) + V/m²) / 8`, where U,
+//! W and V bound the patch's second derivatives (Filip, Magedson, Markot 1986). The differences of
+//! the patch's Bézier points bound these derivatives.
 
 use nalgebra::Vector3;
 
 use crate::spline::basis::Basis;
 use crate::spline::surface::Surface;
 
-/// Into how many steps each span between knots is divided: whole numbers of at least 1, as floats,
-/// so that an absurd count does not overflow before it is refused.
+/// The number of steps for each span between knots: integers of at least 1, stored as floats, so
+/// that an absurd count does not overflow before it is refused.
 pub struct Steps {
     /// A count for each span along.
     pub along: Vec<f64>,
@@ -21,8 +21,8 @@ pub struct Steps {
 }
 
 impl Steps {
-    /// As 2W/(nm) ≤ W/n² + W/m², the bound parts into one term along and one around. Half of the
-    /// tolerance for either gives the fewest triangles.
+    /// Because 2W/(nm) ≤ W/n² + W/m², the bound splits into one term along and one around. Half of
+    /// the tolerance for each gives the fewest triangles.
     pub fn of(surface: &Surface, tolerance_mm: f64) -> Steps {
         let spans = |basis: &Basis| basis.breakpoints().len() - 1;
         let mut along = vec![1.0_f64; spans(surface.along())];
@@ -60,7 +60,7 @@ fn bezier(surface: &Surface, i: usize, j: usize) -> [[Vector3<f64>; 4]; 4] {
     })
 }
 
-/// What bounds ∂²P/∂u², ∂²P/∂u∂v and ∂²P/∂v² on a patch whose parameters run from 0 to 1, mm.
+/// Bounds of ∂²P/∂u², ∂²P/∂u∂v and ∂²P/∂v² on a patch with parameters from 0 to 1, mm.
 fn bends(patch: &[[Vector3<f64>; 4]; 4]) -> [f64; 3] {
     let largest =
         |rows: usize, columns: usize, difference: &dyn Fn(usize, usize) -> Vector3<f64>| {

@@ -1,41 +1,40 @@
-//! What is done by what the booth says: presses, names and time open, end and call off captures, each
-//! in the journal.
+//! Handles what the booth hears. Presses, names and the passing of time open, end and call off
+//! captures, and every change goes into the journal.
 
 use jiff::Timestamp;
 use serde_json::{Value, json};
 use tracing::{info, warn};
 
-use super::{Inner, NO_EXPORT};
+use super::{Booth, Inner};
 use crate::flow::booth::{Heard, Press};
 use crate::flow::capture::{Capture, Captures, Doubt, Named, NamedNext};
 use crate::flow::facts::Alarm;
-use crate::flow::identity::ID_NOT_ALLOWED;
-use crate::flow::light::Outcome;
-use crate::flow::order_habit::{ORDERS_MOST, OrderCame};
+use crate::flow::light::{NO_EXPORT, Outcome};
+use crate::flow::orders::habit::{ORDERS_MOST, OrderCame};
+use crate::flow::patient::identity::ID_NOT_ALLOWED;
 use crate::flow::{Appeared, ScanId};
 use crate::record::{Patient, SourceKind};
-use crate::station::assembly::Station;
-use crate::station::error::chain;
 use crate::station::event::StationEvent;
 use crate::station::journal::{BoothChange, Event, JournalError};
+use crate::station::runtime::causes::chain;
 
 /// Why a patient was not named.
 #[derive(Debug, thiserror::Error)]
 pub enum NameFault {
-    /// The id is against the configuration's pattern or its own check digit.
-    #[error("this is no patient id that patient.pattern and patient.check_digit allow")]
+    /// The id does not match the configured pattern or its check digit is wrong.
+    #[error("this is not a patient id that patient.pattern and patient.check_digit allow")]
     NotAnId,
-    /// Another patient is named and was not scanned, and is not to be replaced.
-    #[error("another patient is named and was not scanned")]
+    /// Another patient is named and not scanned yet, and must not be replaced.
+    #[error("another patient is named and not scanned yet")]
     AnotherNamed,
     /// The journal failed.
     #[error("the journal could not be written")]
     Journal(#[from] JournalError),
 }
 
-impl Station {
-    /// Takes what a port has heard; says whether it did, for where the journal fails nothing has
-    /// happened. Blocks for a write to the journal.
+impl Booth {
+    /// Handles what a port has heard. Returns `false` if the journal failed; then nothing has happened.
+    /// Blocks for a write to the journal.
     pub fn hear(&self, heard: &Heard) -> bool {
         let done = match heard {
             Heard::Press(Press::Short) => self.pressed(),
@@ -45,7 +44,7 @@ impl Station {
             Heard::Unread { by } => self.unread(*by),
         };
         if let Err(error) = done {
-            self.check_corruption(&error);
+            self.core.check_corruption(&error);
             warn!(event = "journal-failed", error = chain(&error));
             return false;
         }
@@ -58,24 +57,24 @@ impl Station {
         by: SourceKind,
         doubt: Option<Doubt>,
     ) -> Result<(), JournalError> {
-        let Some(Patient { id, .. }) = self.identity.patient(id, by) else {
+        let Some(Patient { id, .. }) = self.core.identity.patient(id, by) else {
             warn!(event = "finding", code = ID_NOT_ALLOWED);
-            self.booth.inner().last = Some((Outcome::NeedsPerson, self.now()));
+            self.inner().last = Some((Outcome::NeedsPerson, self.core.now()));
             return self.unread(by);
         };
-        let (mut inner, now) = (self.booth.inner(), self.now());
+        let (mut inner, now) = (self.inner(), self.core.now());
         if inner.captures.is_crowded(&id) {
             drop(inner);
             warn!(event = "names-too-many");
             return self.unread(by);
         }
         let named = self.name(&mut inner, Named { id, by }, doubt);
-        // A name that could not be kept was said all the same: the patient named before may have left.
+        // The name was given even if it could not be stored: the patient named before may have left.
         named.map(drop).inspect_err(|_| inner.captures.unread(now))
     }
 
-    /// Writes a change of the captures down; it holds from then on. Where the journal fails nothing
-    /// has happened.
+    /// Writes a change of the captures to the journal and then applies it. If the journal fails,
+    /// nothing has happened.
     fn change_booth(
         &self,
         inner: &mut Inner,
@@ -83,20 +82,20 @@ impl Station {
         ended_as: &'static str,
         event: Option<(Event, Value)>,
     ) -> Result<(), JournalError> {
-        let (before, boot) = (&inner.captures, self.booth.boot());
+        let (before, boot) = (&inner.captures, self.core.clock.boot());
         let change = BoothChange { before, after: &after, boot, ended_as, event };
-        self.custody.journal().booth_changed(&change)?;
+        self.core.custody.journal().booth_changed(&change)?;
         inner.captures = after;
         Ok(())
     }
 
     fn look_at_folders(&self) {
-        self.booth.looks.iter().for_each(|look| look.notify_one());
+        self.looks.iter().for_each(|look| look.notify_one());
     }
 
     fn pressed(&self) -> Result<(), JournalError> {
-        let now = self.now();
-        let mut inner = self.booth.inner();
+        let now = self.core.now();
+        let mut inner = self.inner();
         let number = inner.next_number;
         let mut after = inner.captures.clone();
         let capture = after.pressed(number, now);
@@ -117,39 +116,39 @@ impl Station {
         self.look_at_folders();
         let (number, has_patient) = (capture.number, patient.is_some());
         info!(event = "pressed", capture = number, has_patient);
-        self.observer.tell(StationEvent::Pressed { capture: number });
+        self.core.observer.tell(StationEvent::Pressed { capture: number });
         Ok(())
     }
 
-    /// Somebody names the patient of the next scan; `replaces` says whether another who is named and was
-    /// not scanned is so no more. Blocks.
+    /// Names the patient of the next scan. `replaces` allows replacing another patient who is named and
+    /// not scanned yet. Blocks.
     ///
     /// # Errors
-    /// See [`NameFault`]; nothing was changed then.
+    /// See [`NameFault`]; nothing is changed then.
     pub fn name_patient(
         &self,
         id: &str,
         by: SourceKind,
         replaces: bool,
     ) -> Result<NamedNext, NameFault> {
-        let Patient { id, .. } = self.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
-        let mut inner = self.booth.inner();
+        let Patient { id, .. } = self.core.identity.patient(id, by).ok_or(NameFault::NotAnId)?;
+        let mut inner = self.inner();
         if !replaces && inner.captures.is_another_named(&id) {
             return Err(NameFault::AnotherNamed);
         }
         Ok(self.name(&mut inner, Named { id, by }, None)?)
     }
 
-    /// Names the patient of the next scan, with the reason if that is in doubt.
+    /// Names the patient of the next scan. `doubt` is the reason if the name is in doubt.
     fn name(
         &self,
         inner: &mut Inner,
         named: Named,
         doubt: Option<Doubt>,
     ) -> Result<NamedNext, JournalError> {
-        let (now, by) = (self.now(), named.by);
+        let (now, by) = (self.core.now(), named.by);
         let number = inner.next_number;
-        let sights = self.booth.glance().sights.clone();
+        let sights = self.glance().sights.clone();
         let coming: Vec<Appeared> = sights.into_iter().flat_map(|at| at.coming).collect();
         let mut after = inner.captures.clone();
         let came = match after.has_unnamed_press(now) {
@@ -181,57 +180,57 @@ impl Station {
         Ok(next)
     }
 
-    /// Somebody tried to name a patient, and it could not be read.
+    /// Notes that a patient's name was given but could not be read.
     fn unread(&self, by: SourceKind) -> Result<(), JournalError> {
-        let now = self.now();
-        let mut inner = self.booth.inner();
+        let now = self.core.now();
+        let mut inner = self.inner();
         let mut after = inner.captures.clone();
         after.unread(now);
         info!(event = "name-unread", by = ?by);
-        // In memory in any case: it only makes less certain.
+        // Applied in memory even if the journal fails: it only makes names less certain.
         let kept = self.change_booth(&mut inner, after.clone(), "over", None);
         inner.captures = after;
         kept
     }
 
-    /// The scan that answered a capture was measured: no other export of it is awaited.
+    /// Notes that the scan that answered a capture was measured: no other export of it is expected.
     ///
     /// # Errors
-    /// See [`JournalError`]; then it counts as being measured for a while longer.
+    /// See [`JournalError`]; the scan then counts as being measured for a while longer.
     pub fn scan_measured(&self, scan: &ScanId) -> Result<(), JournalError> {
-        let answered = self.custody.journal().capture_answered_by(scan)?;
+        let answered = self.core.custody.journal().capture_answered_by(scan)?;
         let Some(Capture { number, .. }) = answered else { return Ok(()) };
-        let mut inner = self.booth.inner();
+        let mut inner = self.inner();
         let closed = inner.captures.closed_by(number);
         if !closed.is_empty() {
-            self.custody.journal().captures_closed(&closed)?;
+            self.core.custody.journal().captures_closed(&closed)?;
         }
         inner.captures.measured(number);
         Ok(())
     }
 
-    /// The scan that answered a capture was refused: another export is awaited.
+    /// Notes that the scan that answered a capture was refused: another export is expected.
     ///
     /// # Errors
-    /// See [`JournalError`]; then the capture stays answered.
+    /// See [`JournalError`]; the capture then stays answered.
     pub fn reopen_capture(&self, scan: &ScanId) -> Result<(), JournalError> {
-        let mut inner = self.booth.inner();
-        let answered = self.custody.journal().capture_answered_by(scan)?;
+        let mut inner = self.inner();
+        let answered = self.core.custody.journal().capture_answered_by(scan)?;
         let Some(Capture { number, .. }) = answered else { return Ok(()) };
         let mut after = inner.captures.clone();
-        if after.refused(number, self.now()).is_some() {
+        if after.refused(number, self.core.now()).is_some() {
             self.change_booth(&mut inner, after, "over", None)?;
             info!(event = "capture-reopened", capture = number);
         }
         Ok(())
     }
 
-    /// A person gives up what waits; says whether anything did. Blocks.
+    /// Calls off everything that waits. Returns whether anything waited. Blocks.
     ///
     /// # Errors
-    /// See [`JournalError`]; everything waits as before then.
+    /// See [`JournalError`]; everything keeps waiting as before.
     pub fn call_off(&self) -> Result<bool, JournalError> {
-        let mut inner = self.booth.inner();
+        let mut inner = self.inner();
         let mut after = inner.captures.clone();
         let called_off = after.call_off();
         let any = called_off.name || !called_off.captures.is_empty() || inner.missed;
@@ -246,10 +245,10 @@ impl Station {
         Ok(any)
     }
 
-    /// The port of a button is open, or is not any more: presses may go unheard. Blocks.
+    /// Notes whether the port of a button is open. While it is closed, presses may be missed. Blocks.
     pub fn port(&self, name: &'static str, is_open: bool) {
-        let now = self.now();
-        let mut inner = self.booth.inner();
+        let now = self.core.now();
+        let mut inner = self.inner();
         match is_open {
             true => inner.away.remove(name),
             false => inner.away.insert(name),
@@ -260,12 +259,12 @@ impl Station {
         }
     }
 
-    /// Time has passed. Blocks where something expires.
+    /// Handles the passing of time. Blocks if something expires.
     pub(super) fn pass(&self) -> Result<(), JournalError> {
-        let now = self.now();
-        let mut inner = self.booth.inner();
+        let now = self.core.now();
+        let mut inner = self.inner();
         let mut after = inner.captures.clone();
-        let passed = after.pass(now, &self.booth.glance().sights);
+        let passed = after.pass(now, &self.glance().sights);
         if !inner.missed && after.is_armed() {
             self.clear_missed();
         }
@@ -278,14 +277,14 @@ impl Station {
         inner.missed |= !passed.expired.is_empty();
         for capture in &passed.expired {
             warn!(event = "no-export", capture);
-            self.observer.tell(StationEvent::NoExport { capture: *capture });
+            self.core.observer.tell(StationEvent::NoExport { capture: *capture });
         }
         if passed.name_expired {
             warn!(event = "patient-name-expired");
         }
         if inner.missed {
             let message = "no export came after the last press of the button".to_owned();
-            self.board.note(|facts| {
+            self.core.board.note(|facts| {
                 let alarm = Alarm { message, since: Timestamp::now() };
                 facts.alarms.entry(NO_EXPORT).or_insert(alarm);
             });
@@ -294,7 +293,7 @@ impl Station {
     }
 
     fn clear_missed(&self) {
-        self.board.note(|facts| {
+        self.core.board.note(|facts| {
             facts.alarms.remove(NO_EXPORT);
         });
     }

@@ -1,9 +1,9 @@
 //! Orders of practice software: files that name the patient of the next scan.
 //!
 //! An order names its patient at most once. It is noted as heard before it is heard, and removed
-//! after: whatever cuts that off, no old order is heard again when another patient stands in the
-//! booth. Which file is a new order is decided by [`crate::flow::order_news`]. One that cannot be read
-//! is set aside with its reason and named to a person.
+//! afterwards. So after any interruption, no old order is heard again while another patient stands in
+//! the booth. [`crate::flow::order_news`] decides which file is a new order. An order that cannot be
+//! read is set aside with its reason and reported to the operator.
 
 mod aside;
 mod known;
@@ -29,16 +29,17 @@ use crate::flow::facts::Alarm;
 use crate::flow::{Look, LookTime, Settled, Settling};
 use crate::record::SourceKind;
 use crate::record::gdt::{Charset, Order, OrderFault, order};
-use crate::station::assembly::Station;
-use crate::station::beat::Beat;
-use crate::station::error::chain;
-use crate::station::jitter;
+use crate::station::booth::Booth;
+use crate::station::core::Core;
 use crate::station::journal::JournalError;
-use crate::station::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
-use crate::station::stop::Stop;
+use crate::station::runtime::beat::Beat;
+use crate::station::runtime::causes::chain;
+use crate::station::runtime::jitter;
+use crate::station::runtime::stop::Stop;
+use crate::station::share::stall::{DEADLINE, LOOK_UP, Pulse, patiently};
 use take::{Before, Taken, take};
 
-/// The alarm of a station that had lost its journal.
+/// Alarm: the station had lost its journal.
 const JOURNAL_REBUILT: &str = "journal-rebuilt";
 
 /// Alarm: the folder of orders cannot be listed.
@@ -47,7 +48,7 @@ const OUT_OF_REACH: &str = "orders-out-of-reach";
 /// Alarm: an order could not be read and was set aside.
 const REFUSED: &str = "order-refused";
 
-/// Alarm: an order came again with the same words.
+/// Alarm: an order came again with the same content.
 const REPEATED: &str = "order-repeated";
 
 /// Alarm: an order was read and cannot be deleted.
@@ -56,7 +57,7 @@ const NOT_REMOVED: &str = "order-not-removed";
 /// Why an order could not be dealt with now.
 #[derive(Debug, thiserror::Error)]
 enum TakeFault {
-    /// At the folder of orders, or where refused ones are set aside.
+    /// I/O failed at the folder of orders, or where refused orders are set aside.
     #[error("{what} failed")]
     Io {
         /// What was tried.
@@ -73,29 +74,29 @@ enum TakeFault {
 /// The orders of one folder on their way to being heard.
 struct Orders {
     settling: Settling,
-    /// Orders that could not be heard, for the journal failed.
+    /// Orders that could not be heard because the journal failed.
     unheard: BTreeMap<PathBuf, Before>,
 }
 
 /// Looks for orders until it is asked to stop.
 ///
 /// # Errors
-/// Where a step of its own panicked.
+/// If one of its own steps panicked.
 pub async fn worker(
-    station: Arc<Station>,
+    booth: Arc<Booth>,
     config: OrdersConfig,
     beat: Beat,
     mut stop: Stop,
 ) -> Result<(), JoinError> {
-    let config = Arc::new(config);
+    let (core, config) = (Arc::clone(booth.core()), Arc::new(config));
     let settling = Settling::new(config.quiet, config.quiet, config.max_age);
     let mut orders = Orders { settling, unheard: BTreeMap::new() };
     let mut in_reach = true;
-    let mut forgotten = station.board.facts().alarms.contains_key(JOURNAL_REBUILT);
+    let mut forgotten = core.board.facts().alarms.contains_key(JOURNAL_REBUILT);
     while !stop.is_requested() {
         let alive = || beat.beat();
-        let stalled = || out_of_reach(&station, "it does not answer");
-        let (theirs, of) = (Arc::clone(&config), Arc::clone(&station));
+        let stalled = || out_of_reach(&core, "it does not answer");
+        let (theirs, of) = (Arc::clone(&config), Arc::clone(&core));
         let look = move |pulse: &Pulse| {
             let began = of.now();
             let found = looked(&of, &theirs, forgotten, pulse);
@@ -104,53 +105,53 @@ pub async fn worker(
         let looked = patiently(DEADLINE, &mut stop, look, alive, stalled).await?;
         let Some((found, when)) = looked else { break };
         forgotten &= found.is_err();
-        let look = told(&station, found, &mut in_reach);
+        let look = told(&core, found, &mut in_reach);
         for settled in orders.due(look, when) {
             alive();
-            let (theirs, of, order) = (Arc::clone(&config), Arc::clone(&station), settled.clone());
+            let (theirs, of, order) = (Arc::clone(&config), Arc::clone(&booth), settled.clone());
             let before = orders.unheard.get(&settled.path).cloned();
             let taking = move |pulse: &Pulse| take(&of, &theirs, &order, before, pulse);
-            let stalled = || out_of_reach(&station, "it does not answer");
+            let stalled = || out_of_reach(&core, "it does not answer");
             let taken = patiently(DEADLINE, &mut stop, taking, alive, stalled).await?;
             let Some(taken) = taken else { return Ok(()) };
             if let Err(fault) = &taken {
                 warn!(event = "order-put-off", error = chain(fault));
                 if let TakeFault::Journal(error) = fault {
-                    station.check_corruption(error);
+                    core.check_corruption(error);
                 }
             }
-            orders.taken(&settled, taken, station.now());
+            orders.taken(&settled, taken, core.now());
         }
-        rest(&config, &station, &beat, &mut stop).await;
+        rest(&config, &core, &beat, &mut stop).await;
     }
     Ok(())
 }
 
-/// A look, and what the journal learns from it before anything is heard. Blocks.
+/// Looks at the folder, and updates the journal before anything is heard. Blocks.
 ///
 /// # Errors
-/// Where the folder cannot be listed, or the journal fails: nothing may be heard then.
+/// If the folder cannot be listed or the journal fails. Then nothing may be heard.
 fn looked(
-    station: &Station,
+    core: &Core,
     config: &OrdersConfig,
     forgotten: bool,
     pulse: &Pulse,
 ) -> io::Result<list_orders::Found> {
     let found = list_orders::look(&config.path, &config.files, pulse)?;
     let noted = match forgotten {
-        true => known::pass_over(station, &found, pulse),
-        false => known::update(station, config, &found, pulse),
+        true => known::pass_over(core, &found, pulse),
+        false => known::update(core, config, &found, pulse),
     };
     noted.map_err(|error| {
-        station.check_corruption(&error);
+        core.check_corruption(&error);
         io::Error::other(chain(&error))
     })?;
     Ok(found)
 }
 
 impl Orders {
-    /// The orders to be dealt with after a look; of two that came at once, the later one names the
-    /// patient.
+    /// The orders to be dealt with after a look, oldest first: of two that came at once, the later one
+    /// names the patient.
     fn due(&mut self, look: Look, when: LookTime) -> Vec<Settled> {
         if let Look::Seen(there) = &look {
             self.unheard.retain(|path, _| there.contains_key(path));
@@ -185,12 +186,12 @@ impl Orders {
     }
 }
 
-/// Waits for the next look, and beats meanwhile.
-async fn rest(config: &OrdersConfig, station: &Station, beat: &Beat, stop: &mut Stop) {
-    let until = station.now() + config.rescan;
+/// Waits for the next look and keeps beating.
+async fn rest(config: &OrdersConfig, core: &Core, beat: &Beat, stop: &mut Stop) {
+    let until = core.now() + config.rescan;
     loop {
         beat.beat();
-        let left = until.saturating_sub(station.now()).min(LOOK_UP);
+        let left = until.saturating_sub(core.now()).min(LOOK_UP);
         if left == Duration::ZERO {
             return;
         }
@@ -201,54 +202,54 @@ async fn rest(config: &OrdersConfig, station: &Station, beat: &Beat, stop: &mut 
     }
 }
 
-/// What a look found; a change of the folder's reach is told.
-fn told(station: &Station, found: io::Result<list_orders::Found>, in_reach: &mut bool) -> Look {
+/// Converts the result of a look. Logs when the folder goes out of reach or comes back.
+fn told(core: &Core, found: io::Result<list_orders::Found>, in_reach: &mut bool) -> Look {
     match found {
         Ok(found) => {
             if !std::mem::replace(in_reach, true) {
                 info!(event = "orders-in-reach");
             }
-            station.board.note(|facts| drop(facts.alarms.remove(OUT_OF_REACH)));
+            core.board.note(|facts| drop(facts.alarms.remove(OUT_OF_REACH)));
             Look::Seen(found.orders)
         }
         Err(error) => {
             if std::mem::replace(in_reach, false) {
                 warn!(event = "orders-out-of-reach", error = %error);
             }
-            out_of_reach(station, &error.to_string());
+            out_of_reach(core, &error.to_string());
             Look::OutOfReach
         }
     }
 }
 
-fn out_of_reach(station: &Station, why: &str) {
-    alarm(station, OUT_OF_REACH, format!("the folder of orders cannot be listed: {why}"));
+fn out_of_reach(core: &Core, why: &str) {
+    alarm(core, OUT_OF_REACH, format!("the folder of orders cannot be listed: {why}"));
 }
 
-fn alarm(station: &Station, code: &'static str, message: String) {
-    station.board.note(|facts| {
+fn alarm(core: &Core, code: &'static str, message: String) {
+    core.board.note(|facts| {
         let known = facts.alarms.get(code).map(|known| known.since);
         let since = known.unwrap_or_else(Timestamp::now);
         facts.alarms.insert(code, Alarm { message, since });
     });
 }
 
-/// Reads an order that somebody brings; one that cannot be read puts the name that waits in doubt.
+/// Reads an order that a client hands in. An order that cannot be read puts the waiting name in doubt.
 /// Blocks.
 ///
 /// # Errors
-/// Why it is none.
-pub fn brought(station: &Station, bytes: &[u8]) -> Result<Order, OrderFault> {
-    let config = station.config.patient.orders.as_ref();
+/// Why the bytes are not an order.
+pub fn brought(booth: &Booth, bytes: &[u8]) -> Result<Order, OrderFault> {
+    let config = booth.core().config.patient.orders.as_ref();
     let (charset, lenient) =
         config.map_or((Charset::Cp1252, false), |config| (config.charset, config.lenient));
     let order = order::read(bytes, charset, lenient);
     match &order {
-        Ok(_) => take::tell_taken(station),
-        // It is another program's.
+        Ok(_) => take::tell_taken(booth.core()),
+        // It is meant for another program.
         Err(OrderFault::OtherKind { .. }) => {}
         Err(_) => {
-            station.hear(&Heard::Unread { by: SourceKind::Order });
+            booth.hear(&Heard::Unread { by: SourceKind::Order });
         }
     }
     order

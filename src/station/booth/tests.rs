@@ -6,6 +6,9 @@ use crate::flow::ScanState;
 use crate::flow::capture::{Doubt, Named};
 use crate::record::SourceKind;
 
+/// What tells this start of the machine from another.
+const BOOT: &str = "this start";
+
 const SECOND: Duration = Duration::from_secs(1);
 
 fn rules() -> Rules {
@@ -49,8 +52,8 @@ fn taken_before(journal: &Journal, boot: &str) -> ScanId {
 /// How many captures a start of the station remembers whose exports were taken, and the doubt of the
 /// one whose scan is then refused.
 fn after_start(journal: &Journal, scan: &ScanId) -> (usize, Option<Doubt>) {
-    let booth = Booth::open(journal, rules(), 1, BTreeSet::new(), SECOND * 20).unwrap();
-    let mut inner = booth.inner();
+    let now = (BOOT, SECOND * 20);
+    let mut inner = Inner::recall(journal, rules(), BTreeSet::new(), now).unwrap();
     let taken = inner.captures.measuring().count();
     let answered = journal.capture_answered_by(scan).unwrap().unwrap();
     let reopened = inner.captures.refused(answered.number, SECOND * 21);
@@ -59,10 +62,10 @@ fn after_start(journal: &Journal, scan: &ScanId) -> (usize, Option<Doubt>) {
 
 #[test]
 fn a_scan_that_is_refused_after_the_machine_has_started_anew_opens_its_capture_in_doubt() {
-    for boot in [boot_id(), "another start".to_owned()] {
+    for boot in [BOOT, "another start"] {
         let dir = tempfile::tempdir().unwrap();
         let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
-        let scan = taken_before(&journal, &boot);
+        let scan = taken_before(&journal, boot);
         assert_eq!(after_start(&journal, &scan), (1, Some(Doubt::Unheard)), "{boot}");
         // A second start finds the same.
         assert_eq!(after_start(&journal, &scan), (1, Some(Doubt::Unheard)), "{boot}");

@@ -1,5 +1,5 @@
-//! What a person decides: a refused scan tried again or given up, a held one released, one for nobody
-//! assigned, one taken back. The bytes come first, then the decision itself, then the journal.
+//! Operator decisions: retry or give up a refused scan, release a held scan, assign or unassign a scan.
+//! The bytes are stored first, then the decision, then the journal changes.
 
 use std::collections::BTreeSet;
 use std::sync::PoisonError;
@@ -12,23 +12,23 @@ use crate::station::custody::spool::Companion;
 use crate::station::journal::{Due, ScanRow};
 use crate::store::StoredScan;
 
-/// What became of a person's decision.
+/// The outcome of an operator's decision.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Acted {
-    /// It is done, and this many deliveries are to be made.
+    /// The decision was carried out; the value is the number of deliveries to make.
     Done(usize),
-    /// There was nothing to do it with.
+    /// The decision does not apply to the present state of the scan.
     Nothing,
-    /// It could be more than one patient's, and the decision says not which.
+    /// The scan may belong to more than one patient, and the decision does not say which.
     Several,
-    /// It is a patient's already.
+    /// The scan already belongs to a patient.
     Somebodys,
-    /// The scan's bytes are needed and are nowhere in the state folder.
+    /// The scan's bytes are needed but are not in the state folder.
     NoBytes,
 }
 
 impl Custody {
-    /// Deliveries that were refused are to be tried again.
+    /// Makes the refused deliveries of a scan pending again.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -51,8 +51,8 @@ impl Custody {
         Ok(Acted::Done(refused.len()))
     }
 
-    /// A held scan is the patient's for whom it is held, who must be the only one. What came in for
-    /// nobody is not held for anybody.
+    /// Releases a held scan to the patient it is held for, who must be the only candidate. A scan that
+    /// came in without a patient is released without one.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -82,7 +82,7 @@ impl Custody {
         Ok(Acted::Done(theirs.len()))
     }
 
-    /// A scan is taken back from its patient, `owner`, and is nobody's again. `stored` as in
+    /// Takes a scan back from its patient, `owner`, so that it is unassigned again. `stored` is as in
     /// [`Custody::assign`].
     ///
     /// # Errors
@@ -95,7 +95,7 @@ impl Custody {
     ) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         if self.journal.owners(&row.scan)? != [owner] {
-            // Somebody else decided meanwhile.
+            // Another decision was made in the meantime.
             return Ok(Acted::Nothing);
         }
         if !self.bring_back(row, None, stored)? {
@@ -108,7 +108,7 @@ impl Custody {
         Ok(Acted::Done(stores.len()))
     }
 
-    /// Keeps the bytes of a scan that a store gave back; says whether they are here.
+    /// Keeps the bytes of a scan that a store returned. Returns whether the state folder has them.
     pub(super) fn bring_back(
         &self,
         row: &ScanRow,
@@ -127,8 +127,8 @@ impl Custody {
         Ok(true)
     }
 
-    /// A scan that is no patient's, or is held, is this patient's. `stored` is the scan as it lies in a
-    /// store, where the spool has given it up.
+    /// Assigns an unassigned or held scan to this patient. `stored` is the scan from a store, needed if
+    /// the spool no longer has it.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -139,7 +139,7 @@ impl Custody {
         stored: Option<StoredScan>,
     ) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        // Two who assign it at once must not both have it.
+        // Two concurrent assignments must not both succeed.
         if !self.journal.owners(&row.scan)?.is_empty() {
             return Ok(Acted::Somebodys);
         }
@@ -154,8 +154,8 @@ impl Custody {
         Ok(Acted::Done(stores.len()))
     }
 
-    /// A refused scan, or one that is held although it is somebody's already, needs no decision any
-    /// more. Its bytes stay as long as others that have served.
+    /// Closes a scan that was refused, or is held although it already belongs to a patient: it needs no
+    /// further decision. Its bytes are kept as long as other bytes that are no longer needed.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -170,12 +170,12 @@ impl Custody {
         Ok(Acted::Done(0))
     }
 
-    /// Whether the state folder holds the bytes of a scan.
+    /// Reports whether the state folder holds the bytes of a scan.
     pub fn holds(&self, scan: &ScanId) -> bool {
         self.spool.holds(scan) || self.quarantine.holds(scan)
     }
 
-    /// Brings the bytes of a scan back into the spool; says whether they are there.
+    /// Brings the bytes of a scan back into the spool. Returns whether they are there.
     fn bytes_to_spool(&self, scan: &ScanId) -> Result<bool, CustodyFault> {
         if self.spool.holds(scan) {
             return Ok(true);

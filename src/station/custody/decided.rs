@@ -1,5 +1,5 @@
-//! Decisions and the journal: each is kept before the journal changes, and carried out where the journal
-//! does not know it, for a crash came between the two or the journal was lost.
+//! Decisions and the journal. Each decision is stored before the journal changes. If the journal does
+//! not know it, after a crash in between or after a rebuild, it is carried out later.
 
 use std::io::ErrorKind;
 use std::sync::PoisonError;
@@ -14,15 +14,15 @@ use crate::record::{Patient, Source, SourceKind};
 use crate::station::journal::{FoundThere, Journal, JournalError, ScanRow};
 use crate::store::{FoundRecord, StoredScan};
 
-/// What people decided about a scan.
+/// The operators' decisions about a scan.
 struct Known {
     ruling: Ruling,
-    /// How many decisions there are.
+    /// The number of decisions.
     number: usize,
 }
 
 impl Known {
-    /// Those whose scan it is by what was decided.
+    /// The patients the scan belongs to according to the decisions.
     fn patients(&self) -> Vec<Patient> {
         let ids = self.ruling.patients().iter().cloned();
         ids.map(|id| Patient { id, sources: vec![Source::of(SourceKind::Operator)] }).collect()
@@ -30,8 +30,8 @@ impl Known {
 }
 
 impl Custody {
-    /// Keeps a decision, then changes the journal by it. Where the journal fails the decision is taken
-    /// back: a command that failed has no effect. Custody is locked.
+    /// Stores a decision, then applies it to the journal. If the journal fails, the decision is removed
+    /// again: a failed command has no effect. The caller holds the custody lock.
     pub(super) fn decide(
         &self,
         scan: &ScanId,
@@ -50,7 +50,7 @@ impl Custody {
         Ok(changed?)
     }
 
-    /// Carries out the decisions that the journal does not know; returns those scans whose decisions
+    /// Carries out the decisions that the journal does not know. Returns the scans whose decisions
     /// cannot be read.
     ///
     /// # Errors
@@ -70,8 +70,8 @@ impl Custody {
         Ok(unreadable)
     }
 
-    /// Carries out the decisions about one scan where the journal knows the scan and not them; says
-    /// whether that was so, and none where they cannot be read. Custody is locked.
+    /// Carries out the decisions about one scan if the journal knows the scan but not the decisions.
+    /// Returns whether it did, or `None` if they cannot be read. The caller holds the custody lock.
     pub(super) fn carry_out_of(&self, scan: &ScanId) -> Result<Option<bool>, CustodyFault> {
         let Some(known) = self.state_known(scan)? else { return Ok(None) };
         if known.number == 0 || self.journal.scan(scan)?.is_none() || !self.holds(scan) {
@@ -86,7 +86,7 @@ impl Custody {
         Ok(Some(true))
     }
 
-    /// What was decided about a scan; none where it cannot be read.
+    /// The decisions about a scan; `None` if they cannot be read.
     fn state_known(&self, scan: &ScanId) -> Result<Option<Known>, CustodyFault> {
         let decisions = match self.decisions.of(scan) {
             Err(error) if error.kind() == ErrorKind::InvalidData => {
@@ -98,7 +98,7 @@ impl Custody {
         Ok(Some(Known { ruling: Ruling::of(&decisions), number: decisions.len() }))
     }
 
-    /// Whether a record that a store holds must not stay there by a person's word.
+    /// Reports whether a decision forbids a record that a store holds.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -107,7 +107,7 @@ impl Custody {
         Ok(known.is_some_and(|known| !known.ruling.allows(record.patient.as_deref())))
     }
 
-    /// Enters a record that a store holds; spooled bytes that have served by it are given up.
+    /// Enters a record that a store holds, and removes spooled bytes that are no longer needed.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -121,9 +121,9 @@ impl Custody {
         self.give_up_served(&record.scan)
     }
 
-    /// Enters a record that a store holds and that must not stay there: the scan goes to whom a person
-    /// gave it, and the record is taken back. `stored` is the scan as it lies there, where the state
-    /// folder has it no more.
+    /// Enters a record that a store holds against a decision: the scan goes to the patient of the
+    /// decision, and the record is withdrawn. `stored` is the scan from this store, needed if the state
+    /// folder no longer has it.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -146,8 +146,8 @@ impl Custody {
         Ok(())
     }
 
-    /// Forgets scans that have rested since before a time, and what was decided about them; says how
-    /// many scans.
+    /// Forgets scans that were finished before a time, and the decisions about them. Returns the number
+    /// of scans.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -156,7 +156,7 @@ impl Custody {
         let forgotten = self.journal.forget(before)?;
         for store in &self.stores {
             if self.journal.is_to_be_searched(store)? {
-                // A rebuilt journal does not know yet what lies there, and will need what was decided.
+                // A rebuilt journal does not yet know what the store holds and will need the decisions.
                 return Ok(forgotten);
             }
         }
@@ -173,7 +173,7 @@ impl Known {
     const NOTHING: Known = Known { ruling: Ruling::OPEN, number: 0 };
 }
 
-/// The journal's row of a record that a store holds, whose it is, and where it lies.
+/// The journal row of a record found in a store, its patient, and its folder.
 fn parts(record: &FoundRecord) -> (ScanRow, Option<Patient>, String) {
     let row = ScanRow {
         scan: record.scan.clone(),

@@ -1,9 +1,9 @@
-//! What people have decided about scans, kept apart from the journal: a journal can be rebuilt from
-//! spool, quarantine and stores, a person's word cannot.
+//! Operators' decisions about scans, stored apart from the journal: a journal can be rebuilt from spool,
+//! quarantine and stores, but a decision cannot.
 //!
-//! `decisions/<sha256>.json` holds the decisions about one scan in their order. The file is durable
-//! before the journal is changed by a decision; the journal notes how many of them it has taken up, so
-//! that a start finds the one that a crash cut off.
+//! `decisions/<sha256>.json` holds the decisions about one scan in order. The file is durable before a
+//! decision changes the journal. The journal records how many decisions it has applied, so the next
+//! start finds one that a crash interrupted.
 
 use std::fs;
 use std::io;
@@ -15,7 +15,7 @@ use crate::flow::ScanId;
 use crate::flow::decision::Decision;
 use crate::store::durable;
 
-/// The ending of a scan's file.
+/// The file-name ending of a scan's decisions.
 const ENDING: &str = ".json";
 
 /// The folder of the decisions.
@@ -24,17 +24,17 @@ pub struct Decisions {
     folder: PathBuf,
 }
 
-/// What a scan's file holds.
+/// The content of a scan's file.
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Book {
     /// The scan, 64 hexadecimal digits.
     sha256: String,
-    /// What was decided about it, the first decision first.
+    /// The decisions about it, oldest first.
     decisions: Vec<Decision>,
 }
 
-/// The schemas of a scan's file, told apart by their name.
+/// The versions of the file's schema.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "schema")]
 enum Versioned {
@@ -43,8 +43,8 @@ enum Versioned {
 }
 
 impl Decisions {
-    /// Opens the decisions of a state folder, made if there are none, and removes what a crash left
-    /// half written.
+    /// Opens the decisions of a state folder, creates the folder if needed, and removes files that a
+    /// crash left half written.
     ///
     /// # Errors
     /// Any I/O error.
@@ -58,20 +58,20 @@ impl Decisions {
                 fs::remove_file(entry.path())?;
             }
         }
-        // The last run may have given a name and not lived to sync it.
+        // The last run may have renamed a file and ended before it synced the folder.
         durable::sync_folder(&folder)?;
         Ok(Decisions { folder })
     }
 
-    /// Their folder.
+    /// The folder of the decisions.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// What was decided about a scan, in order; nothing for most.
+    /// The decisions about a scan, in order; empty for most scans.
     ///
     /// # Errors
-    /// Any I/O error; `InvalidData` where the file is none of ours.
+    /// Any I/O error; `InvalidData` if the file does not hold decisions about this scan.
     pub fn of(&self, scan: &ScanId) -> io::Result<Vec<Decision>> {
         let text = match fs::read(self.path(scan)) {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
@@ -80,16 +80,16 @@ impl Decisions {
         let Versioned::V1(book) = serde_json::from_slice(&text)
             .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
         if book.sha256 != scan.as_str() {
-            let message = "these are the decisions about another scan";
+            let message = "the file holds decisions about another scan";
             return Err(io::Error::new(io::ErrorKind::InvalidData, message));
         }
         Ok(book.decisions)
     }
 
-    /// Keeps everything that was decided about a scan; durable when this returns.
+    /// Stores all decisions about a scan; durable on return.
     ///
     /// # Errors
-    /// Any I/O error; what was kept before stands then.
+    /// Any I/O error; the earlier decisions then stay.
     pub fn keep(&self, scan: &ScanId, decisions: &[Decision]) -> io::Result<()> {
         if decisions.is_empty() {
             return self.remove(scan);
@@ -105,7 +105,7 @@ impl Decisions {
         durable::sync_folder(&self.folder)
     }
 
-    /// Removes what was decided about a scan; that there is nothing is fine.
+    /// Removes the decisions about a scan, if there are any.
     ///
     /// # Errors
     /// Any other I/O error.
@@ -116,7 +116,7 @@ impl Decisions {
         }
     }
 
-    /// The scans about which something was decided.
+    /// The scans that have decisions.
     ///
     /// # Errors
     /// Any I/O error.
@@ -157,7 +157,7 @@ mod tests {
         let both = [assigned("1"), assigned("2")];
         decisions.keep(&scan, &both[..1]).unwrap();
         decisions.keep(&scan, &both).unwrap();
-        // A crash while the next one was written.
+        // A crash while the next decision was written.
         fs::write(dir.path().join(format!("decisions/.{scan}.json")), "{").unwrap();
         let decisions = Decisions::open(dir.path()).unwrap();
         assert_eq!(decisions.of(&scan).unwrap(), both);

@@ -1,16 +1,18 @@
-//! What is known of a scan when it comes in, as the spool and the journal keep it.
+//! What is known about a scan when it comes in, as the spool and the journal store it.
 
 use jiff::Timestamp;
 
 use super::Arrival;
 use crate::flow::capture::{Judged, Why};
-use crate::flow::identity::{ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
+use crate::flow::patient::identity::{
+    ID_NOT_ALLOWED, NO_PRESS, PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT,
+};
 use crate::flow::{ScanId, ScanState};
 use crate::record::Patient;
 use crate::station::custody::spool::Intake;
 use crate::station::journal::ScanRow;
 
-/// What is known of bytes that have come in. The time of first sight is fixed once.
+/// The intake data of bytes that came in. The time of first sight never changes.
 pub(super) fn intake(
     arrival: &Arrival<'_>,
     known: Option<&ScanRow>,
@@ -37,7 +39,7 @@ pub(super) fn intake(
     }
 }
 
-/// The ids of everybody whose a held scan may be, each once. A patient who has it already is not among them.
+/// The ids of the patients a held scan may belong to, each once, without those who already have it.
 pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<String> {
     if held.is_none() {
         return Vec::new();
@@ -58,14 +60,14 @@ pub(super) fn candidates(arrival: &Arrival<'_>, held: Option<&str>) -> Vec<Strin
     candidates
 }
 
-/// Why a scan of the spool is held; an older intake does not say.
+/// Why a scan in the spool is held. Older intakes do not record the reason.
 pub(super) fn held_code(intake: &Intake) -> Option<&'static str> {
     let mut codes = Why::ALL.map(Why::code).into_iter().chain([NO_PRESS, PATIENTS_DIFFER]);
     let found = codes.find(|code| intake.findings.iter().any(|found| found == code));
     intake.held.then_some(found.unwrap_or(SAME_SCAN_OTHER_PATIENT))
 }
 
-/// What was known of a scan whose bytes come back into the spool.
+/// The intake data of a scan whose bytes return to the spool.
 pub(super) fn intake_of(row: &ScanRow, patient: Option<&Patient>) -> Intake {
     Intake {
         sha256: row.scan.to_string(),
@@ -83,7 +85,7 @@ pub(super) fn intake_of(row: &ScanRow, patient: Option<&Patient>) -> Intake {
     }
 }
 
-/// The journal's row of an intake. Held bytes have nothing to be delivered by itself.
+/// The journal row of an intake. A held scan has nothing to deliver without a decision.
 pub(super) fn row(intake: &Intake, scan: &ScanId) -> ScanRow {
     ScanRow {
         scan: scan.clone(),

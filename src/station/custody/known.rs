@@ -1,5 +1,5 @@
-//! What is known of bytes before they are judged: that they came in before, or that they are the rest of
-//! a scan that was cut short.
+//! What is known about bytes before they are judged: whether they came in before, and whether they
+//! complete a scan that was cut short.
 
 use std::sync::PoisonError;
 use std::sync::atomic::Ordering;
@@ -10,20 +10,20 @@ use crate::flow::capture::{Judged, Named};
 use crate::record::SourceKind;
 use crate::store::sums;
 
-/// A refused scan with fewer bytes than this tells nothing by being the beginning of another: exports
-/// may share a header.
+/// A refused scan with fewer bytes than this is not compared with the beginning of another: exports may
+/// share a header.
 const COMPLETED_LEAST: u64 = 64 * 1024;
 
-/// So many refused scans are compared with the beginning of a new one.
+/// At most this many refused scans are compared with the beginning of a new one.
 const COMPLETED_MOST: u32 = 64;
 
 impl Custody {
-    /// Enters the scans of earlier attempts, which kept the bytes and failed at the journal or at their
-    /// name's sync, before another is judged: what they answered is not to be answered again, and their
-    /// geometries are known. Tells of each which capture it answered.
+    /// Enters the scans of earlier attempts that kept the bytes but failed at the journal or at the sync
+    /// of the name. This must precede the judgement of another scan: their captures must not be answered
+    /// again, and their geometries must be known. Calls `entered` with the capture each answered.
     ///
     /// # Errors
-    /// See [`CustodyFault`]; the next call goes on.
+    /// See [`CustodyFault`]; the next call continues.
     pub fn enter_kept(
         &self,
         mut entered: impl FnMut(&ScanId, &Judged),
@@ -44,7 +44,7 @@ impl Custody {
         Ok(())
     }
 
-    /// The scan that these bytes are, or that has the same geometry, if it came in before.
+    /// The earlier scan with the same bytes or the same geometry, if there is one.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -58,8 +58,8 @@ impl Custody {
         Ok(self.journal.of_geometry(geometry)?)
     }
 
-    /// Whose the scan is, or may be, with which these bytes begin: one that was read from the same file
-    /// when that had one of these lengths, or one that was refused as cut short. They are all of it.
+    /// The patients of an earlier, partial scan that these bytes complete: one read from the same file
+    /// at one of the lengths `read`, or one refused as cut short.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -88,7 +88,7 @@ impl Custody {
         }
     }
 
-    /// Everybody whose a scan is or may be.
+    /// All patients a scan belongs to or may belong to.
     fn whose(&self, scan: &ScanId) -> Result<Vec<Named>, CustodyFault> {
         let patients = self.journal.patients(scan)?.into_iter().flatten();
         let mut ids: Vec<String> = patients.chain(self.journal.candidates(scan)?).collect();

@@ -1,4 +1,4 @@
-//! Refused scans whose bytes were lost: the same bytes, exported again, are taken in again.
+//! Refused scans whose bytes were lost: they are taken in again when the same bytes are exported again.
 
 use tracing::info;
 
@@ -6,8 +6,9 @@ use super::{Arrival, Custody, CustodyFault, intake_of, io};
 use crate::flow::{DeliveryState, ScanId, ScanState};
 
 impl Custody {
-    /// Whether the bytes of a refused scan are nowhere in the state folder although nobody let them go:
-    /// the spool lost them, or somebody removed them from quarantine. Custody is locked.
+    /// Reports whether the bytes of a refused scan are missing from the state folder but were not
+    /// deleted by retention: the spool lost them, or they were removed from quarantine by hand. The
+    /// caller holds the custody lock.
     pub(super) fn is_lost(&self, scan: &ScanId) -> Result<bool, CustodyFault> {
         let known = self.journal.scan(scan)?;
         Ok(known.is_some_and(|row| row.state == ScanState::Refused)
@@ -15,9 +16,9 @@ impl Custody {
             && !self.journal.was_let_go(scan)?)
     }
 
-    /// Takes bytes in again that were lost, for the patient for whom they were to be delivered, where
-    /// that is one; else they are held. It says nothing of whom they are sighted for now. Custody is
-    /// locked.
+    /// Takes lost bytes in again for the patient they were to be delivered to, if there is only one;
+    /// otherwise the scan is held. Ignores the patient they are sighted for now. The caller holds the
+    /// custody lock.
     pub(super) fn take_in_again(&self, arrival: &Arrival<'_>) -> Result<(), CustodyFault> {
         let scan = arrival.scan;
         let Some(row) = self.journal.scan(scan)? else { return Ok(()) };
@@ -30,7 +31,7 @@ impl Custody {
             let intake = intake_of(&row, first.as_ref().filter(|_| is_one));
             io("keeping a scan", self.spool.keep(scan, intake, bytes, companions))?;
         }
-        // The bare reason that stands for the lost bytes: another refusal has its own.
+        // Removes the bare reason that stands in for the lost bytes; another refusal has its own reason.
         io("clearing a refusal", self.quarantine.remove(scan))?;
         self.journal.taken_again(scan)?;
         info!(event = "scan-taken-again", scan = scan.short());
@@ -45,7 +46,7 @@ mod tests {
 
     use super::super::tests::{BYTES, admit, open, reason, refused, says};
     use super::*;
-    use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
+    use crate::flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
     use crate::flow::{Verdict, Whose};
     use crate::station::journal::Due;
     use crate::store::sums;
@@ -68,7 +69,7 @@ mod tests {
         fs::remove_dir_all(custody.spool.entry(&scan)).unwrap();
         custody.recover().unwrap();
         let seen = custody.journal.scan(&scan).unwrap().unwrap().first_seen;
-        // A patient who is named now says nothing of whose it was.
+        // A patient named now says nothing about whose scan it was.
         assert_eq!(admit(&custody, Whose::default()), Verdict::Already);
         assert_eq!(for_whom(&custody), ["4711"]);
         assert_eq!(fs::read(custody.spool.scan_file(&scan, "obj")).unwrap(), BYTES);
@@ -138,7 +139,7 @@ mod tests {
         let custody = open(dir.path());
         let scan = refused(&custody);
         let quarantined = dir.path().join("quarantine").join(scan.as_str());
-        // The bytes are in the spool and the refusal is cleared; the journal was not reached.
+        // The bytes are in the spool and the refusal is cleared, but the journal was not reached.
         fs::rename(quarantined, custody.spool.entry(&scan)).unwrap();
         custody.recover().unwrap();
         assert_eq!(admit(&custody, says("4711")), Verdict::Already);

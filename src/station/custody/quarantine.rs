@@ -1,7 +1,7 @@
 //! The quarantine: scans that could not be measured or stored, each with its reason.
 //!
-//! `quarantine/<sha256>/` is the spool's folder of the scan with `reason.json` added;
-//! `quarantine/unread-<…>/` stands for a file too large to be read and holds the reason only.
+//! `quarantine/<sha256>/` is the scan's spool folder plus `reason.json`. `quarantine/unread-<…>/` stands
+//! for a file too large to read and holds only the reason.
 
 use std::fs;
 use std::io;
@@ -25,7 +25,7 @@ pub struct Quarantine {
 pub struct Reason {
     /// Stable code.
     pub code: String,
-    /// For people.
+    /// Message for the operator.
     pub message: String,
     /// Where it was refused.
     pub stage: Stage,
@@ -35,7 +35,7 @@ pub struct Reason {
     pub gaiter: String,
 }
 
-/// Where on its way a scan was refused.
+/// The stage at which a scan was refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
@@ -47,7 +47,7 @@ pub enum Stage {
     Store,
 }
 
-/// The schemas of `reason.json`, told apart by their name.
+/// The versions of the `reason.json` schema.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "schema")]
 enum Versioned {
@@ -57,11 +57,11 @@ enum Versioned {
 
 const REASON: &str = "reason.json";
 
-/// The names of entries without bytes begin so.
+/// Prefix of the names of entries without bytes.
 const UNREAD: &str = "unread-";
 
 impl Reason {
-    /// A reason found by this gaiter.
+    /// A reason found by this version of gaiter.
     pub fn new(code: &str, message: String, stage: Stage, first_seen: Timestamp) -> Reason {
         let gaiter = env!("CARGO_PKG_VERSION").to_owned();
         Reason { code: code.to_owned(), message, stage, first_seen, gaiter }
@@ -69,7 +69,7 @@ impl Reason {
 }
 
 impl Quarantine {
-    /// Opens the quarantine, made if there is none, and removes what a crash left half made.
+    /// Opens the quarantine, creates it if needed, and removes entries that a crash left half made.
     ///
     /// # Errors
     /// Any I/O error.
@@ -77,17 +77,17 @@ impl Quarantine {
         Ok(Quarantine { folder: durable::open_folder(state_dir, "quarantine")? })
     }
 
-    /// Its folder.
+    /// The folder of the quarantine.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
 
-    /// Whether a scan lies here.
+    /// Reports whether the quarantine holds a scan.
     pub fn holds(&self, scan: &ScanId) -> bool {
         self.folder.join(scan.as_str()).is_dir()
     }
 
-    /// Removes what failed attempts left half made. Nothing may be coming or going meanwhile.
+    /// Removes entries that failed attempts left half made. No other change may run meanwhile.
     ///
     /// # Errors
     /// Any I/O error.
@@ -103,12 +103,12 @@ impl Quarantine {
         durable::sync_folder(&self.folder)
     }
 
-    /// Whether a scan lies here with its bytes.
+    /// Reports whether the quarantine holds a scan with its bytes.
     pub fn holds_bytes(&self, scan: &ScanId) -> bool {
         self.intake(scan).is_ok()
     }
 
-    /// The scans that lie here.
+    /// The scans in quarantine.
     ///
     /// # Errors
     /// Any I/O error.
@@ -116,10 +116,10 @@ impl Quarantine {
         spool::entries(&self.folder)
     }
 
-    /// What was known when a scan came in that lies here with its bytes.
+    /// The intake data of a scan that is here with its bytes.
     ///
     /// # Errors
-    /// Any I/O error; `InvalidData` where the file is none of ours.
+    /// Any I/O error; `InvalidData` if the file is not a valid intake.
     pub fn intake(&self, scan: &ScanId) -> io::Result<Intake> {
         spool::read_intake(&self.folder.join(scan.as_str()))
     }
@@ -127,14 +127,14 @@ impl Quarantine {
     /// Moves a scan's folder back to the spool. The caller syncs the spool afterwards.
     ///
     /// # Errors
-    /// Any I/O error; the scan is still here then.
+    /// Any I/O error; the scan then stays here.
     pub fn give_back(&self, scan: &ScanId, entry: &Path) -> io::Result<()> {
         durable::rename_new(&self.folder.join(scan.as_str()), entry)?;
         durable::sync_folder(&self.folder)
     }
 
-    /// Removes a scan; says whether it was here. Its name goes first, so that a crash leaves no
-    /// half entry under it.
+    /// Removes a scan. Returns whether it was here. The entry is renamed first, so that a crash leaves
+    /// no partial entry under its name.
     ///
     /// # Errors
     /// Any I/O error.
@@ -154,7 +154,7 @@ impl Quarantine {
         Ok(true)
     }
 
-    /// Removes the reasons noted before a time of files that were never read; says how many.
+    /// Removes the reasons of unread files noted before a time. Returns how many.
     ///
     /// # Errors
     /// Any I/O error.
@@ -173,7 +173,7 @@ impl Quarantine {
         Ok(removed)
     }
 
-    /// Why a scan lies here; none where it does not, or where nobody can read why.
+    /// Why a scan is in quarantine; `None` if it is not here or the reason cannot be read.
     ///
     /// # Errors
     /// Any I/O error.
@@ -181,14 +181,14 @@ impl Quarantine {
         read_reason(&self.folder.join(scan.as_str()))
     }
 
-    /// Moves a scan's folder of the spool here. The caller syncs the spool afterwards.
+    /// Moves a scan's folder from the spool to here. The caller syncs the spool afterwards.
     ///
     /// # Errors
-    /// Any I/O error; the scan is still in the spool then.
+    /// Any I/O error; the scan then stays in the spool.
     pub fn take(&self, entry: &Path, scan: &ScanId, reason: &Reason) -> io::Result<()> {
         let path = entry.join(REASON);
         match fs::remove_file(&path) {
-            // An attempt that failed before the move left its reason.
+            // An attempt that failed before the move may have left its reason.
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
             _ => durable::write_new(&path, &text(reason)?)?,
         }
@@ -197,7 +197,7 @@ impl Quarantine {
         durable::sync_folder(&self.folder)
     }
 
-    /// Notes a reason where there are no bytes to keep; that it is noted already is fine.
+    /// Notes a reason if there are no bytes to keep. Does nothing if it is already noted.
     ///
     /// # Errors
     /// Any I/O error.
@@ -217,12 +217,12 @@ impl Quarantine {
     }
 }
 
-/// The name of the entry of a file that is not read, by digits that stand for its state.
+/// The name of the entry of an unread file, from digits that identify the file's state.
 pub fn unread(digits: &str) -> String {
     format!("{UNREAD}{digits}")
 }
 
-/// The reason in an entry; none where there is no entry, or where nobody can read it.
+/// The reason in an entry; `None` if there is no entry or the reason cannot be read.
 fn read_reason(entry: &Path) -> io::Result<Option<Reason>> {
     match fs::read(entry.join(REASON)) {
         Ok(text) => Ok(serde_json::from_slice(&text).ok().map(|Versioned::V1(reason)| reason)),

@@ -1,4 +1,4 @@
-//! Making spool, quarantine and journal agree after whatever ended the last run.
+//! Makes spool, quarantine and journal agree after the last run, however it ended.
 
 use std::io::ErrorKind;
 use std::sync::PoisonError;
@@ -14,8 +14,8 @@ use crate::station::custody::spool::Intake;
 use crate::station::journal::{Entry, ScanRow};
 
 impl Custody {
-    /// Makes spool, quarantine and journal agree after whatever ended the last run; returns how
-    /// many scans of the spool the journal did not know.
+    /// Makes spool, quarantine and journal agree after the last run, however it ended. Returns how many
+    /// scans of the spool the journal did not know.
     ///
     /// # Errors
     /// See [`CustodyFault`].
@@ -40,7 +40,7 @@ impl Custody {
         Ok(adopted)
     }
 
-    /// Gives up the bytes of a scan of the spool that are needed there no more.
+    /// Removes the spooled bytes of a scan if they are no longer needed.
     pub(super) fn give_up_served(&self, scan: &ScanId) -> Result<(), CustodyFault> {
         let served = match self.journal.scan(scan)?.map(|row| row.state) {
             None | Some(ScanState::Spooled) => false,
@@ -55,14 +55,14 @@ impl Custody {
         Ok(())
     }
 
-    /// A scan to be delivered whose bytes are not in the spool: they are in quarantine already, or
-    /// somebody removed them.
+    /// Settles a scan that is to be delivered but has no bytes in the spool: they are already in
+    /// quarantine, or another process removed them.
     fn settle_missing(&self, scan: &ScanId) -> Result<(), CustodyFault> {
         let known = io("reading a reason", self.quarantine.reason(scan))?;
         let reason = match (known, self.journal.scan(scan)?) {
             (Some(reason), _) => reason,
             (None, Some(row)) => {
-                let message = "its bytes were removed from the spool from outside".to_owned();
+                let message = "its bytes were removed from the spool by another program".to_owned();
                 let reason = Reason::new("spool-lost", message, Stage::Intake, row.first_seen);
                 io("noting a refusal", self.quarantine.note(scan.as_str(), &reason))?;
                 reason
@@ -79,7 +79,7 @@ impl Custody {
         Ok(intake.judged)
     }
 
-    /// Enters what an intake says, with the capture that it answered.
+    /// Enters the data of an intake, with the capture that it answered.
     fn adopt_as(
         &self,
         intake: &Intake,
@@ -92,7 +92,8 @@ impl Custody {
         Ok(self.journal.enter(&entry, &self.stores_for(patient))?)
     }
 
-    /// As [`Custody::adopt`]; an entry whose intake cannot be read must not stop every start.
+    /// As [`Custody::adopt`], but refuses an entry with an unreadable intake: it must not block every
+    /// start.
     pub(super) fn adopt_or_refuse(&self, scan: &ScanId) -> Result<Option<Judged>, CustodyFault> {
         let unreadable = match self.spool.intake(scan) {
             Ok(_) => return self.adopt(scan).map(Some),
@@ -106,8 +107,8 @@ impl Custody {
         io("quarantining a scan", self.quarantined(scan, &reason)).map(|()| None)
     }
 
-    /// Enters the scans of the quarantine that the journal does not know, as refused; returns how
-    /// many. What cannot be read of an entry leaves it to lie there as it is.
+    /// Enters the scans of the quarantine that the journal does not know, as refused. Returns how many.
+    /// An entry that cannot be read stays as it is.
     ///
     /// # Errors
     /// See [`CustodyFault`].

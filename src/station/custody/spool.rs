@@ -1,8 +1,8 @@
 //! The spool: the station's own copy of each scan until its deliveries are made.
 //!
-//! `spool/<sha256>/` holds `scan.<ending>`, what came with the scan as `scan.ord` and the like, and
-//! `intake.json`, from which a lost journal can be rebuilt. A folder under its final name is whole and durable; names beginning with a dot are
-//! what a crash left.
+//! `spool/<sha256>/` holds `scan.<ending>`, companion files such as `scan.ord`, and `intake.json`, from
+//! which a lost journal can be rebuilt. A folder under its final name is complete and durable. Names
+//! that begin with a dot are left by a crash.
 
 use std::fs;
 use std::io;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 use crate::flow::ScanId;
 use crate::flow::capture::Judged;
 use crate::record::Patient;
-use crate::station::jitter;
+use crate::station::runtime::jitter;
 use crate::store::durable;
 
 /// The folder of the scans to be delivered.
@@ -29,35 +29,35 @@ pub struct Spool {
 pub struct Intake {
     /// The scan, 64 hexadecimal digits.
     pub sha256: String,
-    /// Its format's file-name ending.
+    /// The file-name ending of its format.
     pub format: String,
     /// Size, bytes.
     pub size: u64,
-    /// When the station first saw these bytes, whole seconds, UTC; fixed once.
+    /// When the station first saw these bytes, whole seconds, UTC; never changes.
     pub first_seen: Timestamp,
     /// The file's own time.
     pub file_time: Option<Timestamp>,
     /// When the button was pressed for it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub pressed_at: Option<Timestamp>,
-    /// Whose scan it is said to be.
+    /// The patient the scan is said to belong to.
     pub patient: Option<Patient>,
-    /// The bytes are kept because a person must decide; nothing is to be delivered by itself.
+    /// The bytes are kept for an operator's decision; nothing is delivered without it.
     pub held: bool,
-    /// Codes of what a person should know.
+    /// Codes of findings the operator should know.
     pub findings: Vec<String>,
-    /// The hash of its coordinates and faces as written, hexadecimal; '' where it has none.
+    /// The hash of its coordinates and faces as written, hexadecimal; '' if it has none.
     #[serde(default)]
     pub geometry: String,
     /// The capture it answers.
     #[serde(default = "unpressed")]
     pub judged: Judged,
-    /// Everybody whose scan it may be, where that is not certain.
+    /// All patients it may belong to, if that is uncertain.
     #[serde(default)]
     pub candidates: Vec<String>,
 }
 
-/// What the first intakes did not say.
+/// The default for early intakes, which lack this field.
 fn unpressed() -> Judged {
     Judged::Unpressed
 }
@@ -65,13 +65,13 @@ fn unpressed() -> Judged {
 /// A file that came with a scan.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Companion {
-    /// What follows `scan.` in its name here: `ord`, `mtl`, `2.ord` where there are two.
+    /// What follows `scan.` in its name here: `ord`, `mtl`, `2.ord` if there are two.
     pub name_ending: String,
     /// Its bytes.
     pub bytes: Vec<u8>,
 }
 
-/// The schemas of `intake.json`, told apart by their name.
+/// The versions of the `intake.json` schema.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "schema")]
 enum Versioned {
@@ -84,7 +84,7 @@ enum Versioned {
 const INTAKE: &str = "intake.json";
 
 impl Spool {
-    /// Opens the spool, made if there is none, and removes what a crash left half made.
+    /// Opens the spool, creates it if needed, and removes entries that a crash left half made.
     ///
     /// # Errors
     /// Any I/O error.
@@ -92,12 +92,12 @@ impl Spool {
         Ok(Spool { folder: durable::open_folder(state_dir, "spool")? })
     }
 
-    /// Whether its folder stands: somebody may have removed it.
+    /// Reports whether the folder exists: another process may have removed it.
     pub fn is_there(&self) -> bool {
         self.folder.is_dir()
     }
 
-    /// Its folder.
+    /// The folder of the spool.
     pub fn folder(&self) -> &Path {
         &self.folder
     }
@@ -115,16 +115,15 @@ impl Spool {
         self.folder.join(scan.as_str())
     }
 
-    /// Whether the bytes of a scan are here.
+    /// Reports whether the spool holds the bytes of a scan.
     pub fn holds(&self, scan: &ScanId) -> bool {
         self.entry(scan).is_dir()
     }
 
-    /// Keeps the bytes of a scan that is not here yet and what came with it; durable when this
-    /// returns.
+    /// Keeps the bytes of a scan that is not here yet, and its companion files; durable on return.
     ///
     /// # Errors
-    /// Any I/O error; the spool is as before then.
+    /// Any I/O error; the spool is then unchanged.
     pub fn keep(
         &self,
         scan: &ScanId,
@@ -135,7 +134,7 @@ impl Spool {
         let staged = self.folder.join(format!(".tmp-{:016x}", jitter::bits()));
         let kept = self.stage(&staged, scan, intake, bytes, companions);
         if kept.is_err() {
-            // A full disk is the likely cause: give back what was taken of it.
+            // The likely cause is a full disk: free the space that was used.
             durable::remove_folder(&staged)?;
         }
         kept
@@ -164,7 +163,7 @@ impl Spool {
     /// What was known when a scan came in.
     ///
     /// # Errors
-    /// Any I/O error; `InvalidData` where the file is none of ours.
+    /// Any I/O error; `InvalidData` if the file is not a valid intake.
     pub fn intake(&self, scan: &ScanId) -> io::Result<Intake> {
         read_intake(&self.entry(scan))
     }
@@ -174,10 +173,10 @@ impl Spool {
         self.entry(scan).join(file_name(format))
     }
 
-    /// The files of an ending that came with a scan, in the order of their names.
+    /// The companion files of a scan with this ending, sorted by name.
     ///
     /// # Errors
-    /// Any I/O error; `NotFound` where the scan is not here.
+    /// Any I/O error; `NotFound` if the scan is not here.
     pub fn companions(&self, scan: &ScanId, ending: &str) -> io::Result<Vec<PathBuf>> {
         let mut files = Vec::new();
         for file in fs::read_dir(self.entry(scan))? {
@@ -188,8 +187,8 @@ impl Spool {
         Ok(files)
     }
 
-    /// Removes a scan whose bytes have served. Its name goes first, so that a crash leaves no half
-    /// entry under it.
+    /// Removes a scan whose bytes are no longer needed. The entry is renamed first, so that a crash
+    /// leaves no partial entry under its name.
     ///
     /// # Errors
     /// Any I/O error.
@@ -203,7 +202,7 @@ impl Spool {
         durable::remove_folder(&gone)
     }
 
-    /// Removes what failed attempts left half made. Nothing may be coming or going meanwhile.
+    /// Removes entries that failed attempts left half made. No other change may run meanwhile.
     ///
     /// # Errors
     /// Any I/O error.
@@ -220,11 +219,11 @@ impl Spool {
     }
 }
 
-/// The scans whose folders lie in a folder.
+/// The scans that have a folder in this folder.
 pub(in crate::station) fn entries(folder: &Path) -> io::Result<Vec<ScanId>> {
     let mut scans = Vec::new();
     for entry in fs::read_dir(folder)? {
-        // What is named otherwise is not ours to touch.
+        // Entries with other names do not belong to gaiter.
         scans.extend(ScanId::parse(&entry?.file_name().to_string_lossy()).ok());
     }
     scans.sort();

@@ -1,38 +1,39 @@
-//! The folders that hold what the station keeps: whether they still stand. Somebody may have removed one
-//! while the station ran.
+//! Checks that the folders in which the station keeps its data still exist. Another process may have
+//! removed one while the station ran.
 
 use jiff::Timestamp;
 use tracing::{error, warn};
 
+use super::Custody;
 use crate::flow::facts::Alarm;
-use crate::station::assembly::Station;
+use crate::station::board::Board;
 
-/// The alarm of folders that were removed while the station ran. It stays until the next start: what lay
-/// in them is gone.
+/// Alarm: folders were removed while the station ran. It stays until the next start, because the files
+/// that were in them are lost.
 const MADE_ANEW: &str = "custody-made-anew";
 
-/// The alarm of folders that cannot be made again.
+/// Alarm: folders cannot be created again.
 const MISSING: &str = "custody-missing";
 
-/// Makes folders anew that somebody has removed, and says so. Blocks, on the local disk only.
-pub fn look_after(station: &Station) {
-    let missing = station.custody.missing_folders();
+/// Creates removed folders again and raises an alarm. Blocks, on the local disk only.
+pub fn look_after(custody: &Custody, board: &Board) {
+    let missing = custody.missing_folders();
     if missing.is_empty() {
         return;
     }
     let names = missing.join(", ");
-    let (code, message) = match station.custody.make_folders_anew() {
+    let (code, message) = match custody.make_folders_anew() {
         Ok(()) => {
             error!(event = "custody-made-anew", folders = names);
-            let lost = "scans that lay there and were not delivered must be exported again";
-            (MADE_ANEW, format!("somebody removed {names} from the state folder; {lost}"))
+            let lost = "scans in them that were not delivered must be exported again";
+            (MADE_ANEW, format!("{names} removed from the state folder; {lost}"))
         }
         Err(error) => {
             warn!(event = "custody-missing", folders = names, %error);
-            (MISSING, format!("{names} of the state folder cannot be made again: {error}"))
+            (MISSING, format!("{names} in the state folder cannot be created again: {error}"))
         }
     };
-    station.board.note(|facts| {
+    board.note(|facts| {
         if code == MADE_ANEW {
             facts.alarms.remove(MISSING);
         }

@@ -4,7 +4,7 @@ use std::fs;
 use std::sync::atomic::Ordering;
 
 use super::*;
-use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
+use crate::flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::record::{Source, SourceKind};
 use crate::station::custody::quarantine::Stage;
 use crate::station::custody::spool::Intake;

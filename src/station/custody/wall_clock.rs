@@ -1,26 +1,30 @@
-//! Follows the clock on the wall, for what is let go by it. Its jumps are seen as they happen: what is
-//! noted while it lies must not look old once it is right.
+//! Follows the wall clock, by which old data is deleted. Jumps are detected as they happen: what is
+//! noted while the clock is wrong must not look old once it is right.
 
 use jiff::Timestamp;
 
 use crate::flow::trusted_time::{Seen, TrustedTime};
-use crate::station::assembly::Station;
-use crate::station::journal::JournalError;
+use crate::station::journal::{Journal, JournalError};
+use crate::station::runtime::clock::Clock;
 
-/// What is known of the clock; nothing before the first look.
+/// What is known about the clock; nothing before the first reading.
 #[derive(Debug, Default)]
 pub struct Timekeeper(Option<TrustedTime>);
 
 impl Timekeeper {
-    /// Looks at the clocks, and gives the time that is believed. A jump is kept for the next run, and where
-    /// it is asked for the time as well. Blocks.
+    /// Reads the clocks and returns the trusted time. Saves the state for the next run after a jump, or
+    /// if `keeps` is set. Blocks.
     ///
     /// # Errors
-    /// Where the journal fails; then the clock is looked at again.
-    pub fn look(&mut self, station: &Station, keeps: bool) -> Result<Timestamp, JournalError> {
-        let journal = station.custody.journal();
+    /// If the journal fails; the next call reads the clocks again.
+    pub fn look(
+        &mut self,
+        journal: &Journal,
+        clock: &Clock,
+        keeps: bool,
+    ) -> Result<Timestamp, JournalError> {
         let wall = Timestamp::now();
-        let (since_boot, boot) = (station.now(), station.booth.boot().to_owned());
+        let (since_boot, boot) = (clock.now(), clock.boot().to_owned());
         let now = Seen { wall, since_boot, boot };
         let (before, ran) = match &self.0 {
             Some(before) => (before.clone(), true),

@@ -1,5 +1,5 @@
-//! Measures spooled scans, for deliveries and previews, and tells what is to blame where one gives no
-//! answer: only a scan's own bytes refuse it, and for everything else it waits.
+//! Measures spooled scans for deliveries and previews, and finds the cause if there is no answer. A
+//! scan is refused only because of its own bytes; for every other cause it waits.
 
 use std::fmt::Display;
 use std::io;
@@ -8,84 +8,84 @@ use std::path::{Path, PathBuf};
 use jiff::Timestamp;
 use tracing::{info, warn};
 
-use super::measure::{
-    self, Answer, Blame, ConfineFault, Job, Limits, MeasureFault, Measured, Trouble,
-};
 use crate::flow::acquired::acquired;
 use crate::flow::confinement::{Confine, Confinement};
 use crate::flow::facts::Alarm;
 use crate::record::{FIRST_REVISION, Patient, Provenance, RecordFile};
-use crate::station::assembly::Station;
-use crate::station::error::chain;
+use crate::station::core::Core;
 use crate::station::journal::{JournalError, ScanRow};
+use crate::station::measure::{
+    self, Answer, Blame, ConfineFault, Job, Limits, MeasureFault, Measured, Trouble,
+};
+use crate::station::runtime::causes::chain;
 
-/// A measurement that may have failed by the scan's own fault is tried so often before the scan is
+/// How often a measurement that may have failed because of the scan is tried before the scan is
 /// refused.
 const TRIES_MAX: u32 = 3;
 
-/// The alarm of a machine on which scans cannot be measured.
+/// Alarm: scans cannot be measured on this machine.
 pub const IMPAIRED: &str = "measuring-impaired";
 
-/// The code of a measurement that could not be begun.
+/// The code of a measurement that could not be started.
 const NOT_STARTED: &str = "measuring-not-started";
 
-/// What came of a measurement.
+/// The outcome of a measurement.
 #[derive(Debug)]
 pub enum Outcome {
     /// The record's files.
     Files(Vec<RecordFile>),
-    /// The scan cannot be measured, and will not be.
+    /// The scan cannot be measured, now or later.
     Refused {
         /// Stable code.
         code: String,
-        /// For people.
+        /// Message for people.
         message: String,
     },
-    /// Its bytes are not in the spool any more.
+    /// Its bytes are no longer in the spool.
     Lost,
     /// The machine is at fault: the scan waits.
     Waits {
         /// Stable code.
         code: &'static str,
-        /// For people.
+        /// Message for people.
         error: String,
     },
 }
 
-/// Measures a spooled scan for this patient on so many threads. `count_try` counts the tries that may have
-/// failed by the scan's fault, this one among them. Blocks.
+/// Measures a spooled scan for this patient on `threads` threads. `count_try` counts the tries that may
+/// have failed because of the scan, including this one. Blocks.
 ///
 /// # Errors
-/// Where they cannot be counted.
+/// If the tries cannot be counted.
 pub fn measured(
-    station: &Station,
+    core: &Core,
     row: &ScanRow,
     patient: Option<Patient>,
     threads: usize,
     count_try: impl FnOnce() -> Result<u32, JournalError>,
 ) -> Result<Outcome, JournalError> {
-    let (job, ord_file) = match job(station, row, patient, threads) {
+    let (job, ord_file) = match job(core, row, patient, threads) {
         Ok(job) => job,
-        Err(error) => return Ok(unread(station, &error)),
+        Err(error) => return Ok(unread(core, &error)),
     };
-    let scan_file = station.custody.spool().scan_file(&row.scan, &row.format);
+    let scan_file = core.custody.spool().scan_file(&row.scan, &row.format);
     match measure::measure(&row.scan, &job, &scan_file, ord_file.as_deref()) {
         Ok(Measured::Answered(answer)) => {
-            station.board.note(|facts| drop(facts.alarms.remove(IMPAIRED)));
+            core.board.note(|facts| drop(facts.alarms.remove(IMPAIRED)));
             Ok(match answer {
                 Answer::Files(files) => Outcome::Files(files),
                 Answer::Refused { code, message } => Outcome::Refused { code, message },
             })
         }
-        Ok(Measured::Trouble(trouble)) => blamed(station, &job, &trouble, count_try),
-        Err(MeasureFault::Spool(error)) => Ok(unread(station, &error)),
-        Err(fault) => Ok(waits(station, NOT_STARTED, chain(&fault))),
+        Ok(Measured::Trouble(trouble)) => blamed(core, &job, &trouble, count_try),
+        Err(MeasureFault::Spool(error)) => Ok(unread(core, &error)),
+        Err(fault) => Ok(waits(core, NOT_STARTED, chain(&fault))),
     }
 }
 
-/// What becomes of a scan whose measurement gave no answer.
+/// The outcome for a scan whose measurement gave no answer.
 fn blamed(
-    station: &Station,
+    core: &Core,
     job: &Job,
     trouble: &Trouble,
     count_try: impl FnOnce() -> Result<u32, JournalError>,
@@ -97,36 +97,36 @@ fn blamed(
         Blame::Either if count_try()? < TRIES_MAX => {
             return Ok(Outcome::Waits { code, error: message });
         }
-        // Where no other bytes can be measured either, it is the machine.
+        // If other bytes cannot be measured either, the machine is at fault.
         Blame::Either => measure::answers(job).unwrap_or(false),
     };
     Ok(match is_the_scans {
         true => Outcome::Refused { code: code.to_owned(), message },
-        false => waits(station, code, message),
+        false => waits(core, code, message),
     })
 }
 
-/// The spool could not be read: where it stands and has no such bytes, they were removed from outside.
-fn unread(station: &Station, error: &io::Error) -> Outcome {
-    if error.kind() == io::ErrorKind::NotFound && station.custody.spool().is_there() {
+/// The spool could not be read. If it is there but lacks the bytes, they were removed from outside.
+fn unread(core: &Core, error: &io::Error) -> Outcome {
+    if error.kind() == io::ErrorKind::NotFound && core.custody.spool().is_there() {
         return Outcome::Lost;
     }
-    waits(station, NOT_STARTED, format!("the spool could not be read: {error}"))
+    waits(core, NOT_STARTED, format!("the spool could not be read: {error}"))
 }
 
-/// The scan waits, and people are told why.
-fn waits(station: &Station, code: &'static str, error: String) -> Outcome {
-    station.board.note(|facts| {
+/// The scan waits, and an alarm says why.
+fn waits(core: &Core, code: &'static str, error: String) -> Outcome {
+    core.board.note(|facts| {
         facts.alarms.entry(IMPAIRED).or_insert(impaired(&error));
     });
     Outcome::Waits { code, error }
 }
 
-/// The guards around measuring processes on this machine, or the alarm where none can be set: then no
-/// process can be made ready.
+/// Tries the guards around measuring processes on this machine. Returns the alarm if none can be set,
+/// because then no process can be prepared.
 ///
 /// # Errors
-/// Where they are fewer than the configuration requires.
+/// If there are fewer guards than the configuration requires.
 pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineFault> {
     match measure::tried() {
         Ok(found) => {
@@ -145,27 +145,27 @@ pub fn confined(confine: Confine) -> Result<Result<Confinement, Alarm>, ConfineF
     }
 }
 
-/// Scans cannot be measured on this machine, for this reason.
+/// The alarm that scans cannot be measured on this machine, with the reason.
 fn impaired(error: impl Display) -> Alarm {
-    let message = format!("scans wait, for they cannot be measured on this machine: {error}");
+    let message = format!("scans wait because they cannot be measured on this machine: {error}");
     Alarm { message, since: Timestamp::now() }
 }
 
-/// What the measuring process is told, and where the scanner's own measures lie.
+/// The job for the measuring process, and the file of the scanner's own measures.
 fn job(
-    station: &Station,
+    core: &Core,
     row: &ScanRow,
     patient: Option<Patient>,
     threads: usize,
 ) -> io::Result<(Job, Option<PathBuf>)> {
-    let spool = station.custody.spool();
+    let spool = core.custody.spool();
     let length = |path: &Path| std::fs::metadata(path).map(|metadata| metadata.len());
     let ord_files = spool.companions(&row.scan, "ord")?;
     let ord_file = match ord_files.as_slice() {
         [file] => Some(file.clone()),
         _ => None,
     };
-    let config = &station.config;
+    let config = &core.config;
     let job = Job {
         config: config.text.clone(),
         provenance: Provenance {

@@ -1,9 +1,9 @@
-//! Previews: what a held scan shows of its legs before a person has said whose it is.
+//! Previews: what a held scan shows of its legs before an operator has said whose it is.
 //!
-//! `STATE/previews/<sha256>/` holds those files of a record that the operator's page shows, measured
-//! for nobody. It is a cache: empty at each start, so that what lies there is by this program and this
-//! configuration and was never cut short by a power cut; made again where it is missing; gone as soon
-//! as the scan is held no more.
+//! `STATE/previews/<sha256>/` holds the files of a record that the operator's page shows, measured
+//! without a patient. It is a cache. It is emptied at each start, so everything in it comes from this
+//! program and this configuration and was never truncated by a power cut. A missing preview is made
+//! again. A preview is removed as soon as its scan is no longer held.
 
 mod shelf;
 
@@ -18,41 +18,44 @@ use tracing::{info, warn};
 use super::measuring::{self, Outcome};
 use crate::flow::ScanId;
 use crate::flow::facts::IntakeState;
-use crate::station::assembly::Station;
-use crate::station::beat::Beat;
-use crate::station::error::chain;
+use crate::station::booth::Booth;
+use crate::station::core::Core;
 use crate::station::event::short;
 use crate::station::journal::{JournalError, ScanRow};
-use crate::station::stop::Stop;
+use crate::station::runtime::beat::Beat;
+use crate::station::runtime::causes::chain;
+use crate::station::runtime::stop::Stop;
 pub use shelf::{Preview, Previews};
 
-/// At most so many previews are kept, of the scans held last; the page shows fewer.
+/// The largest number of previews kept, of the scans held last; the page shows fewer.
 const MOST: u32 = 50;
 
-/// How often it is looked whether the journal has changed: a decision is seen to end a preview.
+/// How often to check the journal for changes: a decision ends a preview.
 const LOOK: Duration = Duration::from_secs(1);
 
-/// How often it is looked all the same: a folder may be missing, a store be in reach again.
+/// How often to look even without a change: a folder may be missing, or a store may be in reach again.
 const RECHECK: Duration = Duration::from_secs(5);
 
-/// How long a preview that could not be made is left alone.
+/// How long to wait before a failed preview is tried again.
 const AGAIN: Duration = Duration::from_secs(60);
 
-/// How often the worker shows that it turns while a scan is measured.
+/// How often the worker beats while a scan is measured.
 const BREATH: Duration = Duration::from_secs(5);
 
-/// On so many threads a preview is measured: nobody at the booth waits for it.
+/// The number of threads that measure a preview: nobody at the booth waits for it.
 const THREADS: usize = 1;
 
-/// What the worker knows from one look to the next.
-#[derive(Debug, Default)]
+/// The worker's state from one look to the next.
+#[derive(Debug)]
 struct Round {
-    /// The journal's changes at the last look that left nothing to do.
+    booth: Arc<Booth>,
+    previews: Arc<Previews>,
+    /// The journal's change count at the last look that left nothing to do.
     changes: Option<u64>,
-    /// When it is looked in any case.
+    /// The time of the next look, even without a change.
     next: Duration,
     trials: BTreeMap<ScanId, Trial>,
-    /// The last fault of the folder, told once.
+    /// The last fault of the folder, logged once.
     said: Option<String>,
 }
 
@@ -63,17 +66,21 @@ struct Trial {
     again: Duration,
 }
 
-/// Makes previews one at a time, after everything that is to be delivered, until it is asked to stop;
-/// the one in hand is finished.
+/// Makes previews one at a time, after everything that is to be delivered, until asked to stop. The
+/// current preview is finished.
 ///
 /// # Errors
-/// Where a step panicked.
-pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
-    let mut round = Round::default();
+/// If a step panicked.
+pub async fn worker(
+    booth: Arc<Booth>,
+    previews: Arc<Previews>,
+    beat: Beat,
+    mut stop: Stop,
+) -> Result<(), JoinError> {
+    let mut round = Round::new(booth, previews);
     while !stop.is_requested() {
-        let looked = Arc::clone(&station);
         let step = spawn_blocking(move || {
-            let has_made = round.step(&looked);
+            let has_made = round.step();
             (round, has_made)
         });
         let (back, has_made) = with_beats(step, &beat).await?;
@@ -89,7 +96,7 @@ pub async fn worker(station: Arc<Station>, beat: Beat, mut stop: Stop) -> Result
     Ok(())
 }
 
-/// Awaits a step; the worker beats meanwhile, for a measurement may take its time.
+/// Awaits a step and keeps beating, because a measurement may take long.
 async fn with_beats<T>(mut step: JoinHandle<T>, beat: &Beat) -> Result<T, JoinError> {
     loop {
         beat.beat();
@@ -101,16 +108,25 @@ async fn with_beats<T>(mut step: JoinHandle<T>, beat: &Beat) -> Result<T, JoinEr
 }
 
 impl Round {
-    /// Looks where there may be something to do; says whether a scan was measured, and more may be
+    fn new(booth: Arc<Booth>, previews: Arc<Previews>) -> Round {
+        let (trials, next) = (BTreeMap::new(), Duration::ZERO);
+        Round { booth, previews, changes: None, next, trials, said: None }
+    }
+
+    fn core(&self) -> &Core {
+        self.booth.core()
+    }
+
+    /// Looks if there may be something to do. Returns whether a scan was measured; then more may be
     /// waiting.
-    fn step(&mut self, station: &Station) -> bool {
-        let (changes, now) = (station.custody.journal().changes(), station.now());
+    fn step(&mut self) -> bool {
+        let (changes, now) = (self.core().custody.journal().changes(), self.core().now());
         if self.changes == Some(changes) && now < self.next {
             return false;
         }
-        let looked = self.look(station);
+        let looked = self.look();
         let looked = looked.inspect_err(|error| {
-            station.check_corruption(error);
+            self.core().check_corruption(error);
             warn!(event = "journal-failed", error = chain(error));
         });
         let has_made = looked.unwrap_or(false);
@@ -120,90 +136,90 @@ impl Round {
         has_made
     }
 
-    fn look(&mut self, station: &Station) -> Result<bool, JournalError> {
-        let journal = station.custody.journal();
+    fn look(&mut self) -> Result<bool, JournalError> {
+        let core = Arc::clone(self.booth.core());
+        let journal = core.custody.journal();
         let held = journal.held(MOST)?;
-        let kept = station.previews.keep_only(&held).map_err(|error| error.to_string());
+        let kept = self.previews.keep_only(&held).map_err(|error| error.to_string());
         self.tell(kept.err());
         self.trials.retain(|scan, _| held.contains(scan));
-        let now = station.now();
+        let now = core.now();
         let is_due = |scan: &&ScanId| {
             let waits = self.trials.get(*scan).is_some_and(|trial| now < trial.again);
-            !waits && !station.previews.has(scan) && station.custody.spool().holds(scan)
+            !waits && !self.previews.has(scan) && core.custody.spool().holds(scan)
         };
         let Some(scan) = held.iter().find(is_due) else { return Ok(false) };
-        if station.board.facts().intake != IntakeState::Open || something_is_due(station)? {
+        if core.board.facts().intake != IntakeState::Open || something_is_due(&core)? {
             return Ok(false);
         }
         let Some(row) = journal.scan(scan)? else { return Ok(false) };
-        self.make(station, &row);
+        self.make(&row);
         Ok(true)
     }
 
-    /// Measures a held scan for nobody and keeps what it shows, or why it cannot be measured.
-    fn make(&mut self, station: &Station, row: &ScanRow) {
+    /// Measures a held scan without a patient. Keeps what it shows, or why it cannot be measured.
+    fn make(&mut self, row: &ScanRow) {
         let scan = short(&row.scan);
-        let trials = &mut self.trials;
+        let (booth, trials) = (Arc::clone(&self.booth), &mut self.trials);
         let count_try = || {
             let trial = trials.entry(row.scan.clone()).or_default();
             trial.crashes += 1;
             Ok(trial.crashes)
         };
-        let outcome = match measuring::measured(station, row, None, THREADS, count_try) {
+        let outcome = match measuring::measured(booth.core(), row, None, THREADS, count_try) {
             Ok(outcome) => outcome,
-            Err(error) => return self.put_off(station, row, &chain(&error)),
+            Err(error) => return self.put_off(row, &chain(&error)),
         };
         let code = match outcome {
             Outcome::Files(files) => {
-                return match station.previews.keep(&row.scan, &files) {
+                return match self.previews.keep(&row.scan, &files) {
                     Ok(()) => {
                         info!(event = "preview-made", scan);
-                        note(station, station.scan_measured(&row.scan));
-                        station.page.refresh();
+                        self.note(booth.scan_measured(&row.scan));
                     }
-                    Err(error) => self.put_off(station, row, &error.to_string()),
+                    Err(error) => self.put_off(row, &error.to_string()),
                 };
             }
             Outcome::Refused { code, .. } => code,
-            Outcome::Lost => return self.put_off(station, row, "its bytes are not in the spool"),
-            Outcome::Waits { error, .. } => return self.put_off(station, row, &error),
+            Outcome::Lost => return self.put_off(row, "its bytes are not in the spool"),
+            Outcome::Waits { error, .. } => return self.put_off(row, &error),
         };
         info!(event = "preview-impossible", scan, code);
-        station.previews.cannot_be(&row.scan, code);
-        // Another export of the same scan is to come.
-        note(station, station.reopen_capture(&row.scan));
-        station.page.refresh();
+        self.previews.cannot_be(&row.scan, code);
+        // Another export of the same scan is expected.
+        self.note(booth.reopen_capture(&row.scan));
     }
 
-    fn put_off(&mut self, station: &Station, row: &ScanRow, error: &str) {
+    fn put_off(&mut self, row: &ScanRow, error: &str) {
         warn!(event = "preview-failed", scan = short(&row.scan), error);
-        self.trials.entry(row.scan.clone()).or_default().again = station.now() + AGAIN;
+        let again = self.core().now() + AGAIN;
+        self.trials.entry(row.scan.clone()).or_default().again = again;
     }
 
-    /// Tells a fault of the folder once.
+    /// Logs a fault of the folder once.
     fn tell(&mut self, fault: Option<String>) {
         if let Some(error) = fault.as_ref().filter(|fault| self.said.as_ref() != Some(fault)) {
             warn!(event = "preview-failed", error);
         }
         self.said = fault;
     }
-}
 
-/// The captures could not learn of a preview: it counts as not made for a while.
-fn note(station: &Station, noted: Result<(), JournalError>) {
-    if let Err(error) = noted {
-        station.check_corruption(&error);
-        warn!(event = "journal-failed", error = chain(&error));
+    /// Logs that the captures could not learn of a preview; it counts as not made for a while.
+    fn note(&self, noted: Result<(), JournalError>) {
+        if let Err(error) = noted {
+            self.core().check_corruption(&error);
+            warn!(event = "journal-failed", error = chain(&error));
+        }
     }
 }
 
-/// Whether a record is to be delivered to, or taken back from, a store that takes records.
-fn something_is_due(station: &Station) -> Result<bool, JournalError> {
-    let pending = station.custody.journal().pending()?;
-    let facts = station.board.facts();
+/// Whether a record waits for delivery to, or withdrawal from, a store that is in reach.
+fn something_is_due(core: &Core) -> Result<bool, JournalError> {
+    let pending = core.custody.journal().pending()?;
+    let facts = core.board.facts();
     let is_in_reach = |store: &str| {
         let fault = facts.stores.get(store).and_then(|facts| facts.fault.as_ref());
-        station.store(store).is_some() && fault.is_none()
+        core.stores.named(store).is_some() && fault.is_none()
     };
     Ok(pending.iter().any(|due| is_in_reach(&due.store)))
 }

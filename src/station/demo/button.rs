@@ -17,13 +17,13 @@ pub struct SimulatedButton {
 }
 
 impl SimulatedButton {
-    /// A box and the port that it hangs on, for `trigger.serial.port`.
+    /// Creates a box and the port that it is connected to, for `trigger.serial.port`.
     ///
     /// # Errors
-    /// Where the system has no pseudo-terminals.
+    /// If the system has no pseudo-terminals.
     pub fn new() -> io::Result<SimulatedButton> {
         let (box_end, port_end) = TTYPort::pair()?;
-        // The end of the station is opened by its name, and is free again as soon as this is dropped.
+        // The station opens its end by name. That end is free as soon as `port_end` is dropped here.
         let port = port_end.name().map(PathBuf::from).unwrap_or_default();
         Ok(SimulatedButton { box_end, port })
     }
@@ -36,7 +36,7 @@ impl SimulatedButton {
     /// Presses the button.
     ///
     /// # Errors
-    /// Where nobody takes what it sends.
+    /// If nothing reads what it sends.
     pub fn press(&mut self) -> io::Result<()> {
         self.box_end.write_all(PRESS.as_bytes())?;
         self.box_end.write_all(b"\r\n")

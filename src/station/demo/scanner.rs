@@ -14,18 +14,18 @@ const PIECES: usize = 12;
 /// One export to be written.
 #[derive(Debug, Clone)]
 pub struct Export {
-    /// Where to.
+    /// The path to write to.
     pub path: PathBuf,
-    /// What; a scanner that is switched off half-way leaves the first half of it.
+    /// The bytes to write; only the first half if the scanner is switched off half-way.
     pub bytes: Vec<u8>,
     /// How long the scanner takes.
     pub takes: Duration,
 }
 
-/// Writes an export piece by piece. A file that is there already is a fault.
+/// Writes an export piece by piece. An existing file is an error.
 ///
 /// # Errors
-/// As the file system gives them.
+/// Any I/O error.
 pub async fn write(export: Export) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(&export.path)?;
     let piece_bytes = export.bytes.len().div_ceil(PIECES).max(1);

@@ -1,8 +1,8 @@
-//! One station of a machine per export folder: two would make two records of each scan.
+//! Allows one station of a machine per export folder: two would make two records of each scan.
 //!
-//! On a local disk the folder itself is locked, which changes nothing in it. An open folder would keep a
-//! share from being unmounted, so for a share a file of this machine stands for it. Stations on other
-//! machines are not seen.
+//! On a local disk the folder itself is locked, which changes nothing in it. An open folder on a share
+//! would prevent unmounting it, so a file on this machine is locked instead. Stations on other machines
+//! are not detected.
 
 use std::collections::BTreeMap;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -10,41 +10,38 @@ use std::io;
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use tracing::info;
 
-use super::file_system;
 use crate::record::sha256;
+use crate::station::share::file_system;
 use crate::store::durable::FileId;
+use crate::store::polling::poll;
 
-/// Where locks for shares lie: a folder in which every user of the machine may make files.
+/// Where locks for shares are: a folder in which every user of the machine may create files.
 const LOCKS: &str = "/run/lock";
 
-/// How long another process may take to give a folder back: a station that ends, or its last child.
+/// How long another process may take to release a folder: a station that is ending, or its last child.
 const GIVEN_BACK: Duration = Duration::from_secs(3);
 
-/// How often it is asked for meanwhile.
-const ASKED: Duration = Duration::from_millis(20);
-
-/// The export folders that this process has. The kernel gives them back when it ends.
+/// The export folders that this process has locked. The kernel releases them when it ends.
 #[derive(Debug, Default)]
 pub struct ExportLocks(Mutex<BTreeMap<PathBuf, Held>>);
 
 #[derive(Debug)]
 struct Held {
-    /// Which folder it was: another may have come in its place.
+    /// Which folder it was: another may have taken its place.
     id: FileId,
-    /// None where the file system knows no locks.
+    /// `None` if the file system has no locks.
     _file: Option<File>,
 }
 
 impl ExportLocks {
-    /// Whether a folder is this process's now, or no other's as far as can be told. Blocks.
+    /// Whether this process has the folder now, or no other process has it as far as is known. Blocks.
     ///
     /// # Errors
-    /// Where the folder cannot be asked.
+    /// If the folder cannot be examined.
     pub fn hold(&self, folder: &Path) -> io::Result<bool> {
         let id = FileId::of(folder)?;
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
@@ -72,27 +69,24 @@ impl ExportLocks {
         Ok(true)
     }
 
-    /// The first of these folders that another process keeps, if any. One that cannot be asked is left to
-    /// the looks. Blocks.
+    /// The first of these folders that another process keeps locked, if any. A folder that cannot be
+    /// examined is left to the looks. Blocks.
     pub fn kept_by_another(&self, folders: &[PathBuf]) -> Option<PathBuf> {
-        let began = Instant::now();
-        loop {
-            let other = folders.iter().find(|folder| matches!(self.hold(folder), Ok(false)))?;
-            if began.elapsed() >= GIVEN_BACK {
-                return Some(other.clone());
-            }
-            sleep(ASKED);
+        let kept = || folders.iter().find(|folder| matches!(self.hold(folder), Ok(false)));
+        match poll(GIVEN_BACK, || kept().is_none().then_some(())) {
+            Some(()) => None,
+            None => kept().cloned(),
         }
     }
 
-    /// Gives up all folders but these.
+    /// Releases all folders except these.
     pub fn keep_only(&self, folders: &[PathBuf]) {
         let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         all.retain(|folder, _| folders.contains(folder));
     }
 }
 
-/// What is locked for a folder.
+/// The file to lock for a folder.
 fn lock_file(folder: &Path) -> io::Result<File> {
     if !file_system::of(folder)?.is_network() {
         return File::open(folder);
@@ -100,7 +94,7 @@ fn lock_file(folder: &Path) -> io::Result<File> {
     let place = folder.canonicalize()?;
     let name = format!("gaiter-{}", &sha256(place.as_os_str().as_encoded_bytes())[..16]);
     let path = Path::new(LOCKS).join(name);
-    // A file of another user can be locked and not made anew.
+    // A file of another user can be locked but not created again.
     File::open(&path).or_else(|_| {
         OpenOptions::new().write(true).create(true).truncate(false).mode(0o644).open(&path)
     })

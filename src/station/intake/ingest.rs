@@ -1,4 +1,4 @@
-//! Taking one settled file once it has been read: ask its format whether it is whole, give it to
+//! Takes in one settled file after it was read: asks its format whether it is complete, and gives it to
 //! custody.
 
 use std::io;
@@ -10,24 +10,26 @@ use tracing::{info, warn};
 use super::stable_read::Export;
 use crate::config::WithoutTrigger;
 use crate::flow::capture::{Content, Judged, Opener};
+use crate::flow::export::companions;
 use crate::flow::facts::IntakeState;
-use crate::flow::identity::{self, ID_NOT_ALLOWED};
 use crate::flow::light::Outcome;
-use crate::flow::{Appeared, NameSays, Settled, Verdict, companions};
+use crate::flow::patient::identity::{self, ID_NOT_ALLOWED};
+use crate::flow::{Appeared, NameSays, Settled, Verdict};
 use crate::scan::{self, Format};
-use crate::station::assembly::Station;
-use crate::station::caught::caught;
+use crate::station::booth::Booth;
+use crate::station::core::Core;
 use crate::station::custody::quarantine::{self, Reason, Stage};
 use crate::station::custody::spool::Companion;
 use crate::station::custody::{Arrival, CustodyFault};
 use crate::station::event::{StationEvent, short};
 use crate::station::journal::JournalError;
+use crate::station::runtime::caught::caught;
 use crate::store::sums;
 
 /// Whether a settled file may be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Admitted {
-    /// It may.
+    /// It may be read.
     ToBeRead,
     /// It is too large and has been refused.
     Refused,
@@ -35,7 +37,7 @@ pub enum Admitted {
     Shut,
 }
 
-/// What became of a settled file.
+/// The outcome for a settled file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Taken {
     /// It has been dealt with in this state.
@@ -60,11 +62,11 @@ pub enum TakeFault {
     Journal(#[from] JournalError),
 }
 
-/// Parts settled files into those that have been dealt with in this state before and the others.
-/// A journal that cannot say counts as not knowing: taking the file will meet the same fault and
-/// tell of it. Blocks.
-pub fn dealt_with(station: &Station, settled: Vec<Settled>) -> (Vec<Settled>, Vec<Settled>) {
-    let journal = station.custody.journal();
+/// Splits settled files into those that were already dealt with in this state and the others. If the
+/// journal cannot answer, a file counts as not dealt with: taking it will meet the same fault and
+/// report it. Blocks.
+pub fn dealt_with(core: &Core, settled: Vec<Settled>) -> (Vec<Settled>, Vec<Settled>) {
+    let journal = core.custody.journal();
     settled.into_iter().partition(|file| {
         !file.has_late_companion && journal.was_sighted(&file.path, file.stamp).unwrap_or(false)
     })
@@ -73,48 +75,49 @@ pub fn dealt_with(station: &Station, settled: Vec<Settled>) -> (Vec<Settled>, Ve
 /// Whether a settled file may be read; one that is too large is refused here. Blocks.
 ///
 /// # Errors
-/// [`TakeFault`], after which the file is to be offered again.
-pub fn admitted(station: &Station, settled: &Settled) -> Result<Admitted, TakeFault> {
-    if settled.stamp.size > station.config.scanner.max_scan_bytes {
-        refuse_unread(station, settled)?;
-        station.custody.journal().sighted(&settled.path, settled.stamp, None)?;
+/// [`TakeFault`]; the file must then be offered again.
+pub fn admitted(core: &Core, settled: &Settled) -> Result<Admitted, TakeFault> {
+    if settled.stamp.size > core.config.scanner.max_scan_bytes {
+        refuse_unread(core, settled)?;
+        core.custody.journal().sighted(&settled.path, settled.stamp, None)?;
         return Ok(Admitted::Refused);
     }
     let bytes = companions::bytes(&settled.stamp, &settled.companions);
-    if station.intake_gate(bytes) != IntakeState::Open {
+    if core.intake_gate(bytes) != IntakeState::Open {
         return Ok(Admitted::Shut);
     }
     let file = settled.path.file_name().unwrap_or_default().to_owned();
-    station.observer.tell(StationEvent::Settled { file });
+    core.observer.tell(StationEvent::Settled { file });
     Ok(Admitted::ToBeRead)
 }
 
-/// Takes a settled file that has been read, whose content began then. Blocks.
+/// Takes a settled file that has been read. `began` is when its content began. Blocks.
 ///
 /// # Errors
-/// [`TakeFault`], after which the file is to be offered again.
+/// [`TakeFault`]; the file must then be offered again.
 pub fn take(
-    station: &Station,
+    booth: &Booth,
     settled: &Settled,
     began: Appeared,
     export: &Export,
 ) -> Result<Taken, TakeFault> {
+    let core = booth.core();
     let file = settled.path.file_name().unwrap_or_default();
     let name = file.to_string_lossy();
-    // A look offers no other files.
+    // A look only offers files with a known format.
     let Ok(format) = Format::of_file_name(&name) else { return Ok(Taken::Done) };
     let is_cut_short = awaits_rest(export, format);
     if is_cut_short && !settled.awaited {
-        station.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
+        core.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
         return Ok(Taken::CutShort);
     }
-    let companions = fresh(station, settled, export)?;
-    let says = [station.identity.of_file_name(&name), beside(station, &companions)];
+    let companions = fresh(core, settled, export)?;
+    let says = [core.identity.of_file_name(&name), beside(core, &companions)];
     let read = settled.writing.read();
     let found = Found { began, format, is_cut_short, read, companions: &companions };
-    let (verdict, not_an_id) = admit(station, export, &found, says)?;
+    let (verdict, not_an_id) = admit(booth, export, &found, says)?;
     if let Verdict::Held(_) = verdict {
-        station.booth.ended(&export.scan, Outcome::NeedsPerson, station.now());
+        booth.ended(&export.scan, Outcome::NeedsPerson);
     }
     let scan = export.scan.short();
     if not_an_id {
@@ -126,24 +129,20 @@ pub fn take(
     if settled.is_shared {
         warn!(event = "companion-shared", scan);
     }
-    announce(station, settled, export, verdict);
-    let journal = station.custody.journal();
+    announce(core, settled, export, verdict);
+    let journal = core.custody.journal();
     for companion in &settled.companions {
         journal.sighted(&companion.path, companion.stamp, Some(&export.scan))?;
     }
-    // Last: where it fails the file is read again, and known.
+    // Last: if this fails, the file is read again and found to be known.
     journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
     Ok(Taken::Done)
 }
 
-/// What lies beside an export and was made for it: not what an earlier scan under the same stem was
-/// taken with, and left behind.
-fn fresh(
-    station: &Station,
-    settled: &Settled,
-    export: &Export,
-) -> Result<Vec<Companion>, JournalError> {
-    let journal = station.custody.journal();
+/// The files that lie beside an export and were made for it, without those that an earlier scan under
+/// the same stem was taken with and left behind.
+fn fresh(core: &Core, settled: &Settled, export: &Export) -> Result<Vec<Companion>, JournalError> {
+    let journal = core.custody.journal();
     let mut fresh = Vec::new();
     for file in &export.companions {
         let its = settled.companions.iter().find(|its| its.name_ending == file.name_ending);
@@ -159,7 +158,7 @@ fn fresh(
     Ok(fresh)
 }
 
-/// What is known of an export beside its bytes.
+/// What is known about an export apart from its bytes.
 struct Found<'a> {
     /// When its content was written.
     began: Appeared,
@@ -173,17 +172,18 @@ struct Found<'a> {
 
 /// Gives an export to custody, for the capture that it answers.
 fn admit(
-    station: &Station,
+    booth: &Booth,
     export: &Export,
     found: &Found<'_>,
     says: [NameSays; 2],
 ) -> Result<(Verdict, bool), TakeFault> {
-    let (custody, scan) = (&station.custody, &export.scan);
-    // No press and no other export may come between the judgement and what is done by it.
-    let mut booth = station.booth.hold();
+    let core = booth.core();
+    let (custody, scan) = (&core.custody, &export.scan);
+    // No press and no other export may come between the judgement and its consequences.
+    let mut captures = booth.hold();
     custody.enter_kept(|kept, judged| {
-        booth.answer(judged, kept, false, station.now());
-        station.work.notify_one();
+        captures.answer(judged, kept, false, core.now());
+        core.work.notify_one();
     })?;
     let known = custody.known(scan, &export.geometry)?;
     let content = Content {
@@ -195,8 +195,8 @@ fn admit(
             None => custody.completed_by(&export.bytes, found.read)?,
         },
     };
-    let judged = booth.judge(&content);
-    let hold = station.config.capture.without_trigger == WithoutTrigger::Hold;
+    let judged = captures.judge(&content);
+    let hold = core.config.capture.without_trigger == WithoutTrigger::Hold;
     let whose = identity::of_judged(&judged, content.is_known, hold, says);
     let not_an_id = whose.not_an_id;
     let admitted = custody.admit(&Arrival {
@@ -205,81 +205,81 @@ fn admit(
         format: found.format,
         file_time: export.file_time,
         whose,
-        pressed_at: pressed_at(station, &judged)?,
+        pressed_at: pressed_at(core, &judged)?,
         judged: judged.clone(),
         companions: found.companions,
         geometry: &export.geometry,
         known,
     });
-    let now = station.now();
+    let now = core.now();
     match &admitted {
-        Ok(Verdict::New) => booth.answer(&judged, scan, false, now),
-        Ok(Verdict::Held(_)) => booth.answer(&judged, scan, true, now),
+        Ok(Verdict::New) => captures.answer(&judged, scan, false, now),
+        Ok(Verdict::Held(_)) => captures.answer(&judged, scan, true, now),
         Ok(Verdict::Already) => {}
-        // Its bytes may be kept already, and with them what it answers: no other export may.
-        Err(_) if custody.spool().holds(scan) => booth.answer(&judged, scan, true, now),
+        // Its bytes may be kept already. Then it answers the capture, and no other export may.
+        Err(_) if custody.spool().holds(scan) => captures.answer(&judged, scan, true, now),
         Err(_) => {}
     }
     Ok((admitted?, not_an_id))
 }
 
-/// What the scanner's own measures beside a scan say; those of two such files say nothing.
-fn beside(station: &Station, companions: &[Companion]) -> NameSays {
+/// What the scanner's own measures beside a scan say about the patient; two such files say nothing.
+fn beside(core: &Core, companions: &[Companion]) -> NameSays {
     let mut measures = companions.iter().filter(|file| file.name_ending.ends_with("ord"));
     match (measures.next(), measures.next()) {
-        (Some(file), None) => station.identity.of_sidecar(&String::from_utf8_lossy(&file.bytes)),
+        (Some(file), None) => core.identity.of_sidecar(&String::from_utf8_lossy(&file.bytes)),
         _ => NameSays::Nothing,
     }
 }
 
-/// When the button was pressed for an export that is certainly its own.
-fn pressed_at(station: &Station, judged: &Judged) -> Result<Option<Timestamp>, JournalError> {
+/// When the button was pressed for an export that certainly answers that press.
+fn pressed_at(core: &Core, judged: &Judged) -> Result<Option<Timestamp>, JournalError> {
     match judged {
         Judged::Of(capture) if capture.by == Opener::Press => {
-            station.custody.journal().captured_at(capture.number)
+            core.custody.journal().captured_at(capture.number)
         }
         _ => Ok(None),
     }
 }
 
-/// Whether the format shows that more is to come. A reader that panics shows nothing: the scan
-/// goes on and is refused where it is measured.
+/// Whether the format shows that more is to come. If the reader panics, it shows nothing: the scan goes
+/// on and is refused when it is measured.
 fn awaits_rest(export: &Export, format: Format) -> bool {
     caught(|| scan::completeness(&export.bytes, format))
         .is_ok_and(|complete| complete.is_err_and(|fault| fault.may_be_mended_by_waiting()))
 }
 
-fn announce(station: &Station, settled: &Settled, export: &Export, verdict: Verdict) {
+fn announce(core: &Core, settled: &Settled, export: &Export, verdict: Verdict) {
     let file = settled.path.file_name().unwrap_or_default().to_owned();
     let scan = short(&export.scan);
     match verdict {
         Verdict::New => {
             info!(event = "scan-spooled", scan, bytes = export.bytes.len());
-            station.observer.tell(StationEvent::Spooled { file, scan });
-            station.work.notify_one();
+            core.observer.tell(StationEvent::Spooled { file, scan });
+            core.work.notify_one();
         }
         Verdict::Already => {
             info!(event = "scan-known", scan);
-            station.observer.tell(StationEvent::Known { file, scan });
+            core.observer.tell(StationEvent::Known { file, scan });
         }
         Verdict::Held(code) => {
             warn!(event = "scan-held", scan, code);
-            station.observer.tell(StationEvent::Held { scan });
+            core.observer.tell(StationEvent::Held { scan });
         }
     }
 }
 
-/// Refuses a file for its size alone. It has no scan id; its name and state stand for it.
-fn refuse_unread(station: &Station, settled: &Settled) -> Result<(), CustodyFault> {
-    let (size, limit) = (settled.stamp.size, station.config.scanner.max_scan_bytes);
+/// Refuses a file because of its size alone. It has no scan id, so its path and state identify it.
+fn refuse_unread(core: &Core, settled: &Settled) -> Result<(), CustodyFault> {
+    let (size, limit) = (settled.stamp.size, core.config.scanner.max_scan_bytes);
     let mut state = settled.path.as_os_str().as_bytes().to_vec();
     state.extend(format!("\0{:?}", settled.stamp).bytes());
     let code = "scan-too-large";
     let message = format!("the file has {size} bytes, scanner.max_scan_bytes allows {limit}");
     let reason = Reason::new(code, message.clone(), Stage::Intake, Timestamp::now());
     let name = quarantine::unread(sums::scan_id(&state).short());
-    station.custody.refuse_unread(&name, &reason)?;
+    core.custody.refuse_unread(&name, &reason)?;
     warn!(event = "scan-refused", scan = name, code, bytes = size);
-    station.observer.tell(StationEvent::Refused { scan: None, code: code.to_owned(), message });
+    core.observer.tell(StationEvent::Refused { scan: None, code: code.to_owned(), message });
     Ok(())
 }

@@ -1,5 +1,5 @@
-//! What the looks know of files that are not taken: marks of their contents, and what the journal keeps
-//! of it for the next run.
+//! What the looks know about files that are not taken: marks of their contents, and what the journal
+//! keeps of it for the next run.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -10,23 +10,23 @@ use tracing::warn;
 use super::Intake;
 use crate::flow::settle::Memory;
 use crate::flow::{Mark, Stamp};
-use crate::station::assembly::Station;
-use crate::station::error::chain;
+use crate::station::core::Core;
 use crate::station::intake::stable_read;
-use crate::station::stall::{DEADLINE, Pulse, patiently};
-use crate::station::stop::Stop;
+use crate::station::runtime::causes::chain;
+use crate::station::runtime::stop::Stop;
+use crate::station::share::stall::{DEADLINE, Pulse, patiently};
 
-/// What the last run knew of a folder; nothing where the journal cannot say.
-pub(super) async fn recall(station: &Arc<Station>, folder: &Path) -> Result<Memory, JoinError> {
-    let (station, folder) = (Arc::clone(station), folder.to_owned());
+/// What the last run knew about a folder; nothing if the journal cannot answer.
+pub(super) async fn recall(core: &Arc<Core>, folder: &Path) -> Result<Memory, JoinError> {
+    let (core, folder) = (Arc::clone(core), folder.to_owned());
     let recalled = spawn_blocking(move || {
-        let boot = station.booth.boot();
+        let boot = core.clock.boot();
         if boot.is_empty() {
             return Memory::default();
         }
-        let memory = station.custody.journal().look(&folder, boot);
+        let memory = core.custody.journal().look(&folder, boot);
         memory.unwrap_or_else(|error| {
-            station.check_corruption(&error);
+            core.check_corruption(&error);
             warn!(event = "journal-failed", error = chain(&error));
             Memory::default()
         })
@@ -41,11 +41,11 @@ impl Intake {
         if unmarked.is_empty() {
             return Ok(());
         }
-        let station = Arc::clone(&self.station);
+        let core = Arc::clone(self.booth.core());
         let read = move |pulse: &Pulse| {
             let marked = unmarked.into_iter().map(|(path, stamp)| {
                 pulse.beat();
-                let mark = stable_read::mark(&path, stamp, || station.now());
+                let mark = stable_read::mark(&path, stamp, || core.now());
                 (path, stamp, mark)
             });
             marked.collect::<Vec<(PathBuf, Stamp, Option<Mark>)>>()
@@ -58,11 +58,11 @@ impl Intake {
         Ok(())
     }
 
-    /// Keeps what is known of the folder where it has changed, or where a capture has been opened
-    /// since: the last look before a stop must not seem older than that.
+    /// Stores what is known about the folder if it has changed or if a capture has been opened since:
+    /// the last look before a stop must not seem older than that capture.
     pub(super) async fn remember(&mut self) -> Result<(), JoinError> {
         let memory = self.settling.memory();
-        let opened = self.station.booth.last_opened();
+        let opened = self.booth.last_opened();
         let is_kept = self.kept.as_ref().is_some_and(|kept| {
             let covers = opened.is_none_or(|at| kept.looked.is_some_and(|looked| looked > at));
             kept.files == memory.files && covers && kept.looked.is_some() == memory.looked.is_some()
@@ -70,11 +70,11 @@ impl Intake {
         if is_kept {
             return Ok(());
         }
-        let (station, folder) = (Arc::clone(&self.station), self.folder.clone());
+        let (core, folder) = (Arc::clone(self.booth.core()), self.folder.clone());
         let written = spawn_blocking(move || {
-            let written = station.custody.journal().looked(&folder, station.booth.boot(), &memory);
+            let written = core.custody.journal().looked(&folder, core.clock.boot(), &memory);
             written.map(|()| memory).map_err(|error| {
-                station.check_corruption(&error);
+                core.check_corruption(&error);
                 warn!(event = "journal-failed", error = chain(&error));
             })
         });

@@ -1,5 +1,5 @@
-//! What an intake tells: the board what is so, the log what has changed. The log never names files
-//! or folders; a folder is called by its place in the configuration.
+//! What an intake reports: the current state to the board, changes to the log. The log never names
+//! files or folders; a folder is identified by its place in the configuration.
 
 use std::collections::BTreeMap;
 use std::error::Error;
@@ -11,53 +11,53 @@ use std::time::Duration;
 use jiff::{SignedDuration, Timestamp};
 use tracing::{info, warn};
 
+use crate::flow::export::mount::MountGuard;
 use crate::flow::facts::{SourceFacts, SourceState, WaitingFile};
-use crate::flow::mount::MountGuard;
 use crate::flow::settle::Waiting;
 use crate::flow::{Look, Settling, Stamp};
-use crate::station::assembly::Station;
-use crate::station::error::chain;
+use crate::station::booth::Booth;
 use crate::station::intake::scan_dir::Found;
+use crate::station::runtime::causes::chain;
 
-/// What the log has been told of one export folder, and where its facts stand on the board.
+/// What has been logged about one export folder, and where its facts are on the board.
 pub(super) struct Notes {
-    station: Arc<Station>,
+    booth: Arc<Booth>,
     place: usize,
-    /// A time on the wall, and the station's monotonic clock then.
+    /// A wall-clock time, and the station's monotonic clock at that time.
     started: (Timestamp, Duration),
     unwatched: bool,
     ignored: usize,
 }
 
 impl Notes {
-    pub(super) fn new(station: Arc<Station>, place: usize, folder: &Path) -> Notes {
-        let started = (Timestamp::now(), station.now());
-        let notes = Notes { station, place, started, unwatched: false, ignored: 0 };
+    pub(super) fn new(booth: Arc<Booth>, place: usize, folder: &Path) -> Notes {
+        let started = (Timestamp::now(), booth.core().now());
+        let notes = Notes { booth, place, started, unwatched: false, ignored: 0 };
         notes.note(|source| source.folder = Some(folder.to_owned()));
         notes
     }
 
     fn note(&self, change: impl FnOnce(&mut SourceFacts)) {
-        self.station.board.note(|facts| {
+        self.booth.core().board.note(|facts| {
             if let Some(source) = facts.sources.get_mut(self.place) {
                 change(source);
             }
         });
     }
 
-    /// The share does not answer; the caller goes on waiting.
+    /// Notes that the share does not answer; the caller keeps waiting.
     pub(super) fn stalled(&self) {
         self.state(SourceState::Stalled);
     }
 
-    /// What could not be done with a file.
+    /// Logs what could not be done with a file.
     pub(super) fn failed(&self, fault: &(dyn Error + 'static)) {
-        self.station.check_corruption(fault);
+        self.booth.core().check_corruption(fault);
         warn!(event = "intake-failed", export_dir = self.place, error = chain(fault));
     }
 
-    /// Takes in what a look found, and judges whether to believe it; none where the folder is another
-    /// station's.
+    /// Takes in what a look found, and judges whether to believe it; `None` if another station has the
+    /// folder.
     pub(super) fn found(
         &mut self,
         found: io::Result<Option<Found>>,
@@ -91,7 +91,7 @@ impl Notes {
         (Look::Seen(found.scans), found.passers)
     }
 
-    /// Notes how the folder is, and says so where that has changed.
+    /// Notes the state of the folder, and logs it if it has changed.
     fn state(&self, state: SourceState) {
         let mut before = state.clone();
         self.note(|source| {
@@ -135,9 +135,9 @@ impl Notes {
         }
     }
 
-    /// Notes the files that wait, and says so once of each that waits too long.
+    /// Notes the files that wait, and logs once for each that waits too long.
     pub(super) fn waiting(&self, settling: &mut Settling) {
-        let now = self.station.now();
+        let now = self.booth.core().now();
         let overdue = settling.newly_overdue(now);
         if overdue > 0 {
             warn!(event = "file-overdue", export_dir = self.place, count = overdue);
@@ -150,10 +150,10 @@ impl Notes {
         let files = settling.waiting(now);
         let waiting = files.map(|(path, waiting)| (path.to_owned(), file(waiting))).collect();
         self.note(|source| source.waiting = waiting);
-        self.station.booth.looked(self.place, settling.sights());
+        self.booth.looked(self.place, settling.sights());
     }
 
-    /// A time of the station's monotonic clock on the wall, whatever clocks on the wall did since.
+    /// Converts a time of the station's monotonic clock to wall time, despite later clock changes.
     fn wall(&self, at: Duration) -> Timestamp {
         let (wall, clock) = self.started;
         let signed = |time| SignedDuration::try_from(time).unwrap_or(SignedDuration::MAX);

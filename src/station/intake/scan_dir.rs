@@ -1,43 +1,44 @@
-//! One look at an export folder: which files could be scans, what belongs to them, and on what the
-//! folder lies. Nothing is opened but folders.
+//! One look at an export folder: which files could be scans, which files belong to them, and on what
+//! the folder lies. Only folders are opened.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::fs::{self, FileType, Metadata};
 use std::io;
-use std::os::unix::fs::{FileTypeExt, MetadataExt};
+use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
-use super::file_system::{self, folder_id};
 use crate::config::WatchConfig;
-use crate::flow::companions::{self, Done};
 use crate::flow::explain::passed_over_by_name;
-use crate::flow::mount::Mount;
+use crate::flow::export::companions::{self, Done};
+use crate::flow::export::mount::Mount;
 use crate::flow::{DoneFile, Group, Stamp};
 use crate::scan::Format;
-use crate::station::stall::Pulse;
+use crate::station::share::file_system::{self, folder_id};
+use crate::station::share::stall::Pulse;
+use crate::station::share::stamped_file::stamp;
 
-/// How deep sub-folders are looked through: a year, a month, a day and a patient. A loop of mounts
-/// must end somewhere.
+/// How deep sub-folders are searched: a year, a month, a day and a patient. The limit also ends a loop
+/// of mounts.
 const DEPTH_MAX: usize = 4;
 
-/// How many files that are passed over are known by name; the others are only counted, for a
-/// folder may hold years of other files.
+/// How many ignored files are known by name. The others are only counted, because a folder may hold
+/// years of other files.
 const IGNORED_MAX: usize = 1000;
 
-/// How many files that are no scans as they are called now are followed, those that changed last: one of
-/// them may be the temporary name of a scan to come, and that is being written.
+/// How many files without the name of a scan are followed, those that changed last. One of them may be
+/// the temporary name of a coming scan that is being written.
 const PASSERS_MAX: usize = 500;
 
 /// What a look found.
 #[derive(Debug)]
 pub struct Found {
-    /// Regular files whose ending says that they are scans, with what belongs to them.
+    /// Regular files with the ending of a scan, and the files that belong to them.
     pub scans: BTreeMap<PathBuf, Group>,
-    /// Regular files that are no scans as they are called now, hidden ones too; of many those that changed
-    /// last.
+    /// Regular files without the name of a scan, including hidden ones; if there are many, those that
+    /// changed last.
     pub passers: BTreeMap<PathBuf, Stamp>,
-    /// Others, hidden and unfinished ones aside, and why they are passed over; not all of many.
+    /// Others, except hidden and unfinished ones, and why they are ignored; limited in number.
     pub ignored: BTreeMap<PathBuf, &'static str>,
     /// How many others there are.
     pub ignored_count: usize,
@@ -48,8 +49,8 @@ pub struct Found {
 /// Looks through a folder.
 ///
 /// # Errors
-/// Where the folder cannot be listed to its end, or another came in its place meanwhile: half a
-/// list would make files vanish.
+/// If the folder cannot be listed completely, or another folder has taken its place meanwhile: half a
+/// list would make files seem to vanish.
 pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Found> {
     let before = folder_id(folder)?;
     let mount = file_system::mount(folder, config)?;
@@ -57,18 +58,18 @@ pub fn look(folder: &Path, config: &WatchConfig, pulse: &Pulse) -> io::Result<Fo
     walk.list(folder, 0)?;
     let is_same = folder_id(folder)? == before && file_system::of(folder)? == mount.file_system;
     if !is_same {
-        return Err(io::Error::other("it was replaced while it was looked through"));
+        return Err(io::Error::other("it was replaced while it was searched"));
     }
     Ok(walk.found(mount))
 }
 
-/// A walk through a folder and, by choice, those in it.
+/// A walk through a folder and, if configured, its sub-folders.
 struct Walk<'a> {
     config: &'a WatchConfig,
     pulse: &'a Pulse,
     scans: BTreeMap<PathBuf, Stamp>,
     companions: BTreeMap<PathBuf, Stamp>,
-    /// By the time of their last change, and by name.
+    /// By the time of their last change and by name.
     passers: BTreeMap<(i128, PathBuf), Stamp>,
     done: BTreeMap<PathBuf, Stamp>,
     ignored: BTreeMap<PathBuf, &'static str>,
@@ -98,10 +99,10 @@ impl<'a> Walk<'a> {
             let (path, name) = (entry.path(), entry.file_name());
             let text = name.to_string_lossy();
             let is_hidden = passed_over_by_name(&text).is_some();
-            // A file that cannot be examined is one that is not there yet.
+            // A file that cannot be examined counts as not there yet.
             let Ok(kind) = entry.file_type() else { continue };
             if is_hidden {
-                // A done file may be called so, or a scan that is being written.
+                // It may be a done file, or a scan that is being written.
                 self.passer(path);
             } else if kind.is_dir() {
                 self.folder(path, depth)?;
@@ -111,7 +112,7 @@ impl<'a> Walk<'a> {
                 self.regular(path, &mut |walk| &mut walk.companions);
             } else {
                 self.passer(path.clone());
-                self.ignore(path, "does not end as a scan does");
+                self.ignore(path, "does not have the ending of a scan");
             }
             names.insert(name);
         }
@@ -121,7 +122,7 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// Notes a regular file with its stamp and gives its path; passes over anything else.
+    /// Notes a regular file with its stamp and returns its path; ignores anything else.
     fn regular(
         &mut self,
         path: PathBuf,
@@ -136,7 +137,7 @@ impl<'a> Walk<'a> {
         Some(path)
     }
 
-    /// Follows a file that is no scan as it is called now.
+    /// Follows a file without the name of a scan.
     fn passer(&mut self, path: PathBuf) {
         let metadata = path.symlink_metadata().ok().filter(Metadata::is_file);
         let Some(stamp) = metadata.map(|metadata| stamp(&metadata)) else { return };
@@ -151,7 +152,7 @@ impl<'a> Walk<'a> {
         if !self.config.subfolders {
             self.ignore(path, "is a folder, and scanner.subfolders is false");
         } else if depth == DEPTH_MAX {
-            self.ignore(path, "is a folder that lies too deep");
+            self.ignore(path, "is a folder that is nested too deep");
         } else {
             match self.list(&path, depth + 1) {
                 // It was removed meanwhile.
@@ -165,8 +166,8 @@ impl<'a> Walk<'a> {
         Ok(())
     }
 
-    /// The done files of the scans of one folder. Only names that were listed are examined: a look
-    /// at a share must not ask for every file twice.
+    /// Finds the done files of the scans of one folder. Only listed names are examined, so that a look
+    /// at a share does not query every file twice.
     fn done_files(&mut self, rule: &DoneFile, scans: &[PathBuf], names: &BTreeSet<OsString>) {
         for done in scans.iter().map(|scan| rule.of(scan)) {
             if !done.file_name().is_some_and(|name| names.contains(name)) {
@@ -198,32 +199,18 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// Why something that is no regular file is passed over.
+/// Why something that is not a regular file is ignored.
 fn irregular(kind: FileType) -> &'static str {
     if kind.is_symlink() {
         "is a link, and links are not followed"
     } else if kind.is_dir() {
-        "is a folder called like a scan"
+        "is a folder with the name of a scan"
     } else if kind.is_fifo() {
         "is a pipe, not a file"
     } else if kind.is_socket() {
         "is a socket, not a file"
     } else {
         "is a device, not a file"
-    }
-}
-
-/// The stamp of a file.
-pub fn stamp(metadata: &Metadata) -> Stamp {
-    let ns = |seconds: i64, nanoseconds: i64| {
-        i128::from(seconds) * 1_000_000_000 + i128::from(nanoseconds)
-    };
-    Stamp {
-        dev: metadata.dev(),
-        ino: metadata.ino(),
-        size: metadata.size(),
-        mtime_ns: ns(metadata.mtime(), metadata.mtime_nsec()),
-        ctime_ns: ns(metadata.ctime(), metadata.ctime_nsec()),
     }
 }
 

@@ -1,25 +1,21 @@
-//! Reading a settled file whole, and only if it is still the file that settled.
+//! Reads a settled file completely, and only if it is still the file that settled.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io;
 use std::os::unix::fs::{FileExt, MetadataExt};
 use std::path::Path;
 use std::time::Duration;
 
 use jiff::Timestamp;
-use rustix::fs::{Mode, OFlags};
-use rustix::io::Errno;
+use rustix::fs::Mode;
 
-use super::scan_dir;
-use crate::flow::writing::END_BYTES;
+use crate::flow::export::writing::END_BYTES;
 use crate::flow::{Mark, ScanId, Settled, Stamp};
 use crate::scan::{self, Format};
 use crate::station::custody::spool::Companion;
-use crate::station::stall::Pulse;
+use crate::station::share::stall::Pulse;
+use crate::station::share::stamped_file::{READ, bytes};
 use crate::store::sums;
-
-/// How much is read at a time, bytes: a step that a slow share makes well within the deadline.
-const PIECE_BYTES: u64 = 1 << 20;
 
 /// The bytes of one state of an export.
 #[derive(Debug)]
@@ -28,37 +24,37 @@ pub struct Export {
     pub bytes: Vec<u8>,
     /// Their id.
     pub scan: ScanId,
-    /// The hash of their geometry, hexadecimal; '' where they have none.
+    /// The hash of their geometry, hexadecimal; empty if they have none.
     pub geometry: String,
     /// The file's own time of last change.
     pub file_time: Option<Timestamp>,
-    /// What goes with it.
+    /// The files that go with it.
     pub companions: Vec<Companion>,
     /// How many files beside it are left out because they are too large, too many or cannot be read.
     pub left_out: usize,
 }
 
-/// Reads a settled file and what goes with it, if all is in the state that settled before and
-/// after; else none, for something changed, was replaced or left, and settling starts again.
+/// Reads a settled file and its companions if all are in the settled state before and after. Otherwise
+/// returns `None`: something changed, was replaced or disappeared, and settling starts again.
 ///
 /// # Errors
 /// Any other I/O error at the scan itself.
 pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
-    let Some(bytes) = bytes(&settled.path, settled.stamp, pulse)? else { return Ok(None) };
+    let Some(scan_bytes) = bytes(&settled.path, settled.stamp, pulse)? else { return Ok(None) };
     let (mut companions, mut left_out) = (Vec::new(), settled.left_out);
     for companion in &settled.companions {
         let name_ending = companion.name_ending.clone();
-        match self::bytes(&companion.path, companion.stamp, pulse) {
+        match bytes(&companion.path, companion.stamp, pulse) {
             Ok(Some(bytes)) => companions.push(Companion { name_ending, bytes }),
             Ok(None) => return Ok(None),
-            // A scan is not lost for what lies beside it.
+            // A scan is not lost because of the files beside it.
             Err(_) => left_out += 1,
         }
     }
     let file_time = Timestamp::from_nanosecond(settled.stamp.mtime_ns).ok();
-    let scan = sums::scan_id(&bytes);
-    let geometry = geometry(&settled.path, &bytes);
-    Ok(Some(Export { scan, geometry, bytes, file_time, companions, left_out }))
+    let scan = sums::scan_id(&scan_bytes);
+    let geometry = geometry(&settled.path, &scan_bytes);
+    Ok(Some(Export { scan, geometry, bytes: scan_bytes, file_time, companions, left_out }))
 }
 
 fn geometry(path: &Path, bytes: &[u8]) -> String {
@@ -68,8 +64,8 @@ fn geometry(path: &Path, bytes: &[u8]) -> String {
     if parts.is_empty() { String::new() } else { sums::of_parts(bytes, &parts).to_string() }
 }
 
-/// The ends of the part of a file that a look found in this state; none where it cannot be read, or is
-/// shorter by now. `now` tells the time.
+/// The ends of the part of a file that a look found in this state; `None` if it cannot be read or is
+/// shorter by now. `now` returns the time.
 pub fn mark(path: &Path, stamp: Stamp, now: impl Fn() -> Duration) -> Option<Mark> {
     let began = now();
     let file = File::from(rustix::fs::open(path, READ, Mode::empty()).ok()?);
@@ -86,47 +82,16 @@ pub fn mark(path: &Path, stamp: Stamp, now: impl Fn() -> Duration) -> Option<Mar
     is_file.then(|| Mark::new(began, now(), stamp.size, &head, &tail))
 }
 
-/// A link or a pipe may have taken a file's place: neither follow nor wait.
-const READ: OFlags =
-    OFlags::RDONLY.union(OFlags::NOFOLLOW).union(OFlags::NONBLOCK).union(OFlags::CLOEXEC);
-
-/// The bytes of a file, if it is in this state before and after; else none.
-///
-/// # Errors
-/// Any other I/O error.
-pub fn bytes(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Vec<u8>>> {
-    let mut file = match rustix::fs::open(path, READ, Mode::empty()) {
-        Ok(file) => File::from(file),
-        Err(Errno::NOENT | Errno::LOOP | Errno::NXIO) => return Ok(None),
-        Err(error) => return Err(error.into()),
-    };
-    if !in_state(&file, stamp)? {
-        return Ok(None);
-    }
-    let mut bytes = Vec::with_capacity(usize::try_from(stamp.size).unwrap_or(0));
-    // One byte more than expected shows a file that grew; a bound in any case.
-    let mut rest = (&mut file).take(stamp.size.saturating_add(1));
-    while (&mut rest).take(PIECE_BYTES).read_to_end(&mut bytes)? > 0 {
-        pulse.beat();
-    }
-    let is_whole = u64::try_from(bytes.len()) == Ok(stamp.size) && in_state(&file, stamp)?;
-    Ok(is_whole.then_some(bytes))
-}
-
-fn in_state(file: &File, stamp: Stamp) -> io::Result<bool> {
-    let metadata = file.metadata()?;
-    Ok(metadata.is_file() && scan_dir::stamp(&metadata) == stamp)
-}
-
 #[cfg(test)]
 mod tests {
     use std::fs;
 
     use super::*;
     use crate::flow::{self, Appeared, Writing};
+    use crate::station::share::stamped_file::{self, PIECE_BYTES};
 
     fn settled(path: &Path) -> Settled {
-        let stamp = scan_dir::stamp(&path.symlink_metadata().unwrap());
+        let stamp = stamped_file::stamp(&path.symlink_metadata().unwrap());
         let writing = Writing::new(Appeared { absent: None, seen: Duration::ZERO });
         Settled {
             path: path.to_owned(),
@@ -205,7 +170,7 @@ mod tests {
 
     fn beside(stem: &Path, ending: &str) -> flow::Companion {
         let path = stem.with_extension(ending);
-        let stamp = scan_dir::stamp(&path.symlink_metadata().unwrap());
+        let stamp = stamped_file::stamp(&path.symlink_metadata().unwrap());
         flow::Companion { path, stamp, name_ending: ending.into() }
     }
 }

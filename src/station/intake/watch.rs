@@ -1,8 +1,8 @@
 //! The watch on an export folder: a hint to look sooner, never the truth.
 //!
-//! A watch may say nothing for ever: after the folder was replaced, when the kernel's limits are
-//! reached. So nothing depends on it, and before every look it is armed anew if it is not on the
-//! folder that now has the path. On network shares, where it is mostly mute, there is none.
+//! A watch may stay silent forever: after the folder was replaced, or when the kernel's limits are
+//! reached. So nothing depends on it, and before every look it is armed again if it is not on the
+//! folder that now has the path. Network shares have none, because it is mostly silent there.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,15 +12,15 @@ use notify::event::{AccessKind, AccessMode};
 use notify::{Config, Event, EventKind, RecommendedWatcher, RecursiveMode, Watcher};
 use tokio::sync::Notify;
 
-use super::file_system;
+use crate::station::share::file_system;
 
-/// A watch on one folder, as well as it can be had.
+/// A best-effort watch on one folder.
 #[derive(Debug)]
 pub struct Watch {
     folder: PathBuf,
     depth: RecursiveMode,
     hint: Arc<Notify>,
-    /// The watcher has reported an error; what it would say next is not to be relied upon.
+    /// The watcher has reported an error; its next events are not reliable.
     broken: Arc<AtomicBool>,
     armed: Option<Armed>,
 }
@@ -33,17 +33,17 @@ struct Armed {
 }
 
 impl Watch {
-    /// A watch that is not armed yet and will give `hint`, of the folders within too if asked.
+    /// Creates a watch that is not armed yet and will notify `hint`; it covers sub-folders if asked.
     pub fn new(folder: PathBuf, subfolders: bool, hint: Arc<Notify>) -> Watch {
         let depth = if subfolders { RecursiveMode::Recursive } else { RecursiveMode::NonRecursive };
         Watch { folder, depth, hint, broken: Arc::new(AtomicBool::new(false)), armed: None }
     }
 
-    /// Arms the watch unless it is on the present folder; to be called before each look, so that
-    /// what comes after the look is not missed. Says whether there is a watch: none on a share.
+    /// Arms the watch unless it is on the current folder. Must be called before each look, so that
+    /// changes after the look are not missed. Returns whether there is a watch: a share has none.
     ///
     /// # Errors
-    /// Where it cannot be armed: looks then come at their own pace only.
+    /// If it cannot be armed. Looks then only happen at their normal interval.
     pub fn keep_armed(&mut self) -> notify::Result<bool> {
         let now = file_system::folder_id(&self.folder).ok();
         let broken = self.broken.swap(false, Ordering::Relaxed);
@@ -73,8 +73,8 @@ impl Watch {
     }
 }
 
-/// Whether an event tells of a change, or that events were lost. Our own looks and copies open and close files; hints from
-/// those would make the station look for ever.
+/// Whether an event reports a change or lost events. Our own looks and copies open and close files;
+/// hints from those would make the station look forever.
 fn tells(event: &Event) -> bool {
     match event.kind {
         EventKind::Access(AccessKind::Close(AccessMode::Write)) => true,
@@ -113,7 +113,7 @@ mod tests {
         fs::create_dir(&folder).unwrap();
         watch.keep_armed().unwrap();
         let hint = Arc::clone(&watch.hint);
-        // What the old folder still had to say is not what is asked here.
+        // Late events of the old folder are not tested here.
         while tokio::time::timeout(Duration::from_millis(50), hint.notified()).await.is_ok() {}
         fs::write(folder.join("b"), "b").unwrap();
         assert!(hinted(&hint).await);
@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn lost_events_tell_that_something_may_have_changed() {
-        // What the kernel's queue says when it runs over: no kind, no path, only the flag.
+        // What the kernel's queue reports when it overflows: no kind, no path, only the flag.
         let overflow = Event::new(EventKind::Other).set_flag(Flag::Rescan);
         assert!(overflow.paths.is_empty() && tells(&overflow));
         let read = EventKind::Access(AccessKind::Close(AccessMode::Read));

@@ -1,5 +1,5 @@
-//! What a person decides, in the journal. The bytes have been put where they belong before, and the
-//! decision itself has been kept: `number` is its place among those about the scan, from 1.
+//! Operators' decisions in the journal. The caller has already moved the bytes and stored the decision;
+//! `number` is the decision's position among those about the scan, from 1.
 
 use rusqlite::{Connection, Transaction, params};
 use serde_json::{Value, json};
@@ -13,7 +13,7 @@ use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use crate::record::Patient;
 
 impl Journal {
-    /// Every delivery of a scan that is in a state.
+    /// All deliveries of a scan in this state.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -25,7 +25,7 @@ impl Journal {
         deliveries_in(&self.connection(), scan, state)
     }
 
-    /// The ids of those of whom a held scan may be, as far as whatever held it could tell.
+    /// The ids of the patients a held scan may belong to, as far as known when it was held.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -37,8 +37,8 @@ impl Journal {
         cell("candidates", text, |text| serde_json::from_str(text).ok())
     }
 
-    /// A person wants refused deliveries tried again. There is a number where that takes back an
-    /// earlier decision.
+    /// Applies an operator's retry of refused deliveries. `number` is set if it revokes an earlier
+    /// decision.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -52,8 +52,8 @@ impl Journal {
         self.change(|transaction| reopened(transaction, scan, deliveries, by, number))
     }
 
-    /// A person says that a held scan is one patient's: these deliveries are made, and what else is
-    /// held of it is not.
+    /// Applies an operator's release of a held scan to one patient: these deliveries are made, and the
+    /// other held ones are dropped.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -69,8 +69,8 @@ impl Journal {
         })
     }
 
-    /// A person says whose scan it is. Deliveries to others are not wanted any more; those that were
-    /// made are taken back when the patient's own lies in their store.
+    /// Applies an operator's assignment of a scan to a patient. Deliveries to others become unwanted.
+    /// Those already made are withdrawn when the patient's own record is in the same store.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -88,8 +88,8 @@ impl Journal {
         })
     }
 
-    /// A person takes a scan back from the patient who has it: it is nobody's again. Records that were
-    /// delivered go when the one for nobody lies in their store.
+    /// Applies an operator's decision to take a scan back from its patient: it is unassigned again.
+    /// Delivered records are withdrawn when the unassigned one is in the same store.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -107,8 +107,8 @@ impl Journal {
         })
     }
 
-    /// Whether a person may say that a scan needs no decision any more: it was refused, or is held
-    /// although it is somebody's already.
+    /// Reports whether an operator may give up a scan: it was refused, or is held although it already
+    /// belongs to a patient.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -124,7 +124,7 @@ impl Journal {
         Ok(is_refused || is_held && !owners(&connection, scan)?.is_empty())
     }
 
-    /// A person says that a scan needs no decision any more.
+    /// Applies an operator's decision to give a scan up: it needs no further decision.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -136,8 +136,8 @@ impl Journal {
         })
     }
 
-    /// Whether the spooled bytes of a scan have served: nothing is pending, and nothing waits for a
-    /// decision.
+    /// Reports whether the spooled bytes of a scan are no longer needed: nothing is pending, and nothing
+    /// waits for a decision.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -146,7 +146,7 @@ impl Journal {
     }
 }
 
-/// Every delivery of a scan that is in a state.
+/// All deliveries of a scan in this state.
 pub(super) fn deliveries_in(
     connection: &Connection,
     scan: &ScanId,
@@ -174,7 +174,7 @@ pub(super) fn deliveries_in(
     Ok(found)
 }
 
-/// These deliveries are made after all, by a person's word.
+/// Makes these deliveries pending after an operator's decision.
 fn reopened(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -192,7 +192,7 @@ fn reopened(
     history::append(transaction, Some(scan), event, &detail)
 }
 
-/// Deliveries begin afresh, and with them their scan.
+/// Restarts deliveries from the beginning, and their scan.
 pub(super) fn make_again(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -213,7 +213,7 @@ pub(super) fn make_again(
     reopen(transaction, scan)
 }
 
-/// What is held of a scan is not to be made.
+/// Drops the held deliveries of a scan.
 pub(super) fn drop_held(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
     transaction.execute(
         "DELETE FROM deliveries WHERE sha256 = ?1 AND state = ?2",
@@ -222,14 +222,14 @@ pub(super) fn drop_held(transaction: &Transaction<'_>, scan: &ScanId) -> Result<
     Ok(())
 }
 
-/// A scan needs no decision any more.
+/// Closes a scan: it needs no further decision.
 pub(super) fn close(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
     let given_up = "UPDATE scans SET closed = 'given-up' WHERE sha256 = ?1";
     transaction.execute(given_up, [scan.as_str()])?;
     Ok(())
 }
 
-/// A scan is these patients' and nobody else's; of none, it is nobody's.
+/// Gives a scan to these patients only; without patients it becomes unassigned.
 pub(super) fn belongs_to(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -256,9 +256,9 @@ pub(super) fn belongs_to(
     finish_if_done(transaction, scan)
 }
 
-/// Deliveries to others than these are not wanted any more. One that was made is to be taken back; one
-/// that was to be made, or failed at last, may be in hand or have been made all the same. The record
-/// for nobody goes by itself when a patient has it, and keeps what others must give back until then.
+/// Marks the deliveries to other patients as unwanted. One that was made must be withdrawn. One that was
+/// pending or refused may be running, or may have been made anyway. The delivered unassigned record is
+/// left out: it is withdrawn when a patient has the record, and until then it is the keeper for others.
 fn give_way(transaction: &Transaction<'_>, scan: &ScanId, ids: &str) -> Result<(), JournalError> {
     transaction.execute(
         "UPDATE deliveries SET code = ?3
@@ -275,7 +275,7 @@ fn give_way(transaction: &Transaction<'_>, scan: &ScanId, ids: &str) -> Result<(
     Ok(())
 }
 
-/// The deliveries of a scan to whom a person says it belongs.
+/// Enters the deliveries of a scan to the patient an operator assigned it to.
 pub(super) fn for_whom(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -284,11 +284,11 @@ pub(super) fn for_whom(
 ) -> Result<(), JournalError> {
     let state = state_of(transaction, scan)?;
     let delivery = match state {
-        // It stays refused until somebody retries it, now for this patient.
+        // It stays refused until an operator retries it, now for this patient.
         ScanState::Refused => DeliveryState::Refused,
         ScanState::Spooled | ScanState::Delivered => DeliveryState::Pending,
     };
-    // What was to be taken back from this very one stays.
+    // A record of this patient that was to be withdrawn stays.
     let id = patient.map_or("", |patient| &patient.id);
     transaction.execute(
         "UPDATE deliveries SET code = NULL

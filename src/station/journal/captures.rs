@@ -1,6 +1,6 @@
-//! Presses, the patients who were named for them, and what became of them, in the journal.
+//! Captures in the journal: presses, the patients named for them, and their outcomes.
 //!
-//! Times are on the machine's clock since its start, and only as good as that start.
+//! Times are on the machine's clock since its start and valid only for that start.
 
 mod cells;
 mod next;
@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 use super::integrity::seal;
 use super::{Event, Journal, JournalError, cell, history};
 use crate::flow::capture::{Capture, Captures, Judged, Named};
-use crate::flow::order_habit::{ORDERS_MOST, OrderCame};
+use crate::flow::orders::habit::{ORDERS_MOST, OrderCame};
 use crate::flow::{ScanId, ScanState};
 use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_word, word_of};
 pub(super) use next::upgrade;
@@ -23,38 +23,38 @@ pub(super) use next::upgrade;
 const ANSWERED: &str = "answered";
 const HELD: &str = "held";
 
-/// Of captures whose exports were taken.
+/// SQL: the states of captures whose exports were taken in.
 const TAKEN: &str = "('answered', 'held')";
 
-/// The states of a capture whose export has not come, as SQL has them.
+/// SQL: the states of captures whose exports have not come.
 const WAITING: &str = "('open', 'expired')";
 
-/// So many captures that are over are kept for people to read; the history keeps each.
+/// The number of finished captures kept for operators to read; the history keeps all of them.
 const KEPT: i64 = 1000;
 
-/// A capture as it stands in the journal.
+/// A capture as the journal holds it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CaptureRow {
     /// The capture.
     pub capture: Capture,
-    /// The start of the machine on whose clock its times are.
+    /// The machine start that its times refer to.
     pub boot: String,
-    /// When it was opened by the clock on the wall.
+    /// When it was opened, by the wall clock.
     pub at: Timestamp,
 }
 
-/// What happens at the booth, as the journal is told before anything is done by it.
+/// A change at the booth. The journal records it before anything acts on it.
 #[derive(Debug)]
 pub struct BoothChange<'a> {
-    /// The captures and names as they were.
+    /// The captures and names before the change.
     pub before: &'a Captures,
-    /// As they are to be.
+    /// The captures and names after the change.
     pub after: &'a Captures,
-    /// The start of the machine on whose clock their times are.
+    /// The machine start that their times refer to.
     pub boot: &'a str,
-    /// What a capture is that waits no more.
+    /// The state of a capture that no longer waits.
     pub ended_as: &'static str,
-    /// What the history says, if anything.
+    /// The entry for the history, if any.
     pub event: Option<(Event, Value)>,
 }
 
@@ -70,10 +70,10 @@ impl Journal {
         Ok(newest.unwrap_or(0) + 1)
     }
 
-    /// Something happened at the booth: captures were opened, changed or ended, names said or used.
+    /// Records a change at the booth: captures opened, changed or ended, names given or used.
     ///
     /// # Errors
-    /// See [`JournalError`]; nothing has happened then.
+    /// See [`JournalError`]; nothing is changed then.
     pub fn booth_changed(&self, change: &BoothChange<'_>) -> Result<(), JournalError> {
         let BoothChange { before, after, boot, ended_as, event } = change;
         self.change(|transaction| {
@@ -132,8 +132,8 @@ impl Journal {
         rows.next()?.map(|row| Ok(read(row)?.capture)).transpose()
     }
 
-    /// The captures whose scans are to be measured, are held, or were refused without their being opened
-    /// again.
+    /// The captures whose scans are to be measured, are held, or were refused without the capture being
+    /// opened again.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -153,7 +153,7 @@ impl Journal {
         Ok(found)
     }
 
-    /// When the last orders came, the newest last.
+    /// Whether the last orders came before or after the press, newest last.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -175,7 +175,7 @@ impl Journal {
         Ok(came)
     }
 
-    /// When a capture was opened, on the wall; none for one that is not kept.
+    /// When a capture was opened, by the wall clock; `None` if the capture is not kept.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -187,7 +187,7 @@ impl Journal {
         text.map(|text| cell("at", text, |text| text.parse().ok())).transpose()
     }
 
-    /// Captures of refused scans end, for a good one of the same patient was measured.
+    /// Ends captures of refused scans because a good scan of the same patient was measured.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -195,8 +195,8 @@ impl Journal {
         self.change(|transaction| end(transaction, captures, "over"))
     }
 
-    /// Captures of an earlier start of the machine expire, and their names with them. Those that are
-    /// carried over stay, with times of this start.
+    /// Expires captures of an earlier machine start, and their names. Captures that are carried over
+    /// stay, with times of this start.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -221,7 +221,7 @@ impl Journal {
     }
 }
 
-/// What an export means for captures, within the change that enters it.
+/// Records what an export means for captures, within the change that enters it.
 pub(super) fn answer(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -247,7 +247,7 @@ pub(super) fn answer(
     history::append(transaction, Some(scan), Event::Answered, &detail)
 }
 
-/// A capture's export may be any of these patients' from now on.
+/// Records that a capture's export may belong to any of these patients.
 fn doubt(
     transaction: &Transaction<'_>,
     number: i64,

@@ -1,4 +1,4 @@
-//! How much of what people decided the journal has taken up, and what it does with the rest.
+//! Which decisions of operators the journal has applied, and how it applies the others.
 
 use serde_json::json;
 
@@ -6,12 +6,12 @@ use super::acts::{belongs_to, close, deliveries_in, for_whom, make_again};
 use super::scans::{set_state, state_of};
 use super::{Due, Event, Journal, JournalError, history, withdrawal};
 use crate::flow::decision::Ruling;
-use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
+use crate::flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanStep};
 use crate::record::Patient;
 
 impl Journal {
-    /// The number of the last decision about a scan that this journal has taken up; 0 for none.
+    /// The number of the last decision about a scan that this journal has applied; 0 for none.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -25,8 +25,8 @@ impl Journal {
         Ok(usize::try_from(number).unwrap_or(0))
     }
 
-    /// Carries out what was decided about a scan and this journal does not know: a crash came between
-    /// the decision and the journal, or the journal was rebuilt.
+    /// Carries out decisions about a scan that this journal does not know, because of a crash between
+    /// the decision and the journal or because the journal was rebuilt.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -61,8 +61,8 @@ impl Journal {
         })
     }
 
-    /// The bytes of a refused scan are let go, as the configuration says: they are not lost, and the
-    /// scan needs no decision any more.
+    /// Records that retention deletes the bytes of a refused scan: they are not lost, and the scan needs
+    /// no further decision.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -74,7 +74,7 @@ impl Journal {
         })
     }
 
-    /// Whether the bytes of a scan were let go and nothing has happened to it since.
+    /// Reports whether retention deleted the bytes of a scan and nothing has happened to it since.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -83,8 +83,8 @@ impl Journal {
         Ok(last.is_some_and(|last| last.event == Event::LetGo.word()))
     }
 
-    /// The bytes of a refused scan, which were lost, came in again: its deliveries are made for whom
-    /// they were to be made, where that is one; else they are held.
+    /// Records that the lost bytes of a refused scan came in again. Its deliveries are made if they are
+    /// for one patient; otherwise they are held.
     ///
     /// # Errors
     /// See [`JournalError`].

@@ -6,51 +6,18 @@ use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::json;
 
-use super::delivery_row::{count, detail, set_code, step};
+use super::delivery_row::{Due, Task, count, detail, set_code, step};
 use super::integrity::seal;
 use super::scans::{set_state, state_of};
 use super::withdrawal::{self, Overtaken, UNWANTED};
 use super::{Event, Journal, JournalError, cell, history};
-use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
+use crate::flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::flow::{DeliveryState, DeliveryStep, ScanId, ScanState, ScanStep};
 use crate::record::Patient;
 
-/// A delivery to be made or taken back.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Due {
-    /// The scan.
-    pub scan: ScanId,
-    /// Whose it is; none while nobody named the patient.
-    pub patient: Option<Patient>,
-    /// The store's name.
-    pub store: String,
-    /// What is to be done there.
-    pub task: Task,
-    /// When the station first saw the scan.
-    pub first_seen: Timestamp,
-    /// How often it was tried.
-    pub attempts: u32,
-}
-
-/// What is to be done at a store.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Task {
-    /// The record is to be put there.
-    Deliver,
-    /// The record there is to be taken back: another one has it whose scan it is.
-    Withdraw,
-}
-
-impl Due {
-    /// The patient's id as the journal's column holds it.
-    pub fn patient_cell(&self) -> &str {
-        self.patient.as_ref().map_or("", |patient| &patient.id)
-    }
-}
-
 impl Journal {
-    /// All deliveries to be made or taken back, the scans first seen last first: people who stand at
-    /// the booth is not to wait for a backlog.
+    /// All deliveries to make or withdraw, newest scan first: an operator at the booth must not wait for
+    /// a backlog.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -69,7 +36,7 @@ impl Journal {
             let (scan, id, sources): (String, String, String) =
                 (row.get(0)?, row.get(1)?, row.get(2)?);
             let (store, state): (String, String) = (row.get(3)?, row.get(4)?);
-            // Read again although the start checked all: this decides whose folder it goes to.
+            // Checked again although the start checked all rows: this decides whose folder it goes to.
             if row.get::<_, String>(7)? != seal::of_delivery(&scan, &id, &store, &sources) {
                 return Err(JournalError::Seal { table: "deliveries" });
             }
@@ -90,10 +57,10 @@ impl Journal {
         Ok(pending)
     }
 
-    /// The store has given its receipt. With the last pending delivery the scan is delivered. Refusals
-    /// of earlier scans of the same patient need no decision any more. What is to be taken back now is
-    /// said, see `journal::withdrawal`.
-    /// Says whether the spooled bytes have served: nothing is pending, held or refused.
+    /// Records a store's receipt. The last pending delivery makes the scan delivered. Earlier refused
+    /// scans of the same patient need no further decision. Records that can be withdrawn now are marked,
+    /// see `journal::withdrawal`. Returns whether the spooled bytes are no longer needed: nothing is
+    /// pending, held or refused.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -118,8 +85,8 @@ impl Journal {
         })
     }
 
-    /// A store will never take a record, while other deliveries of the scan are still to be made;
-    /// says whether that is so. Where none is, nothing is changed: the scan is to be refused.
+    /// Records that a store will never take a record, if other deliveries of the scan are pending.
+    /// Returns whether that is so. If not, nothing is changed: the scan is to be refused.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -136,8 +103,8 @@ impl Journal {
         })
     }
 
-    /// An attempt failed for a reason that may pass. One that is not to be made any more is left as it
-    /// is: its code says so.
+    /// Records an attempt that failed for a reason that may pass. A delivery that is no longer to be
+    /// made is left as it is: its code says why.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -151,7 +118,7 @@ impl Journal {
         Ok(())
     }
 
-    /// The patients whose scan it is: neither held for them nor taken back from them.
+    /// The patients the scan belongs to: neither those it is held for nor those it was withdrawn from.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -159,7 +126,7 @@ impl Journal {
         owners(&self.connection(), scan)
     }
 
-    /// Why a delivery of the scan waits for a person; none where none does.
+    /// Why a delivery of the scan waits for a decision; `None` if none does.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -173,7 +140,7 @@ impl Journal {
     }
 }
 
-/// The patients whose scan it is.
+/// The patients the scan belongs to.
 pub(super) fn owners(connection: &Connection, scan: &ScanId) -> Result<Vec<String>, JournalError> {
     let mut query = connection.prepare_cached(&format!(
         "SELECT DISTINCT patient FROM deliveries
@@ -187,7 +154,7 @@ pub(super) fn owners(connection: &Connection, scan: &ScanId) -> Result<Vec<Strin
     Ok(rows.collect::<rusqlite::Result<_>>()?)
 }
 
-/// A scan of which nothing is pending any more is delivered.
+/// Marks a scan as delivered if none of its deliveries is pending.
 pub(super) fn finish_if_done(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -199,8 +166,8 @@ pub(super) fn finish_if_done(
     Ok(())
 }
 
-/// Whether the spooled bytes of a scan have served: nothing of it is pending, refused, or held for a
-/// decision that is still wanted.
+/// Reports whether the spooled bytes of a scan are no longer needed: none of its deliveries is pending,
+/// refused, or held for a decision that is still open.
 pub(super) fn has_served(connection: &Connection, scan: &ScanId) -> Result<bool, JournalError> {
     let mut query = connection.prepare_cached(
         "SELECT NOT EXISTS (
@@ -211,8 +178,7 @@ pub(super) fn has_served(connection: &Connection, scan: &ScanId) -> Result<bool,
     Ok(query.query_row([scan.as_str()], |row| row.get(0))?)
 }
 
-/// What was refused of the same patient's before, and of nobody else's, needs no decision any more: here
-/// is a scan that could be measured.
+/// Closes earlier refused scans of this patient and no other, because a later scan could be measured.
 pub(super) fn close_superseded(
     transaction: &Transaction<'_>,
     due: &Due,

@@ -1,13 +1,47 @@
-//! One delivery in the journal: its state, and a step on.
+//! One delivery in the journal: its state and its steps.
 
 use jiff::Timestamp;
 use rusqlite::{Connection, OptionalExtension, Transaction, params};
 use serde_json::json;
 
-use super::{Due, JournalError, cell};
+use super::{JournalError, cell};
 use crate::flow::{DeliveryState, DeliveryStep, ScanId};
+use crate::record::Patient;
 
-/// Says why a delivery is as it is.
+/// A delivery to make or withdraw.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Due {
+    /// The scan.
+    pub scan: ScanId,
+    /// Its patient; `None` if no patient was named.
+    pub patient: Option<Patient>,
+    /// The store's name.
+    pub store: String,
+    /// What is to be done there.
+    pub task: Task,
+    /// When the station first saw the scan.
+    pub first_seen: Timestamp,
+    /// The number of attempts.
+    pub attempts: u32,
+}
+
+/// What is to be done at a store.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Task {
+    /// The record is to be put there.
+    Deliver,
+    /// The record there is to be withdrawn, because the scan's record is now where it belongs.
+    Withdraw,
+}
+
+impl Due {
+    /// The patient's id as the journal's column holds it.
+    pub fn patient_cell(&self) -> &str {
+        self.patient.as_ref().map_or("", |patient| &patient.id)
+    }
+}
+
+/// Sets the reason for a delivery's state.
 pub(super) fn set_code(
     transaction: &Transaction<'_>,
     due: &Due,
@@ -20,7 +54,7 @@ pub(super) fn set_code(
     Ok(())
 }
 
-/// What the history says of a delivery.
+/// The details of a delivery for the history.
 pub(super) fn detail(due: &Due) -> serde_json::Value {
     json!({ "patient": due.patient_cell(), "store": due.store })
 }
@@ -36,7 +70,7 @@ pub(super) fn count(
     Ok(query.query_row([scan.as_str(), state.word()], |row| row.get(0))?)
 }
 
-/// The state of a delivery; none where there is none.
+/// The state of a delivery; `None` if it does not exist.
 pub(super) fn delivery_state(
     connection: &Connection,
     due: &Due,
@@ -51,7 +85,7 @@ pub(super) fn delivery_state(
     word.map(|word| cell("state", word, DeliveryState::of_word)).transpose()
 }
 
-/// Takes a delivery one step on.
+/// Advances a delivery by one step.
 pub(super) fn step(
     transaction: &Transaction<'_>,
     due: &Due,

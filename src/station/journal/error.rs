@@ -1,4 +1,4 @@
-//! Why the journal cannot be used, and what that says of it.
+//! Why the journal cannot be used, and whether that means it is corrupt.
 
 use std::io;
 use std::path::PathBuf;
@@ -20,8 +20,8 @@ pub enum JournalError {
         #[source]
         source: std::io::Error,
     },
-    /// A setting that durability needs was not taken.
-    #[error("the journal keeps {setting} = {found}, it must be {wanted}")]
+    /// A setting that durability needs was not accepted.
+    #[error("the journal has {setting} = {found}; it must be {wanted}")]
     Setting {
         /// The pragma.
         setting: &'static str,
@@ -35,10 +35,10 @@ pub enum JournalError {
     Schema {
         /// Schema of the file.
         found: i64,
-        /// Ours.
+        /// The schema this version knows.
         known: i64,
     },
-    /// A cell holds what we never write.
+    /// A cell holds what gaiter never writes.
     #[error("the journal's column {column} holds {found:?}")]
     Cell {
         /// Column.
@@ -52,7 +52,7 @@ pub enum JournalError {
         /// What SQLite found.
         found: String,
     },
-    /// A row is not the one that was written.
+    /// A row differs from the one that was written.
     #[error("a row of the journal's table {table} does not match its seal")]
     Seal {
         /// The table.
@@ -64,23 +64,23 @@ pub enum JournalError {
         /// The row.
         seq: i64,
     },
-    /// The journal lacks what was committed to it.
+    /// The journal lacks rows that were committed to it.
     #[error("the journal is an older copy: its history ends before row {head}")]
     Behind {
         /// The newest row that was committed.
         head: i64,
     },
-    /// The file is not under its name any more.
+    /// The journal's name no longer leads to the open file.
     #[error("the journal was removed or replaced while it was in use")]
     Gone,
     /// The head of the history could not be read or written.
-    #[error("the file beside the journal that repeats the head of its history failed")]
+    #[error("reading or writing history.head failed")]
     Head(#[source] io::Error),
     /// A step that a state does not allow.
     #[error(transparent)]
     Step(#[from] IllegalStep),
-    /// A row that must be there is not.
-    #[error("the journal does not know this {what}")]
+    /// A required row is missing.
+    #[error("the journal has no such {what}")]
     Unknown {
         /// What kind of row.
         what: &'static str,
@@ -88,9 +88,23 @@ pub enum JournalError {
 }
 
 impl JournalError {
-    /// Whether the journal is not to be relied upon any more and must be rebuilt: SQLite says that the
-    /// file is damaged, or one of our own checks does. What may pass, such as a full disk, a file that
-    /// somebody else holds, or another version of gaiter, is no ruin.
+    /// The first journal error among an error and its causes.
+    pub fn among_causes<'a>(
+        error: &'a (dyn std::error::Error + 'static),
+    ) -> Option<&'a JournalError> {
+        let mut cause = Some(error);
+        while let Some(error) = cause {
+            if let Some(found) = error.downcast_ref::<JournalError>() {
+                return Some(found);
+            }
+            cause = error.source();
+        }
+        None
+    }
+
+    /// Reports whether the journal is corrupt and must be rebuilt: SQLite or one of our own checks found
+    /// damage. Faults that may pass, such as a full disk or a file locked by another process, and a
+    /// journal of another version of gaiter do not count.
     pub fn is_ruin(&self) -> bool {
         match self {
             JournalError::Sqlite(error) => is_damage(error),
@@ -109,8 +123,8 @@ impl JournalError {
         }
     }
 
-    /// Whether it may come of a damaged journal or of a defect of gaiter: an index that hides a row, a
-    /// table that is not there, or a statement that is wrong. [`super::Journal::check`] tells which.
+    /// Reports whether the error may come from a damaged journal or from a bug in gaiter: an index that
+    /// hides a row, a missing table, or a wrong statement. [`super::Journal::check`] tells which.
     pub fn is_suspicious(&self) -> bool {
         use rusqlite::Error::{InvalidColumnType, SqlInputError};
         use rusqlite::ErrorCode::{ConstraintViolation, Unknown};
@@ -120,7 +134,7 @@ impl JournalError {
     }
 }
 
-/// The file is damaged, or a cell holds what we never write.
+/// Reports whether the file is damaged, or a cell holds what gaiter never writes.
 fn is_damage(error: &rusqlite::Error) -> bool {
     use rusqlite::Error::{FromSqlConversionFailure, IntegralValueOutOfRange, Utf8Error};
     use rusqlite::ErrorCode::{DatabaseCorrupt, NotADatabase};

@@ -1,4 +1,4 @@
-//! Records that a store holds and the journal did not know, as where it was lost.
+//! Records that a store holds and the journal did not know, for example because it was lost.
 
 use std::collections::BTreeSet;
 
@@ -10,8 +10,8 @@ use super::deliveries::{close_superseded, finish_if_done};
 use super::scans::{insert_delivery, insert_scan};
 use super::withdrawal::{self, UNWANTED};
 use super::{Due, Event, Journal, JournalError, ScanRow, Task, history};
-use crate::flow::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::flow::lifecycle::UNASSIGNED;
+use crate::flow::patient::identity::SAME_SCAN_OTHER_PATIENT;
 use crate::flow::{DeliveryState, ScanId};
 use crate::record::Patient;
 
@@ -20,16 +20,16 @@ use crate::record::Patient;
 pub struct FoundThere<'a> {
     /// Its scan.
     pub row: &'a ScanRow,
-    /// Whose it is there; none for nobody's.
+    /// Its patient there; `None` if unassigned.
     pub patient: Option<&'a Patient>,
     /// The store.
     pub store: &'a str,
-    /// Where it lies.
+    /// Its folder there.
     pub folder: &'a str,
 }
 
 impl FoundThere<'_> {
-    /// The delivery by which it came there.
+    /// The delivery that put it there.
     fn due(&self) -> Due {
         Due {
             scan: self.row.scan.clone(),
@@ -52,9 +52,10 @@ impl FoundThere<'_> {
 }
 
 impl Journal {
-    /// A store holds this record, which the journal did not know. Deliveries of the same scan to
-    /// other patients that were entered in ignorance of it are held, but for those to `theirs`, whose
-    /// it is by a person's word. `number` is that of the last decision about the scan, if there is one.
+    /// Enters a record that a store holds and the journal did not know. Deliveries of the same scan to
+    /// other patients, entered without knowing of it, are held, except those to `theirs`, who have the
+    /// scan by an operator's decision. `number` is that of the last decision about the scan, if there is
+    /// one.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -81,9 +82,10 @@ impl Journal {
         })
     }
 
-    /// A store holds this record, and by a person's word it is not whose folder it lies in: the scan is
-    /// these patients', or of none nobody's, in each store that has it for somebody else. Without a
-    /// number the bytes to do so are not at hand, and it is only noted that it must not stay.
+    /// Enters a record that a store holds for the wrong patient according to a decision. In each store
+    /// that has it for another patient, the scan goes to these patients, or becomes unassigned if there
+    /// are none. Without a number the bytes for that are missing, and the journal only notes that the
+    /// record must not stay.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -109,7 +111,7 @@ impl Journal {
     }
 }
 
-/// Whether the journal has this delivery, and it was not refused.
+/// Reports whether the journal has this delivery and it was not refused.
 fn is_known(transaction: &Transaction<'_>, due: &Due) -> Result<bool, JournalError> {
     Ok(transaction.query_row(
         "SELECT EXISTS (SELECT 1 FROM deliveries
@@ -119,7 +121,7 @@ fn is_known(transaction: &Transaction<'_>, due: &Due) -> Result<bool, JournalErr
     )?)
 }
 
-/// Enters the delivery by which a record came where it lies.
+/// Enters the delivery that put a record in its place.
 fn enter_made(
     transaction: &Transaction<'_>,
     found: &FoundThere<'_>,
@@ -139,8 +141,8 @@ fn enter_made(
     Ok(())
 }
 
-/// What was entered in ignorance of a record: deliveries to other patients are held, and one for nobody
-/// adds nothing where the record names somebody.
+/// Corrects deliveries that were entered without knowing of a record: those to other patients are held,
+/// and a pending unassigned one is dropped if the record names a patient.
 fn hold_others(
     transaction: &Transaction<'_>,
     found: &FoundThere<'_>,
@@ -169,7 +171,7 @@ fn hold_others(
     Ok(())
 }
 
-/// The stores that may hold a record of the scan which nobody wants there.
+/// The stores that may hold an unwanted record of the scan.
 fn stores_of_others(
     transaction: &Transaction<'_>,
     scan: &ScanId,

@@ -1,9 +1,9 @@
-//! The history: what happened to each scan and by whose word, append-only, each row's hash over
-//! the row and the hash before it. It holds ids, never names.
+//! The history: what happened to each scan and by whose decision. It is append-only; each row's hash
+//! covers the row and the hash before it. It holds ids, never names.
 //!
-//! Beside the journal, `history.head` repeats the newest row's number and hash. It is written after
-//! each commit and not synced, so it is never ahead of a journal that was not exchanged: a journal
-//! behind its head is an older copy that somebody put back.
+//! Beside the journal, `history.head` repeats the newest row's number and hash. It is written after each
+//! commit and not synced, so it is never ahead of the original journal: a journal behind its head is an
+//! older copy that was put back.
 
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -18,12 +18,12 @@ use super::{Journal, JournalError};
 use crate::flow::ScanId;
 use crate::record::sha256;
 
-/// What may happen.
+/// The events of the history.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Event {
-    /// The journal was made, or brought to another schema.
+    /// The journal was created or converted to another schema.
     Schema,
-    /// A scan came in for a patient or for nobody.
+    /// A scan came in, with or without a patient.
     Entered,
     /// The same bytes came in for another patient.
     Held,
@@ -33,43 +33,43 @@ pub enum Event {
     Found,
     /// A scan was refused.
     Refused,
-    /// A person wanted it tried again.
+    /// An operator retried it.
     Retried,
-    /// A person said that a held scan is this patient's.
+    /// An operator released a held scan to this patient.
     Released,
-    /// A person said whose scan it is.
+    /// An operator assigned the scan to a patient.
     Assigned,
-    /// A record was taken back, for another one has it whose scan it is.
+    /// A record was withdrawn, because the scan's record is now where it belongs.
     Withdrawn,
-    /// A person took a record back from a patient.
+    /// An operator took a scan back from a patient.
     Unassigned,
     /// The button was pressed.
     Pressed,
-    /// Somebody named the patient of the next scan.
+    /// The patient of the next scan was named.
     Named,
     /// An export came for a press.
     Answered,
-    /// No export came for a press, or nobody pressed for a name.
+    /// No export came for a press, or no press came for a name.
     Expired,
-    /// A person called off what waited.
+    /// An operator cancelled what was waiting.
     CalledOff,
-    /// A person paused the station.
+    /// An operator paused the station.
     Paused,
-    /// A person resumed it.
+    /// An operator resumed it.
     Resumed,
     /// The journal was rebuilt from spool, quarantine and stores.
     Rebuilt,
-    /// Rows that the configuration lets go were removed; the chain goes on from here.
+    /// Rows past their retention were removed; the chain continues from here.
     Pruned,
-    /// A person said that it needs no decision any more.
+    /// An operator gave it up: it needs no further decision.
     GivenUp,
-    /// The same patient's next scan was delivered: it needs no decision any more.
+    /// The same patient's next scan was delivered: it needs no further decision.
     Superseded,
-    /// The bytes of a refused scan were let go, as the configuration says.
+    /// Retention deleted the bytes of a refused scan.
     LetGo,
-    /// Bytes that were lost came in again.
+    /// Lost bytes came in again.
     TakenAgain,
-    /// What was decided before was carried out by a journal that did not know it.
+    /// An earlier decision was carried out by a journal that did not know it.
     CarriedOut,
 }
 
@@ -109,7 +109,7 @@ impl Event {
 /// One row of a scan's history.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct HistoryRow {
-    /// When, UTC.
+    /// Time, UTC.
     pub at: String,
     /// What happened.
     pub event: String,
@@ -145,7 +145,7 @@ pub(super) fn append(
     Ok(())
 }
 
-/// The newest row; none in a journal without history.
+/// The newest row; `None` in a journal without history.
 pub(super) fn newest(connection: &Connection) -> Result<Option<Head>, JournalError> {
     Ok(connection
         .prepare_cached("SELECT seq, hash FROM history ORDER BY seq DESC LIMIT 1")?
@@ -153,20 +153,20 @@ pub(super) fn newest(connection: &Connection) -> Result<Option<Head>, JournalErr
         .optional()?)
 }
 
-/// Removes all rows before one; the chain goes on from it.
+/// Removes all rows before one; the chain continues from that row.
 pub(super) fn cut(transaction: &Transaction<'_>, before: i64) -> Result<(), JournalError> {
     transaction.execute_batch("DROP TRIGGER history_is_not_cut")?;
     transaction.execute("DELETE FROM history WHERE seq < ?1", [before])?;
     Ok(transaction.execute_batch(NOT_CUT)?)
 }
 
-/// Keeps rows of the history from being removed but by [`cut`].
+/// Prevents rows of the history from being removed except by [`cut`].
 pub(super) const NOT_CUT: &str = "
 CREATE TRIGGER history_is_not_cut BEFORE DELETE ON history
 BEGIN SELECT RAISE(ABORT, 'the history is append-only'); END;
 ";
 
-/// Checks the chain from its first row, which may be any: older ones may have been pruned.
+/// Checks the chain from its first row, which may have any number: older rows may have been pruned.
 pub(super) fn check(connection: &Connection) -> Result<(), JournalError> {
     let mut query = connection
         .prepare("SELECT seq, at, scan, event, detail, hash FROM history ORDER BY seq")?;
@@ -199,14 +199,14 @@ fn hash(before: &str, seq: i64, at: &str, scan: &str, event: &str, detail: &str)
 pub(super) struct HeadFile(File);
 
 impl HeadFile {
-    /// Opens the file beside a journal, made if there is none.
+    /// Opens the file beside a journal, or creates it.
     pub fn open(journal: &Path) -> io::Result<HeadFile> {
         let mut options = OpenOptions::new();
         options.read(true).write(true).create(true).truncate(false).mode(0o600);
         Ok(HeadFile(options.open(journal.with_file_name("history.head"))?))
     }
 
-    /// What it says; none where it says nothing that can be read.
+    /// The content; `None` if it is not a valid head.
     pub fn read(&self) -> io::Result<Option<Head>> {
         let mut text = [0; 128];
         let length = self.0.read_at(&mut text, 0)?;
@@ -217,19 +217,19 @@ impl HeadFile {
         }))
     }
 
-    /// Writes the newest row's number and hash over the old ones, always as many bytes.
+    /// Overwrites the content with the newest row's number and hash; its length never changes.
     pub fn write(&self, head: &Head) -> io::Result<()> {
         self.0.write_all_at(format!("{:>20} {}\n", head.seq, head.hash).as_bytes(), 0)
     }
 }
 
-/// Whether the journal lacks what its head says was committed.
+/// Reports whether the journal lacks a row that its head says was committed.
 pub(super) fn is_behind(connection: &Connection, head: &Head) -> Result<bool, JournalError> {
     let found: Option<String> = connection
         .query_row("SELECT hash FROM history WHERE seq = ?1", [head.seq], |row| row.get(0))
         .optional()?;
     let newest = newest(connection)?.map_or(0, |newest| newest.seq);
-    // A row that was pruned is older than the oldest, not newer than the newest.
+    // A pruned row is older than the oldest one, not newer than the newest.
     Ok(found.map_or(newest < head.seq, |found| found != head.hash))
 }
 

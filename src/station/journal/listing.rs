@@ -1,4 +1,4 @@
-//! What people and monitors ask of the journal: counts, the oldest, lists, one scan whole.
+//! Queries of operators and monitors: counts, the oldest scan, lists, everything about one scan.
 
 mod newest;
 
@@ -12,28 +12,28 @@ use super::{Journal, JournalError, cell};
 use crate::flow::account::{Delivered, FILTERS, Filter, Listed, Seen, Summary, Whole};
 use crate::flow::{DeliveryState, ScanId, ScanState};
 
-/// How many scans and deliveries there are, and the two that people ask for first.
+/// The numbers of scans and deliveries, and the two scans asked for most often.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Tally {
-    /// Scans by the word of their state; every state is there. Refused ones that need no decision any
-    /// more are not counted.
+    /// Scans by the word of their state; every state is present. Refused scans that need no further
+    /// decision are not counted.
     pub scans: BTreeMap<&'static str, u64>,
-    /// Scans of which a delivery waits for a person, whatever their own state.
+    /// Scans with a delivery that waits for an operator, whatever their own state.
     pub held: u64,
-    /// Scans that were refused or held and need no decision any more.
+    /// Refused or held scans that need no further decision.
     pub closed: u64,
-    /// Scans of which a record lies, or may lie, where it is to be taken back.
+    /// Scans with a record that is, or may be, in a place from which it must be withdrawn.
     pub withdrawing: u64,
-    /// Deliveries by store and the word of their state; only those there are.
+    /// Deliveries by store and the word of their state; only combinations that occur.
     pub deliveries: BTreeMap<(String, String), u64>,
-    /// The scan seen first of those that wait for a record.
+    /// The oldest scan that waits for a record.
     pub oldest: Option<Seen>,
-    /// The scan seen last.
+    /// The latest scan.
     pub last: Option<Seen>,
 }
 
 impl Journal {
-    /// Counts of everything, the oldest that waits, and the last one seen.
+    /// Counts of everything, the oldest waiting scan, and the latest scan.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -85,7 +85,7 @@ impl Journal {
         })
     }
 
-    /// The scans seen last, newest first, at most `limit`.
+    /// The latest scans, newest first, at most `limit`.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -128,7 +128,7 @@ impl Journal {
     /// See [`JournalError`].
     pub fn beginning_with(&self, digits: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
         let connection = self.connection();
-        // 'g' follows the last digit there is.
+        // 'g' follows the last hexadecimal digit.
         let mut query = connection.prepare_cached(
             "SELECT sha256 FROM scans WHERE sha256 >= ?1 AND sha256 < ?1 || 'g' LIMIT ?2",
         )?;
@@ -136,7 +136,7 @@ impl Journal {
         rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
     }
 
-    /// Everything that is known of a scan but its history and preview; none for one never seen.
+    /// Everything known about a scan except its history and preview; `None` if it was never seen.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -187,8 +187,8 @@ impl Journal {
     }
 }
 
-/// SQL: a delivery whose record is to be taken back from a store where another one has it, or is to have
-/// it. What lies in a store that takes none in its place is for a person to take away.
+/// SQL: a delivery whose record is to be withdrawn from a store that has, or is to have, the right
+/// record. An unwanted record in a store that gets no replacement is left to the operator.
 fn to_be_taken_back() -> String {
     format!(
         "(deliveries.state = 'withdrawing' OR deliveries.state = 'delivered'
@@ -228,13 +228,13 @@ fn time_or_none(row: &Row<'_>, column: usize) -> rusqlite::Result<Option<Timesta
     text.map(|text| text.parse().map_err(|fault| wrong(column, fault))).transpose()
 }
 
-/// Patients' ids, as JSON.
+/// Patients' ids, stored as JSON.
 fn ids(row: &Row<'_>, column: usize) -> rusqlite::Result<Vec<String>> {
     let text: String = row.get(column)?;
     serde_json::from_str(&text).map_err(|fault| wrong(column, fault))
 }
 
-/// A cell that holds what we never write.
+/// The error for a cell that holds what gaiter never writes.
 fn wrong(column: usize, fault: impl std::error::Error + Send + Sync + 'static) -> rusqlite::Error {
     rusqlite::Error::FromSqlConversionFailure(column, rusqlite::types::Type::Text, Box::new(fault))
 }

@@ -4,24 +4,22 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{self, Read, Seek, Write};
 use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// How long another process may take to give the folder back. A station that was killed while it
-/// started a measuring process holds it until that one runs its program.
+use crate::store::polling::poll;
+
+/// How long another process may take to release the folder. If a station is killed while it starts a
+/// measuring process, that process holds the folder until it runs its program.
 const GIVEN_BACK: Duration = Duration::from_secs(3);
 
-/// How often it is asked for meanwhile.
-const ASKED: Duration = Duration::from_millis(20);
-
-/// The right to use a state folder, held while this value lives. The kernel gives it back when
-/// the process ends, however it ends; the file stays.
+/// The right to use a state folder, held while this value lives. The kernel releases it when the process
+/// ends, however it ends; the file stays.
 #[derive(Debug)]
 pub struct StateLock {
     _file: File,
 }
 
-/// Why the state folder is not ours.
+/// Why the state folder cannot be taken.
 #[derive(Debug, thiserror::Error)]
 pub enum LockError {
     /// Another process uses it.
@@ -29,7 +27,7 @@ pub enum LockError {
     InUse {
         /// The state folder.
         path: PathBuf,
-        /// The other process, as it wrote it down.
+        /// The id of the other process, as it wrote it to the file.
         pid: String,
     },
     /// The lock file failed.
@@ -44,18 +42,16 @@ pub enum LockError {
 }
 
 impl StateLock {
-    /// Takes the folder for this process, as soon as another that is ending gives it back. Blocks.
+    /// Takes the folder for this process, as soon as another process that is ending releases it. Blocks.
     ///
     /// # Errors
-    /// [`LockError::InUse`] where another process keeps it.
+    /// [`LockError::InUse`] if another process keeps it.
     pub fn take(state_dir: &Path) -> Result<StateLock, LockError> {
-        let began = Instant::now();
-        loop {
-            match StateLock::take_now(state_dir) {
-                Err(LockError::InUse { .. }) if began.elapsed() < GIVEN_BACK => sleep(ASKED),
-                taken => return taken,
-            }
-        }
+        let taken = poll(GIVEN_BACK, || match StateLock::take_now(state_dir) {
+            Err(LockError::InUse { .. }) => None,
+            taken => Some(taken),
+        });
+        taken.unwrap_or_else(|| StateLock::take_now(state_dir))
     }
 
     fn take_now(state_dir: &Path) -> Result<StateLock, LockError> {

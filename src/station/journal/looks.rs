@@ -1,7 +1,7 @@
-//! What the looks at each export folder know of files that are not taken yet.
+//! What the looks at each export folder know about files that are not taken in yet.
 //!
-//! It matters only as long as captures do, which end with the machine. So it is written without a sync:
-//! a process that is killed leaves it to the next, and a power cut that takes it away ends the captures
+//! This matters only as long as captures do, and captures end with the machine. So it is written without
+//! a sync: a killed process leaves it to the next one, and a power cut that loses it ends the captures
 //! too.
 
 use std::os::unix::ffi::OsStrExt;
@@ -14,7 +14,7 @@ use super::{Journal, JournalError, cell};
 use crate::flow::settle::Memory;
 
 impl Journal {
-    /// What the last run on this start of the machine knew of a folder; nothing where there was none.
+    /// What the last run since this machine start knew about a folder; empty if there was none.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -33,14 +33,14 @@ impl Journal {
         Ok(Memory { looked, files })
     }
 
-    /// Keeps what is known of a folder.
+    /// Saves what is known about a folder.
     ///
     /// # Errors
     /// See [`JournalError`].
     pub fn looked(&self, folder: &Path, boot: &str, memory: &Memory) -> Result<(), JournalError> {
         let files = serde_json::to_string(&memory.files)
             .map_err(|error| rusqlite::Error::ToSqlConversionFailure(error.into()))?;
-        // Rounded down: a look is never later than it was.
+        // Rounded down, so that the stored time is never later than the look.
         let looked_ms = memory.looked.map(|at| i64::try_from(at.as_millis()).unwrap_or(i64::MAX));
         let connection = self.connection();
         connection.pragma_update(None, "synchronous", "NORMAL")?;

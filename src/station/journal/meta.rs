@@ -1,4 +1,4 @@
-//! What the station must remember of itself.
+//! What the station must remember about itself.
 
 use rusqlite::OptionalExtension;
 use serde_json::json;
@@ -6,20 +6,20 @@ use serde_json::json;
 use super::{Event, Journal, JournalError, cell, history};
 use crate::flow::trusted_time::TrustedTime;
 
-/// Whether a person has paused the station; its value is the time.
+/// Present while the station is paused by an operator.
 const PAUSED: &str = "paused";
 
-/// Which stores are still to be searched for records that a rebuilt journal does not know.
+/// Prefix for stores that are still to be searched for records that a rebuilt journal does not know.
 const TO_SEARCH: &str = "to-search:";
 
-/// Where each store was begun: there it must be found marked from then on.
+/// Prefix for the place where each store was begun: from then on its mark must be found there.
 const BEGUN: &str = "begun:";
 
-/// What the clocks were last, and how far the one on the wall is believed.
+/// The last readings of the clocks, and how far the wall clock is trusted.
 const TIME: &str = "time";
 
 impl Journal {
-    /// How far the clock on the wall was believed last.
+    /// How far the wall clock was last trusted.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -30,7 +30,7 @@ impl Journal {
         }
     }
 
-    /// Keeps how far the clock on the wall is believed.
+    /// Saves how far the wall clock is trusted.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -38,7 +38,7 @@ impl Journal {
         self.set_fact(TIME, &json!(time).to_string())
     }
 
-    /// Whether a person has paused the station.
+    /// Reports whether an operator has paused the station.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -46,7 +46,7 @@ impl Journal {
         Ok(self.fact(PAUSED)?.is_some())
     }
 
-    /// A person pauses or resumes the station; says whether that changed anything.
+    /// Pauses or resumes the station. Returns whether that changed anything.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -67,7 +67,7 @@ impl Journal {
         })
     }
 
-    /// Whether a store is still to be searched for records that the journal does not know.
+    /// Reports whether a store is still to be searched for records that the journal does not know.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -75,7 +75,7 @@ impl Journal {
         Ok(self.fact(&format!("{TO_SEARCH}{store}"))?.is_some())
     }
 
-    /// The journal begins anew, for this reason: every store is to be searched.
+    /// Records that this is a new journal, and why: every store is to be searched.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -91,7 +91,7 @@ impl Journal {
         })
     }
 
-    /// A store was searched to its end.
+    /// Records that a store was searched completely.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -101,7 +101,7 @@ impl Journal {
         Ok(())
     }
 
-    /// The place where a store was begun last; none where it never was.
+    /// The place where a store was last begun; `None` if it never was.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -109,7 +109,7 @@ impl Journal {
         self.fact(&format!("{BEGUN}{store}"))
     }
 
-    /// A store was begun at this place.
+    /// Records that a store was begun at this place.
     ///
     /// # Errors
     /// See [`JournalError`].

@@ -1,9 +1,9 @@
 //! The journal: what the station knows of each scan, delivery and sighting, in SQLite.
 //!
-//! Write-ahead log and `synchronous = FULL`: the pair that lost no acknowledged commit in the
-//! power cuts we measured. Both are set and read back, for a file system or an old file may keep
-//! another mode. One connection behind a lock; every call blocks, so callers run it on a blocking
-//! thread. Text columns hold words, RFC 3339 times and JSON, so that `sqlite3` shows them as is.
+//! It uses a write-ahead log and `synchronous = FULL`: with this pair no acknowledged commit was lost in
+//! the power cuts we measured. Both are set and read back, because a file system or an old file may keep
+//! another mode. There is one connection behind a lock. Every call blocks, so callers run it on a
+//! blocking thread. Text columns hold words, RFC 3339 times and JSON, readable in `sqlite3`.
 
 mod acts;
 mod captures;
@@ -37,7 +37,7 @@ use tracing::warn;
 
 use crate::store::durable;
 pub use captures::{BoothChange, CaptureRow};
-pub use deliveries::{Due, Task};
+pub use delivery_row::{Due, Task};
 pub use error::JournalError;
 pub use found::FoundThere;
 use history::HeadFile;
@@ -59,18 +59,18 @@ pub struct Journal {
     connection: Mutex<Connection>,
     head: HeadFile,
     path: PathBuf,
-    /// The file that was opened: a journal that is removed lives on unseen while it is open.
+    /// The file that was opened: a journal that is removed stays usable, unseen, while it is open.
     file: durable::FileId,
 }
 
-/// The mode of a file that is this user's alone.
+/// The mode of a file that only this user may use.
 const PRIVATE: u32 = 0o600;
 
-/// Makes the journal a file that nobody else reads, whatever the folder lets them do: patients' ids are
-/// in it. SQLite gives its write-ahead log the same mode.
+/// Makes the journal a file that only this user may read, whatever the folder allows, because it holds
+/// patients' ids. SQLite gives its write-ahead log the same mode.
 ///
 /// # Errors
-/// Where it stays open to others. A file that cannot be had is SQLite's to tell, which comes next.
+/// If others may still read it. A file that cannot be opened is no error here: SQLite reports it next.
 fn make_private(path: &Path) -> io::Result<()> {
     let mut options = OpenOptions::new();
     options.write(true).create(true).truncate(false).mode(PRIVATE);
@@ -81,11 +81,11 @@ fn make_private(path: &Path) -> io::Result<()> {
 }
 
 impl Journal {
-    /// Opens the journal, made if there is none, and checks all of it: its pages, the seals of its
-    /// rows, the chain of its history, and that it is not an older copy of itself.
+    /// Opens the journal, or creates it, and checks all of it: its pages, the seals of its rows, the
+    /// chain of its history, and that it is not an older copy of itself.
     ///
     /// # Errors
-    /// See [`JournalError`]; [`JournalError::is_ruin`] tells what heals by rebuilding.
+    /// See [`JournalError`]; [`JournalError::is_ruin`] tells which ones a rebuild repairs.
     pub fn open(path: &Path) -> Result<Journal, JournalError> {
         if let Err(error) = make_private(path) {
             warn!(event = "journal-not-private", %error);
@@ -99,7 +99,7 @@ impl Journal {
         schema::establish(&mut connection)?;
         integrity::check::rows(&connection)?;
         integrity::check::head(&connection, &head)?;
-        // The names of the journal and of its write-ahead log, which exists since the first read.
+        // Syncs the names of the journal and of its write-ahead log, which exists since the first read.
         let folder = |source| JournalError::Folder { path: path.to_owned(), source };
         durable::sync_folder(path.parent().unwrap_or(Path::new("."))).map_err(folder)?;
         let file = durable::FileId::of(path).map_err(folder)?;
@@ -119,47 +119,47 @@ impl Journal {
         integrity::check::head(&connection, &self.head)
     }
 
-    /// Whether the open journal is still the file of its name.
+    /// Checks that the journal's name still leads to the open file.
     ///
     /// # Errors
-    /// [`JournalError::Gone`] where it is not.
+    /// [`JournalError::Gone`] if it does not.
     pub fn is_in_place(&self) -> Result<(), JournalError> {
         let found = durable::FileId::of(&self.path).ok();
         if found == Some(self.file) { Ok(()) } else { Err(JournalError::Gone) }
     }
 
-    /// Closes the journal's files, which are about to be set aside. SQLite removes a write-ahead log
-    /// by its name when it closes the last connection to it: a step that still hangs somewhere must
-    /// not do that to the next journal. Whatever is asked of this one from now on fails.
+    /// Closes the journal's files, which are about to be set aside. SQLite removes a write-ahead log by
+    /// name when it closes the last connection: a step that still hangs must not do that to the next
+    /// journal. From now on every request to this journal fails.
     ///
     /// # Errors
-    /// Where even an empty journal in memory cannot be opened.
+    /// If not even an empty journal in memory can be opened.
     pub fn let_go(&self) -> Result<(), JournalError> {
         *self.connection() = Connection::open_in_memory()?;
         Ok(())
     }
 
-    /// The connection. A panic while it was held rolled its transaction back, so a poisoned lock
-    /// guards a sound connection.
+    /// The connection. A panic while it was held rolled its transaction back, so a poisoned lock guards
+    /// an intact connection.
     fn connection(&self) -> MutexGuard<'_, Connection> {
         self.connection.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Makes a change as a whole or not at all; durable when this returns.
+    /// Makes a change completely or not at all; durable on return.
     fn change<T>(
         &self,
         change: impl FnOnce(&Transaction<'_>) -> Result<T, JournalError>,
     ) -> Result<T, JournalError> {
         let mut connection = self.connection();
-        // Immediate: a transaction that reads first and writes then is not waited for when another
-        // process has the journal in between; it fails at once.
+        // Immediate: a transaction that reads first and then writes would not wait if another process
+        // used the journal in between, but fail at once.
         let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
         let before = history::newest(&transaction)?;
         let done = change(&transaction)?;
         let after = history::newest(&transaction)?;
         transaction.commit()?;
         if let Some(head) = after.filter(|after| before.as_ref() != Some(after)) {
-            // The change is made; a head that stays behind only guards a little less.
+            // The change is made; an outdated head only makes the check a little weaker.
             let _ = self.head.write(&head);
         }
         Ok(done)
@@ -181,7 +181,7 @@ fn set_durable(connection: &Connection) -> Result<(), JournalError> {
     Ok(())
 }
 
-/// Reads a cell's text as what we wrote there.
+/// Parses a cell's text, which must be what gaiter wrote there.
 fn cell<T>(
     column: &'static str,
     text: String,

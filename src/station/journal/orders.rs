@@ -1,4 +1,4 @@
-//! The orders of practice software that were heard and still lie in their folder.
+//! The orders of practice software that were handled and are still in their folder.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -9,13 +9,13 @@ use rusqlite::{OptionalExtension, Row, Transaction, params};
 
 use super::{Journal, JournalError, cell};
 use crate::flow::OrderState;
-use crate::flow::order_news::FolderId;
+use crate::flow::orders::news::FolderId;
 
-/// The folder in which the known orders were seen, in the table of facts.
+/// The name of the fact: the folder in which the known orders were seen.
 const FOLDER: &str = "orders-folder";
 
 impl Journal {
-    /// The order that was heard under this name; none where none was, or it is gone since.
+    /// The order that was handled under this name; `None` if there was none or it is gone.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -27,7 +27,7 @@ impl Journal {
         rows.next()?.map(state).transpose()
     }
 
-    /// An order is about to be heard, or was passed over: it is not heard again.
+    /// Records that an order is about to be handled or was skipped: it is not handled again.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -35,8 +35,8 @@ impl Journal {
         self.change(|transaction| heard(transaction, path, state))
     }
 
-    /// Takes over what an older gaiter knew of an order: whether it has heard this file. It is not
-    /// asked again.
+    /// Takes over what an older gaiter knew about an order: whether it has handled this file. The old
+    /// entry is removed, so this works only once.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -49,7 +49,7 @@ impl Journal {
                 .optional()?;
             let Some(stamp) = stamp else { return Ok(false) };
             transaction.execute("DELETE FROM sightings WHERE path = ?1", [key(path)])?;
-            // Device, inode, size and the two times; what a change of mode changes does not count.
+            // Device, inode, size and the two times; what changes with the file's mode does not count.
             let mut cells = stamp.split(':').skip(2);
             let size = cells.next().and_then(|text| text.parse().ok());
             let mtime_ns = cells.next().and_then(|text| text.parse().ok());
@@ -83,7 +83,7 @@ impl Journal {
         Ok(known)
     }
 
-    /// Orders are gone: what comes under their names is new.
+    /// Forgets orders that are gone: a file that comes under the same name is a new order.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -112,7 +112,7 @@ impl Journal {
         cell("value", text, read).map(Some)
     }
 
-    /// The known orders were seen in this folder.
+    /// Records the folder in which the known orders were seen.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -196,7 +196,7 @@ mod tests {
         assert_eq!(journal.order_known(same).unwrap(), Some(state(4)));
         assert!(!journal.order_sighted(other, &state(6)).unwrap());
         assert_eq!(journal.order_known(other).unwrap(), None);
-        // It was asked, and what comes later is new.
+        // The old entry was used up: a later file is new.
         assert!(!journal.order_sighted(same, &state(4)).unwrap());
         assert!(!journal.order_sighted(other, &state(4)).unwrap());
     }

@@ -1,5 +1,5 @@
-//! Letting go what the configuration lets go: only of scans whose records all reached their stores,
-//! or that were refused, and never from the end of the history.
+//! Deletes what is past its retention: only scans whose records all reached their stores, or that were
+//! refused, and never the end of the history.
 
 use std::collections::BTreeSet;
 use std::os::unix::ffi::OsStrExt;
@@ -12,7 +12,7 @@ use super::{Event, Journal, JournalError, history};
 use crate::flow::{ScanId, ScanState};
 
 impl Journal {
-    /// Whether a scan has been in a state since before a time, and nothing of it is to be done.
+    /// Reports whether a scan has been in a state since before a time and nothing is left to do for it.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -34,8 +34,8 @@ impl Journal {
         Ok(query.query_row(cells, |row| row.get(0))?)
     }
 
-    /// Forgets scans that have been delivered since before a time, with the beginning of the
-    /// history up to the oldest row that still matters; says how many scans.
+    /// Forgets scans that were delivered before a time, and the beginning of the history up to the
+    /// oldest row that still matters. Returns the number of scans.
     ///
     /// # Errors
     /// See [`JournalError`]; nothing is forgotten then.
@@ -75,8 +75,8 @@ impl Journal {
         })
     }
 
-    /// Forgets the sightings of files in a folder whose scans are forgotten or were never read; says
-    /// how many. Files that are still present there stay, and those in one of the other folders.
+    /// Forgets the sightings of files in a folder whose scans are forgotten or were never read. Returns
+    /// how many. Files that are still present stay, as do files in one of the other folders.
     ///
     /// # Errors
     /// See [`JournalError`].

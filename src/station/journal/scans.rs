@@ -1,4 +1,4 @@
-//! Scans in the journal, and whose they are said to be.
+//! Scans in the journal, and the patients they are said to belong to.
 
 use std::ops::Range;
 
@@ -18,17 +18,17 @@ use crate::record::Patient;
 pub struct ScanRow {
     /// The scan.
     pub scan: ScanId,
-    /// Its format's file-name ending.
+    /// The file-name ending of its format.
     pub format: String,
     /// Size, bytes.
     pub size: u64,
-    /// When the station first saw it; fixed once.
+    /// When the station first saw it; never changes.
     pub first_seen: Timestamp,
     /// Its file's own time.
     pub file_time: Option<Timestamp>,
-    /// When the button was pressed for it; none where it answered no press.
+    /// When the button was pressed for it; `None` if it answered no press.
     pub pressed_at: Option<Timestamp>,
-    /// Where it is.
+    /// Its state.
     pub state: ScanState,
 }
 
@@ -37,22 +37,22 @@ pub struct ScanRow {
 pub struct Entry<'a> {
     /// The scan itself.
     pub row: &'a ScanRow,
-    /// Whose it is; none while nobody said so.
+    /// Its patient; `None` if no patient was named.
     pub patient: Option<&'a Patient>,
-    /// Why a person must decide; none where its records are to be made.
+    /// Why an operator must decide; `None` if its records are to be made.
     pub held: Option<&'static str>,
-    /// What each source says where they differ.
+    /// What each source says, if they differ.
     pub claims: &'a [Patient],
     /// The captures that it answers.
     pub judged: &'a Judged,
-    /// The hash of its geometry, hexadecimal; '' where it has none.
+    /// The hash of its geometry, hexadecimal; '' if it has none.
     pub geometry: &'a str,
-    /// The ids of everybody whose it may be, where a person must decide.
+    /// The ids of all patients it may belong to, if an operator must decide.
     pub candidates: &'a [String],
 }
 
 impl Journal {
-    /// What is known of a scan; none for one never seen.
+    /// What is known about a scan; `None` if it was never seen.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -102,7 +102,7 @@ impl Journal {
         rows.map(|row| cell("sha256", row?, |text| ScanId::parse(text).ok())).collect()
     }
 
-    /// The patients for whom a scan is known, held ones included; none stands for nobody named.
+    /// The patients for whom a scan is known, including held ones; `None` stands for no patient.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -114,7 +114,7 @@ impl Journal {
         rows.map(|row| Ok(Some(row?).filter(|id: &String| !id.is_empty()))).collect()
     }
 
-    /// The first scan of a geometry; none where there is none.
+    /// The first scan with a geometry; `None` if there is none.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -127,7 +127,7 @@ impl Journal {
         found.map(|text| cell("sha256", text, |text| ScanId::parse(text).ok())).transpose()
     }
 
-    /// The refused scans of these sizes, bytes, the last ones first, at most `limit`.
+    /// The refused scans with these sizes, in bytes, newest first, at most `limit`.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -154,7 +154,7 @@ impl Journal {
             .collect()
     }
 
-    /// Enters a new scan and its deliveries, one for each store, and what it means for captures.
+    /// Enters a new scan, its deliveries, one for each store, and what it means for captures.
     ///
     /// # Errors
     /// See [`JournalError`]; nothing is entered then.
@@ -175,7 +175,7 @@ impl Journal {
                 insert_delivery(transaction, &row.scan, patient, store, state, held)?;
             }
             if held.is_some() {
-                // What was given up before is asked anew.
+                // A scan that was given up before needs a decision again.
                 let opened = "UPDATE scans SET closed = NULL WHERE sha256 = ?1";
                 transaction.execute(opened, [row.scan.as_str()])?;
             }
@@ -193,7 +193,7 @@ impl Journal {
         })
     }
 
-    /// A scan was refused for good, and with it every delivery still to be made.
+    /// Refuses a scan for good, and with it every pending delivery.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -221,7 +221,7 @@ impl Journal {
         })
     }
 
-    /// A measurement of the scan ended without an answer; says how many have.
+    /// Counts a measurement of the scan that ended without a result. Returns the count.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -235,7 +235,7 @@ impl Journal {
     }
 }
 
-/// Puts a scan into the table unless it is there.
+/// Inserts a scan unless it is already there.
 pub(super) fn insert_scan(
     transaction: &Transaction<'_>,
     row: &ScanRow,
@@ -264,8 +264,8 @@ pub(super) fn insert_scan(
     Ok(())
 }
 
-/// Puts a delivery into the table; one that was taken back, or is about to be, is to be made again,
-/// and one that was made stays.
+/// Inserts a delivery. One that was withdrawn, or is about to be, becomes one to make again; one that
+/// was made stays.
 pub(super) fn insert_delivery(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -300,7 +300,7 @@ pub(super) fn insert_delivery(
     Ok(())
 }
 
-/// Gives a scan its state; why it was in another before is forgotten.
+/// Sets a scan's state and clears the reason for the previous one.
 pub(super) fn set_state(
     transaction: &Transaction<'_>,
     scan: &ScanId,
@@ -314,7 +314,7 @@ pub(super) fn set_state(
     Ok(())
 }
 
-/// The state of a scan that must be known.
+/// The state of a scan that must exist.
 pub(super) fn state_of(
     transaction: &Transaction<'_>,
     scan: &ScanId,

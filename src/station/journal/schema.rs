@@ -1,4 +1,4 @@
-//! The journal's tables, and the way from older ones to them.
+//! The journal's tables, and the migration of older ones.
 
 use std::collections::BTreeMap;
 
@@ -7,13 +7,13 @@ use rusqlite::{Connection, Transaction, TransactionBehavior};
 use super::integrity::seal;
 use super::{JournalError, captures, history};
 
-/// The schema this gaiter reads and writes, in `PRAGMA user_version`: one step of [`STEPS`] each.
+/// The schema this gaiter reads and writes, in `PRAGMA user_version`: one per step of [`STEPS`].
 pub(super) const KNOWN: i64 = STEPS.len() as i64;
 
 /// A step from one schema to the next.
 type Step = fn(&Transaction<'_>) -> Result<(), JournalError>;
 
-/// From an empty file to the present schema. A step that was released is never changed.
+/// From an empty file to the current schema. A released step is never changed.
 const STEPS: [Step; 4] = [
     |transaction| Ok(transaction.execute_batch(FIRST)?),
     |transaction| {
@@ -28,8 +28,8 @@ const STEPS: [Step; 4] = [
     },
 ];
 
-/// `patient` is '' while nobody named the patient. `sources` is JSON. `next_at` tells people when
-/// the next attempt is due; the station itself goes by its monotonic clock.
+/// `patient` is '' if no patient was named. `sources` is JSON. `next_at` tells operators when the next
+/// attempt is due; the station itself uses its monotonic clock.
 const FIRST: &str = "
 CREATE TABLE scans (
     sha256     TEXT PRIMARY KEY,
@@ -62,9 +62,9 @@ CREATE TABLE sightings (
 ) STRICT;
 ";
 
-/// `crashes` counts measurements of the scan that ended without an answer. `changed_at` is the time
-/// of the last change of state. `seal` guards the cells that say whose scan it is and where its
-/// record goes. `meta` holds what the station must remember of itself, a row a fact.
+/// `crashes` counts measurements of the scan that ended without a result. `changed_at` is the time of
+/// the last change of state. `seal` protects the cells that say whose scan it is and where its record
+/// goes. `meta` holds what the station must remember about itself, one fact per row.
 const SECOND: &str = "
 ALTER TABLE scans ADD COLUMN crashes INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE scans ADD COLUMN changed_at TEXT;
@@ -89,10 +89,9 @@ CREATE TRIGGER history_is_not_changed BEFORE UPDATE ON history
 BEGIN SELECT RAISE(ABORT, 'the history is append-only'); END;
 ";
 
-/// `captures` are the presses of the button, and without a button the names that were said. `boot` is
-/// the start of the machine on whose clock `opened_ms` and `until_ms` are. `patient` and `source` are
-/// '' where nobody was named. `seal` guards whose scan it is. `pressed_at` of a scan is the press it
-/// answered.
+/// `captures` are the presses of the button, and without a button the names that were given. `boot` is
+/// the machine start that `opened_ms` and `until_ms` refer to. `patient` and `source` are '' if no
+/// patient was named. `seal` protects whose scan it is. `pressed_at` of a scan is the press it answered.
 const THIRD: &str = "
 ALTER TABLE scans ADD COLUMN pressed_at TEXT;
 CREATE TABLE captures (
@@ -112,12 +111,12 @@ CREATE TABLE captures (
 CREATE INDEX captures_by_state ON captures (state);
 ";
 
-/// `geometry` is the hash of a scan's coordinates and faces as written, '' where it is not known.
-/// `candidates` are the ids of whom a held scan, or the export of a capture, may be, as JSON. `closed`
-/// says why a refused scan needs no decision any more: `given-up`, `superseded` or `let-go`. `refused` of a capture:
-/// the export that answered it was refused, and another is awaited.
-/// `looks` holds what the looks at each folder know of files that are not taken yet, as JSON; `boot` and
-/// `looked_ms` as in `captures`. `orders` are the orders that were heard and still lie there.
+/// `geometry` is the hash of a scan's coordinates and faces as written, '' if unknown. `candidates` are
+/// the ids of the patients that a held scan, or the export of a capture, may belong to, as JSON.
+/// `closed` says why a refused scan needs no further decision: `given-up`, `superseded` or `let-go`.
+/// `refused` of a capture: the export that answered it was refused, and another is awaited. `looks`
+/// holds what the looks at each folder know about files that are not taken in yet, as JSON; `boot` and
+/// `looked_ms` as in `captures`. `orders` are handled orders that are still in their folder.
 const FOURTH: &str = "
 ALTER TABLE scans ADD COLUMN geometry TEXT NOT NULL DEFAULT '';
 ALTER TABLE scans ADD COLUMN candidates TEXT NOT NULL DEFAULT '[]';
@@ -142,11 +141,11 @@ CREATE TABLE orders (
 ) STRICT;
 ";
 
-/// The tables of the present schema.
+/// The tables of the current schema.
 pub(super) const TABLES: [&str; 8] =
     ["scans", "deliveries", "sightings", "meta", "history", "captures", "looks", "orders"];
 
-/// Makes the tables in a new journal, and brings an older one to our schema.
+/// Creates the tables in a new journal, and converts an older one to the current schema.
 pub fn establish(connection: &mut Connection) -> Result<(), JournalError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     let found: i64 = transaction.pragma_query_value(None, "user_version", |row| row.get(0))?;
@@ -163,19 +162,19 @@ pub fn establish(connection: &mut Connection) -> Result<(), JournalError> {
     Ok(transaction.commit()?)
 }
 
-/// How many steps have led to a schema.
+/// How many steps lead to a schema.
 fn steps_of(found: i64) -> Result<usize, JournalError> {
     let done = usize::try_from(found).ok().filter(|done| *done <= STEPS.len());
     done.ok_or(JournalError::Schema { found, known: KNOWN })
 }
 
-/// Checks that a journal has the tables, indexes and triggers of this schema, as its steps make them.
-/// What somebody has added is no damage, unless a later schema would make it.
+/// Checks that a journal has the tables, indexes and triggers of this schema, as its steps create them.
+/// Added objects are no damage, unless a later schema would create them.
 pub(super) fn check(connection: &Connection, schema: i64) -> Result<(), JournalError> {
     let (found, wanted, known) = (objects(connection)?, pattern(schema)?, pattern(KNOWN)?);
     for name in known.keys().chain(wanted.keys()) {
         if found.get(name) != wanted.get(name) {
-            let found = format!("{name} is not as schema {schema} has it");
+            let found = format!("{name} does not match schema {schema}");
             return Err(JournalError::Damaged { found });
         }
     }
@@ -192,7 +191,7 @@ fn pattern(schema: i64) -> Result<BTreeMap<String, String>, JournalError> {
     objects(&transaction)
 }
 
-/// What a schema consists of: how each object is made, by its name. Blanks do not count.
+/// What a schema consists of: the SQL that creates each object, by its name, without blanks.
 fn objects(connection: &Connection) -> Result<BTreeMap<String, String>, JournalError> {
     let mut query =
         connection.prepare("SELECT name, sql FROM sqlite_schema WHERE sql IS NOT NULL")?;

@@ -1,5 +1,5 @@
-//! Sightings: which state of which export file was taken already. Only a cache, so that a restart
-//! does not read a folder of years again; what counts is the scan's hash.
+//! Sightings: which state of which export file was already taken in. This is only a cache, so that a
+//! restart does not read years of files again; the scan's hash is what counts.
 
 use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
@@ -10,7 +10,7 @@ use super::{Journal, JournalError, cell};
 use crate::flow::{ScanId, Stamp};
 
 impl Journal {
-    /// Whether this state of the file was taken or refused before.
+    /// Reports whether this state of the file was taken in or refused before.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -23,8 +23,8 @@ impl Journal {
         Ok(found.is_some_and(|found| found == text(stamp)))
     }
 
-    /// The scan of which a state of the file was sighted last: none at all where none was, and none
-    /// within where the file was refused unread.
+    /// The scan of the last sighting of a file: outer `None` if there was no sighting, inner `None` if
+    /// the file was refused unread.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -38,7 +38,7 @@ impl Journal {
         found.map(|found| found.map(scan).transpose()).transpose()
     }
 
-    /// The state of a file that was sighted last, and the scan that it was or belonged to.
+    /// The last sighted state of a file, and the scan that it was or belonged to.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -53,7 +53,7 @@ impl Journal {
         Ok(Some((cell("stamp", stamp, of_text)?, scan.map(parsed).transpose()?)))
     }
 
-    /// Notes that this state of the file was taken, or refused unread where there is no scan.
+    /// Notes that this state of the file was taken in, or refused unread if there is no scan.
     ///
     /// # Errors
     /// See [`JournalError`].

@@ -1,11 +1,11 @@
-//! What is to be taken back: one rule for a scan and a store, applied with every change of its
-//! deliveries. So whatever a person decided while deliveries were in hand, and in whatever order these
-//! ended, at rest a record lies with those whose scan it is and with nobody else.
+//! Which records are to be withdrawn: one rule for a scan and a store, applied with every change of its
+//! deliveries. So whatever an operator decides while deliveries are running, and in whatever order these
+//! end, in the end a record is only with those the scan belongs to.
 //!
-//! A delivery that nobody wants any more is unwanted by its code while its state says what the store may
-//! hold: `delivered` with [`UNASSIGNED`] was made, with [`SUPERSEDED`] it may be in hand, or may have
-//! been made by a run that did not live to say so. Both are taken back as soon as somebody who is to
-//! have the record has it; taking back what is not there does nothing.
+//! A delivery becomes unwanted by its code, while its state says what the store may hold: `delivered`
+//! with [`UNASSIGNED`] was made; `delivered` with [`SUPERSEDED`] may be running, or may have been made
+//! by a run that ended before it could record that. Both are withdrawn as soon as the store holds a
+//! record that is wanted. Withdrawing a record that is not there does nothing.
 
 use std::path::Path;
 
@@ -19,14 +19,14 @@ use super::{Due, Event, Journal, JournalError, cell, history};
 use crate::flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
 use crate::flow::{DeliveryState, DeliveryStep, ScanId};
 
-/// The code of a record that was to be taken back and was changed by somebody, so that it stays.
+/// The code of a record that was to be withdrawn but was changed by hand, so that it stays.
 pub const KEPT: &str = "record-kept";
 
-/// SQL: [`UNASSIGNED`], [`SUPERSEDED`] and [`HANDED_OVER`], the codes of deliveries that nobody wants.
+/// SQL: [`UNASSIGNED`], [`SUPERSEDED`] and [`HANDED_OVER`], the codes of unwanted deliveries.
 pub(super) const UNWANTED: &str = "('unassigned', 'superseded', 'result-handed-over')";
 
-/// Says what is to be taken back now from every store that has a scan: each record that nobody wants,
-/// and the one for nobody where a patient has the record, once it lies with another whose scan it is.
+/// Marks what is to be withdrawn now from every store that has a scan: each unwanted record, and the
+/// unassigned one if a patient has the record, once the store holds another record that is wanted.
 pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
     let withdrawing = DeliveryState::Delivered.after(DeliveryStep::Withdraw)?;
     transaction.execute(
@@ -53,7 +53,7 @@ pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), 
     Ok(())
 }
 
-/// Whether a delivery is still to be made as it was begun.
+/// Reports whether a delivery is still to be made as it was begun.
 pub(super) fn is_to_be_made(
     transaction: &rusqlite::Connection,
     due: &Due,
@@ -61,19 +61,19 @@ pub(super) fn is_to_be_made(
     Ok(delivery_state(transaction, due)? == Some(DeliveryState::Pending))
 }
 
-/// What a receipt means for a delivery that is not to be made any more.
+/// What a receipt means for a delivery that may no longer be wanted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Overtaken {
-    /// It is one that is wanted: nobody decided otherwise.
+    /// It is wanted: no decision has changed it.
     No,
-    /// The scan was refused meanwhile at another store or for another patient, but this record lies in
-    /// its own.
+    /// The scan was refused meanwhile at another store or for another patient, but this record is in its
+    /// store.
     Refused,
-    /// Nobody wants it any more.
+    /// It is no longer wanted.
     Unwanted,
 }
 
-/// Whether somebody decided otherwise while a delivery was in hand.
+/// Whether a decision overtook a delivery while it was running.
 pub(super) fn overtaken(
     transaction: &Transaction<'_>,
     due: &Due,
@@ -97,7 +97,7 @@ pub(super) fn overtaken(
     })
 }
 
-/// A record lies in a store that is not to be there: it is to be taken back.
+/// Marks a record that is in a store but must not be there: it is to be withdrawn.
 pub(super) fn made_in_vain(
     transaction: &Transaction<'_>,
     due: &Due,
@@ -121,8 +121,8 @@ pub(super) fn made_in_vain(
 }
 
 impl Journal {
-    /// Applies the rule to every scan of which something nobody wants may lie in a store: at a start
-    /// nothing is in hand. An older version may have left such.
+    /// Applies the rule to every scan that may have an unwanted record in a store: at a start no
+    /// delivery is running. An older version may have left such records.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -140,7 +140,7 @@ impl Journal {
         })
     }
 
-    /// Whether a delivery is still to be made: nobody has decided otherwise since it was begun.
+    /// Reports whether a delivery is still to be made: no decision has changed it since it began.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -148,7 +148,7 @@ impl Journal {
         is_to_be_made(&self.connection(), due)
     }
 
-    /// The record is gone from the store.
+    /// Records that the record is gone from the store.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -156,7 +156,7 @@ impl Journal {
         self.left(due, DeliveryStep::Gone, None)
     }
 
-    /// The store gives nothing back: the record stays there, for a person to take away.
+    /// Records that the store gives nothing back: the record stays until the operator removes it.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -167,7 +167,7 @@ impl Journal {
     fn left(&self, due: &Due, by: DeliveryStep, code: Option<&str>) -> Result<(), JournalError> {
         self.change(|transaction| {
             if delivery_state(transaction, due)? != Some(DeliveryState::Withdrawing) {
-                // Somebody decided otherwise while it was in hand: it is to be made again.
+                // A decision made while this was running changed it: it is to be made again.
                 return Ok(());
             }
             step(transaction, due, by, None)?;
@@ -180,8 +180,8 @@ impl Journal {
         })
     }
 
-    /// Who keeps the record of a scan in a store when another one's is taken back; none while nobody
-    /// has it, and inner none for the folder of scans for nobody.
+    /// The patient who keeps the record of a scan in a store when another record is withdrawn. Outer
+    /// `None` while no one has it, inner `None` for the folder of unassigned scans.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -202,7 +202,7 @@ impl Journal {
         Ok(found.map(|id| Some(id).filter(|id| !id.is_empty())))
     }
 
-    /// Whether a record that was to be taken back stays because somebody changed it.
+    /// Reports whether a record that was to be withdrawn stays because it was changed by hand.
     ///
     /// # Errors
     /// See [`JournalError`].

@@ -1,11 +1,11 @@
-//! Metrics, health and the operator's page over HTTP, on an address of this machine or a socket that
-//! the service manager has opened for us, and the page for reading on another. No client
-//! holds up the others: a connection that waits for its own client makes room, monitors have places of
-//! their own, and a request that comes while a disk stands still is told so.
+//! Metrics, health and the operator's page over HTTP, on an address of this machine or on a socket that
+//! the service manager has opened; and a read-only page on another address. No client holds up the
+//! others: a connection that waits for its own client makes room, monitors have their own places, and a
+//! request that arrives while a disk hangs gets an answer that says so.
 
-mod connections;
-mod listeners;
-mod shared_look;
+pub mod connections;
+pub mod listeners;
+pub mod shared_look;
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -25,82 +25,87 @@ use tokio::task::{JoinError, spawn_blocking};
 use tokio::time::{sleep, timeout};
 use tracing::{info, warn};
 
-pub use self::connections::Connection;
-use self::connections::Connections;
-pub use self::listeners::Listeners;
-pub use self::shared_look::SharedLook;
+use self::connections::{Connection, Connections};
+use self::listeners::{Listeners, Way};
+use self::shared_look::SharedLook;
 use super::metrics;
-use super::overview::Overview;
-use super::page::{self, HttpEndpoint, Way};
-use crate::station::assembly::Station;
-use crate::station::stop::Stop;
+use super::page::desk::Desk;
+use super::page::endpoint::HttpEndpoint;
+use super::page::{self, publish};
+use crate::station::core::Core;
+use crate::station::overview::Overview;
+use crate::station::runtime::stop::Stop;
 
-/// So many requests are answered at a time; further ones wait.
+/// The number of requests answered at once; further ones wait.
 const MOST_SERVED: usize = 16;
 
-/// So many of those that monitors make, beside the others.
+/// The number of monitor requests answered at once, in addition to the others.
 const MOST_MONITORS: usize = 4;
 
-/// A request's head has come by then, or never will.
+/// How long the head of a request may take to arrive.
 const HEAD_TIME: Duration = Duration::from_secs(5);
 
-/// A connection carries one request, and is over by then.
+/// How long a connection may last; it carries one request.
 const CONNECTION_TIME: Duration = Duration::from_secs(30);
 
-/// The longest head of a request, bytes: hyper would keep 400 kB for each connection.
+/// The longest head of a request, bytes; hyper's default would keep 400 kB for each connection.
 const HEAD_MOST: usize = 64 * 1024;
 
-/// The pause before the address is tried again where it cannot be had.
+/// The pause before the address is tried again after a failure.
 const RETRY: Duration = Duration::from_secs(10);
 
-/// The pause where no connection can be taken in, for want of file descriptors say.
+/// The pause if no connection can be accepted, for example for lack of file descriptors.
 const SHORT_OF_FILES: Duration = Duration::from_millis(200);
 
-/// How long those are waited for who have connected when the endpoint closes.
+/// How long a closing endpoint waits for the requests of clients that have connected.
 const SAY_IT: Duration = Duration::from_millis(200);
 
-/// What monitors ask for.
+/// The paths that monitors request.
 const METRICS: &str = "/metrics";
 const HEALTH: &str = "/healthz";
 
-/// Serves the endpoints where the service manager or else the configuration says, until it is asked to
-/// stop.
+/// Serves the endpoints at the addresses of the service manager, or else of the configuration, until
+/// asked to stop.
 ///
 /// # Errors
-/// None; the type is that of all workers.
-pub async fn worker(station: Arc<Station>, stop: Stop) -> Result<(), JoinError> {
-    let local = keep(&station, Way::Local, stop.clone());
-    let network = keep(&station, Way::Network, stop.clone());
-    tokio::join!(local, network, page::worker(&station, stop.clone()));
+/// None; all workers have this type.
+pub async fn worker(
+    desk: Arc<Desk>,
+    listeners: Arc<Listeners>,
+    stop: Stop,
+) -> Result<(), JoinError> {
+    let local = keep(&desk, &listeners, Way::Local, stop.clone());
+    let network = keep(&desk, &listeners, Way::Network, stop.clone());
+    tokio::join!(local, network, publish::worker(&desk, stop.clone()));
     Ok(())
 }
 
 /// Keeps one endpoint open.
-async fn keep(station: &Arc<Station>, way: Way, mut stop: Stop) {
+async fn keep(desk: &Arc<Desk>, listeners: &Listeners, way: Way, mut stop: Stop) {
+    let core = &desk.core;
     let mut was_unavailable = false;
     while !stop.is_requested() {
-        match station.lasting.listeners.take(&station.config, way) {
+        match listeners.take(&core.config, way) {
             Ok(Some((listener, address))) => {
                 info!(event = "http-listening", way = way.word(), port = address.port());
-                station.board.note(|facts| drop(facts.endpoints.remove(way.word())));
-                let (station, asked) = (Arc::clone(station), stop.clone());
+                core.board.note(|facts| drop(facts.endpoints.remove(way.word())));
+                let (desk, asked) = (Arc::clone(desk), stop.clone());
                 let endpoint = spawn_blocking(move || {
-                    HttpEndpoint::open(&station, way, address, was_unavailable, asked)
+                    HttpEndpoint::open(&desk, way, address, was_unavailable, asked)
                 });
                 // It does not panic.
                 let Ok(endpoint) = endpoint.await else { return };
                 serve(&endpoint, &listener, &mut stop).await;
             }
             Ok(None) => {
-                station.board.note(|facts| drop(facts.endpoints.remove(way.word())));
+                core.board.note(|facts| drop(facts.endpoints.remove(way.word())));
                 stop.requested().await;
             }
             Err(error) => {
                 if !std::mem::replace(&mut was_unavailable, true) {
                     warn!(event = "http-unavailable", way = way.word(), %error);
                 }
-                station
-                    .board
+                core.board
                     .note(|facts| drop(facts.endpoints.insert(way.word(), error.to_string())));
                 tokio::select! {
                     () = stop.requested() => {}
@@ -111,10 +116,10 @@ async fn keep(station: &Arc<Station>, way: Way, mut stop: Stop) {
     }
 }
 
-/// Serves until a stop is asked for. Answers in hand are given after it.
+/// Serves until a stop is requested. Requests in progress are still answered afterwards.
 async fn serve(endpoint: &Arc<HttpEndpoint>, listener: &TcpListener, stop: &mut Stop) {
-    let station = Arc::clone(endpoint.station());
-    let monitors = Monitors { station, overview: Arc::default() };
+    let core = Arc::clone(&endpoint.desk.core);
+    let monitors = Monitors { core, overview: Arc::default() };
     let monitors =
         Router::new().route(METRICS, get(metrics)).route(HEALTH, get(healthz)).with_state(monitors);
     let places = Places {
@@ -129,7 +134,7 @@ async fn serve(endpoint: &Arc<HttpEndpoint>, listener: &TcpListener, stop: &mut 
             accepted = listener.accept() => accepted,
         };
         let Ok((stream, peer)) = accepted else {
-            // A hot loop would free none.
+            // A hot loop would not free any file descriptors.
             connections.close_idle();
             sleep(SHORT_OF_FILES).await;
             continue;
@@ -138,45 +143,45 @@ async fn serve(endpoint: &Arc<HttpEndpoint>, listener: &TcpListener, stop: &mut 
             tokio::spawn(attend(stream, pages.clone(), connection, stop.clone()));
         }
     }
-    // Who came last says what he wants at once.
+    // Clients that have just connected send their requests at once.
     sleep(SAY_IT).await;
     connections.close_idle();
-    // What is decided must be decided before another generation begins.
+    // Decisions in progress must be complete before another generation begins.
     let _ = timeout(HEAD_TIME, connections.all_are_served()).await;
 }
 
-/// Carries one connection to its end.
+/// Serves one connection to its end.
 async fn attend(stream: TcpStream, pages: Router, connection: Arc<Connection>, stop: Stop) {
     let pages = TowerToHyperService::new(pages.layer(Extension(Arc::clone(&connection))));
     let mut http = http1::Builder::new();
     http.keep_alive(false).timer(TokioTimer::new()).header_read_timeout(HEAD_TIME);
     http.max_buf_size(HEAD_MOST);
     tokio::select! {
-        // A client that goes away or says nothing has its answer already.
+        // A client that disconnects or sends nothing needs no answer.
         _ = http.serve_connection(TokioIo::new(stream), pages) => {}
         () = connection.must_close() => {}
         () = over(&connection, stop) => {}
     }
 }
 
-/// Ends when a connection has lasted long enough: a stream lasts as long as the station.
+/// Returns when a connection has lasted long enough; a stream lasts as long as the station.
 async fn over(connection: &Connection, mut stop: Stop) {
     sleep(CONNECTION_TIME).await;
     if connection.is_stream() {
         stop.requested().await;
-        // It ends by itself, unless its reader takes nothing.
+        // It ends by itself, unless its client reads nothing.
         sleep(HEAD_TIME).await;
     }
 }
 
-/// How many requests are answered at a time. Those of monitors wait for no others.
+/// How many requests are answered at once. Monitors do not wait for other requests.
 #[derive(Debug, Clone)]
 struct Places {
     others: Arc<Semaphore>,
     monitors: Arc<Semaphore>,
 }
 
-/// Answers a request that has come whole, when there is a place.
+/// Answers a complete request when there is a place.
 async fn attended(
     State(places): State<Places>,
     Extension(connection): Extension<Arc<Connection>>,
@@ -192,22 +197,22 @@ async fn attended(
     response
 }
 
-/// What monitors ask.
+/// What the requests of monitors share.
 #[derive(Debug, Clone)]
 struct Monitors {
-    station: Arc<Station>,
+    core: Arc<Core>,
     overview: Arc<SharedLook<Arc<Overview>>>,
 }
 
 impl Monitors {
-    /// An overview; none where the disk of the state folder does not answer.
+    /// An overview; `None` if the disk of the state folder does not answer.
     async fn overview(&self) -> Option<Arc<Overview>> {
-        let station = Arc::clone(&self.station);
-        self.overview.of(move || Arc::new(Overview::take(&station))).await
+        let core = Arc::clone(&self.core);
+        self.overview.of(move || Arc::new(Overview::take(&core))).await
     }
 }
 
-/// The code of a station that does not come to tell how it is.
+/// The code of a station that cannot report its state in time.
 const NO_ANSWER: &str = "state-disk-stalled";
 
 async fn metrics(State(monitors): State<Monitors>) -> Response {
@@ -218,7 +223,7 @@ async fn metrics(State(monitors): State<Monitors>) -> Response {
     }
 }
 
-/// 200 and "ready", or 503 and the codes of what is wrong, one a line.
+/// 200 and "ready", or 503 and the codes of what is wrong, one per line.
 async fn healthz(State(monitors): State<Monitors>) -> Response {
     match monitors.overview().await {
         Some(overview) if overview.complaints.is_empty() => "ready\n".into_response(),

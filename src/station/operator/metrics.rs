@@ -1,5 +1,5 @@
-//! An overview as metrics for Prometheus, in the OpenMetrics text. No label holds an id, a name or a
-//! path: export folders are numbered as in the log, stores have the names of their kind.
+//! An overview as metrics for Prometheus, in the OpenMetrics text format. No label holds an id, a name
+//! or a path: export folders are numbered as in the log, and stores have the names of their kind.
 
 use std::fmt;
 use std::sync::atomic::AtomicU64;
@@ -11,20 +11,20 @@ use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::Registry;
 
 use super::control::protocol::state_words;
-use super::overview::Overview;
 use crate::flow::facts::{IntakeState, SourceState, TriggerFacts};
 use crate::flow::health::age;
 use crate::flow::trigger::PortState;
+use crate::station::overview::Overview;
 
-/// The type of the text, for HTTP.
+/// The content type of the text, for HTTP.
 pub const CONTENT_TYPE: &str = "application/openmetrics-text; version=1.0.0; charset=utf-8";
 
 type Labels<const N: usize> = [(&'static str, String); N];
 
-/// The metrics of this moment.
+/// The current metrics.
 ///
 /// # Errors
-/// None that is known: writing to memory does not fail.
+/// None known: writing to memory does not fail.
 pub fn text(overview: &Overview) -> Result<String, fmt::Error> {
     let mut registry = Registry::with_prefix("gaiter");
     of_station(&mut registry, overview);
@@ -44,9 +44,9 @@ fn of_station(registry: &mut Registry, overview: &Overview) {
     let running = running.as_secs_f64();
     gauge(registry, "running_seconds", "Time since the station began", running);
     let codes = complaints.iter().map(|complaint| ([("code", complaint.code.clone())], 1.0));
-    family(registry, "complaint", "What keeps the station from being ready", codes);
+    family(registry, "complaint", "What prevents the station from being ready", codes);
     let alarms = facts.alarms.keys().map(|code| ([("code", (*code).to_owned())], 1.0));
-    family(registry, "alarm", "What a person must know", alarms);
+    family(registry, "alarm", "What an operator must know", alarms);
     let intake = [
         ("open", facts.intake == IntakeState::Open),
         ("paused", facts.intake == IntakeState::Paused),
@@ -73,16 +73,16 @@ fn of_scans(registry: &mut Registry, overview: &Overview) {
     let states = tally.scans.iter();
     let states = states.map(|(state, count)| ([("state", (*state).to_owned())], *count as f64));
     family(registry, "scans", "Scans in the journal by state", states);
-    let help = "Scans that wait for a person's decision";
+    let help = "Scans that wait for an operator's decision";
     gauge(registry, "scans_held", help, tally.held as f64);
-    let help = "Scans whose record lies where it is to be taken back";
+    let help = "Scans whose record is to be taken back";
     gauge(registry, "scans_withdrawing", help, tally.withdrawing as f64);
     let deliveries = tally.deliveries.iter().map(|((store, state), count)| {
         ([("store", store.clone()), ("state", state.clone())], *count as f64)
     });
     family(registry, "deliveries", "Deliveries in the journal by store and state", deliveries);
     let oldest = tally.oldest.as_ref();
-    // Without end where the clock was set back: an alert fires rather than not.
+    // Infinite if the clock was set back, so that an alert fires.
     let waited = |since| age(since, overview.now).map_or(f64::INFINITY, |age| age.as_secs_f64());
     let oldest = oldest.map_or(0.0, |seen| waited(seen.first_seen));
     let help = "How long the oldest scan without a record has waited, 0 if none waits";

@@ -1,8 +1,7 @@
-//! What people and monitors ask of the station, and what people decide: command line, page, metrics.
+//! What people and monitors ask of the station, and what operators decide: command line, page, metrics.
 
 pub mod act;
 pub mod control;
 pub(in crate::station) mod http;
 pub(in crate::station) mod metrics;
-pub mod overview;
 pub(in crate::station) mod page;

@@ -1,13 +1,13 @@
-//! Whose a patient's folder is: one person, one folder. A folder that is a link leads to somewhere else,
-//! maybe to another patient's; and where names differ in letter case only, a file system, or a person,
-//! takes one for the other. Both are refused: records of two people must never be merged.
+//! Whose a patient's folder is: one person, one folder. A folder that is a link leads elsewhere, maybe
+//! to another patient's. If names differ only in letter case, a file system, or a person, may confuse
+//! them. Both are refused: records of two people must never be merged.
 
 use std::fs;
 use std::io;
 use std::path::PathBuf;
 
 use super::FolderStore;
-use crate::flow::naming;
+use crate::flow::patient::naming;
 use crate::store::{Misfit, StoreFault, durable, tried};
 
 impl FolderStore {
@@ -27,7 +27,7 @@ impl FolderStore {
             && let Standing::Mistakable = self.standing(&name)?
         {
             if is_new {
-                // Only where it is empty; another station may be using it.
+                // This removes only an empty folder; another station may be using it.
                 let _ = fs::remove_dir(&folder);
             }
             return Err(StoreFault::Permanent(Misfit::FolderClash));
@@ -36,7 +36,7 @@ impl FolderStore {
         Ok(folder)
     }
 
-    /// The patient's folder; none where there is no folder of exactly this name.
+    /// The patient's folder; `None` if there is no folder of exactly this name.
     pub(super) fn own_folder(&self, patient: Option<&str>) -> Result<Option<PathBuf>, StoreFault> {
         let name = naming::patient_folder(patient);
         let folder = self.root.join(&name);
@@ -44,7 +44,7 @@ impl FolderStore {
             Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
             found => refuse_link(&tried("looking at", &folder, found)?)?,
         }
-        // Where the file system does not tell cases apart, what it finds may be another patient's.
+        // If the file system ignores case, the folder found may be another patient's.
         let is_own = !patient.is_some_and(has_case) || self.is_listed(&name)?;
         Ok(is_own.then_some(folder))
     }
@@ -57,7 +57,7 @@ impl FolderStore {
         Ok(self.listed()?.iter().any(|listed| listed == name))
     }
 
-    /// The names in the store; none of ours is anything but UTF-8.
+    /// The names in the store that are UTF-8, as all of ours are.
     fn listed(&self) -> Result<Vec<String>, StoreFault> {
         let list = || -> io::Result<Vec<String>> {
             let names = fs::read_dir(&self.root)?.map(|entry| Ok(entry?.file_name()));
@@ -76,16 +76,16 @@ fn refuse_link(found: &fs::Metadata) -> Result<(), StoreFault> {
     }
 }
 
-/// How a folder stands among the names of its store.
+/// How a folder's name compares with the other names in its store.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Standing {
-    /// It is there under its name, and no other is like it.
+    /// It is there under its name, and no other name is like it.
     Alone,
-    /// It is there under another name, or beside one that is the same but for the case of letters.
+    /// It is there under another name, or beside one that differs only in letter case.
     Mistakable,
 }
 
-/// How a folder that was made under this name stands among the names that are listed then.
+/// How the name of a folder that was just made compares with the names that are listed then.
 fn standing(name: &str, listed: &[String]) -> Standing {
     let own = folded(name);
     let is_other = |other: &&String| {
@@ -99,13 +99,13 @@ fn standing(name: &str, listed: &[String]) -> Standing {
     }
 }
 
-/// Whose folder it is, whatever the case of the letters in the id; none for nobody's.
+/// Whose folder it is, ignoring the case of letters in the id; `None` for the unassigned.
 fn folded(name: &str) -> Option<String> {
     let id = naming::patient_of_folder(name)??;
     Some(id.chars().flat_map(char::to_lowercase).collect())
 }
 
-/// Whether an id holds anything that comes in more than one case. No other can be mistaken for it.
+/// Whether an id holds anything that has more than one case. Other ids cannot be confused.
 fn has_case(id: &str) -> bool {
     id.chars()
         .any(|letter| !letter.to_lowercase().eq([letter]) || !letter.to_uppercase().eq([letter]))
@@ -119,12 +119,12 @@ mod tests {
 
     use super::*;
 
-    /// A file system that does not tell the case of ASCII letters apart and keeps the first name.
+    /// A file system that ignores the case of ASCII letters and keeps the first name.
     #[derive(Default)]
     struct Caseless(BTreeMap<String, String>);
 
     impl Caseless {
-        /// Makes a folder where there is none of that name; the one that is used then.
+        /// Makes a folder if there is none of that name. Returns the one that is then used.
         fn make(&mut self, name: &str) -> String {
             let folder = self.0.entry(name.to_ascii_lowercase()).or_insert_with(|| name.to_owned());
             folder.clone()
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(standing("P1", &listed(&alone)), Standing::Alone);
         assert_eq!(standing("P1", &listed(&["P1", "p1"])), Standing::Mistakable);
         assert_eq!(standing("p1", &listed(&["P1"])), Standing::Mistakable, "it was made as P1");
-        // Ä and ä, whose bytes stand in the name.
+        // Ä and ä, whose bytes are in the name.
         assert_eq!(standing("%C3%84", &listed(&["%C3%84", "%C3%A4"])), Standing::Mistakable);
         assert_eq!(standing("a%2F", &listed(&["a%2F", "a%2f"])), Standing::Mistakable);
     }

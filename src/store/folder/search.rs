@@ -1,4 +1,4 @@
-//! Finding records that lie in the store already, and taking one back.
+//! Finds records that are already in the store, and withdraws them.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -7,13 +7,13 @@ use std::path::{Path, PathBuf};
 
 use super::{FolderStore, folders};
 use crate::flow::ScanId;
-use crate::flow::naming::{self, RecordName};
+use crate::flow::patient::naming::{self, RecordName};
 use crate::record::ORD;
 use crate::store::sums::{self, SUMS};
 use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
 
-/// The whole record of a scan in a patient's folder, under whatever time: of several revisions the
-/// first that is whole.
+/// The complete record of a scan in a patient's folder, with any time: the first complete one of several
+/// revisions.
 pub(super) fn find(patient: &Path, scan: &ScanId) -> Result<Option<PathBuf>, StoreFault> {
     for place in candidates(patient, scan)? {
         if tried("checking", &place, sums::check(&place, scan))?.is_ok() {
@@ -23,14 +23,14 @@ pub(super) fn find(patient: &Path, scan: &ScanId) -> Result<Option<PathBuf>, Sto
     Ok(None)
 }
 
-/// The record folders that are named as the scan's would be, the first revision first.
+/// The record folders named as the scan's would be, first revision first.
 fn candidates(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFault> {
     let named = records_in(patient)?.into_iter();
     Ok(named.filter(|(name, _)| name.scan == scan.short()).map(|(_, place)| place).collect())
 }
 
-/// The folders in a patient's folder that are called like records, in the order of their names'
-/// meaning: a scan's revisions follow one another.
+/// The folders in a patient's folder that are named like records, sorted by the meaning of their names:
+/// a scan's revisions follow one another.
 pub(in crate::store) fn records_in(
     patient: &Path,
 ) -> Result<Vec<(RecordName, PathBuf)>, StoreFault> {
@@ -44,11 +44,11 @@ pub(in crate::store) fn records_in(
 }
 
 impl FolderStore {
-    /// Every record in the store, of a scan's revisions the first. Folders that no record of ours is
-    /// called do not count.
+    /// Every record in the store; of a scan's revisions, the first. Folders that are not named like our
+    /// records do not count.
     ///
     /// # Errors
-    /// A transient fault where a folder cannot be listed or read.
+    /// A transient fault if a folder cannot be listed or read.
     pub fn records(&self) -> Result<Vec<FoundRecord>, StoreFault> {
         let mut found = Vec::new();
         for patient in folders(&self.root)? {
@@ -68,10 +68,10 @@ impl FolderStore {
         Ok(found)
     }
 
-    /// A scan from its whole record for this patient; none where there is none.
+    /// A scan from its complete record for this patient; `None` if there is none.
     ///
     /// # Errors
-    /// A transient fault where the store cannot be read.
+    /// A transient fault if the store cannot be read.
     pub fn stored_scan(
         &self,
         scan: &ScanId,
@@ -92,11 +92,11 @@ impl FolderStore {
         Ok(Some(StoredScan { bytes: read(&name)?, ord }))
     }
 
-    /// Takes back the record of a scan, with all its revisions, from one patient, or from the folder
-    /// of scans for nobody; it must lie whole in the other's folder.
+    /// Withdraws the record of a scan, with all its revisions, from one patient or from the folder of
+    /// unassigned scans. The keeper's folder must hold a complete record.
     ///
     /// # Errors
-    /// See [`StoreFault`]: a permanent one where a revision was changed by hand; then all stay.
+    /// See [`StoreFault`]: a permanent one if a revision was changed by hand; then all stay.
     pub fn withdraw(
         &self,
         scan: &ScanId,
@@ -111,8 +111,8 @@ impl FolderStore {
         if tried("looking for", &gone, fs::exists(&gone))? {
             tried("removing", &gone, durable::remove_folder(&gone))?;
         }
-        // Until none is found: a re-extraction may add a revision meanwhile. One that comes later
-        // finds the record gone and takes its revision back itself.
+        // Repeated until none is found: a re-extraction may add a revision meanwhile. A later one finds
+        // the record gone and removes its revision itself.
         loop {
             let places = whole_records(&from, scan)?;
             if places.is_empty() {
@@ -130,7 +130,7 @@ impl FolderStore {
     }
 }
 
-/// The folders that hold whole records of a scan.
+/// The folders that hold complete records of a scan.
 fn whole_records(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFault> {
     let mut whole = Vec::new();
     for place in candidates(patient, scan)? {
@@ -143,7 +143,7 @@ fn whole_records(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFau
     Ok(whole)
 }
 
-/// Moves what `SHA256SUMS` does not list, a person's notes, from one record to another.
+/// Moves files that `SHA256SUMS` does not list, such as a person's notes, to another record.
 fn move_unlisted(from: &Path, to: &Path) -> std::io::Result<()> {
     let listed = sums::listed(from)?;
     for entry in fs::read_dir(from)? {
@@ -153,7 +153,7 @@ fn move_unlisted(from: &Path, to: &Path) -> std::io::Result<()> {
             continue;
         }
         match durable::rename_new(&from.join(&name), &to.join(&name)) {
-            // Another revision has given a note of this name: this one says where it is from.
+            // Another revision already moved a note of this name: this one's name says where it is from.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 let mut named = from.file_name().unwrap_or_default().to_owned();
                 named.push(".");
@@ -166,7 +166,7 @@ fn move_unlisted(from: &Path, to: &Path) -> std::io::Result<()> {
     durable::sync_folder(to)
 }
 
-/// The record in a folder of this name; none where the folder lists no such scan.
+/// The record in a folder of this name; `None` if the folder lists no such scan.
 fn record(
     name: &RecordName,
     folder: PathBuf,

@@ -7,24 +7,24 @@ use super::place::Place;
 use crate::record::RecordFile;
 use crate::record::gdt::{Attachment, Reference};
 
-/// What an attachment is, as the practice software shows it.
+/// The description of an attachment, as the practice software shows it.
 const DESCRIPTION: &str = "Beinvermessung";
 
-/// Which files go with a result, where they are put and how the result speaks of them.
+/// Which files go with a result, where they are put, and how the result refers to them.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attach {
-    /// Names of files of a record; one that a record lacks is left out.
+    /// Names of a record's files; a file that the record lacks is left out.
     pub files: Vec<String>,
-    /// A folder in the exchange folder for them; the exchange folder itself if empty.
+    /// A folder for them in the exchange folder; empty for the exchange folder itself.
     pub folder: String,
-    /// How the result says where they lie.
+    /// How the result refers to their place.
     pub reference: Reference,
-    /// The exchange folder as the practice software sees it; as the station does if empty.
+    /// The exchange folder as the practice software sees it; empty if it sees it as the station does.
     pub root: String,
 }
 
 impl Attach {
-    /// What a result says of its attachments.
+    /// The attachments as the result lists them.
     pub(super) fn attachments(
         &self,
         key: &str,
@@ -40,7 +40,7 @@ impl Attach {
         self.of(files).map(attachment).collect()
     }
 
-    /// Writes them, durable.
+    /// Writes the attachments, durable.
     pub(super) fn write(
         &self,
         key: &str,
@@ -64,7 +64,7 @@ impl Attach {
             "" => folder.to_string_lossy().into_owned(),
             root => root.trim_end_matches(['\\', '/']).to_owned(),
         };
-        // Paths are read by a program that mostly runs on Windows; a root says whether it does.
+        // The program that reads the paths mostly runs on Windows; the root shows whether it does.
         let bar = if root.contains('\\') { '\\' } else { '/' };
         let parts = match self.reference {
             Reference::Full => vec![root.as_str(), &self.folder, name],

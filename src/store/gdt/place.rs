@@ -1,5 +1,5 @@
-//! The exchange folder: where results are staged, how they get their names, and whether the folder
-//! is there at all.
+//! The exchange folder: where results are staged, how they get their names, and whether the folder is
+//! there at all.
 
 use std::fs::{self, File, Permissions};
 use std::io;
@@ -15,19 +15,19 @@ use crate::record::gdt::rules::{COUNTER_MOST, FileName};
 /// The file that marks the folder of staged results.
 const MARK: &str = ".gaiter-store";
 
-/// What stands in it, for people who find it.
-const MARK_TEXT: &str = "Here a gaiter station makes results before it hands them over. While this \
-file is missing it takes the exchange folder for a share that is not mounted.\n";
+/// Its content, for people who find it.
+const MARK_TEXT: &str = "A gaiter station prepares results here before handing them over. If this \
+file is missing, the station assumes that the share is not mounted.\n";
 
-/// The program that fetches results runs under another user: the folder's group may read them.
+/// The program that fetches results runs as another user: the folder's group may read them.
 const FETCHED_MODE: u32 = 0o660;
 
 /// An exchange folder.
 #[derive(Debug, Clone)]
 pub(super) struct Place {
     folder: PathBuf,
-    /// In the exchange folder, for it must be on the same disk; a folder of its own, for practice
-    /// software may take every file it sees.
+    /// In the exchange folder, because it must be on the same disk; a folder of its own, because
+    /// practice software may take every file it sees.
     staging: PathBuf,
     names: FileName,
 }
@@ -44,7 +44,7 @@ impl Place {
         &self.folder
     }
 
-    /// Makes the folder of staged results, marked, and the exchange folder where that is wanted.
+    /// Makes the folder for staged results, marked, and the exchange folder if `make_folder` is set.
     pub fn begin(&self, make_folder: bool) -> Result<(), StoreFault> {
         if make_folder {
             tried("making the exchange folder", &self.folder, fs::create_dir_all(&self.folder))?;
@@ -58,25 +58,25 @@ impl Place {
         self.sync()
     }
 
-    /// Whether the exchange folder is there, and is the one that was begun.
+    /// Checks that the exchange folder is there and is the one that was begun.
     pub fn reach(&self) -> Result<(), StoreFault> {
         tried("listing", &self.folder, fs::read_dir(&self.folder))?;
         self.opened().map(drop)
     }
 
-    /// The folder of staged results, opened and found marked: what is asked of it is asked of this
-    /// very folder, even if its share goes away meanwhile.
+    /// The folder of staged results, opened and checked for its mark: what follows refers to this very
+    /// folder, even if its share goes away meanwhile.
     fn opened(&self) -> Result<File, StoreFault> {
         let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
         let opened = rustix::fs::open(&self.staging, flags, Mode::empty()).map(File::from);
-        let what = "opening the station's folder, which is missing where a share is not mounted,";
+        let what = "opening the station's folder (missing if a share is not mounted)";
         let folder = tried(what, &self.staging, opened.map_err(io::Error::from))?;
         let mark = statat(&folder, MARK, AtFlags::SYMLINK_NOFOLLOW).map_err(io::Error::from);
         tried("looking for .gaiter-store in", &self.staging, mark)?;
         Ok(folder)
     }
 
-    /// Whether a result is staged. That it is not is said only by the folder that was begun.
+    /// Reports whether a result is staged. Only the folder that was begun can say that it is not.
     pub fn is_staged(&self, key: &str) -> Result<bool, StoreFault> {
         let folder = self.opened()?;
         match statat(&folder, file_name(key), AtFlags::SYMLINK_NOFOLLOW) {
@@ -86,7 +86,7 @@ impl Place {
         }
     }
 
-    /// The keys of staged results, whole or not.
+    /// The keys of staged results, complete or not.
     pub fn staged(&self) -> Result<Vec<String>, StoreFault> {
         let list = || -> io::Result<Vec<String>> {
             let mut keys = Vec::new();
@@ -100,7 +100,7 @@ impl Place {
         tried("listing", &self.staging, list())
     }
 
-    /// Removes a staged result; that there is none is fine.
+    /// Removes a staged result, if there is one.
     pub fn unstage(&self, key: &str) -> Result<(), StoreFault> {
         let staged = self.staged_file(key);
         tried("clearing", &staged, gone(fs::remove_file(&staged)))
@@ -116,7 +116,7 @@ impl Place {
         tried("syncing", &self.staging, durable::sync_folder(&self.staging))
     }
 
-    /// The next name that is free, and its number; `last` is the number used last.
+    /// The next free name and its number; `last` is the number used last.
     pub fn free_name(&self, last: u16) -> Result<(u16, String), StoreFault> {
         let tries = if self.names.counts() { COUNTER_MOST } else { 1 };
         for step in 0..tries {
@@ -131,7 +131,7 @@ impl Place {
         Err(StoreFault::NotFetched)
     }
 
-    /// Gives a staged result its name, never over another; its path.
+    /// Renames a staged result to its final name, never over another. Returns its path.
     pub fn publish(&self, key: &str, name: &str) -> Result<PathBuf, StoreFault> {
         let place = self.folder.join(name);
         match durable::rename_new(&self.staged_file(key), &place) {
@@ -150,8 +150,8 @@ impl Place {
         tried("syncing", &self.staging, durable::sync_folder(&self.staging))
     }
 
-    /// Writes an attachment into the exchange folder or a folder in it. One that is there already
-    /// under this name is this one, for its name says of which scan it is; it is written anew.
+    /// Writes an attachment into the exchange folder or a folder in it. A file already there under this
+    /// name is the same attachment, because the name identifies the scan; it is written again.
     pub fn write_attachment(&self, path: &Path, bytes: &[u8]) -> Result<(), StoreFault> {
         let folder = path.parent().unwrap_or(&self.folder);
         if folder != self.folder {
@@ -174,14 +174,14 @@ impl Place {
     }
 }
 
-/// How staged results end; no practice software looks for that.
+/// The ending of staged results; no practice software looks for it.
 const ENDING: &str = ".staged";
 
 fn file_name(key: &str) -> String {
     format!("{key}{ENDING}")
 }
 
-/// That there is nothing to be removed is fine.
+/// Ignores that there is nothing to remove.
 fn gone(removed: io::Result<()>) -> io::Result<()> {
     match removed {
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),

@@ -1,5 +1,5 @@
-//! The register: which results were handed over or are about to be, a file each in the station's
-//! state folder. It outlasts the journal.
+//! The register: which results were handed over or are about to be, one file each in the station's state
+//! folder. It outlasts the journal.
 
 use std::fs;
 use std::io;
@@ -13,10 +13,10 @@ use serde::{Deserialize, Serialize};
 use super::super::{FoundRecord, StoreFault, durable, tried};
 use crate::flow::ScanId;
 
-/// The ending of an entry.
+/// The file-name ending of an entry.
 const ENDING: &str = ".json";
 
-/// The schemas of an entry, told apart by their name.
+/// The versions of an entry's schema.
 #[derive(Serialize, Deserialize)]
 #[serde(tag = "schema")]
 enum Versioned {
@@ -24,7 +24,7 @@ enum Versioned {
     V1(Entry),
 }
 
-/// What is known of a result.
+/// What is known about a result.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Entry {
     /// The scan's hash.
@@ -46,7 +46,7 @@ pub(super) struct Entry {
 }
 
 impl Entry {
-    /// As a record that lies in the store; none for an entry that names no scan.
+    /// The entry as a record in the store; `None` if the entry names no scan.
     pub fn found(self, folder: &Path) -> Option<FoundRecord> {
         Some(FoundRecord {
             scan: ScanId::parse(&self.scan).ok()?,
@@ -63,7 +63,7 @@ impl Entry {
 #[derive(Debug, Clone)]
 pub(super) struct Register {
     folder: PathBuf,
-    /// The number used last; only so that files are fetched in their order.
+    /// The number used last; needed only so that files are fetched in their order.
     last_number: Arc<AtomicU16>,
 }
 
@@ -73,8 +73,7 @@ impl Register {
         Register { folder, last_number: Arc::default() }
     }
 
-    /// Makes the folder where there is none, clears what a crash left half written, and finds the
-    /// number used last.
+    /// Makes the folder if there is none, and finds the number used last.
     pub fn open(&self) -> Result<(), StoreFault> {
         if self.folder.is_dir() && self.last_number() != 0 {
             return Ok(());
@@ -93,7 +92,7 @@ impl Register {
         self.last_number.load(Ordering::Relaxed)
     }
 
-    /// An entry; none where the result was never registered.
+    /// An entry; `None` if the result was never registered.
     pub fn entry(&self, key: &str) -> Result<Option<Entry>, StoreFault> {
         let path = self.path(key);
         match fs::read(&path) {
@@ -125,8 +124,8 @@ impl Register {
         Ok(entries)
     }
 
-    /// Enters a result, durable when this returns; over an earlier entry of it, whose name it never
-    /// got.
+    /// Enters a result; durable on return. Replaces an earlier entry of the result, which never got that
+    /// entry's name.
     pub fn enter(&self, key: &str, entry: &Entry) -> Result<(), StoreFault> {
         let (path, number) = (self.path(key), entry.number);
         let staged = self.folder.join(format!(".{key}{ENDING}"));

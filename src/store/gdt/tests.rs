@@ -277,7 +277,7 @@ fn a_journal_that_was_lost_finds_what_was_handed_over() {
 fn what_is_nobody_s_or_another_s_is_not_handed_over() {
     let case = Case::new(FIXED);
     let fault = case.put(None, b"a").unwrap_err();
-    assert!(matches!(fault, StoreFault::Permanent(Misfit::Nobodys)));
+    assert!(matches!(fault, StoreFault::Permanent(Misfit::Unassigned)));
     let scan = sums::scan_id(b"a");
     let others = Delivery {
         scan: &scan,

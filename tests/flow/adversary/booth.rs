@@ -7,7 +7,7 @@ use std::slice;
 use std::time::Duration;
 
 use gaiter::flow::capture::{Captures, Doubt, Named, NamedNext, Rules};
-use gaiter::flow::identity::Identity;
+use gaiter::flow::patient::identity::Identity;
 use gaiter::flow::settle::{Memory, Sights};
 use gaiter::flow::{Appeared, Settling};
 use gaiter::record::SourceKind;

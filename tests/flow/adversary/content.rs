@@ -5,7 +5,7 @@ use std::rc::Rc;
 use std::time::Duration;
 
 use gaiter::flow::Mark;
-use gaiter::flow::writing::END_BYTES;
+use gaiter::flow::export::writing::END_BYTES;
 
 /// The comment at the head of an export, bytes: the same length whatever it says.
 const HEADER_BYTES: usize = 48;

@@ -2,7 +2,7 @@
 
 use gaiter::flow::OrdersWhen;
 use gaiter::flow::capture::Doubt;
-use gaiter::flow::order_news::{self, News, OrderState};
+use gaiter::flow::orders::news::{self, News, OrderState};
 use gaiter::record::SourceKind;
 
 use super::laws::Off;
@@ -81,7 +81,7 @@ impl People {
         let known = self.booth.disk.orders.insert(order.file.clone(), found.clone());
         let news = match self.booth.setup.off {
             Off::OrdersNameOnce => News::New,
-            _ => order_news::news(known.as_ref(), &found),
+            _ => news::news(known.as_ref(), &found),
         };
         match news {
             News::Known => {}

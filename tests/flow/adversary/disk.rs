@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::time::Duration;
 
 use gaiter::flow::capture::{Capture, Captures, Judged, Named, Next};
-use gaiter::flow::order_news::OrderState;
+use gaiter::flow::orders::news::OrderState;
 use gaiter::flow::settle::Memory;
 use gaiter::flow::{DeliveryState, ScanState, Stamp};
 
@@ -15,7 +15,7 @@ use super::laws::Off;
 #[path = "disk_known.rs"]
 mod known;
 
-/// A patient's id; none stands for nobody named.
+/// A patient's id; none stands for no patient.
 pub type Who = Option<String>;
 
 /// The journal could not be written, or the spool.
@@ -257,7 +257,7 @@ impl Disk {
         Ok(())
     }
 
-    /// The records of a measured scan lie in the store; one for nobody goes.
+    /// The records of a measured scan lie in the store; an unassigned one goes.
     pub fn delivered(&mut self, scan: Scan) -> Result<(), Fault> {
         self.change()?;
         let Some(row) = self.scan_mut(scan) else { return Ok(()) };
@@ -276,7 +276,7 @@ impl Disk {
         Ok(())
     }
 
-    /// A person says whose a scan is: one patient's, or nobody's. The decision is kept first.
+    /// A person says whose a scan is: one patient's, or unassigned. The decision is kept first.
     pub fn decide(&mut self, scan: Scan, who: &Who) -> Result<(), Fault> {
         self.change()?;
         self.decisions.insert(scan, who.clone());

@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
 
 use gaiter::flow::capture::{Content as Judge, Judged, Named};
-use gaiter::flow::companions::{self, Done};
-use gaiter::flow::identity;
+use gaiter::flow::export::companions::{self, Done};
+use gaiter::flow::patient::identity;
 use gaiter::flow::{Look, LookTime, Mark, NameSays, Settled, Stamp, Verdict};
 use gaiter::record::SourceKind;
 

@@ -6,8 +6,8 @@ use std::rc::Rc;
 
 use gaiter::flow::OrdersWhen;
 use gaiter::flow::capture::Rules;
-use gaiter::flow::check_digit::CheckDigit;
-use gaiter::flow::identity::Identity;
+use gaiter::flow::patient::check_digit::CheckDigit;
+use gaiter::flow::patient::identity::Identity;
 use regex::Regex;
 
 use super::booth::{Booth, LATE, NAME_LASTS, Setup, WINDOW};
@@ -71,10 +71,10 @@ pub struct Ended {
     pub pairs: Pairs,
     pub events: u64,
     pub scans: u64,
-    /// Scans that came to a patient, that a person had to decide upon, that came in for nobody.
+    /// Scans that came to a patient, that a person had to decide upon, that came in without a patient.
     pub given: u64,
     pub held: u64,
-    pub nobodys: u64,
+    pub unassigned: u64,
     pub refused: u64,
     /// Why they are held.
     pub causes: BTreeMap<&'static str, u64>,
@@ -89,7 +89,7 @@ impl Ended {
         self.scans += other.scans;
         self.given += other.given;
         self.held += other.held;
-        self.nobodys += other.nobodys;
+        self.unassigned += other.unassigned;
         self.refused += other.refused;
         self.excused += other.excused;
         for (why, count) in other.causes {
@@ -98,11 +98,11 @@ impl Ended {
     }
 
     pub fn table(&self) -> String {
-        let Ended { events, scans, given, held, nobodys, refused, excused, causes, .. } = self;
+        let Ended { events, scans, given, held, unassigned, refused, excused, causes, .. } = self;
         let (rarest, count) = self.pairs.rarest();
         let mut table = format!(
             "{events} events, {scans} scans came in: {given} to their patient, {held} held, \
-             {nobodys} for nobody, {refused} refused; wrong because too late: {excused}\n\
+             {unassigned} without a patient, {refused} refused; wrong because too late: {excused}\n\
              held: {causes:?}\n\
              the rarest pair, {rarest:?}, {count} times\n"
         );
@@ -228,7 +228,7 @@ fn tally(people: &People, ended: &mut Ended) {
         }
         for (who, state) in &row.deliveries {
             if *state == DeliveryState::Delivered {
-                let of = if who.is_some() { &mut ended.given } else { &mut ended.nobodys };
+                let of = if who.is_some() { &mut ended.given } else { &mut ended.unassigned };
                 *of += 1;
             }
         }

@@ -17,7 +17,7 @@ pub struct Count {
     pub named: usize,
     pub given: usize,
     pub held: usize,
-    pub nobodys: usize,
+    pub unassigned: usize,
     pub refused: usize,
     /// Bodies whose export never came in.
     pub lost: usize,
@@ -53,7 +53,7 @@ impl Count {
             } else if row.deliveries.get(&Some(id(of.patient))) == Some(&DeliveryState::Delivered) {
                 self.given += 1;
             } else {
-                self.nobodys += 1;
+                self.unassigned += 1;
             }
         }
         let unanswered: BTreeSet<String> = day.unanswered.iter().map(|who| id(*who)).collect();
@@ -83,10 +83,10 @@ fn join(chains: &mut Vec<BTreeSet<String>>, mut concerned: BTreeSet<String>) {
 
 impl fmt::Display for Count {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Count { scans, given, held, nobodys, refused, spread, spread_unanswered, .. } = self;
+        let Count { scans, given, held, unassigned, refused, spread, spread_unanswered, .. } = self;
         write!(
             out,
-            "{scans:6} scans {given:6} given {held:4} held ({:.2} %) {nobodys:5} nobody's \
+            "{scans:6} scans {given:6} given {held:4} held ({:.2} %) {unassigned:5} unassigned \
              {refused:4} refused   0 wrong   {} spread, {} unanswered ",
             self.held_percent(),
             spread.len(),

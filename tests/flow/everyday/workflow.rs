@@ -4,8 +4,8 @@ use std::rc::Rc;
 
 use gaiter::flow::OrdersWhen;
 use gaiter::flow::capture::Rules;
-use gaiter::flow::check_digit::CheckDigit;
-use gaiter::flow::identity::Identity;
+use gaiter::flow::patient::check_digit::CheckDigit;
+use gaiter::flow::patient::identity::Identity;
 use regex::Regex;
 
 use super::booth::{LATE, NAME_LASTS, Setup, WINDOW};

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use gaiter::flow::companions::Group;
+use gaiter::flow::export::companions::Group;
 use gaiter::flow::{Look, Stamp};
 
 use super::chance::Chance;

@@ -5,8 +5,9 @@ use std::time::Duration;
 
 use gaiter::flow::capture::Captures;
 use gaiter::flow::outbox::{Ended, Key};
+use gaiter::flow::patient::identity;
 use gaiter::flow::{
-    DeliveryState, LookTime, Mark, NameSays, Outbox, ScanId, Settled, Settling, Verdict, identity,
+    DeliveryState, LookTime, Mark, NameSays, Outbox, ScanId, Settled, Settling, Verdict,
 };
 use gaiter::record::{self, Source, SourceKind};
 

@@ -14,11 +14,11 @@ use std::time::{Duration, Instant};
 use gaiter::record::gdt::{Charset, message};
 use serde_json::Value;
 
+use crate::faults::matrix::{self, PATIENCE, acknowledged, empty_folders, faults};
+use crate::faults::tracer::Run;
 use crate::invariants::{self, Moment, NOBODY, PutKind};
-use crate::matrix::{self, PATIENCE, acknowledged, empty_folders, faults};
 use crate::pty;
 use crate::station::{Booth, coarse_body, sha256};
-use crate::tracer::Run;
 use crate::verb::{code, gaiter_told};
 
 /// The patients who are scanned, in their order, with their exports.

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use rusqlite::{Connection, OpenFlags};
 use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
 use tempfile::TempDir;
 
 use crate::invariants::{self, Delivered, Evidence, Left, Moment, Put, PutKind, Told, Violation};
@@ -163,6 +164,19 @@ files = {files}
     pub fn start(&self) -> Daemon {
         *self.told() = None;
         Daemon::of(self.command())
+    }
+
+    /// Starts the station and waits until it is ready.
+    #[track_caller]
+    pub fn start_ready(&self) -> Daemon {
+        let daemon = self.start();
+        self.wait_for("the station", || self.log().contains("station-ready"));
+        daemon
+    }
+
+    /// What `gaiter status --json` says; null while no station answers.
+    pub fn status(&self) -> Value {
+        serde_json::from_slice(&self.gaiter(&["status", "--json"]).stdout).unwrap_or_default()
     }
 
     /// Writes an export in one go.

@@ -1,4 +1,5 @@
-//! What becomes of captures when their exports are taken, measured, refused or given up, a claim each.
+//! What happens to captures when their exports are taken, measured, refused or given up, one claim per
+//! test.
 
 use super::laws::pressed_for;
 use super::*;
@@ -12,7 +13,7 @@ fn while_a_scan_is_measured_an_export_for_somebody_else_may_be_another_one_of_it
     pressed_for(&mut captures, "2", 2, 11);
     let second = taken(&mut captures, seen(15));
     assert_eq!((code(&second), candidates(&second)), (AMBIGUOUS, vec!["2", "1"]));
-    // Whichever it was, the other is still to come.
+    // Whichever it was, the other export is still to come.
     refuse(&mut captures, &first, at(16));
     let third = export(&mut captures, seen(20));
     assert_eq!(code(&third), AMBIGUOUS);
@@ -88,7 +89,7 @@ fn what_was_given_up_is_not_opened_again_by_a_refusal() {
     unpressed.hears(Duration::ZERO);
     unpressed.named(order("1"), 1, at(0), &[]);
     taken(&mut unpressed, seen(10));
-    // The word at the page gives up the patients named before.
+    // A name from the page gives up the patients named before.
     unpressed.named(named("2"), 2, at(11), &[]);
     assert!(unpressed.refused(1, at(12)).is_none());
 }

@@ -1,4 +1,4 @@
-//! The laws of names, refusals and known scans, a claim each.
+//! The laws of names, refusals and known scans, one claim per test.
 
 use super::*;
 
@@ -104,7 +104,7 @@ fn the_same_patient_scanned_again_is_not_in_doubt_and_any_other_press_holds_for_
         let judged = export(&mut captures, seen(60));
         let all: Vec<&str> = ["4711"].into_iter().chain(id).collect();
         assert_eq!((code(&judged), candidates(&judged)), (AMBIGUOUS, all.clone()));
-        // The other of the two is still to come, and may be either's.
+        // The other export is still to come, and may belong to either patient.
         let second = export(&mut captures, seen(70));
         assert!(all.iter().all(|id| candidates(&second).contains(id)), "{second:?}");
     }
@@ -117,7 +117,8 @@ fn two_orders_before_a_press_stay_in_doubt_until_the_booth_says_who_it_is() {
     captures.named(order("2"), 1, at(1), &[]);
     captures.pressed(1, at(2));
     assert_eq!(candidates(&export(&mut captures, seen(20))), ["1", "2"]);
-    // One of them has gone in; which, nobody knows, so the third order makes three candidates of two.
+    // One of the two has entered the booth, but it is not known which, so the third order makes three
+    // candidates.
     captures.named(order("3"), 2, at(30), &[]);
     captures.pressed(2, at(31));
     assert_eq!(candidates(&export(&mut captures, seen(40))), ["1", "2", "3"]);
@@ -145,7 +146,7 @@ fn an_order_that_comes_after_a_press_without_a_name_is_in_doubt_with_it_and_so_i
     let order_1 = captures.named(order("1"), 2, at(1), &[]);
     assert_eq!(order_1, NamedNext::Waits { replaced: false, in_doubt: true });
     assert_eq!(candidates(&export(&mut captures, seen(20))), ["1"]);
-    // Its practice goes on so: every order comes after its press.
+    // The practice continues like this: every order arrives after its press.
     for patient in 2..6 {
         let second = 100 * patient;
         captures.pressed(i64::try_from(patient).unwrap(), at(second));
@@ -273,7 +274,7 @@ fn a_known_scan_answers_nothing_and_the_rest_of_a_refused_one_is_no_other_patien
     assert_eq!(code(&of_nobody), AMBIGUOUS);
     captures.answer(&of_nobody, at(20));
     assert_eq!(captures.waiting().len(), 1, "it goes on waiting for its own");
-    // Where nothing is open, its own name says whose it is.
+    // If nothing is open, its own name decides the patient.
     let unpressed = self::captures().judge_content(&content(false, Some(vec![named("1")])));
     assert_eq!(unpressed, Judged::Unpressed);
 }

@@ -1,4 +1,4 @@
-//! How captures end by time, and what the machine's start leaves of them.
+//! How captures end by time, and what a restart of the machine leaves of them.
 
 use super::laws::pressed_for;
 use super::*;
@@ -45,12 +45,12 @@ fn a_capture_is_over_only_when_every_folder_was_looked_at_after_its_end() {
     assert_eq!(captures.pass(at(end + 50), &before).expired, [1], "the alarm does not wait");
     let unseen = [Sights::default(), all_seen(end + 40)];
     assert_eq!(captures.pass(at(end + 50), &unseen), Passed::default());
-    // The look that comes then finds a file that was not there at the look before the end.
+    // The next look finds a file that was not there at the look before the end.
     let mut found = captures.clone();
     pressed_for(&mut found, "0815", 2, end - 10);
     let away = Appeared { absent: Some(at(end - 5)), seen: at(end + 51) };
     assert_eq!(code(&export(&mut found, away)), AMBIGUOUS);
-    // Nor is it over while a file lies there that may be renamed to its export.
+    // It is also not over while there is a file that may be renamed to its export.
     let part = Sights { beside: vec![seen(end)], ..all_seen(end + 1) };
     assert_eq!(captures.pass(at(end + 50), &[part]), Passed::default());
     assert_eq!(captures.pass(at(end + 50), &[all_seen(end + 1)]).over, [1]);

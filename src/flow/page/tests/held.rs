@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// A held scan with these candidates: who can be chosen, and the verbs.
+/// For a held scan with these candidates: the patients who can be chosen, and the verbs.
 fn choices(
     patients: &[Option<&str>],
     code: &str,
@@ -24,7 +24,7 @@ fn a_held_scan_offers_its_candidates_and_a_release_only_where_exactly_one_patien
     assert_eq!(late(&[Some("1")], &[]), (ids(&[]), vec!["release", "assign"]));
     assert_eq!(late(&[Some("1"), Some("2")], &[]), (ids(&[]), vec!["assign"]));
     assert_eq!(late(&[Some("1")], &["1", "2"]), (ids(&["1", "2"]), vec!["assign"]));
-    // A release says the same as the only candidate's button.
+    // A release does the same as the only candidate's button.
     assert_eq!(late(&[Some("1")], &["1"]), (ids(&[]), vec!["release", "assign"]));
     assert_eq!(late(&[None], &["1"]), (ids(&["1"]), vec!["assign"]));
     let other = "same-scan-other-patient";

@@ -17,8 +17,9 @@ fn seen(files: &[(&str, Stamp)]) -> Look {
     Look::Seen(files.iter().map(|(name, stamp)| (PathBuf::from(name), (*stamp).into())).collect())
 }
 
-/// A temporary file is seen in second 10, hidden by its rename from the look of second 20, and a scan in
-/// second 30; when its content began. `is_read` says whether part of it was read in between.
+/// A temporary file is seen in second 10, hidden by its rename from the look of second 20, and seen as a
+/// scan in second 30. Returns when its content began. `is_read` is whether part of it was read in
+/// between.
 fn renamed_in_a_look(is_read: bool) -> Appeared {
     let (part, whole) = contents();
     let mut settling = settling();

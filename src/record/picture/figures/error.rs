@@ -1,5 +1,5 @@
-//! The surface's error as a map: each leg unrolled as if seen from in front, its inner and outer side
-//! where the viewer sees them.
+//! The error of the surface as a map: each leg unrolled as seen from the front, with its inner and outer
+//! side where the viewer sees them.
 
 use super::LEVELS;
 use super::plot::{
@@ -12,7 +12,7 @@ use crate::record::schema::LegFigures;
 use crate::record::shape::SurfaceGridFigures;
 use crate::record::{Language, Record, rounding};
 
-/// px
+/// Width and height, px.
 const SIZE: [f64; 2] = [720.0, 520.0];
 
 /// Top and bottom of the maps, px.
@@ -21,13 +21,13 @@ const ROWS_PX: [f64; 2] = [44.0, 430.0];
 /// Left and right of each map, px.
 const MAPS_PX: [[f64; 2]; 2] = [[52.0, 330.0], [412.0, 690.0]];
 
-/// The ends of the scale, mm; what lies further off is shown as that far.
+/// The ends of the scale, mm. Larger distances get the colour of the end.
 const SCALE_MM: f64 = 1.0;
 
-/// Steps of colour on either side of none.
+/// Steps of colour on either side of zero.
 const STEPS: f64 = 4.0;
 
-/// The figure; none of a record without shapes.
+/// The figure; `None` for a record without shapes.
 pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Option<Picture> {
     let surfaces = || record.legs.iter().filter_map(|leg| leg.shape.as_ref()?.surface.as_ref());
     surfaces().next()?;
@@ -35,7 +35,7 @@ pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Opti
     let y = Scale { range: range(heights, 50.0)?, px: [ROWS_PX[1], ROWS_PX[0]] };
     let mut marks = Vec::new();
     for (side, px) in Side::FROM_FRONT.into_iter().zip(MAPS_PX) {
-        // The front is in the middle; lateral is to the viewer's left on the right leg.
+        // The front is in the middle. On the right leg, lateral is to the viewer's left.
         let range = match side {
             Side::Left => [-180.0, 180.0],
             Side::Right => [180.0, -180.0],
@@ -93,7 +93,7 @@ fn map(leg: Option<&LegFigures>, frame: &Frame, says: &Words) -> Vec<Mark> {
     let [left, right] = frame.x.px;
     let wished: Vec<f64> = named.iter().map(|(_, y)| *y).collect();
     for ((name, y), label_y) in named.iter().zip(kept_apart(&wished, LINE)) {
-        // On paper of its own: the map is as bright in the dark theme.
+        // With its own background, because the map is equally bright in the dark theme.
         let across = vec![vec![[left, *y], [right, *y]]];
         marks.push(lines(across.clone(), Ink::Paper, 2.5));
         marks.push(Mark::Lines {
@@ -108,7 +108,7 @@ fn map(leg: Option<&LegFigures>, frame: &Frame, says: &Words) -> Vec<Mark> {
     marks
 }
 
-/// The map's nodes as areas halfway to their neighbours, one mark a colour.
+/// The map's nodes as areas that reach halfway to their neighbours, one mark per colour.
 fn cells(surface: &SurfaceGridFigures, frame: &Frame) -> Vec<Mark> {
     let errors = surface.error.as_errors_mm();
     let heights = heights(surface);
@@ -136,7 +136,7 @@ fn cells(surface: &SurfaceGridFigures, frame: &Frame) -> Vec<Mark> {
     by_step.into_iter().map(|(step, areas)| area(areas, ink(step))).collect()
 }
 
-/// The step of colour of a distance.
+/// The colour step of a distance.
 fn step(mm: f64) -> i64 {
     (mm / SCALE_MM * STEPS).round().clamp(-STEPS, STEPS) as i64
 }

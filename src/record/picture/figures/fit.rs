@@ -10,10 +10,10 @@ use crate::record::schema::SectionFigures;
 use crate::record::shape::OutlineFigures;
 use crate::record::{Language, Record, rounding};
 
-/// px
+/// Width, px.
 const WIDTH: f64 = 720.0;
 
-/// Above the first row, px.
+/// Space above the first row, px.
 const TOP: f64 = 48.0;
 
 /// Height of a level's row, px.
@@ -25,7 +25,7 @@ const HALF: f64 = WIDTH / 2.0;
 /// Left and right of a chart within its half, px.
 const CHART_X: [f64; 2] = [44.0, 340.0];
 
-/// The figure; none of a record without outlines.
+/// The figure; `None` for a record without outlines.
 pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Option<Picture> {
     let sections = record.legs.iter().flat_map(|leg| &leg.sections);
     sections.filter_map(|section| section.outline.as_ref()).next()?;

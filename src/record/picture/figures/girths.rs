@@ -1,4 +1,4 @@
-//! Girth over height with the levels, and the slope that finds B1 (paper, fig. 3).
+//! Girth over height with the levels, and the slope by which B1 is found (paper, fig. 3).
 
 use super::plot::{
     Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
@@ -9,7 +9,7 @@ use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::schema::LegFigures;
 use crate::record::{Language, Record, rounding};
 
-/// px
+/// Width and height, px.
 const SIZE: [f64; 2] = [720.0, 560.0];
 
 /// Top and bottom of both charts, px.
@@ -21,19 +21,19 @@ const GIRTHS_PX: [f64; 2] = [56.0, 440.0];
 /// Left and right of the chart of slopes, px.
 const SLOPES_PX: [f64; 2] = [504.0, 690.0];
 
-/// Slopes that span more are numbered at whole ones only.
+/// If the slopes span more than this, only whole numbers are labelled.
 const SLOPES_WIDE: f64 = 3.0;
 
 /// Length of the dashes of the right leg's line, px; the left leg's has none.
 const DASH: f64 = 6.0;
 
-/// From a level's mark to its label, px.
+/// Distance from a level's mark to its label, px.
 const ASIDE: f64 = 12.0;
 
-/// Left and right of the curves this much of girth is left for labels, mm.
+/// Girth range left free for labels on each side of the curves, mm.
 const LABEL_MM: f64 = 60.0;
 
-/// A peak or valley that stands out by less is not marked, mm.
+/// Peaks and valleys that stand out by less than this are not marked, mm.
 const PROMINENCE_MIN_MM: f64 = 1.5;
 
 /// A level on the chart.
@@ -45,7 +45,7 @@ struct Place<'a> {
     is_found: bool,
 }
 
-/// The figure; none without any measured section.
+/// The figure; `None` if no section was measured.
 pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Option<Picture> {
     let legs = || Side::FROM_FRONT.into_iter().filter_map(|side| Some((side, record.leg(side)?)));
     let frame = frame(legs().map(|(_, leg)| leg))?;
@@ -83,7 +83,7 @@ fn titles(words_: &Words) -> Vec<Mark> {
     ]
 }
 
-/// Girth and height of each measured section, none where one is open.
+/// Girth and height of each measured section; `None` if a section is open.
 fn curve(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
     let columns = &leg.girth_curve;
     columns
@@ -103,7 +103,8 @@ fn frame<'a>(legs: impl Iterator<Item = &'a LegFigures> + Clone) -> Option<Frame
     })
 }
 
-/// Slopes from B up, where there are any; below, through heel and instep, they are ten times as large.
+/// The frame of the slopes from B up, if there are any. Below B, through heel and instep, slopes are ten
+/// times as large.
 fn slope_frame<'a>(legs: impl Iterator<Item = &'a LegFigures>, girths: &Frame) -> Option<Frame> {
     let slopes = legs.flat_map(|leg| {
         let from_mm = leg.landmarks.get(Level::B.name()).map_or(100.0, |b| b.height_mm);
@@ -122,7 +123,7 @@ fn slope_rows(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
         .map(|(slope, height)| Some([(*slope)?, (*height)?]))
 }
 
-/// The slope's line, as far as it is within its chart.
+/// The line of the slope, as far as it is within its chart.
 fn slope(leg: &LegFigures, slopes: &Frame) -> impl Iterator<Item = Option<[f64; 2]>> {
     let [low, high] = slopes.x.range;
     slope_rows(leg).map(move |row| {
@@ -131,7 +132,7 @@ fn slope(leg: &LegFigures, slopes: &Frame) -> impl Iterator<Item = Option<[f64; 
     })
 }
 
-/// A leg's line, broken where there is no place.
+/// The line of a leg, broken where a place is missing.
 fn line(side: Side, places: impl Iterator<Item = Option<[f64; 2]>>) -> Mark {
     let mut lines = vec![Vec::new()];
     for place in places {
@@ -164,7 +165,7 @@ fn extremes(side: Side, leg: &LegFigures, frame: &Frame) -> Vec<Mark> {
     turns.into_iter().map(mark).collect()
 }
 
-/// Places of a row that stand out as peaks (true) or valleys (false) from what is between them.
+/// Places in a row that stand out as peaks (true) or valleys (false) from the values between them.
 fn turning(row: &[f64]) -> Vec<(usize, bool)> {
     let mut found: Vec<(usize, bool)> = Vec::new();
     // The highest and the lowest place since the last turn.
@@ -184,7 +185,7 @@ fn turning(row: &[f64]) -> Vec<(usize, bool)> {
     found
 }
 
-/// A triangle that points up for a peak of the girth, to the right and so to larger girths.
+/// A triangle that points right, to larger girths, for a peak, and left for a valley.
 fn triangle([x, y]: [f64; 2], size: f64, is_peak: bool) -> Vec<[f64; 2]> {
     let tip = if is_peak { size } else { -size };
     vec![[x + tip * 1.2, y], [x - tip * 0.8, y - size], [x - tip * 0.8, y + size]]
@@ -229,7 +230,7 @@ fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
         .collect()
 }
 
-/// The girths of the feet, which are no places on the curve: where high up no leg is so thin.
+/// The girths of the feet as text, placed high up where no leg is that thin. They are not on the curve.
 fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
     let line = |(row, side): (usize, Side)| {
         let leg = record.leg(side)?;
@@ -248,14 +249,14 @@ fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
 }
 
 impl Place<'_> {
-    /// Whether its label stands on the right.
+    /// Whether the level's label is on the right.
     fn is_at_right(&self, record: &Record) -> bool {
         let line = record.leg(self.side.other()).map(curve);
         is_outer_right(self.side, [self.girth_mm, self.height_mm], line)
     }
 }
 
-/// Whether a place lies to the right of the other leg's line, which its label there does not cross.
+/// Whether a place is to the right of the other leg's line, so that a label there does not cross it.
 fn is_outer_right(
     side: Side,
     [here, height_mm]: [f64; 2],
@@ -273,12 +274,12 @@ fn is_outer_right(
     }
 }
 
-/// How far from its place a label stands, px, and what of it.
+/// Distance of a label from its place, px, and the anchor of the label.
 fn beside(at_right: bool) -> (f64, Anchor) {
     if at_right { (ASIDE, Anchor::Start) } else { (-ASIDE, Anchor::End) }
 }
 
-/// A level's mark, and its label at the height `y`.
+/// The mark of a level, and its label at the height `y`.
 fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Language) -> Vec<Mark> {
     let at = frame.at([level.girth_mm, level.height_mm]);
     let (aside, anchor) = beside(at_right);
@@ -313,7 +314,7 @@ fn round([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     (0..16).map(corner).collect()
 }
 
-/// B1 on the slopes, the labels on the outer sides of the two.
+/// B1 on the slopes, with the labels on the outer sides of the two.
 fn steepest(record: &Record, slopes: &Frame) -> Vec<Mark> {
     let places: Vec<(Side, [f64; 2])> = Side::FROM_FRONT
         .into_iter()
@@ -338,7 +339,7 @@ fn steepest(record: &Record, slopes: &Frame) -> Vec<Mark> {
     marks
 }
 
-/// Slope and height of a leg's B1, if it was found.
+/// Slope and height of a leg's B1, if found.
 fn steepest_of(leg: &LegFigures) -> Option<[f64; 2]> {
     let height_mm = leg.landmarks.get(Level::B1.name())?.height_mm;
     let far = |row: &[f64; 2]| (row[1] - height_mm).abs();

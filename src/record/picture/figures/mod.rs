@@ -1,4 +1,4 @@
-//! The figures of a record: the paper's, drawn from what stands in `record.json` and nothing else.
+//! The figures of a record: those of the paper, drawn only from the content of `record.json`.
 
 mod error;
 mod fit;
@@ -13,7 +13,7 @@ use super::Picture;
 use crate::leg::Level;
 use crate::record::{Language, Record};
 
-/// A figure with the name of its file.
+/// A figure and its file name.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
     /// Lower-case ASCII, the same in every language.
@@ -22,7 +22,7 @@ pub struct Figure {
     pub picture: Picture,
 }
 
-/// All figures that the record has the data for, in the order in which they are read.
+/// All figures for which the record has data, in reading order.
 pub fn all(record: &Record, language: Language) -> Vec<Figure> {
     let words = Words::of(language);
     let figures = [
@@ -38,7 +38,7 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
     figures.into_iter().filter_map(there).collect()
 }
 
-/// The legs and their girths in one drawing, as far as they are among a record's figures.
+/// The legs and their girths in one drawing, if they are among a record's figures.
 pub fn overview(figures: &[Figure], language: Language) -> Picture {
     let parts = figures.iter().filter(|figure| OVERVIEW.contains(&figure.name));
     let title = Words::of(language).views.to_owned();
@@ -46,8 +46,8 @@ pub fn overview(figures: &[Figure], language: Language) -> Picture {
     parts.map(|figure| figure.picture.clone()).fold(nothing, Picture::above)
 }
 
-/// The names of the figures that together show both legs at a glance.
+/// The names of the figures that show both legs at a glance.
 const OVERVIEW: [&str; 2] = ["views", "girths"];
 
-/// The levels of the paper, the highest first, as they stand on a leg.
+/// The levels of the paper, highest first, as on a leg.
 const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];

@@ -1,33 +1,33 @@
-//! The parts that figures are put together from: scales, their lines, and labels that keep apart.
+//! The parts of figures: scales, grid lines, and labels that do not overlap.
 
 use crate::record::picture::{Anchor, Ink, Mark, Stroke};
 
-/// Words of figures, px.
+/// Size of the text in figures, px.
 pub(super) const TEXT: f64 = 12.0;
 
-/// Words of scales, px.
+/// Size of the text at scales, px.
 pub(super) const SMALL: f64 = 10.5;
 
-/// Labels one above the other are this far apart, px.
+/// Distance of labels above each other, px.
 pub(super) const LINE: f64 = 14.0;
 
-/// A straight scale from figures to px.
+/// A linear scale from figures to px.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Scale {
     /// Its ends, in its own unit.
     pub range: [f64; 2],
-    /// Where they are, px.
+    /// The places of the ends, px.
     pub px: [f64; 2],
 }
 
 impl Scale {
-    /// Where a figure is, px.
+    /// The place of a figure, px.
     pub fn at(&self, figure: f64) -> f64 {
         let ([low, high], [from, to]) = (self.range, self.px);
         from + (figure - low) / (high - low) * (to - from)
     }
 
-    /// Multiples of a step within it, both ends included.
+    /// The multiples of a step within the scale, both ends included.
     pub fn steps(&self, step: f64) -> impl Iterator<Item = f64> + use<> {
         let [low, high] = self.range;
         let (first, last) = ((low / step).ceil() as i64, (high / step).floor() as i64);
@@ -35,7 +35,7 @@ impl Scale {
     }
 }
 
-/// The smallest range that holds all figures and ends at multiples of a step; none without figures.
+/// The smallest range that holds all figures and ends at multiples of a step. `None` without figures.
 pub(super) fn range(figures: impl Iterator<Item = f64>, step: f64) -> Option<[f64; 2]> {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     let [low, high] = figures.fold(none, |[low, high], of| [low.min(of), high.max(of)]);
@@ -57,7 +57,7 @@ impl Frame {
         [self.x.at(x), self.y.at(y)]
     }
 
-    /// Lines across at steps of x, with labels below.
+    /// Vertical lines at steps of x, with labels below.
     pub fn columns(&self, step: f64, label: impl Fn(f64) -> String) -> Vec<Mark> {
         let [a, b] = self.y.px;
         let line = |x: f64| vec![[self.x.at(x), a], [self.x.at(x), b]];
@@ -71,7 +71,7 @@ impl Frame {
         marks
     }
 
-    /// Lines across at steps of y, with labels to their left.
+    /// Horizontal lines at steps of y, with labels to their left.
     pub fn rows(&self, step: f64, label: impl Fn(f64) -> String) -> Vec<Mark> {
         let [a, b] = self.x.px;
         let line = |y: f64| vec![[a, self.y.at(y)], [b, self.y.at(y)]];
@@ -94,7 +94,7 @@ pub(super) fn area(outlines: Vec<Vec<[f64; 2]>>, fill: Ink) -> Mark {
     Mark::Lines { lines: outlines, is_closed: true, fill: Some(fill), stroke: None }
 }
 
-/// Plain words.
+/// Plain text.
 pub(super) fn words(
     at: [f64; 2],
     anchor: Anchor,
@@ -105,17 +105,17 @@ pub(super) fn words(
     Mark::Words { at, anchor, size, is_bold: false, ink, words: words.into() }
 }
 
-/// Words that stand out.
+/// Bold text.
 pub(super) fn heading(at: [f64; 2], anchor: Anchor, ink: Ink, words: impl Into<String>) -> Mark {
     Mark::Words { at, anchor, size: TEXT, is_bold: true, ink, words: words.into() }
 }
 
-/// Places for labels wished at these, at least `apart` from each other in the same order, the least
-/// moved in the largest move.
+/// Moves labels from the wished places so that they are at least `apart` from each other, in the same
+/// order, with the largest move as small as possible.
 pub(super) fn kept_apart(wished: &[f64], apart: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wished.len()).collect();
     order.sort_by(|a, b| wished[*a].total_cmp(&wished[*b]));
-    // Groups of labels that touch: the sum of where they would begin, how many.
+    // Groups of labels that touch: the sum of the starts they want, and their number.
     let mut groups: Vec<(f64, usize)> = Vec::new();
     for index in &order {
         let mut group = (wished[*index], 1);
@@ -125,7 +125,7 @@ pub(super) fn kept_apart(wished: &[f64], apart: f64) -> Vec<f64> {
                 break;
             }
             groups.pop();
-            // Each label's wish, told as where its group would begin.
+            // Each label's wanted place, as the start of the group.
             group = (sum + group.0 - apart * (count * group.1) as f64, count + group.1);
         }
         groups.push(group);

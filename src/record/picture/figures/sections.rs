@@ -1,6 +1,6 @@
-//! The sections at the levels with their feature points, and the curvature that finds them (paper,
-//! fig. 4b and 4c). Seen from the feet with the front up, as in radiology: the patient's right is on
-//! the left.
+//! The sections at the levels with their feature points, and the curvature by which they are found
+//! (paper, fig. 4b and 4c). Seen from the feet with the front up, as in radiology: the patient's right
+//! is on the left.
 
 use super::LEVELS;
 use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
@@ -11,10 +11,10 @@ use crate::record::schema::{FeatureFigures, LegFigures};
 use crate::record::shape::OutlineFigures;
 use crate::record::{Language, Record};
 
-/// px
+/// Width, px.
 const WIDTH: f64 = 720.0;
 
-/// Above the first row, px.
+/// Space above the first row, px.
 const TOP: f64 = 56.0;
 
 /// Height of a level's row, px.
@@ -26,16 +26,16 @@ const HALF: f64 = WIDTH / 2.0;
 /// Middle of a section within its half, px.
 const OUTLINE_X: f64 = 90.0;
 
-/// The largest section has this radius, px.
+/// Radius of the largest section, px.
 const RADIUS: f64 = 62.0;
 
 /// Left and right of a chart of curvature within its half, px.
 const CHART_X: [f64; 2] = [200.0, 346.0];
 
-/// From a feature point to its name, px.
+/// Distance from a feature point to its name, px.
 const ASIDE: f64 = 11.0;
 
-/// The figure; none of a record without outlines.
+/// The figure; `None` for a record without outlines.
 pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Picture> {
     let outlines = record.legs.iter().flat_map(|leg| LEVELS.map(|level| outline(leg, level)));
     let outlines: Vec<&OutlineFigures> = outlines.flatten().collect();
@@ -66,7 +66,7 @@ fn outline(leg: &LegFigures, level: Level) -> Option<&OutlineFigures> {
     at.and_then(|section| section.outline.as_ref())
 }
 
-/// What all cells share.
+/// The values that all cells share.
 struct Sheet<'a> {
     px_per_mm: f64,
     /// Range of the curvature, 1/m.
@@ -99,7 +99,7 @@ impl Sheet<'_> {
         side: Side,
         [x, y]: [f64; 2],
     ) -> Vec<Mark> {
-        // Front up; lateral is outward, and so to the viewer's left on the right leg.
+        // Front up. Lateral is outward, so on the right leg it is to the viewer's left.
         let out = match side {
             Side::Left => 1.0,
             Side::Right => -1.0,
@@ -118,7 +118,7 @@ impl Sheet<'_> {
             fill: Some(Ink::Skin),
             stroke: Stroke::of(Ink::of(side), 1.75),
         }];
-        // Names keep apart around the section, as far as a line of letters there needs.
+        // Names are spaced around the section by the angle that a line of text needs there.
         let wished: Vec<f64> = features.iter().map(|feature| feature.angle_deg).collect();
         let mean_px = outline.radius_mm.iter().sum::<f64>() / count.max(1) as f64 * self.px_per_mm;
         let apart_deg = (16.0 / (mean_px + ASIDE)).to_degrees();
@@ -146,7 +146,7 @@ impl Sheet<'_> {
         };
         let mut marks = frame.rows(20.0, |per_metre| format!("{per_metre:.0}"));
         marks.extend(frame.columns(90.0, |_| String::new()));
-        // Below the names of valleys.
+        // Below the names of the valleys.
         let below = frame.y.px[0] + LINE + SMALL;
         let names = [(-90.0, self.says.medial), (0.0, self.says.front), (90.0, self.says.lateral)];
         marks.extend(names.map(|(angle, name)| {
@@ -157,12 +157,12 @@ impl Sheet<'_> {
             let angle = -180.0 + 360.0 * index as f64 / count as f64;
             frame.at([angle, outline.curvature_per_mm[index % count] * 1000.0])
         };
-        // Around to where it began.
+        // Closes the curve.
         marks.push(lines(vec![(0..=count).map(place).collect()], Ink::of(side), 1.5));
         for is_peak in [true, false] {
             let here: Vec<&&FeatureFigures> =
                 features.iter().filter(|feature| (feature.kind == "peak") == is_peak).collect();
-            // On the line: a feature is the middle of what is curved alike, not its extreme.
+            // On the line: a feature is the middle of a stretch of similar curvature, not its extreme.
             let at = |feature: &FeatureFigures| {
                 let per_mm = at_angle(&outline.curvature_per_mm, feature.angle_deg);
                 frame.at([feature.angle_deg, per_mm * 1000.0])
@@ -180,7 +180,7 @@ impl Sheet<'_> {
     }
 }
 
-/// What a row around holds at an angle, between the two places that are told.
+/// The value of a row around the section at an angle, interpolated between the two nearest places.
 fn at_angle(row: &[f64], angle_deg: f64) -> f64 {
     let count = row.len();
     if count == 0 {
@@ -192,7 +192,7 @@ fn at_angle(row: &[f64], angle_deg: f64) -> f64 {
     at(below) + part * (at(below + 1) - at(below))
 }
 
-/// A feature point: full for a peak, hollow for a valley.
+/// A feature point: filled for a peak, hollow for a valley.
 fn dot(at: [f64; 2], feature: &FeatureFigures) -> Mark {
     let fill = if feature.kind == "peak" { Ink::Text } else { Ink::Paper };
     Mark::Dots { at: vec![at], radius: 3.0, fill: Some(fill), stroke: Stroke::of(Ink::Text, 1.25) }

@@ -1,5 +1,5 @@
 //! The legs from the front, the back and their outer sides, with their sections, levels and feature
-//! points (paper, fig. 5). Seen from the front the patient's right leg is on the left.
+//! points (paper, fig. 5). In the front view the patient's right leg is on the left.
 
 use nalgebra::{Point3, Vector3};
 
@@ -11,28 +11,28 @@ use crate::record::schema::LegFigures;
 use crate::record::shape::{OutlineFigures, ShapeFigures};
 use crate::record::{Language, Record};
 
-/// px
+/// Width, px.
 const WIDTH: f64 = 720.0;
 
-/// Above the legs, px.
+/// Space above the legs, px.
 const TOP: f64 = 44.0;
 
-/// Below the legs, px.
+/// Space below the legs, px.
 const BOTTOM: f64 = 30.0;
 
-/// On either side of each view, for the names of its levels, px.
+/// Space on either side of each view for the names of its levels, px.
 const MARGIN: f64 = 22.0;
 
-/// The legs are never drawn higher than this, px.
+/// The largest height at which the legs are drawn, px.
 const HEIGHT_MAX: f64 = 560.0;
 
-/// Every so many rows of the skin one is drawn: 30 mm.
+/// One in this many rows of the skin is drawn: every 30 mm.
 const ROWS_APART: usize = 3;
 
-/// A point of the scan is drawn where it lies below the lowest row by this, mm: the foot.
+/// A scan point is drawn, as part of the foot, if it is below the lowest row by more than this, mm.
 const BELOW_MM: f64 = 2.0;
 
-/// From where the legs are seen.
+/// The direction from which the legs are seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum From {
     Front,
@@ -40,7 +40,7 @@ enum From {
     Outside(Side),
 }
 
-/// A leg as this figure needs it.
+/// A leg with the data of this figure.
 struct Drawn<'a> {
     side: Side,
     leg: &'a LegFigures,
@@ -59,7 +59,7 @@ impl From {
         }
     }
 
-    /// Towards the viewer, in the body frame.
+    /// The direction towards the viewer, in the body frame.
     fn towards(self) -> Vector3<f64> {
         match self {
             From::Front => -Vector3::y(),
@@ -69,7 +69,7 @@ impl From {
         }
     }
 
-    /// To the viewer's right, in the body frame.
+    /// The direction to the viewer's right, in the body frame.
     fn right(self) -> Vector3<f64> {
         Vector3::z().cross(&self.towards())
     }
@@ -83,7 +83,7 @@ impl From {
     }
 }
 
-/// The figure; none of a record without shapes.
+/// The figure; `None` for a record without shapes.
 pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Picture> {
     let legs: Vec<Drawn> =
         Side::FROM_FRONT.into_iter().filter_map(|side| Drawn::of(record, side)).collect();
@@ -134,7 +134,7 @@ impl<'a> Drawn<'a> {
     }
 }
 
-/// From where to where a view goes, along its right, mm; none where it shows nothing.
+/// The range of a view along its right, mm; `None` if it shows nothing.
 fn extent(legs: &[Drawn], from: From) -> Option<[f64; 2]> {
     let shown = legs.iter().filter(|leg| from.shows(leg.side));
     let places = shown.flat_map(Drawn::points).map(|point| point.coords.dot(&from.right()));
@@ -146,7 +146,7 @@ fn extent(legs: &[Drawn], from: From) -> Option<[f64; 2]> {
 /// One view.
 struct View {
     from: From,
-    /// Where the body frame's origin is, px.
+    /// Place of the body frame's origin, px.
     left: f64,
     floor: f64,
     px_per_mm: f64,
@@ -177,7 +177,7 @@ impl View {
         marks
     }
 
-    /// The places of a row that are furthest to the left and to the right.
+    /// The leftmost and the rightmost place of a row.
     fn ends(&self, row: &[Point3<f64>]) -> [[f64; 2]; 2] {
         let places = || row.iter().map(|point| self.at(point));
         let first = places().min_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
@@ -185,7 +185,7 @@ impl View {
         [first, last]
     }
 
-    /// The half of a closed row that faces the viewer, from the left to the right.
+    /// The half of a closed row that faces the viewer, from left to right.
     fn near_side(&self, row: &[Point3<f64>]) -> Vec<[f64; 2]> {
         let key = |at: &usize| self.at(&row[*at])[0];
         let indices = || 0..row.len();
@@ -207,7 +207,7 @@ impl View {
         nearer.iter().map(|point| self.at(point)).collect()
     }
 
-    /// The feature points that the viewer sees: peaks full, valleys hollow.
+    /// The feature points that the viewer sees: peaks filled, valleys hollow.
     fn features(&self, leg: &LegFigures) -> Vec<Mark> {
         let seen = leg.features.iter().filter(|feature| {
             let at = leg.sections.iter().find(|section| section.level == feature.level);
@@ -226,7 +226,7 @@ impl View {
         vec![dots(valleys, Ink::Paper), dots(peaks, Ink::Text)]
     }
 
-    /// Whose leg it is, below its foot.
+    /// The side of the leg, as text below its foot.
     fn below(&self, leg: &Drawn, says: &Words) -> Option<Mark> {
         let [left, right] = extent(std::slice::from_ref(leg), self.from)?;
         let x = self.left + f64::midpoint(left, right) * self.px_per_mm;
@@ -234,7 +234,7 @@ impl View {
         Some(heading(at, Anchor::Middle, Ink::of(leg.side), says.side(leg.side)))
     }
 
-    /// The names of the levels: of a leg on the left of a view on its left, else on its right.
+    /// The names of the levels: on the left for the leg on the left of the view, else on the right.
     fn names(&self, legs: &[Drawn], [left, right]: [f64; 2]) -> Vec<Mark> {
         let mut marks = Vec::new();
         for leg in legs.iter().filter(|leg| self.from.shows(leg.side)) {
@@ -263,12 +263,12 @@ impl View {
     }
 }
 
-/// The outlines at the levels with their names, as far as they are there.
+/// The available outlines at the levels, with their names.
 fn outlines(leg: &LegFigures) -> impl Iterator<Item = (&str, &OutlineFigures)> {
     leg.sections.iter().filter_map(|at| Some((at.level.as_str(), at.outline.as_ref()?)))
 }
 
-/// An outline in the body frame; none of a record that does not tell the leg's axis.
+/// An outline in the body frame; `None` if the record does not contain the leg's axis.
 fn ring(leg: &LegFigures, outline: &OutlineFigures) -> Option<Vec<Point3<f64>>> {
     let axis = leg.axis.as_ref()?;
     let (front, lateral) = (Vector3::from(axis.front), Vector3::from(axis.lateral));

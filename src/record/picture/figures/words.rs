@@ -1,9 +1,9 @@
-//! What the figures say, in each language.
+//! The texts of the figures in each language.
 
 use crate::leg::Side;
 use crate::record::Language;
 
-/// The words of figures.
+/// The texts of the figures.
 pub(super) struct Words {
     pub left: &'static str,
     pub right: &'static str,

@@ -8,7 +8,7 @@ use super::{Fact, Report, Section};
 use crate::record::rounding::cm_words;
 use crate::record::shown;
 
-/// So many digits of a scan's hash tell it from all others of a clinic.
+/// How many digits of a scan's hash distinguish it from all others of a clinic.
 const HASH_DIGITS: usize = 16;
 
 impl Report<'_> {
@@ -31,7 +31,7 @@ impl Report<'_> {
         }
     }
 
-    /// Date and time as the language writes them.
+    /// Date and time in the format of the language.
     fn utc(&self, at: Timestamp) -> String {
         let format = self.language.pick("%-d %B %Y, %H:%M UTC", "%d.%m.%Y, %H:%M UTC");
         at.to_zoned(TimeZone::UTC).strftime(format).to_string()
@@ -57,7 +57,7 @@ impl Report<'_> {
         facts
     }
 
-    /// Everyone who named the patient.
+    /// All sources that named the patient.
     fn sources(&self) -> Option<String> {
         let patient = self.record.patient.as_ref()?;
         let words = patient.sources.iter().map(|source| words::source(source.kind, self.language));
@@ -71,7 +71,7 @@ impl Report<'_> {
         self.time() + &from.unwrap_or_default()
     }
 
-    /// Heights of the body, where the scan holds more than a lone leg.
+    /// Heights of the body, if the scan holds more than a single leg.
     fn heights(&self) -> Option<String> {
         let body = &self.record.body;
         let told = |name: String, mm: f64| format!("{name} {} cm", cm_words(mm, self.language));

@@ -25,7 +25,7 @@ impl Report<'_> {
         Table {
             title: self.say("All levels as recorded (mm)", "Alle Messpunkte wie im Datensatz (mm)"),
             explanation: Some(self.say(
-                "Digit by digit as in record.json, with one standard error, not two. Heights are \
+                "The exact digits of record.json, with one standard error, not two. Heights are \
                  vertical above the floor.",
                 "Ziffer für Ziffer wie in record.json, mit einem Standardfehler, nicht zweien. Höhen \
                  sind senkrecht über dem Boden.",
@@ -65,7 +65,7 @@ impl Report<'_> {
             self.digits(Some(of.girth_tape_mm)),
             self.digits(of.girth_sd_mm),
             self.digits(Some(of.girth_contour_mm)),
-            Figure::plain(words::messages::told(&of.by, self.language).0),
+            Figure::plain(words::statements::told(of.rule.as_ref(), &of.by, self.language).0),
             self.doubts_in_words(&of.doubts),
         ]
     }
@@ -79,7 +79,7 @@ impl Report<'_> {
             self.digits(Some(of.girth_tape_mm)),
             self.digits(of.girth_sd_mm),
             self.digits(None),
-            Figure::plain(words::messages::told(&of.by, self.language).0),
+            Figure::plain(words::statements::told(of.rule.as_ref(), &of.by, self.language).0),
             self.doubts_in_words(&of.doubts),
         ]
     }

@@ -1,4 +1,4 @@
-//! Girths and lengths at the levels, and how the legs differ there.
+//! Girths and lengths at the levels, and the differences between the legs there.
 
 use super::super::words;
 use super::super::words::findings::short;
@@ -34,7 +34,7 @@ impl Report<'_> {
         }
     }
 
-    /// Levels that every leg is searched for always have a row; the others where there is a figure.
+    /// Levels that are searched on every leg always have a row, the others if there is a figure.
     fn row(&self, level: Level) -> LevelRow {
         LevelRow {
             level: level.name().to_owned(),
@@ -116,7 +116,7 @@ impl Report<'_> {
         }
     }
 
-    /// Whether both legs have a level, but one of them by its proportions only.
+    /// Whether both legs have a level, but at least one of them only by estimate.
     fn is_estimated_only(&self, level: Level) -> bool {
         let has = |leg: &LegFigures| {
             let name = level.name();

@@ -1,7 +1,7 @@
 //! Doubts and findings in plain words.
 
 use super::super::words::findings::{self, Plain};
-use super::super::words::{self, messages};
+use super::super::words::{self, statements};
 use super::{Note, Report, Section, Weight};
 use crate::leg::Side;
 use crate::leg::finding::Severity;
@@ -14,7 +14,7 @@ impl Report<'_> {
         let doubts = self.unfound_doubts();
         let doubts = doubts.iter().map(|doubt| self.note(doubt));
         let mut entries = grouped(found.chain(doubts));
-        // Of one weight they keep the order of the stages.
+        // Notes of one weight keep the order of the stages.
         entries.sort_by_key(|note| note.weight);
         Section { title: self.say("Notes", "Hinweise"), entries }
     }
@@ -39,7 +39,8 @@ impl Report<'_> {
             "info" => Weight::Info,
             _ => Weight::Warning,
         };
-        let (message, is_told) = messages::told(&finding.message, self.language);
+        let says = finding.says.as_ref();
+        let (message, is_told) = statements::told(says, &finding.message, self.language);
         let plain = findings::plain(&finding.code, self.language);
         Note {
             code: finding.code.clone(),
@@ -57,12 +58,12 @@ impl Report<'_> {
     fn weight_words(&self, weight: Weight) -> String {
         match weight {
             Weight::Error => self.say("Serious", "Schwerwiegend"),
-            Weight::Warning => self.say("Look before use", "Vor Gebrauch ansehen"),
+            Weight::Warning => self.say("Check before use", "Vor Gebrauch ansehen"),
             Weight::Info => self.say("Worth knowing", "Gut zu wissen"),
         }
     }
 
-    /// The leg and level that a finding is about.
+    /// The leg and level of a finding.
     fn place(&self, finding: &FindingNote) -> String {
         let side = Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()));
         let leg = side.map(|side| words::leg(side, self.language).to_owned());
@@ -73,13 +74,13 @@ impl Report<'_> {
             .join(", ")
     }
 
-    /// Doubts that stand at a level and of which no finding speaks, as those of estimated levels.
+    /// Doubts at a level without a finding of their own, such as those of estimated levels.
     fn unfound_doubts(&self) -> Vec<FindingNote> {
         let legs = self.record.legs.iter();
         let levels = legs.flat_map(|leg| {
             let (warning, info) = (Severity::Warning, Severity::Info);
             let found = leg.landmarks.iter().map(move |(level, of)| (level, &of.doubts, warning));
-            // Estimates are marked as such already.
+            // Estimates are already marked as such.
             let estimated = leg.estimates.iter();
             let estimated = estimated.map(move |(level, of)| (level, &of.doubts, info));
             let codes = found.chain(estimated);
@@ -90,6 +91,7 @@ impl Report<'_> {
                     leg: Some(leg.side.clone()),
                     level: Some(level.clone()),
                     message: String::new(),
+                    says: None,
                 })
             })
         });
@@ -103,7 +105,7 @@ impl Report<'_> {
     }
 }
 
-/// Notes of one code in one, with all their places and messages, where the first of them was.
+/// Merges notes of the same code, with all their places and messages, at the place of the first.
 fn grouped(notes: impl Iterator<Item = Note>) -> Vec<Note> {
     let mut groups: Vec<Vec<Note>> = Vec::new();
     for note in notes {
@@ -139,7 +141,7 @@ fn one_of(group: Vec<Note>) -> Option<Note> {
     })
 }
 
-/// A message as a sentence: with a capital unless it begins with a file's name, and with its end.
+/// Makes a message a sentence: a capital, unless it begins with a file name, and a full stop.
 fn sentence(message: &str) -> String {
     let first = message.split(' ').next().unwrap_or_default();
     let mut letters = message.chars();

@@ -1,4 +1,4 @@
-//! What is said around the pictures.
+//! The texts around the pictures.
 
 use super::{Caption, PictureWords, Report};
 

@@ -1,4 +1,4 @@
-//! Volumes, slices, feet, and heights that were asked for.
+//! Volumes, slices, feet, and requested heights.
 
 use super::super::words;
 use super::{Figure, Report, Table, TableRow};
@@ -14,7 +14,7 @@ impl Report<'_> {
         tables.into_iter().flatten().collect()
     }
 
-    /// Heads of a table with a column a leg and one or more of differences.
+    /// Headings of a table with one column per leg and these columns of differences.
     fn columns(&self, first: String, differences: &[String]) -> Vec<String> {
         let legs = Side::FROM_FRONT.map(|side| words::leg_heading(side, self.language).to_owned());
         [first].into_iter().chain(legs).chain(differences.iter().cloned()).collect()
@@ -45,7 +45,7 @@ impl Report<'_> {
         }
     }
 
-    /// From where to where whole legs go, and over what they are compared.
+    /// The range of each whole leg, and the range over which they are compared.
     fn ranges(&self) -> String {
         let cm = |mm| cm_words(mm, self.language);
         let of_leg = |side: Side| {
@@ -98,7 +98,7 @@ impl Report<'_> {
         }
     }
 
-    /// Girths at the heights that were asked for; none where nobody asked.
+    /// Girths at the requested heights; `None` if no height was requested.
     fn asked(&self) -> Option<Table> {
         let heights = &self.record.legs.iter().map(|leg| &leg.at).find(|at| !at.is_empty())?;
         let row = |(index, at): (usize, &AtFigures)| TableRow {
@@ -155,7 +155,7 @@ impl Report<'_> {
         })
     }
 
-    /// Volumes of the slices of 4 cm; none where no leg has any.
+    /// Volumes of the slices of 4 cm; `None` if no leg has any.
     fn slices(&self) -> Option<Table> {
         let longest = self.record.legs.iter().map(|leg| &leg.volume.slices);
         let longest = longest.max_by_key(|slices| slices.len()).filter(|all| !all.is_empty())?;

@@ -2,7 +2,7 @@
 
 use crate::record::report::{Figure, Mark};
 
-/// Text as it stands in elements and in attributes between `"`.
+/// Escapes text for the content of elements and for attributes between `"`.
 pub(super) fn escaped(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for letter in text.chars() {
@@ -17,28 +17,28 @@ pub(super) fn escaped(text: &str) -> String {
     escaped
 }
 
-/// An element with attributes, ` name="value"` each, around what is markup already.
+/// An element with attributes, ` name="value"` each, around existing markup.
 pub(super) fn element(name: &str, attributes: &str, inside: &str) -> String {
     format!("<{name}{attributes}>{inside}</{name}>\n")
 }
 
-/// An element around words.
+/// An element around text, which is escaped.
 pub(super) fn words(name: &str, attributes: &str, words: &str) -> String {
     format!("<{name}{attributes}>{}</{name}>", escaped(words))
 }
 
-/// Words from outside: they do not turn the words around them about.
+/// Text from outside, isolated so that it does not change the direction of the text around it.
 pub(super) fn foreign(text: &str) -> String {
     words("bdi", "", text)
 }
 
-/// A part of the page under its heading.
+/// A section of the page with its heading.
 pub(super) fn section(id: &str, title: &str, inside: &str) -> String {
     let heading = words("h2", &format!(" id=\"{id}\""), title);
     element("section", &format!(" aria-labelledby=\"{id}\""), &format!("{heading}\n{inside}"))
 }
 
-/// A table that may be wider than the page: it scrolls in a place of its own, by the keyboard too.
+/// A table that may be wider than the page. It scrolls on its own, also by keyboard.
 pub(super) fn wide(named_by: &str, table: &str) -> String {
     let attributes =
         format!(" class=\"wide\" role=\"group\" tabindex=\"0\" aria-labelledby=\"{named_by}\"");

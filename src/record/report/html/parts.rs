@@ -1,4 +1,4 @@
-//! The parts of the page, from the figures that matter most to where they come from.
+//! The parts of the page, from the most important figures to the origin of the record.
 
 use super::markup::{element, escaped, figure, foreign, section, wide, words};
 use crate::leg::Side;
@@ -9,7 +9,7 @@ use crate::record::report::content::{
 };
 use crate::record::report::{Figure, Mark};
 
-/// Whose legs, and when.
+/// The patient, and when the scan was taken.
 pub(super) fn header(content: &Content) -> String {
     let title = words("p", " class=\"kind\"", &content.title);
     let patient = format!("<h1>{}</h1>", foreign(&content.patient));
@@ -75,7 +75,7 @@ fn note(content: &Content, note: &Note) -> String {
         words("span", " class=\"weight\"", &note.weight_words),
         words("bdi", "", &note.title)
     );
-    // What could not be told in the page's language is told in the record's own.
+    // A message that is not available in the page's language is shown in the record's own.
     let is_foreign = note.is_message_english && content.language.tag() != "en";
     let lang = if is_foreign { " lang=\"en\"" } else { "" };
     let message = match note.message.as_str() {
@@ -119,7 +119,7 @@ fn level(row: &LevelRow) -> String {
     let mut cells = format!("<th scope=\"row\">{name}</th>");
     for leg in &row.legs {
         if leg.girth.is_missing() {
-            // One reason for both.
+            // One reason for both columns.
             cells += &words("td", " colspan=\"2\" class=\"missing\"", &leg.girth.value);
         } else {
             cells += &figure(&leg.girth);
@@ -130,7 +130,7 @@ fn level(row: &LevelRow) -> String {
     element("tr", if row.is_sought { " class=\"sought\"" } else { "" }, &cells)
 }
 
-/// The figures of the method.
+/// The pictures of the method.
 pub(super) fn pictures(content: &Content, drawn: &[Drawn]) -> String {
     let missing =
         content.pictures.missing.as_ref().map(|text| words("p", " class=\"aside\"", text));
@@ -148,14 +148,14 @@ fn picture(content: &Content, drawn: &Drawn) -> String {
     element("figure", &format!(" class=\"{}\"", drawn.name), &inside)
 }
 
-/// The place of the view that can be turned.
+/// The place of the interactive 3D view.
 pub(super) fn view(content: &Content) -> String {
     let sentence = words("p", "", &content.pictures.no_script);
     let place = element("div", " id=\"view-place\"", &sentence);
     element("div", " class=\"screen-only\"", &section("view", &content.pictures.view, &place))
 }
 
-/// Volumes, heights that were asked for, feet, slices.
+/// Volumes, requested heights, feet, slices.
 pub(super) fn tables(content: &Content) -> String {
     let part = |(index, of): (usize, &Table)| {
         let id = format!("table-{index}");

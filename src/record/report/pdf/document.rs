@@ -1,4 +1,4 @@
-//! The objects of a paper: pages, fonts, the tree of its parts, who made it of what.
+//! The objects of a PDF: pages, fonts, structure tree, metadata.
 
 use jiff::tz::TimeZone;
 use pdf_writer::writers::StructTreeRoot;
@@ -13,19 +13,19 @@ use super::tags::ROOT;
 use crate::record::Record;
 use crate::record::report::Content;
 
-/// The numbers of the objects.
+/// The object numbers.
 struct Refs {
     catalog: Ref,
     info: Ref,
-    /// The tree of pages.
+    /// The page tree.
     tree: Ref,
     pages: Vec<Ref>,
-    /// What is drawn on each page.
+    /// The content stream of each page.
     contents: Vec<Ref>,
-    /// The tree of what the parts are.
+    /// The structure tree.
     tags: Ref,
     elements: Vec<Ref>,
-    /// The elements of what is drawn on each page.
+    /// The elements of the content of each page.
     drawn: Vec<Ref>,
     fonts: [FontRefs; 2],
 }
@@ -52,7 +52,7 @@ impl Refs {
     }
 }
 
-/// The file of finished pages.
+/// Writes the finished pages as a file.
 pub(super) fn bytes(
     sheets: Sheets,
     record: &Record,
@@ -60,7 +60,7 @@ pub(super) fn bytes(
 ) -> Result<Vec<u8>, PdfFault> {
     let refs = Refs::of(&sheets);
     let mut pdf = Pdf::new();
-    // The record decides, so that the same record gives the same file.
+    // The id depends on the record only, so that the same record gives the same file.
     let id = Sha256::digest(format!("{} {}", record.scan.sha256, record.revision));
     pdf.set_file_id((id[..16].to_vec(), id[..16].to_vec()));
     write_catalog(&mut pdf, &refs, content);

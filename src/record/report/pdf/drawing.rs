@@ -1,4 +1,4 @@
-//! Pictures on paper, as lines and letters.
+//! Draws pictures in the PDF as lines and letters.
 
 use pdf_writer::Content;
 
@@ -7,10 +7,10 @@ use super::wrap::Type;
 use crate::record::picture::font::writable;
 use crate::record::picture::{Ink, Mark, Picture, Stroke};
 
-/// Draws a picture with its upper left corner at a place, pt, scaled to so many pt a px.
+/// Draws a picture with its upper left corner at this place, pt. `scale` is in pt per px.
 pub(super) fn draw(pen: &mut Pen<'_>, picture: &Picture, [left, top]: [f64; 2], scale: f64) {
     pen.content.save_state();
-    // In px and y down, as the picture is told.
+    // The transform lets the picture's px with y down be used as they are.
     let scale = scale as f32;
     pen.content.transform([scale, 0.0, 0.0, -scale, short(left), short(SIZE[1] - top)]);
     for mark in &picture.marks {
@@ -28,7 +28,7 @@ fn draw_mark(pen: &mut Pen<'_>, mark: &Mark) {
             paint(pen, *fill, *stroke);
         }
         Mark::Dots { at, radius, fill: Some(ink), stroke: None } => {
-            // A line without length and with round ends is a dot.
+            // A line of length zero with round ends is a dot.
             pen.stroke(*ink);
             pen.content.set_line_width(short(2.0 * radius)).set_dash_pattern([], 0.0);
             for [x, y] in at.iter().map(|dot| dot.map(tenth)) {
@@ -37,7 +37,7 @@ fn draw_mark(pen: &mut Pen<'_>, mark: &Mark) {
             pen.content.stroke();
         }
         Mark::Dots { at, radius, fill, stroke } => {
-            // Each by itself: those that overlap lie over each other.
+            // One by one, so that overlapping dots cover each other.
             for dot in at {
                 circle(pen.content, *dot, *radius);
                 paint(pen, *fill, *stroke);
@@ -47,7 +47,7 @@ fn draw_mark(pen: &mut Pen<'_>, mark: &Mark) {
             let letters = Type { size: *size, is_bold: *is_bold };
             let words = writable(words);
             let left = x - anchor.share() * letters.width(&words);
-            // Letters stand upright while y goes down.
+            // Letters are upright although y goes down.
             pen.show(&words, letters, *ink, [1.0, 0.0, 0.0, -1.0, short(left), short(*y)]);
         }
     }
@@ -66,7 +66,7 @@ fn path(content: &mut Content, line: &[[f64; 2]], is_closed: bool) {
     }
 }
 
-/// A circle of four cubic curves, by the usual 0.5523 of the radius off by 0.03 % at most.
+/// A circle of four cubic curves. The usual 0.5523 of the radius is off by at most 0.03 %.
 fn circle(content: &mut Content, [x, y]: [f64; 2], radius: f64) {
     let arm = 0.5523 * radius;
     let at = |right: f64, down: f64| [x + right, y + down].map(short);
@@ -100,7 +100,7 @@ fn paint(pen: &mut Pen<'_>, fill: Option<Ink>, stroke: Option<Stroke>) {
     };
 }
 
-/// A number of px to a tenth, as in the drawings on pages.
+/// A number of px to a tenth, as in the SVG drawings.
 fn tenth(px: f64) -> f32 {
     ((px * 10.0).round() / 10.0) as f32
 }

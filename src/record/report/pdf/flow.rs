@@ -1,4 +1,4 @@
-//! What stands on a paper, from the top of a page to its end and on to the next one.
+//! The layout of the PDF: fills each page from the top and continues on the next one.
 
 use pdf_writer::types::StructRole;
 
@@ -17,29 +17,29 @@ pub(super) const COLUMN: [f64; 2] = [48.0, SIZE[0] - 48.0];
 /// Its width, pt.
 pub(super) const WIDTH: f64 = COLUMN[1] - COLUMN[0];
 
-/// Where the text begins and ends, pt from the top.
+/// Top and bottom of the text, pt from the top of the page.
 const BODY: [f64; 2] = [66.0, SIZE[1] - 56.0];
 
-/// The line of letters of the head and of the foot of a page, pt from the top.
+/// The baselines of the head and of the foot of a page, pt from the top.
 const HEAD: f64 = 42.0;
 const FOOT: f64 = SIZE[1] - 36.0;
 
-/// A picture is printed no larger than on a screen of 96 dots an inch, pt a px.
+/// A picture is printed at most as large as on a screen of 96 dots per inch, pt per px.
 const LARGEST_SCALE: f64 = 0.75;
 
-/// A picture may shrink by this to stand below what comes before it.
+/// A picture may shrink by this factor to fit below the content before it.
 const SHRUNK_SCALE: f64 = 0.88;
 
-/// Above a heading, pt.
+/// Space above a heading, pt.
 const HEADING_GAP: f64 = 15.0;
 
-/// What a heading of one line takes with the gaps around it, pt.
+/// Height of a heading of one line with the gaps around it, pt.
 pub(super) const HEADING_ROOM: f64 = HEADING_GAP + 12.5 * 1.32 + 4.0;
 
-/// Between a picture and its caption, pt.
+/// Space between a picture and its caption, pt.
 const CAPTION_GAP: f64 = 6.0;
 
-/// Sums of heights differ by less than this with their order, pt.
+/// Sums of heights in a different order differ by less than this, pt.
 const ROUNDING: f64 = 1e-6;
 
 pub(super) const BODY_TYPE: Type = Type { size: 9.0, is_bold: false };
@@ -48,7 +48,7 @@ pub(super) const SMALL_TYPE: Type = Type { size: 8.0, is_bold: false };
 pub(super) const HEADING_TYPE: Type = Type { size: 12.5, is_bold: true };
 pub(super) const TITLE_TYPE: Type = Type { size: 19.0, is_bold: true };
 
-/// A paper that is being written.
+/// A PDF being written.
 pub(super) struct Flow<'a> {
     pub sheets: Sheets,
     content: &'a Content,
@@ -63,7 +63,7 @@ impl<'a> Flow<'a> {
         flow
     }
 
-    /// A new page with its head.
+    /// Begins a new page and writes its head.
     pub(super) fn turn(&mut self) {
         self.sheets.turn();
         self.y = BODY[0];
@@ -79,7 +79,7 @@ impl<'a> Flow<'a> {
         });
     }
 
-    /// Begins a page where less than this height is left, pt; true where one began.
+    /// Begins a new page if less than this height is left, pt. Returns whether it did.
     pub(super) fn need(&mut self, height: f64) -> bool {
         let is_full = self.y + height > BODY[1] + ROUNDING && self.y > BODY[0];
         if is_full {
@@ -92,7 +92,7 @@ impl<'a> Flow<'a> {
         self.y += height;
     }
 
-    /// A heading that stays with the first `follows` pt of what comes.
+    /// Writes a heading that stays on the same page as the first `follows` pt after it.
     pub(super) fn heading(&mut self, words: &str, follows: f64) {
         self.space(if self.y > BODY[0] { HEADING_GAP } else { 0.0 });
         self.need(Flow::height_of(words, HEADING_TYPE) + 4.0 + follows);
@@ -100,12 +100,12 @@ impl<'a> Flow<'a> {
         self.space(4.0);
     }
 
-    /// Height of words over the whole column, pt.
+    /// Height of a text over the whole column, pt.
     pub(super) fn height_of(words: &str, letters: Type) -> f64 {
         lines(&writable(words), WIDTH, letters).len() as f64 * letters.leading()
     }
 
-    /// Words over the whole column, on as many lines and pages as they take.
+    /// Writes a text over the whole column, on as many lines and pages as it needs.
     pub(super) fn text(&mut self, words: &str, role: StructRole, letters: Type, ink: Ink) {
         let element = self.sheets.tags.add(ROOT, role);
         for line in lines(&writable(words), WIDTH, letters) {
@@ -120,7 +120,7 @@ impl<'a> Flow<'a> {
         self.y += letters.leading();
     }
 
-    /// A picture with its caption, as wide as the column or as high as a page with a heading.
+    /// Draws a picture with its caption, as wide as the column or as high as a page with a heading.
     pub(super) fn picture(&mut self, picture: &Picture, title: &str, text: &str) {
         let scale = self.scale(picture, title, text, 0.0);
         let [width, height] = picture.size;
@@ -134,13 +134,13 @@ impl<'a> Flow<'a> {
         self.space(14.0);
     }
 
-    /// Height of a picture with its caption where `above` pt stand before it, pt.
+    /// Height of a picture with its caption if `above` pt come before it, pt.
     pub(super) fn picture_height(&self, picture: &Picture, captions: [&str; 2], above: f64) -> f64 {
         let [title, text] = captions;
         picture.size[1] * self.scale(picture, title, text, above) + caption_height(title, text)
     }
 
-    /// pt a px; smaller where that saves a page.
+    /// The scale of a picture, pt per px. It is smaller if that saves a page.
     fn scale(&self, picture: &Picture, title: &str, text: &str, above: f64) -> f64 {
         let [width, height] = picture.size;
         let caption = caption_height(title, text);
@@ -150,7 +150,7 @@ impl<'a> Flow<'a> {
         if left >= SHRUNK_SCALE * scale { scale.min(left) } else { scale }
     }
 
-    /// The pages, with their numbers.
+    /// Adds the page numbers and returns the pages.
     pub(super) fn finished(mut self) -> Sheets {
         let count = self.sheets.pages.len();
         let language = self.content.language;

@@ -1,5 +1,5 @@
-//! The fonts of a paper: the glyphs that it uses, cut out of the program's fonts and embedded with
-//! what they mean, so that its words can be searched and copied.
+//! The fonts of a PDF: subsets of the program's fonts with the glyphs that it uses, embedded with their
+//! meaning, so that its text can be searched and copied.
 
 use std::collections::BTreeMap;
 
@@ -11,23 +11,23 @@ use super::PdfFault;
 use super::packing::packed;
 use crate::record::picture::font::{Font, UNITS_PER_EM};
 
-/// Names of the fonts on a page, plain and bold.
+/// Names of the fonts on a page, regular and bold.
 pub(super) const NAMES: [Name<'static>; 2] = [Name(b"R"), Name(b"B")];
 
 const SYSTEM: SystemInfo =
     SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
 
-/// The letters of one font that a paper uses.
+/// The letters of one font that a PDF uses.
 pub(super) struct Letters {
     is_bold: bool,
     cut: GlyphRemapper,
-    /// The letter of each glyph in the paper's numbering.
+    /// The letter of each glyph, by its number in the subset.
     meaning: BTreeMap<u16, char>,
 }
 
 /// The objects of one font.
 pub(super) struct FontRefs {
-    /// The font that pages name.
+    /// The font object that pages refer to.
     pub font: Ref,
     glyphs: Ref,
     descriptor: Ref,
@@ -46,7 +46,7 @@ impl Letters {
         Letters { is_bold, cut: GlyphRemapper::new(), meaning: BTreeMap::new() }
     }
 
-    /// Writable words as the numbers of their glyphs in this paper, two bytes each.
+    /// Encodes writable text as the glyph numbers of this PDF, two bytes each.
     pub(super) fn encoded(&mut self, words: &str) -> Vec<u8> {
         let font = Font::of(self.is_bold);
         let mut bytes = Vec::with_capacity(2 * words.len());
@@ -95,7 +95,7 @@ impl Letters {
         Ok(())
     }
 
-    /// What viewers without the font would choose another by; its figures are Noto Sans's own.
+    /// Describes the font for viewers that need a substitute. The values are those of Noto Sans.
     fn describe(&self, pdf: &mut Pdf, refs: &FontRefs, name: Name) {
         let em = UNITS_PER_EM as f32;
         pdf.font_descriptor(refs.descriptor)
@@ -110,8 +110,8 @@ impl Letters {
             .font_file2(refs.file);
     }
 
-    /// The font's name behind six letters that tell its cuts apart (ISO 32000-1, 9.6.4), from its
-    /// glyphs by FNV-1a.
+    /// The font's name after a tag of six letters that identifies the subset (ISO 32000-1, 9.6.4). The
+    /// tag is derived from the glyphs by FNV-1a.
     fn name(&self) -> String {
         let mix = |sum: u64, glyph: u16| (sum ^ u64::from(glyph)).wrapping_mul(0x0100_0000_01b3);
         let mut sum = self.cut.remapped_gids().fold(0xcbf2_9ce4_8422_2325, mix);

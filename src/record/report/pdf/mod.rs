@@ -1,4 +1,4 @@
-//! `report.pdf`: the report on A4, with its fonts and with tags for those who have it read to them.
+//! `report.pdf`: the report on A4, with embedded fonts and with tags for screen readers.
 
 mod document;
 mod drawing;
@@ -18,19 +18,19 @@ use super::Content;
 use crate::record::picture::figures::Figure;
 use crate::record::{Language, Record};
 
-/// Why there is no paper.
+/// Why there is no PDF.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 pub enum PdfFault {
-    /// A font of the program could not be cut down.
-    #[error("the fonts of report.pdf could not be cut down: {message}")]
+    /// A font of the program could not be subset.
+    #[error("the fonts of report.pdf could not be subset: {message}")]
     Font {
-        /// The cutter's words.
+        /// The subsetter's message.
         message: String,
     },
 }
 
 impl PdfFault {
-    /// The stable code used in records and the README's table.
+    /// The stable code used in records and in the README's table.
     pub fn code(&self) -> &'static str {
         match self {
             PdfFault::Font { .. } => "paper-not-made",
@@ -38,11 +38,11 @@ impl PdfFault {
     }
 }
 
-/// The paper of a record in a language, with its figures in that language. The same record gives the
+/// Makes the PDF of a record in a language, with its figures in that language. The same record gives the
 /// same bytes.
 ///
 /// # Errors
-/// Where a font cannot be cut down, which the tests rule out.
+/// If a font cannot be subset, which the tests rule out.
 pub fn paper(record: &Record, language: Language, figures: &[Figure]) -> Result<Vec<u8>, PdfFault> {
     let content = Content::of(record, language);
     let mut flow = Flow::new(&content);

@@ -1,4 +1,4 @@
-//! The parts of a paper, from the figures that matter most to every figure of the record.
+//! The parts of a PDF, from the most important figures to every figure of the record.
 
 use pdf_writer::types::StructRole;
 
@@ -12,13 +12,13 @@ use crate::record::report::content::{
 };
 use crate::record::report::{Figure, Mark};
 
-/// Letters of the table of every figure, which has many columns, pt.
+/// Letter size of the table of all figures, which has many columns, pt.
 const DENSE: f64 = 7.0;
 
-/// A note or paragraph up to this height stays on one page, pt.
+/// A note or paragraph of up to this height stays on one page, pt.
 const WHOLE_MAX: f64 = 150.0;
 
-/// Whose legs, and where the record comes from.
+/// The patient, and where the record comes from.
 pub(super) fn front(flow: &mut Flow<'_>, content: &Content) {
     flow.text(&content.title, StructRole::H1, TITLE_TYPE, Ink::Text);
     flow.space(4.0);
@@ -59,7 +59,7 @@ pub(super) fn levels(flow: &mut Flow<'_>, levels: &Levels) {
     }
 }
 
-/// A level, and below it its doubts.
+/// A level, with its doubts below it.
 fn level(row: &LevelRow) -> Vec<Row> {
     let name = Type { is_bold: row.is_sought, ..BODY_TYPE };
     let mut cells = vec![
@@ -68,7 +68,7 @@ fn level(row: &LevelRow) -> Vec<Row> {
     ];
     for leg in &row.legs {
         if leg.girth.is_missing() {
-            // One reason for both.
+            // One reason for both columns.
             cells.push(figure(&leg.girth, SMALL_TYPE).over(2));
         } else {
             cells.push(figure(&leg.girth, BODY_TYPE));
@@ -89,7 +89,7 @@ fn level(row: &LevelRow) -> Vec<Row> {
     rows
 }
 
-/// A figure with what it is uncertain by and how it is to be taken.
+/// A figure with its uncertainty and the mark that shows how to read it.
 fn figure(figure: &Figure, letters: Type) -> Cell {
     let margin = figure.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
     let [before, behind] = match figure.mark {
@@ -137,7 +137,7 @@ fn note(flow: &mut Flow<'_>, note: &Note) {
     }
 }
 
-/// Volumes, heights that were asked for, feet, slices.
+/// Volumes, requested heights, feet, slices.
 pub(super) fn tables(flow: &mut Flow<'_>, tables: &[content::Table]) {
     for table in tables {
         figures(flow, table, BODY_TYPE, Anchor::End);
@@ -150,7 +150,7 @@ pub(super) fn landmarks(flow: &mut Flow<'_>, table: &content::Table) {
     figures(flow, table, Type { size: DENSE, is_bold: false }, Anchor::Start);
 }
 
-/// A table; cells of words begin where `words` says.
+/// A table. Cells with text are aligned as `words` says.
 fn figures(flow: &mut Flow<'_>, table: &content::Table, letters: Type, words: Anchor) {
     let is_words = |column: usize| {
         let mut figures = table.rows.iter().filter_map(|row| row.figures.get(column));
@@ -184,7 +184,7 @@ fn figures(flow: &mut Flow<'_>, table: &content::Table, letters: Type, words: An
     laid.write(flow);
 }
 
-/// Whether words are a figure: `12.3`, `+4`, `h 56.0`.
+/// Whether a text is a number: `12.3`, `+4`, `h 56.0`.
 fn has_figure(words: &str) -> bool {
     let figure = words.strip_prefix("h ").unwrap_or(words);
     figure.trim_start_matches(['+', '−']).chars().all(|of| of.is_ascii_digit() || ".,".contains(of))
@@ -202,7 +202,7 @@ pub(super) fn section(flow: &mut Flow<'_>, section: &Section) {
     }
 }
 
-/// The figures of the method, or why there are none.
+/// The pictures of the method, or why there are none.
 pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[Drawn]) {
     let missing = words.missing.as_ref();
     let said = missing.map_or(0.0, |words| Flow::height_of(words, BODY_TYPE) + 3.0);
@@ -221,7 +221,7 @@ pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[Drawn
     }
 }
 
-/// The two lines below a picture: what it is, and how to read it.
+/// The two texts below a picture: what it shows, and how to read it.
 fn captions<'a>(words: &'a PictureWords, drawn: &'a Drawn) -> [&'a str; 2] {
     match words.captions.iter().find(|caption| caption.name == drawn.name) {
         Some(of) => [&of.title, &of.text],

@@ -1,4 +1,4 @@
-//! The pages of a paper and what is drawn on them: points from the upper left corner, y down.
+//! The pages of a PDF and what is drawn on them: points from the upper left corner, y down.
 
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Name, Str};
@@ -11,13 +11,13 @@ use crate::record::picture::{Anchor, Ink, Theme};
 /// A4, pt.
 pub(super) const SIZE: [f64; 2] = [595.28, 841.89];
 
-/// The pages of a paper.
+/// The pages of a PDF.
 pub(super) struct Sheets {
-    /// What is drawn, page by page.
+    /// The content, page by page.
     pub pages: Vec<Content>,
-    /// The letters that are used, plain and bold.
+    /// The letters in use, regular and bold.
     pub letters: [Letters; 2],
-    /// What the parts are.
+    /// The structure of the content.
     pub tags: Tags,
 }
 
@@ -27,14 +27,14 @@ impl Sheets {
         Sheets { pages: Vec::new(), letters, tags: Tags::new() }
     }
 
-    /// A new page, on which is drawn from now on.
+    /// Begins a new page, which becomes the current one.
     pub(super) fn turn(&mut self) {
         let mut page = Content::new();
         page.set_line_cap(LineCapStyle::RoundCap).set_line_join(LineJoinStyle::RoundJoin);
         self.pages.push(page);
     }
 
-    /// Number of the page on which is drawn, from 0; the first is turned to where there is none.
+    /// Number of the current page, from 0. Begins the first page if there is none.
     pub(super) fn current(&mut self) -> usize {
         if self.pages.is_empty() {
             self.turn();
@@ -42,7 +42,7 @@ impl Sheets {
         self.pages.len() - 1
     }
 
-    /// Draws a part of an element on the last page.
+    /// Draws a part of an element on the current page.
     pub(super) fn draw(&mut self, element: ElementIndex, draw: impl FnOnce(&mut Pen<'_>)) {
         let page = self.current();
         let (number, role) = self.tags.draw(element, page);
@@ -52,7 +52,7 @@ impl Sheets {
         content.end_marked_content();
     }
 
-    /// Draws on a page what is only there for the eye: lines, heads of pages.
+    /// Draws on a page what is decoration only: lines, page heads.
     pub(super) fn decorate(&mut self, page: usize, draw: impl FnOnce(&mut Pen<'_>)) {
         let content = &mut self.pages[page];
         content.begin_marked_content(Name(b"Artifact"));
@@ -69,7 +69,7 @@ pub(super) struct Pen<'a> {
 }
 
 impl Pen<'_> {
-    /// Writable words on a line that begins, is centred or ends at a place, pt.
+    /// Writes writable text on a line that starts, is centred or ends at a place, pt.
     pub(super) fn words(
         &mut self,
         words: &str,
@@ -82,7 +82,7 @@ impl Pen<'_> {
         self.show(words, letters, ink, [1.0, 0.0, 0.0, 1.0, short(left), short(SIZE[1] - y)]);
     }
 
-    /// Writable words in letters of a kind, placed by a matrix.
+    /// Writes writable text in this type, placed by a matrix.
     pub(super) fn show(&mut self, words: &str, letters: Type, ink: Ink, matrix: [f32; 6]) {
         let font = usize::from(letters.is_bold);
         let bytes = self.letters[font].encoded(words);
@@ -105,25 +105,25 @@ impl Pen<'_> {
             .stroke();
     }
 
-    /// What is filled from now on has this ink.
+    /// Sets the ink for filling.
     pub(super) fn fill(&mut self, ink: Ink) {
         let [r, g, b] = rgb(ink);
         self.content.set_fill_rgb(r, g, b);
     }
 
-    /// What is drawn from now on has this ink.
+    /// Sets the ink for lines.
     pub(super) fn stroke(&mut self, ink: Ink) {
         let [r, g, b] = rgb(ink);
         self.content.set_stroke_rgb(r, g, b);
     }
 }
 
-/// A thousandth of the range is finer than the colours are.
+/// Rounded to a thousandth of the range, which is finer than the colours are.
 fn rgb(ink: Ink) -> [f32; 3] {
     ink.colour(Theme::Light).map(|part| (f32::from(part) / 0.255).round() / 1000.0)
 }
 
-/// A number of pt to a hundredth, which no printer can show.
+/// A number of pt rounded to a hundredth, which is finer than any printer.
 pub(super) fn short(pt: f64) -> f32 {
     ((pt * 100.0).round() / 100.0) as f32
 }

@@ -1,4 +1,4 @@
-//! Tables on paper: columns as wide as their words need, rows that stay whole, heads on every page.
+//! Tables in a PDF: columns as wide as their text needs, unbroken rows, headings on every page.
 
 use pdf_writer::types::StructRole;
 
@@ -8,11 +8,11 @@ use super::wrap::{Type, lines};
 use crate::record::picture::font::writable;
 use crate::record::picture::{Anchor, Ink};
 
-/// Room between the words of two columns, and above and below a row, pt.
+/// Space between the text of two columns, and above and below a row, pt.
 const GAP: f64 = 9.0;
 const PADDING: f64 = 2.2;
 
-/// A column is made no wider than this for a single word, which then breaks, pt.
+/// The largest width that a column gets for a single word, pt. A longer word is broken.
 const WORD_MAX: f64 = 110.0;
 
 /// The smallest letters of a table, pt.
@@ -21,13 +21,13 @@ const SIZE_MIN: f64 = 5.5;
 /// A cell.
 #[derive(Debug, Clone)]
 pub(super) struct Cell {
-    /// Writable words.
+    /// Writable text.
     words: String,
     letters: Type,
     ink: Ink,
     anchor: Anchor,
     span: usize,
-    /// Whether its words stay on one line, as a figure and what it is uncertain by.
+    /// Whether its text stays on one line, as for a figure with its uncertainty.
     is_whole: bool,
 }
 
@@ -42,7 +42,7 @@ impl Cell {
     }
 
     pub(super) fn whole(self) -> Cell {
-        // A figure without reason breaks rather than leaves the page.
+        // An excessively wide figure is broken so that it does not leave the page.
         Cell { is_whole: self.letters.width(&self.words) <= WORD_MAX, ..self }
     }
 
@@ -55,11 +55,11 @@ impl Cell {
     }
 }
 
-/// A row; its cells' spans add up to the number of columns.
+/// A row. The spans of its cells add up to the number of columns.
 #[derive(Debug, Clone)]
 pub(super) struct Row {
     pub cells: Vec<Cell>,
-    /// Whether it belongs to the row above and stays with it.
+    /// Whether it belongs to the row above and stays on its page.
     pub is_joined: bool,
 }
 
@@ -68,26 +68,26 @@ pub(super) struct Row {
 pub(super) struct Table {
     pub heads: Vec<Row>,
     pub rows: Vec<Row>,
-    /// Whether lines part its rows.
+    /// Whether there are lines between its rows.
     pub is_ruled: bool,
 }
 
-/// A table with the widths of its columns and its rows' lines.
+/// A table with the computed widths of its columns.
 struct Laid<'t> {
     table: &'t Table,
     widths: Vec<f64>,
-    /// Smaller letters, where the words are too wide for the page.
+    /// Factor for smaller letters if the words are too wide for the page.
     shrink: f64,
 }
 
 impl Table {
-    /// Height of its heads and first row, which a heading must stay with, pt.
+    /// Height of its headings and first row, which must be on the page of the table's heading, pt.
     pub(super) fn first_height(&self) -> f64 {
         let laid = Laid::new(self);
         self.heads.iter().chain(self.rows.first()).map(|row| laid.height(row)).sum()
     }
 
-    /// Writes it.
+    /// Writes the table.
     pub(super) fn write(&self, flow: &mut Flow<'_>) {
         let laid = Laid::new(self);
         let table = flow.sheets.tags.add(ROOT, StructRole::Table);
@@ -118,7 +118,7 @@ impl Table {
         rows.map(|row| row.cells.iter().map(|cell| cell.span).sum()).max().unwrap_or(0)
     }
 
-    /// The cells of one column that stand in no other.
+    /// The cells of one column that span no other.
     fn cells_of(&self, column: usize) -> impl Iterator<Item = &Cell> {
         let in_row = move |row: &'_ Row| {
             let mut first = 0;
@@ -133,11 +133,11 @@ impl Table {
 }
 
 impl<'t> Laid<'t> {
-    /// Each column gets what its longest word needs, and of the rest in proportion to what its longest
-    /// cell would like. Letters shrink where even the words do not fit.
+    /// Each column gets the width of its longest word, and a share of the rest in proportion to what its
+    /// longest cell would need. Letters shrink if even the words do not fit.
     fn new(table: &'t Table) -> Laid<'t> {
         let columns = table.columns();
-        // Behind the last column there need be no room.
+        // No gap is needed after the last column.
         let room = WIDTH + GAP;
         let widest = |column: usize, width: fn(&Cell) -> f64| {
             table.cells_of(column).map(width).fold(0.0, f64::max) + GAP
@@ -158,7 +158,7 @@ impl<'t> Laid<'t> {
         let share = if total_wanted > 0.0 { (free / total_wanted).min(1.0) } else { 0.0 };
         let mut widths: Vec<f64> =
             needed.iter().zip(&wanted).map(|(needed, wanted)| needed + share * wanted).collect();
-        // A ruled table goes over the whole column; others keep together on its left.
+        // A ruled table fills the whole column. Other tables stay together on its left.
         let spare = (room - total(&widths)) / columns.max(1) as f64;
         if table.is_ruled {
             widths.iter_mut().for_each(|width| *width += spare);
@@ -170,7 +170,7 @@ impl<'t> Laid<'t> {
         Type { size: (cell.letters.size * self.shrink).max(SIZE_MIN), ..cell.letters }
     }
 
-    /// Every cell with where it begins and how wide it is, pt.
+    /// Every cell with its left edge and width, pt.
     fn places<'r>(&self, row: &'r Row) -> Vec<(&'r Cell, f64, f64)> {
         let mut column = 0;
         let place = |cell: &'r Cell| {
@@ -197,11 +197,11 @@ impl<'t> Laid<'t> {
         heights.fold(0.0, f64::max) + padding
     }
 
-    /// Writes a row as part of a table, or as what only repeats it.
+    /// Writes a row as part of a table, or as a decoration if it only repeats one.
     fn write(&self, flow: &mut Flow<'_>, row: &Row, part: Option<(ElementIndex, StructRole)>) {
         let row_element = part.map(|(table, _)| flow.sheets.tags.add(table, StructRole::TR));
         let top = flow.y + if row.is_joined { 0.0 } else { PADDING };
-        // Cells of different sizes stand on one line.
+        // Cells of different sizes share one baseline.
         let first_line =
             self.places(row).iter().map(|(cell, ..)| self.letters(cell).size).fold(0.0, f64::max);
         for (cell, left, width) in self.places(row) {
@@ -238,7 +238,7 @@ impl<'t> Laid<'t> {
     }
 }
 
-/// Width of the longest word of a cell, within reason.
+/// Width of the longest word of a cell, with an upper limit.
 fn longest_word(cell: &Cell) -> f64 {
     if cell.is_whole {
         return cell.letters.width(&cell.words);

@@ -1,35 +1,35 @@
-//! What the parts of a paper are, for those who have it read to them: its tree of headings,
-//! paragraphs, tables and figures (ISO 32000-1, 14.7 and 14.8).
+//! The structure of a PDF for screen readers: its tree of headings, paragraphs, tables and figures
+//! (ISO 32000-1, 14.7 and 14.8).
 
 use pdf_writer::types::{StructRole, TableHeaderScope};
 use pdf_writer::{Finish, Name, Pdf, Ref, TextStr};
 
-/// An element by its place in the tree.
+/// An element, by its index in the tree.
 pub(super) type ElementIndex = usize;
 
-/// The whole paper.
+/// The whole document.
 pub(super) const ROOT: ElementIndex = 0;
 
 struct Element {
     role: StructRole,
     parent: Option<ElementIndex>,
-    /// What is said instead of it.
+    /// Alternative text.
     alt: Option<String>,
-    /// Columns of a table that a cell stands in.
+    /// How many columns of a table a cell spans.
     span: usize,
     children: Vec<Child>,
 }
 
 enum Child {
     Element(ElementIndex),
-    /// What is drawn on a page, by the page's number and its own there.
+    /// Content on a page, by the number of the page and its own number there.
     Drawn(usize, i32),
 }
 
-/// The tree.
+/// The structure tree.
 pub(super) struct Tags {
     elements: Vec<Element>,
-    /// The element of each thing drawn, page by page.
+    /// The element of each piece of content, page by page.
     drawn: Vec<Vec<ElementIndex>>,
 }
 
@@ -45,7 +45,7 @@ impl Tags {
         Tags { elements: vec![root], drawn: Vec::new() }
     }
 
-    /// A new element at the end of another.
+    /// Adds a new element as the last child of another.
     pub(super) fn add(&mut self, parent: ElementIndex, role: StructRole) -> ElementIndex {
         let index = self.elements.len();
         self.elements.push(Element {
@@ -59,14 +59,14 @@ impl Tags {
         index
     }
 
-    /// A figure with what is said instead of it.
+    /// Adds a figure with its alternative text.
     pub(super) fn add_figure(&mut self, alt: &str) -> ElementIndex {
         let index = self.add(ROOT, StructRole::Figure);
         self.elements[index].alt = Some(alt.to_owned());
         index
     }
 
-    /// A cell that stands in so many columns.
+    /// Adds a cell that spans this many columns.
     pub(super) fn add_cell(
         &mut self,
         row: ElementIndex,
@@ -78,7 +78,7 @@ impl Tags {
         index
     }
 
-    /// The number on a page of the next thing that is drawn of an element, and its role's name.
+    /// The number on a page for the next piece of content of an element, and the name of its role.
     pub(super) fn draw(&mut self, element: ElementIndex, page: usize) -> (i32, Name<'static>) {
         self.drawn.resize_with(self.drawn.len().max(page + 1), Vec::new);
         let number = self.drawn[page].len() as i32;
@@ -87,12 +87,12 @@ impl Tags {
         (number, self.elements[element].role.to_name())
     }
 
-    /// Count of objects that the tree needs.
+    /// Number of objects that the tree needs.
     pub(super) fn len(&self) -> usize {
         self.elements.len()
     }
 
-    /// The elements of what is drawn on a page, in the order of their numbers.
+    /// The elements of the content of a page, in the order of their numbers.
     pub(super) fn drawn_on(&self, page: usize) -> &[ElementIndex] {
         self.drawn.get(page).map_or(&[], Vec::as_slice)
     }

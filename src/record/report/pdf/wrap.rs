@@ -1,33 +1,33 @@
-//! Words broken into lines that fit a width.
+//! Breaks text into lines that fit a width.
 
 use crate::record::picture::font::Font;
 
-/// A kind of letters.
+/// A font size and weight.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Type {
-    /// Height of the letters with their room, pt.
+    /// Font size, pt.
     pub size: f64,
-    /// Whether they stand out.
+    /// Whether it is bold.
     pub is_bold: bool,
 }
 
 impl Type {
-    /// Width of writable words, pt.
+    /// Width of writable text, pt.
     pub(super) fn width(self, words: &str) -> f64 {
         Font::of(self.is_bold).width(words, self.size)
     }
 
-    /// From one line to the next, pt.
+    /// Distance of baselines, pt.
     pub(super) fn leading(self) -> f64 {
         self.size * 1.32
     }
 }
 
-/// Sums of widths differ by less than this with their order, pt.
+/// Sums of widths in a different order differ by less than this, pt.
 const ROUNDING: f64 = 1e-6;
 
-/// The lines of writable words. They break at blanks; a word that is wider than a line, as a long id,
-/// breaks between its letters.
+/// Breaks writable text into lines at blanks. A word that is wider than a line, such as a long id, is
+/// broken between letters.
 pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
     let mut lines = vec![String::new()];
     for word in words.split(' ').filter(|word| !word.is_empty()) {
@@ -46,7 +46,7 @@ pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
     lines
 }
 
-/// Pieces of a word, each as long as fits, and one letter at least.
+/// Pieces of a word, each as long as fits and at least one letter.
 fn pieces(word: &str, width: f64, letters: Type) -> Vec<String> {
     let (mut pieces, mut piece, mut wide) = (Vec::new(), String::new(), 0.0);
     for letter in word.chars() {
@@ -62,7 +62,7 @@ fn pieces(word: &str, width: f64, letters: Type) -> Vec<String> {
     pieces
 }
 
-/// As many letters as fit, with `end` behind them where something is left out.
+/// As many letters as fit, followed by `end` if something is left out.
 pub(super) fn cut(words: &str, width: f64, letters: Type, end: &str) -> String {
     if letters.width(words) <= width {
         return words.to_owned();
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn lines_break_at_blanks_and_long_words_between_letters() {
-        // A figure is 5.72 pt wide, a blank 2.6.
+        // A digit is 5.72 pt wide, a blank 2.6.
         assert_eq!(lines("11 22 33", 30.0, PLAIN), ["11 22", "33"]);
         assert_eq!(lines("1 22222222 3", 12.0, PLAIN), ["1", "22", "22", "22", "22", "3"]);
         assert_eq!(lines("", 30.0, PLAIN), [""]);

@@ -13,7 +13,7 @@ use crate::store::{durable, sums};
 /// The folder of refused orders in the state folder.
 const FOLDER: &str = "orders-refused";
 
-/// Keeps an order with its reason, durable; one that is kept already stays as it is.
+/// Stores an order durably with its reason. An order that is already stored stays unchanged.
 ///
 /// # Errors
 /// Any I/O error.

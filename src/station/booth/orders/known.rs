@@ -1,4 +1,4 @@
-//! What the journal knows of the orders that lie in their folder, brought up to date by each look.
+//! What the journal knows about the orders in their folder. Every look updates it.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -9,43 +9,43 @@ use super::list_orders::{Found, is_meant};
 use super::read;
 use crate::config::OrdersConfig;
 use crate::flow::OrderState;
-use crate::flow::order_news::{Unlisted, unlisted};
-use crate::station::assembly::Station;
+use crate::flow::orders::news::{Unlisted, unlisted};
+use crate::station::core::Core;
 use crate::station::journal::JournalError;
-use crate::station::stall::Pulse;
+use crate::station::share::stall::Pulse;
 use crate::store::durable;
 
-/// A journal that was lost knew which of these had been heard. To hear one twice may give one patient
-/// another's scan; so none of them is.
+/// Notes all orders as heard, because only the lost journal knew which of them had been heard. Hearing
+/// one twice could give one patient another patient's scan, so none of them is heard.
 ///
 /// # Errors
 /// See [`JournalError`]; what was not noted must not be heard.
-pub fn pass_over(station: &Station, found: &Found, pulse: &Pulse) -> Result<(), JournalError> {
+pub fn pass_over(core: &Core, found: &Found, pulse: &Pulse) -> Result<(), JournalError> {
     for (path, order) in &found.orders {
         let stamp = order.stamp;
         let unread =
             || OrderState { size: stamp.size, mtime_ns: stamp.mtime_ns, digest: String::new() };
         let read = read::read(path, stamp, pulse).ok().flatten();
         let state = read.map_or_else(unread, |read| read.state);
-        station.custody.journal().order_heard(path, &state)?;
+        core.custody.journal().order_heard(path, &state)?;
     }
     warn!(event = "orders-passed-over", count = found.orders.len());
     Ok(())
 }
 
-/// Brings what is known up to date with a look. A known order is known under its other names too,
-/// where it was linked or renamed. Orders that are gone are forgotten: what comes under their names is
-/// new, even with the same words.
+/// Updates what is known after a look. If a known order was linked or renamed, it is known under its
+/// other names too. Orders that are gone are forgotten: a file that comes under their names is new,
+/// even with the same content.
 ///
 /// # Errors
-/// See [`JournalError`]; a link may pass for a new order then.
+/// See [`JournalError`]; a link may then be taken for a new order.
 pub fn update(
-    station: &Station,
+    core: &Core,
     config: &OrdersConfig,
     found: &Found,
     pulse: &Pulse,
 ) -> Result<(), JournalError> {
-    let journal = station.custody.journal();
+    let journal = core.custody.journal();
     let known = journal.orders_known(&config.path)?;
     for (path, state) in other_names(found, &known, pulse) {
         journal.order_heard(path, &state)?;
@@ -57,12 +57,12 @@ pub fn update(
         Unlisted::TheirFolder => journal.orders_seen_in(found.folder),
         Unlisted::Gone => {
             let is_gone = |path: &&Path| {
-                // A name that the mask does not mean any more was not looked for.
+                // A name that the mask no longer matches was not looked for.
                 let looked_for = is_meant(path, &config.files);
                 looked_for && !is_there(path) && !found.unexamined.contains(*path)
             };
             let gone: Vec<&Path> = known.keys().map(AsRef::as_ref).filter(is_gone).collect();
-            // A power cut must not bring back a name that is forgotten.
+            // A power cut must not bring back a forgotten name.
             match gone.is_empty() || durable::sync_folder(&config.path).is_ok() {
                 true => journal.forget_orders(&gone),
                 false => Ok(()),
@@ -71,7 +71,7 @@ pub fn update(
     }
 }
 
-/// Files that are not known by their names and are, word for word and by their times, a known order.
+/// Files with unknown names whose content and times are those of a known order.
 fn other_names<'a>(
     found: &'a Found,
     known: &BTreeMap<PathBuf, OrderState>,

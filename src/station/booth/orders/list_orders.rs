@@ -6,27 +6,27 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::removal;
-use crate::flow::order_news::FolderId;
+use crate::flow::orders::news::FolderId;
 use crate::flow::{Group, Mask};
-use crate::station::intake::file_system::folder_id;
-use crate::station::intake::scan_dir::stamp;
-use crate::station::stall::Pulse;
+use crate::station::share::file_system::folder_id;
+use crate::station::share::stall::Pulse;
+use crate::station::share::stamped_file::stamp;
 
 /// What a look found.
 #[derive(Debug)]
 pub struct Found {
-    /// The files that may be orders, with those under names of ours: see [`removal`].
+    /// The files that may be orders, including those under our hidden names: see [`removal`].
     pub orders: BTreeMap<PathBuf, Group>,
-    /// Names that are there, and whose files could not be examined.
+    /// Names that exist but whose files could not be examined.
     pub unexamined: BTreeSet<PathBuf>,
     /// The folder itself.
     pub folder: FolderId,
 }
 
-/// Lists a folder's regular files whose names the mask means. Links are not followed.
+/// Lists a folder's regular files whose names match the mask. Links are not followed.
 ///
 /// # Errors
-/// Where the folder cannot be listed to its end, or another came in its place meanwhile.
+/// If the folder cannot be listed completely, or another folder has taken its place meanwhile.
 pub fn look(folder: &Path, mask: &Mask, pulse: &Pulse) -> io::Result<Found> {
     let before = folder_id(folder)?;
     let (mut orders, mut unexamined) = (BTreeMap::new(), BTreeSet::new());
@@ -47,12 +47,12 @@ pub fn look(folder: &Path, mask: &Mask, pulse: &Pulse) -> io::Result<Found> {
         }
     }
     if folder_id(folder)? != before {
-        return Err(io::Error::other("it was replaced while it was looked through"));
+        return Err(io::Error::other("it was replaced while it was searched"));
     }
     Ok(Found { orders, unexamined, folder: before })
 }
 
-/// Whether a path is that of an order, as the practice named it or under a name of ours.
+/// Whether a path is that of an order, under its own name or under our hidden name for it.
 pub fn is_meant(path: &Path, mask: &Mask) -> bool {
     let original = removal::original(path);
     let name = original.as_deref().unwrap_or(path).file_name();

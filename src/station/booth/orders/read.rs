@@ -1,33 +1,33 @@
-//! What lies in a file of the folder of orders.
+//! The content of a file in the folder of orders.
 
 use std::io;
 use std::path::Path;
 
 use crate::flow::{OrderState, Stamp};
 use crate::record::gdt::order::ORDER_MOST;
-use crate::station::intake::stable_read;
-use crate::station::stall::Pulse;
+use crate::station::share::stall::Pulse;
+use crate::station::share::stamped_file;
 use crate::store::sums;
 
 /// A file that was read.
 #[derive(Debug)]
 pub struct Read {
-    /// What tells it from the one that was heard.
+    /// Tells it apart from the order that was heard.
     pub state: OrderState,
-    /// Its bytes; empty where it is too large to be an order.
+    /// Its bytes; empty if it is too large to be an order.
     pub bytes: Vec<u8>,
     /// Device and inode.
     pub file: (u64, u64),
 }
 
 impl Read {
-    /// Whether it is too large to be an order; it is not read then.
+    /// Whether it is too large to be an order; then it is not read.
     pub fn is_too_large(&self) -> bool {
         self.state.size > ORDER_MOST
     }
 }
 
-/// Reads a file, if it is in this state before and after; else none.
+/// Reads a file if it is in this state before and after; otherwise returns `None`.
 ///
 /// # Errors
 /// Any other I/O error.
@@ -40,7 +40,7 @@ pub fn read(path: &Path, stamp: Stamp, pulse: &Pulse) -> io::Result<Option<Read>
     if size > ORDER_MOST {
         return Ok(Some(of(Vec::new(), String::new())));
     }
-    let Some(bytes) = stable_read::bytes(path, stamp, pulse)? else { return Ok(None) };
+    let Some(bytes) = stamped_file::bytes(path, stamp, pulse)? else { return Ok(None) };
     let digest = sums::scan_id(&bytes).as_str().to_owned();
     Ok(Some(of(bytes, digest)))
 }

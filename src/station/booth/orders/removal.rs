@@ -1,10 +1,10 @@
-//! Removing an order that was heard, and no other: practice software may put the next one under the
-//! same name at any time.
+//! Removes an order that was heard, and no other file: practice software may put the next order under
+//! the same name at any time.
 //!
-//! A file cannot be compared and deleted in one step, but it can be renamed. So the order is given a
-//! hidden name of ours first, then it is examined, and only what was read is deleted. Anything else
-//! has come meanwhile and goes back under its name where that is free; where it is not, and where the
-//! station ends in between, it lies under the hidden name and is found there by the next look.
+//! A file cannot be compared and deleted in one step, but it can be renamed. So the order first gets a
+//! hidden name of ours, then it is examined, and only the file that was read is deleted. Any other file
+//! has come meanwhile and gets its own name back if that is free. If the name is taken, or if the
+//! station ends in between, the file stays under the hidden name, where the next look finds it.
 
 use std::ffi::{OsStr, OsString};
 use std::fs;
@@ -15,20 +15,20 @@ use std::path::{Path, PathBuf};
 use rustix::fs::{CWD, RenameFlags, renameat_with};
 
 use super::read::{self, Read};
-use crate::station::intake::scan_dir::stamp;
-use crate::station::stall::Pulse;
+use crate::station::share::stall::Pulse;
+use crate::station::share::stamped_file::stamp;
 use crate::store::durable;
 
-/// What the hidden names end in. They do not end as an order does: other programs that look through
-/// the folder pass over them.
+/// The ending of the hidden names. Orders have another ending, so other programs that search the folder
+/// ignore these files.
 const ENDING: &[u8] = b".gaiter-taken";
 
-/// What became of an order that was to be removed.
+/// The outcome for an order that was to be removed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Removal {
-    /// It is gone, for good.
+    /// It is gone for good.
     Removed,
-    /// It is gone, and another came in its place that was not heard.
+    /// It is gone, and another order that was not heard has taken its place.
     Replaced,
 }
 
@@ -38,7 +38,7 @@ pub fn hidden(path: &Path) -> PathBuf {
     path.with_file_name(OsStr::from_bytes(&[b".".as_slice(), name, ENDING].concat()))
 }
 
-/// The order's own path, where this one is a hidden name of ours.
+/// The order's own path, if this one is a hidden name of ours.
 pub fn original(path: &Path) -> Option<PathBuf> {
     let name = path.file_name()?.as_bytes().strip_prefix(b".")?.strip_suffix(ENDING)?;
     (!name.is_empty()).then(|| path.with_file_name(OsString::from(OsStr::from_bytes(name))))
@@ -47,12 +47,12 @@ pub fn original(path: &Path) -> Option<PathBuf> {
 /// Removes an order if it is still the one that was read.
 ///
 /// # Errors
-/// Where it cannot be renamed or deleted.
+/// If it cannot be renamed or deleted.
 pub fn remove(path: &Path, read: &Read, pulse: &Pulse) -> io::Result<Removal> {
     remove_in_steps(path, read, pulse, || ())
 }
 
-/// As [`remove`]; `between` is called when the order has its hidden name and was not examined.
+/// Like [`remove`]; `between` is called when the order has its hidden name but is not examined yet.
 pub(super) fn remove_in_steps(
     path: &Path,
     read: &Read,
@@ -61,7 +61,7 @@ pub(super) fn remove_in_steps(
 ) -> io::Result<Removal> {
     let taken = hidden(path);
     match durable::rename_new(path, &taken) {
-        // Somebody else has removed it.
+        // Another process has removed it.
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Removal::Removed),
         other => other?,
     }
@@ -70,12 +70,12 @@ pub(super) fn remove_in_steps(
         delete(&taken)?;
         return Ok(Removal::Removed);
     }
-    // What cannot go back is found by the next look.
+    // If it cannot be put back, the next look finds it.
     let _ = put_back(&taken, path);
     Ok(Removal::Replaced)
 }
 
-/// Deletes a file under a hidden name, for good: a name that a power cut brings back is heard again.
+/// Deletes a file under a hidden name durably: one that a power cut restores is heard again.
 ///
 /// # Errors
 /// Any I/O error.
@@ -84,15 +84,15 @@ pub fn delete(taken: &Path) -> io::Result<()> {
     durable::sync_folder(taken.parent().unwrap_or(Path::new(".")))
 }
 
-/// Gives a file under a hidden name its own again, never over another.
+/// Gives a file under a hidden name its own name back. Never replaces another file.
 ///
 /// # Errors
-/// Where the name is taken, or the file system cannot promise that; any other I/O error.
+/// If the name is taken, or the file system cannot guarantee that; any other I/O error.
 pub fn put_back(taken: &Path, path: &Path) -> io::Result<()> {
     Ok(renameat_with(CWD, taken, CWD, path, RenameFlags::NOREPLACE)?)
 }
 
-/// Whether a file is the one that was read: the same words, and the same file or the same time.
+/// Whether a file is the one that was read: the same content, and the same inode or the same time.
 fn is_same(path: &Path, read: &Read, pulse: &Pulse) -> bool {
     let now = path.symlink_metadata().and_then(|metadata| {
         if metadata.is_file() { read::read(path, stamp(&metadata), pulse) } else { Ok(None) }

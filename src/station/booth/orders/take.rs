@@ -1,4 +1,4 @@
-//! Dealing with one order: whether it is new, whom it names, and what becomes of its file.
+//! Deals with one order: whether it is new, whom it names, and what happens to its file.
 
 use std::path::Path;
 
@@ -11,25 +11,26 @@ use super::{NOT_REMOVED, REFUSED, REPEATED, TakeFault, alarm, aside};
 use crate::config::{AfterOrder, OrdersConfig};
 use crate::flow::booth::Heard;
 use crate::flow::capture::Doubt;
-use crate::flow::order_news::{self, News};
+use crate::flow::orders::news::{self, News};
 use crate::flow::{OrderState, Settled};
 use crate::record::SourceKind;
 use crate::record::gdt::{Order, OrderFault, order};
-use crate::station::assembly::Station;
-use crate::station::stall::Pulse;
+use crate::station::booth::Booth;
+use crate::station::core::Core;
+use crate::station::share::stall::Pulse;
 
 /// The code of an order that is too old.
 const TOO_OLD: &str = "order-too-old";
 
-/// What became of an order.
+/// The outcome for an order.
 pub enum Taken {
     /// It was dealt with in this state.
     Done,
     /// It changed while it was read.
     Changed,
-    /// Its file is still to be removed, or to be put back.
+    /// Its file must still be removed or put back.
     Later,
-    /// The journal failed when it was to be heard. This was known before it was noted.
+    /// The journal failed when it was to be heard. Holds what was known before it was noted.
     Unheard(Option<OrderState>),
 }
 
@@ -38,45 +39,47 @@ pub enum Taken {
 pub enum Before {
     /// It could not be noted.
     Unnoted,
-    /// It was noted and could not be heard; this was known before that.
+    /// It was noted but could not be heard. Holds what was known before that.
     Noted(Option<OrderState>),
 }
 
-/// An order that is dealt with.
+/// An order that is being dealt with.
 struct Taking<'a> {
-    station: &'a Station,
+    core: &'a Core,
+    booth: &'a Booth,
     config: &'a OrdersConfig,
     settled: &'a Settled,
     read: Read,
-    /// It lies under a hidden name of ours.
+    /// It has a hidden name of ours.
     is_hidden: bool,
-    /// The journal failed when it was to be heard: others may have been named since.
+    /// The journal failed earlier when it was to be heard: other patients may have been named since.
     is_late: bool,
     pulse: &'a Pulse,
 }
 
-/// Deals with one order. `before` is of one for which the journal failed. Blocks.
+/// Deals with one order. `before` is set if the journal has failed for it. Blocks.
 ///
 /// # Errors
 /// See [`TakeFault`]; nothing was heard.
 pub fn take(
-    station: &Station,
+    booth: &Booth,
     config: &OrdersConfig,
     settled: &Settled,
     before: Option<Before>,
     pulse: &Pulse,
 ) -> Result<Taken, TakeFault> {
+    let core = booth.core();
     let read = read::read(&settled.path, settled.stamp, pulse);
     let read = read.map_err(|source| TakeFault::Io { what: "reading an order", source })?;
     let Some(read) = read else { return Ok(Taken::Changed) };
-    let journal = station.custody.journal();
+    let journal = core.custody.journal();
     let original = removal::original(&settled.path);
     let (is_hidden, is_late) = (original.is_some(), before.is_some());
-    let taking = Taking { station, config, settled, read, is_hidden, is_late, pulse };
+    let taking = Taking { core, booth, config, settled, read, is_hidden, is_late, pulse };
     if let Some(original) = &original {
         for name in [&settled.path, original] {
             let known = journal.order_known(name)?;
-            if order_news::news(known.as_ref(), &taking.read.state) == News::Known {
+            if news::news(known.as_ref(), &taking.read.state) == News::Known {
                 return taking.remove(&[&settled.path, name]);
             }
         }
@@ -88,11 +91,11 @@ pub fn take(
         Some(Before::Noted(known)) => known,
         Some(Before::Unnoted) | None => taking.known()?,
     };
-    match order_news::news(known.as_ref(), &taking.read.state) {
-        // It is to stay, or is no order; or the last run ended before it was removed.
+    match news::news(known.as_ref(), &taking.read.state) {
+        // It is to stay, or it is not an order, or the last run ended before it was removed.
         News::Known if taking.is_order() => taking.remove_if_asked(),
         News::Known => Ok(Taken::Done),
-        news => taking.hear(known, news == News::Repeated),
+        found => taking.hear(known, found == News::Repeated),
     }
 }
 
@@ -101,9 +104,9 @@ impl Taking<'_> {
         &self.settled.path
     }
 
-    /// What is known of the order that was heard under this name, by this gaiter or an older one.
+    /// What is known about the order that was heard under this name, by this gaiter or an older one.
     fn known(&self) -> Result<Option<OrderState>, TakeFault> {
-        let journal = self.station.custody.journal();
+        let journal = self.core.custody.journal();
         let known = journal.order_known(self.path())?;
         if known.is_none() && journal.order_sighted(self.path(), &self.read.state)? {
             return Ok(Some(self.read.state.clone()));
@@ -118,17 +121,17 @@ impl Taking<'_> {
         order::read(&self.read.bytes, self.config.charset, self.config.lenient)
     }
 
-    /// Whether it is an order or was set aside as one, and not another program's.
+    /// Whether it is an order or was set aside as one, and not a file of another program.
     fn is_order(&self) -> bool {
         let order = self.order();
         !matches!(order, Err(OrderFault::OtherKind { .. } | OrderFault::TooLarge { .. }))
     }
 
-    /// Hears an order that was not heard, or refuses it. It is noted first: whatever cuts this off, it
-    /// is not heard twice.
+    /// Hears an order that was not heard yet, or refuses it. It is noted first, so that no interruption
+    /// makes it heard twice.
     fn hear(&self, known: Option<OrderState>, repeated: bool) -> Result<Taken, TakeFault> {
         let (heard, refused) = match self.order() {
-            // Results and orders may share a folder: this one is for another program, and goes back.
+            // Results and orders may share a folder: this file is for another program and goes back.
             Err(OrderFault::OtherKind { .. }) if self.is_hidden => return Ok(Taken::Later),
             Err(OrderFault::OtherKind { found }) => {
                 self.note()?;
@@ -140,7 +143,7 @@ impl Taking<'_> {
                 (Some(unread), Some((fault.code(), fault.to_string())))
             }
             Ok(_) if self.is_old() => {
-                let message = "it is older than patient.orders.max_age and names nobody any more";
+                let message = "it is older than patient.orders.max_age and is ignored";
                 (None, Some((TOO_OLD, message.to_owned())))
             }
             Ok(order) if repeated => {
@@ -152,46 +155,46 @@ impl Taking<'_> {
             Ok(order) => (Some(Heard::Named { id: order.patient, by: SourceKind::Order }), None),
         };
         if let Some((code, message)) = refused.as_ref().filter(|_| !self.read.is_too_large()) {
-            let state_dir = &self.station.config.station.state_dir;
+            let state_dir = &self.core.config.station.state_dir;
             let kept = aside::keep(state_dir, &self.read.bytes, code, message);
             kept.map_err(|source| TakeFault::Io { what: "setting an order aside", source })?;
         }
         if let Err(fault) = self.note() {
-            // It was said and is not kept: the patient who was named before may have left.
+            // The name was given but is not stored: the patient named before may have left.
             if heard.is_some() {
-                self.station.hear(&Heard::Unread { by: SourceKind::Order });
+                self.booth.hear(&Heard::Unread { by: SourceKind::Order });
             }
             return Err(fault);
         }
-        if heard.is_some_and(|heard| !self.station.hear(&heard)) {
+        if heard.is_some_and(|heard| !self.booth.hear(&heard)) {
             return Ok(Taken::Unheard(known));
         }
         match refused {
             Some((code, message)) => self.tell_refused(code, &message),
-            None if repeated => tell_repeated(self.station),
-            None => tell_taken(self.station),
+            None if repeated => tell_repeated(self.core),
+            None => tell_taken(self.core),
         }
         if self.read.is_too_large() { Ok(Taken::Done) } else { self.remove_if_asked() }
     }
 
     fn note(&self) -> Result<(), TakeFault> {
-        Ok(self.station.custody.journal().order_heard(self.path(), &self.read.state)?)
+        Ok(self.core.custody.journal().order_heard(self.path(), &self.read.state)?)
     }
 
     fn is_old(&self) -> bool {
-        let in_sight = self.station.now().saturating_sub(self.settled.writing.appeared().seen);
+        let in_sight = self.core.now().saturating_sub(self.settled.writing.appeared().seen);
         let wall_ns = Timestamp::now().as_nanosecond();
-        order_news::age(self.read.state.mtime_ns, wall_ns, in_sight) > self.config.max_age
+        news::age(self.read.state.mtime_ns, wall_ns, in_sight) > self.config.max_age
     }
 
     fn tell_refused(&self, code: &str, message: &str) {
         warn!(event = "order-refused", code);
         let message = format!("an order of the practice software was refused ({code}): {message}");
         let place = match self.read.is_too_large() {
-            true => "it was left where it lies",
-            false => "it lies in orders-refused",
+            true => "it was left in place",
+            false => "it is in orders-refused",
         };
-        alarm(self.station, REFUSED, format!("{message}; {place}"));
+        alarm(self.core, REFUSED, format!("{message}; {place}"));
     }
 
     fn remove_if_asked(&self) -> Result<Taken, TakeFault> {
@@ -202,7 +205,7 @@ impl Taking<'_> {
     }
 
     /// Removes the file if it is still the one that was read, and forgets what was known under these
-    /// names. Where it cannot be removed that is told, and the order is not heard again.
+    /// names. If it cannot be removed, an alarm is raised and the order is not heard again.
     fn remove(&self, names: &[&Path]) -> Result<Taken, TakeFault> {
         let removed = match self.is_hidden {
             true => removal::delete(self.path()),
@@ -213,32 +216,32 @@ impl Taking<'_> {
         };
         match removed {
             Ok(()) => {
-                self.station.board.note(|facts| drop(facts.alarms.remove(NOT_REMOVED)));
-                self.station.custody.journal().forget_orders(names)?;
+                self.core.board.note(|facts| drop(facts.alarms.remove(NOT_REMOVED)));
+                self.core.custody.journal().forget_orders(names)?;
                 Ok(Taken::Done)
             }
             Err(error) => {
                 warn!(event = "order-not-removed", error = %error);
                 let message = "an order was read and cannot be deleted from its folder";
-                alarm(self.station, NOT_REMOVED, format!("{message}: {error}"));
+                alarm(self.core, NOT_REMOVED, format!("{message}: {error}"));
                 Ok(Taken::Later)
             }
         }
     }
 }
 
-/// A good order was heard: what was wrong with the one before matters no more.
-pub(super) fn tell_taken(station: &Station) {
+/// Notes that a valid order was heard. It clears the alarms about earlier orders.
+pub(super) fn tell_taken(core: &Core) {
     info!(event = "order-taken");
-    station.board.note(|facts| {
+    core.board.note(|facts| {
         facts.alarms.remove(REFUSED);
         facts.alarms.remove(REPEATED);
     });
 }
 
-fn tell_repeated(station: &Station) {
+fn tell_repeated(core: &Core) {
     warn!(event = "order-repeated");
-    let message = "an order came again with the same words: name the patient at the booth if he is \
-                   scanned again";
-    alarm(station, REPEATED, message.to_owned());
+    let message = "an order came again with the same content: name the patient at the booth if \
+                   they are scanned again";
+    alarm(core, REPEATED, message.to_owned());
 }

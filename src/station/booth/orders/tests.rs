@@ -7,7 +7,7 @@ use std::time::SystemTime;
 use super::removal::Removal;
 use crate::flow::Mask;
 use crate::station::booth::orders::*;
-use crate::station::intake::scan_dir::stamp;
+use crate::station::share::stamped_file::stamp;
 
 #[test]
 fn a_refused_order_is_kept_once_with_its_bytes_and_reason() {

@@ -1,7 +1,7 @@
-//! One port, attended for ever: opened, listened to, spoken on, closed, looked for again.
+//! Attends one port forever: opens it, listens to it, writes to it, closes it and looks for it again.
 //!
-//! Nothing here knows which port it is or what time it is, so that the same code that attends the
-//! real ones attends those that a test plays.
+//! Nothing here knows which port this is or what time it is, so the same code attends real ports and
+//! the ports that a test simulates.
 
 use std::collections::BTreeMap;
 use std::time::Duration;
@@ -11,27 +11,27 @@ use crate::flow::booth::{Heard, Signal};
 use crate::flow::trigger::port_lifecycle::Want;
 use crate::flow::trigger::{FaultKind, Input, InputDecoder, PortFault, PortLifecycle, PortState};
 
-/// How long a port that wakes its reader is listened to at one time: so late the light follows and
-/// the station stops.
+/// How long one read waits on a port that wakes its reader. Changes of the light and a stop of the
+/// station are delayed by at most this time.
 const LISTEN: Duration = Duration::from_millis(200);
 
-/// How often a contact is looked at while nothing happens; once it is seen otherwise, also when its
-/// bouncing should be over. A finger stays for 100 ms or more. Every 20 ms cost half a percent of a
-/// core on a busy machine, more than a button should; waiting for the edge itself (TIOCMIWAIT) is in
-/// no crate without unsafe code, and could not be ended.
+/// How often a contact is sampled while nothing happens. After a change it is sampled again when the
+/// bouncing should be over. A finger stays for 100 ms or more. Sampling every 20 ms cost half a percent
+/// of a core on a busy machine, which is too much for a button. Waiting for the edge itself
+/// (TIOCMIWAIT) is in no crate without unsafe code, and could not be interrupted.
 pub const SAMPLE: Duration = Duration::from_millis(50);
 
-/// How often it is looked whether the port is still the one that its name means.
+/// How often to check that the port is still the one that its name refers to.
 const IN_PLACE: Duration = Duration::from_secs(1);
 
 /// How a port is attended.
 #[derive(Debug, Clone)]
 pub struct Manner {
-    /// What comes so soon after it was opened is not believed.
+    /// Input within this time after the port was opened is ignored.
     pub settle: Duration,
-    /// It has a contact that must be looked at again and again.
+    /// It has a contact that must be sampled repeatedly.
     pub sampled: bool,
-    /// What is said on it.
+    /// What is written to it for each signal.
     pub say: BTreeMap<Signal, Vec<u8>>,
 }
 
@@ -49,7 +49,7 @@ pub struct Attendant {
 }
 
 impl Attendant {
-    /// A port that is looked for from `now` on.
+    /// Creates an attendant that looks for its port from `now` on.
     pub fn new(
         opener: Box<dyn PortOpener>,
         decoder: InputDecoder,
@@ -70,18 +70,18 @@ impl Attendant {
         }
     }
 
-    /// How the port is.
+    /// The state machine of the port.
     pub fn lifecycle(&mut self) -> &mut PortLifecycle {
         &mut self.lifecycle
     }
 
-    /// What came and meant nothing, bytes or keys.
+    /// How many bytes or keys had no meaning.
     pub fn garbage(&self) -> u64 {
         self.garbage
     }
 
-    /// Does what is to be done next; at most one opening, or one reading. Says how long nothing is
-    /// to be done then. `clock` is asked again after whatever may have taken time.
+    /// Does the next step, at most one open or one read. Returns how long there is nothing to do
+    /// afterwards. `clock` is read again after anything that may have taken time.
     pub fn turn(
         &mut self,
         clock: &dyn Fn() -> Duration,
@@ -104,7 +104,7 @@ impl Attendant {
     }
 
     fn open(&mut self, clock: &dyn Fn() -> Duration) {
-        // The old one is closed first: while it is held, the system gives the next another number.
+        // The old port is closed first: while it is open, the system gives the next one another number.
         self.port = None;
         match self.opener.open() {
             Ok(port) => {
@@ -119,7 +119,7 @@ impl Attendant {
 
     fn settle(&mut self, rest: Duration, clock: &dyn Fn() -> Duration) {
         match self.read(rest, clock) {
-            // How the contact is must be known; what it and the line say is no press.
+            // The state of the contact must be known, but nothing heard now is a press.
             Ok(input) => drop(self.decoder.hear(&input, clock())),
             Err(fault) => self.lose(&fault, clock),
         }
@@ -145,7 +145,7 @@ impl Attendant {
         }
     }
 
-    /// Reads for as long as nothing else is to be done.
+    /// Reads, but only until something else is due.
     fn read(&mut self, most: Duration, clock: &dyn Fn() -> Duration) -> Result<Input, PortFault> {
         let most = if self.manner.sampled { most.min(SAMPLE) } else { most };
         let most = match self.decoder.due() {
@@ -161,8 +161,8 @@ impl Attendant {
         self.lifecycle.failed(fault, clock());
     }
 
-    /// Says what the light shows, once. That it could not be said is no fault of the button: one
-    /// that is gone shows when it is listened to.
+    /// Writes what belongs to the light's signal, once. A failed write is not a fault of the button: if
+    /// the port is gone, the next read shows it.
     fn say(&mut self, signal: Signal) {
         if self.said != Some(signal) {
             self.said = Some(signal);
@@ -172,7 +172,7 @@ impl Attendant {
         }
     }
 
-    /// How the port is, for those who ask.
+    /// The state of the port.
     pub fn state(&self) -> PortState {
         self.lifecycle.state()
     }

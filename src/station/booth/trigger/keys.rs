@@ -1,4 +1,4 @@
-//! A button, pedal or reader that shows as a keyboard, taken for the station alone.
+//! A button, pedal or reader that appears as a keyboard, reserved for the station.
 
 use std::collections::VecDeque;
 use std::io;
@@ -12,11 +12,11 @@ use super::port::{Port, PortOpener, fault, of_io};
 use crate::config::port::InputPlace;
 use crate::flow::trigger::{FaultKind, Input, PortFault};
 
-/// What a key event says: up, down; 2 is a key that repeats while it is held.
+/// The values of a key event: up and down. 2 is a key that repeats while it is held.
 const UP: i32 = 0;
 const DOWN: i32 = 1;
 
-/// Where an input device is looked for.
+/// Where to look for an input device.
 #[derive(Debug)]
 pub struct KeysOpener(pub InputPlace);
 
@@ -28,25 +28,25 @@ impl PortOpener for KeysOpener {
         };
         let mut device = Device::open(&path).map_err(|error| of_io(&error))?;
         device.set_nonblocking(true).map_err(|error| of_io(&error))?;
-        // The program that grabbed it first has it: the pedal must not type into a console too.
+        // Exclusive for the first program that grabs it: the pedal must not type into a console too.
         device.grab().map_err(|error| of_io(&error))?;
         Ok(Box::new(OpenKeys { device, events: VecDeque::new() }))
     }
 }
 
-/// The path of the device that gives itself this name.
+/// The path of the device that reports this name.
 fn named(name: &str) -> Result<PathBuf, PortFault> {
     let found = evdev::enumerate().find(|(_, device)| device.name() == Some(name));
     found.map(|(path, _)| path).ok_or_else(|| {
-        // Devices that may not be opened are not listed.
+        // Devices that the station may not open are not listed.
         fault(FaultKind::Absent, "no input device that the station may open has this name")
     })
 }
 
-/// An input device that is grabbed.
+/// A grabbed input device.
 struct OpenKeys {
     device: Device,
-    /// Keys that were read and not given yet.
+    /// Keys that were read but not returned yet.
     events: VecDeque<Input>,
 }
 
@@ -77,12 +77,12 @@ impl Port for OpenKeys {
     }
 
     fn write(&mut self, _: &[u8]) -> Result<(), PortFault> {
-        // A keyboard's lights are not the station's.
+        // The station does not control the lights of a keyboard.
         Ok(())
     }
 
     fn is_in_place(&mut self) -> Result<(), PortFault> {
-        // Reading fails with ENODEV as soon as it is pulled out.
+        // Reading fails with ENODEV as soon as it is unplugged.
         Ok(())
     }
 }

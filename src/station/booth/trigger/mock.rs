@@ -1,5 +1,5 @@
-//! A port that plays a script under the time of the script: what comes on its line, when it is
-//! pulled out and put back.
+//! A port that plays a script in the script's own time: what arrives on its line, when it is unplugged
+//! and when it is plugged in again.
 //!
 //! ```text
 //! +120ms bytes "PRESS\r\n"      +5ms closed        +50ms open
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Each time counts from the line before. A line with any other word is left to the player of the
-//! script; `#` begins a remark.
+//! script; `#` begins a comment.
 
 use std::collections::VecDeque;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -18,16 +18,16 @@ use super::port::{Port, PortOpener, fault};
 use crate::config::port::escaped;
 use crate::flow::trigger::{FaultKind, Input, PortFault};
 
-/// What a line of a script says.
+/// What a line of a script does.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Act {
-    /// The port gives this.
+    /// The port delivers this input.
     Gives(Input),
-    /// It is pulled out, or cannot be opened any more for this reason.
+    /// It is unplugged, or cannot be opened any more for this reason.
     Gone(FaultKind),
-    /// It is pulled out, and reading it goes on to give nothing.
+    /// It is unplugged, but reading it does not fail and returns nothing.
     Vanishes,
-    /// It is there and can be opened.
+    /// It is plugged in and can be opened.
     Plugged,
     /// For the player of the script.
     Other(String),
@@ -90,14 +90,14 @@ fn act(what: &str) -> Option<Act> {
     }
 }
 
-/// What is the case on the stage.
+/// The state of the stage.
 #[derive(Debug)]
 struct Scene {
     script: Script,
     now: Duration,
-    /// Why the port cannot be had; none while it can.
+    /// Why the port is not available; `None` while it is.
     gone: Option<FaultKind>,
-    /// Which of the ports that were plugged in one after the other is there.
+    /// How often a port was plugged in; tells the current port from earlier ones.
     plugging: u32,
     silent: bool,
     closed: bool,
@@ -106,7 +106,7 @@ struct Scene {
     opened: u32,
 }
 
-/// Where a script is played; its ports and their player share it.
+/// Where a script is played. Its ports and its player share it.
 #[derive(Debug, Clone)]
 pub struct Stage {
     scene: Arc<Mutex<Scene>>,
@@ -114,7 +114,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// A port that is there, with a script to be played; sampled where it has a contact.
+    /// Creates a stage with a present port and a script to play; sampled if it has a contact.
     pub fn new(script: Script, sampled: bool) -> Stage {
         let scene = Scene {
             script,
@@ -130,7 +130,7 @@ impl Stage {
         Stage { scene: Arc::new(Mutex::new(scene)), sampled }
     }
 
-    /// The opener behind which the port is looked for.
+    /// The opener that finds the port.
     pub fn opener(&self) -> Box<dyn PortOpener> {
         Box::new(MockOpener(self.clone()))
     }
@@ -145,7 +145,7 @@ impl Stage {
         self.scene().opened
     }
 
-    /// What was written to the port and not asked for yet.
+    /// The next bytes that were written to the port and not fetched yet.
     pub fn written(&self) -> Option<Vec<u8>> {
         let mut scene = self.scene();
         (!scene.written.is_empty()).then(|| scene.written.remove(0))
@@ -164,17 +164,17 @@ impl Stage {
         }
     }
 
-    /// Whether the script is at its end.
+    /// Whether the script has ended.
     pub fn is_over(&self) -> bool {
         self.scene().script.is_empty()
     }
 
-    /// Lets time pass while nobody listens, up to the player's next part.
+    /// Lets time pass without a listener, up to the next line for the player.
     pub fn pass(&self, time: Duration) {
         let mut scene = self.scene();
         let until = scene.now + time;
         while scene.step(until) {}
-        // Nobody heard it.
+        // No one was listening.
         scene.given.clear();
     }
 
@@ -184,8 +184,8 @@ impl Stage {
 }
 
 impl Scene {
-    /// Goes to the next line of the script before `until`, or to `until`; says whether there was
-    /// one that the player has no part in.
+    /// Advances to the next line of the script before `until`, or to `until`. Returns whether there was
+    /// a line that is not for the player.
     fn step(&mut self, until: Duration) -> bool {
         match self.script.front() {
             Some((at, Act::Other(_))) if *at <= until => {

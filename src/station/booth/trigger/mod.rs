@@ -1,5 +1,5 @@
-//! The ports of the booth: a button at a serial port, on USB or showing as a keyboard, and a reader
-//! of ids. Each has a thread of its own, for each may hang in its driver.
+//! The ports of the booth: a button on a serial port, on USB or as a keyboard, and a reader of ids.
+//! Each port has its own thread, because each may hang in its driver.
 
 pub mod attend;
 pub mod mock;
@@ -28,11 +28,11 @@ use usb::UsbOpener;
 pub struct Attended {
     /// Its name in status, metrics and logs.
     pub name: &'static str,
-    /// Where it is looked for.
+    /// Finds and opens it.
     pub opener: Box<dyn PortOpener>,
-    /// What it is listened to for.
+    /// Decodes its input.
     pub decoder: InputDecoder,
-    /// How.
+    /// How it is attended.
     pub manner: Manner,
 }
 

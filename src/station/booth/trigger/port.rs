@@ -1,33 +1,33 @@
-//! What every port of the booth is, real or played.
+//! What every port of the booth provides, real or simulated.
 
 use std::io;
 use std::time::Duration;
 
 use crate::flow::trigger::{FaultKind, Input, PortFault};
 
-/// A port that was opened; dropping it closes it.
+/// An open port; dropping it closes it.
 pub trait Port {
-    /// What it gives next; [`Input::Nothing`] where that takes longer than `timeout`.
+    /// Its next input; [`Input::Nothing`] if none comes within `timeout`.
     ///
     /// # Errors
     /// Any fault means that the port is lost: close it and look for it again.
     fn read(&mut self, timeout: Duration) -> Result<Input, PortFault>;
 
-    /// Says something at the booth.
+    /// Writes to the device at the booth.
     ///
     /// # Errors
-    /// Where it could not be said. The port may give presses all the same.
+    /// If it could not be written. The port may still deliver presses.
     fn write(&mut self, bytes: &[u8]) -> Result<(), PortFault>;
 
-    /// Whether it is still the port that its name means: one that was pulled out may be silent for
-    /// ever, and another may have its name by now.
+    /// Checks that it is still the port that its name refers to. An unplugged port may stay silent
+    /// forever, and another port may have its name by now.
     ///
     /// # Errors
-    /// [`FaultKind::Absent`] where it is not.
+    /// [`FaultKind::Absent`] if it is not.
     fn is_in_place(&mut self) -> Result<(), PortFault>;
 }
 
-/// Where a port is looked for.
+/// Finds a port.
 pub trait PortOpener: Send {
     /// Finds and opens it.
     ///
@@ -41,7 +41,7 @@ pub fn fault(kind: FaultKind, why: impl Into<String>) -> PortFault {
     PortFault { kind, why: why.into() }
 }
 
-/// A fault that the system gave.
+/// Converts an I/O error of the system.
 pub fn of_io(error: &io::Error) -> PortFault {
     use io::ErrorKind;
     use rustix::io::Errno;

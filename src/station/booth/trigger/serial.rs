@@ -18,13 +18,13 @@ use crate::config::port::{self as written, ModemLine, SerialPlace, UsbName};
 use crate::config::trigger::SerialLine;
 use crate::flow::trigger::{FaultKind, Input, PortFault};
 
-/// Bytes that are taken at one time.
+/// How many bytes are read at once.
 const PIECE: usize = 256;
 
-/// How long something said may take to go out. A USB adapter takes it at once.
+/// How long a write may take. A USB adapter accepts it at once.
 const WRITING: Duration = Duration::from_millis(200);
 
-/// Where a serial port is looked for.
+/// Where to look for a serial port.
 #[derive(Debug)]
 pub struct SerialOpener(pub SerialLine);
 
@@ -58,8 +58,8 @@ fn of_adapter(usb: &UsbName) -> Result<PathBuf, PortFault> {
 fn open(device: &Path, line: &SerialLine) -> Result<TTYPort, PortFault> {
     let flags = OFlags::NOCTTY | OFlags::NONBLOCK;
     let flags = flags.bits().cast_signed();
-    // A file of our own beside the port's: through it the line can be told to stay up when the port
-    // is closed, which the crate does not offer.
+    // A file of our own beside the port's. Through it the line can be set to stay up when the port is
+    // closed, which the crate does not offer.
     let file = OpenOptions::new().read(true).write(true).custom_flags(flags).open(device);
     let file = file.map_err(|error| of_io(&error))?;
     let settings = line.settings;
@@ -86,7 +86,7 @@ fn open(device: &Path, line: &SerialLine) -> Result<TTYPort, PortFault> {
     Ok(port)
 }
 
-/// DTR does not fall when the port is closed, which would reset some boxes.
+/// Keeps DTR up when the port is closed, because a falling DTR would reset some boxes.
 fn stay_up(file: &File) -> io::Result<()> {
     let mut settings = tcgetattr(file)?;
     settings.control_modes.remove(ControlModes::HUPCL);
@@ -99,10 +99,10 @@ struct OpenSerial {
     port: TTYPort,
     /// The path by which it was found.
     name: PathBuf,
-    /// What that path led to.
+    /// What that path resolved to.
     device: PathBuf,
     contact: Option<(ModemLine, bool)>,
-    /// The contact is looked at before the next bytes: a flood of bytes must not hide it.
+    /// The contact is sampled before the next bytes, so that a flood of bytes cannot hide it.
     sample_next: bool,
 }
 
@@ -118,12 +118,12 @@ impl Port for OpenSerial {
         self.port.set_timeout(timeout).map_err(|error| of_serial(&error))?;
         let mut piece = [0; PIECE];
         match self.port.read(&mut piece) {
-            // A port that was pulled out is at its end.
+            // An unplugged port reports the end of the file.
             Ok(0) => Err(fault(FaultKind::Absent, "the line was hung up")),
             Ok(count) => Ok(Input::Bytes(piece[..count].to_vec())),
             Err(error) => match error.kind() {
                 io::ErrorKind::TimedOut | io::ErrorKind::Interrupted => Ok(Input::Nothing),
-                // A device that is gone gives EIO, which has no kind of its own.
+                // A device that is gone gives EIO, which has no `ErrorKind` of its own.
                 _ => Err(fault(FaultKind::Absent, error.to_string())),
             },
         }
@@ -139,7 +139,7 @@ impl Port for OpenSerial {
         if leads_to == self.device {
             Ok(())
         } else {
-            Err(fault(FaultKind::Absent, "its name means another port by now"))
+            Err(fault(FaultKind::Absent, "its name now refers to another port"))
         }
     }
 }
@@ -158,7 +158,7 @@ impl OpenSerial {
     }
 }
 
-/// A fault as the crate tells it: `NoDevice` is its word for a port that another program has.
+/// Converts a fault of the crate. Its `NoDevice` means that another program has the port.
 fn of_serial(error: &serialport::Error) -> PortFault {
     match error.kind() {
         ErrorKind::NoDevice => fault(FaultKind::Busy, "another program has it"),

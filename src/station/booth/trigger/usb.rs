@@ -9,33 +9,33 @@ use crate::config::port::UsbName;
 use crate::config::trigger::UsbTrigger;
 use crate::flow::trigger::{FaultKind, Input, PortFault};
 
-/// The longest input report, bytes: that of an interrupt endpoint at full speed.
+/// The longest input report, bytes: the limit of an interrupt endpoint at full speed.
 const REPORT_MOST: usize = 64;
 
 /// How long a device may take to answer.
 const ANSWER: Duration = Duration::from_millis(200);
 
-/// The request by which a human interface device is sent a report (HID 1.11, section 7.2.2), …
+/// The request that sends a report to a human interface device (HID 1.11, section 7.2.2), …
 const SET_REPORT: u8 = 0x09;
 
-/// … and the kind of report that is meant for its lights.
+/// … and the type of report that controls its lights.
 const OUTPUT_REPORT: u16 = 0x0200;
 
-/// Where a USB device is looked for.
+/// Where to look for a USB device.
 #[derive(Debug)]
 pub struct UsbOpener(pub UsbTrigger);
 
 impl PortOpener for UsbOpener {
     fn open(&mut self) -> Result<Box<dyn Port>, PortFault> {
-        // A new context each time: libusb lists what was there when its context was made, and hears
-        // of what comes later over a socket that a service without a network does not have. Never
-        // the crate's global context, which panics where there is no bus.
+        // A new context each time: libusb lists the devices present when its context is made, and
+        // learns of later ones over a socket that a service without a network does not have. Never the
+        // crate's global context, which panics if there is no bus.
         let context = Context::new().map_err(|error| {
             fault(FaultKind::Absent, format!("this machine shows no USB bus: {error}"))
         })?;
         let handle = find(&context, &self.0.device)?;
         let UsbTrigger { interface, endpoint, .. } = self.0;
-        // The kernel's driver is given the interface back when it is released.
+        // The kernel's driver gets the interface back when it is released.
         match handle.set_auto_detach_kernel_driver(true) {
             Ok(()) | Err(Error::NotSupported) => {}
             Err(error) => return Err(of_usb(error)),
@@ -78,7 +78,7 @@ struct OpenUsb {
 impl Port for OpenUsb {
     fn read(&mut self, timeout: Duration) -> Result<Input, PortFault> {
         let mut report = [0; REPORT_MOST];
-        // Less than a millisecond means for ever to libusb.
+        // To libusb, less than a millisecond means forever.
         let timeout = timeout.max(Duration::from_millis(1));
         match self.handle.read_interrupt(self.endpoint, &mut report, timeout) {
             Ok(count) => Ok(Input::Report(report[..count.min(REPORT_MOST)].to_vec())),
@@ -89,7 +89,7 @@ impl Port for OpenUsb {
 
     fn write(&mut self, bytes: &[u8]) -> Result<(), PortFault> {
         let Some((number, data)) = bytes.split_first() else { return Ok(()) };
-        // As with /dev/hidraw: a device without numbered reports is sent none.
+        // As with /dev/hidraw: a device without numbered reports gets no report number.
         let report = if *number == 0 { data } else { bytes };
         let to = rusb::request_type(Direction::Out, RequestType::Class, Recipient::Interface);
         let (kind, interface) = (OUTPUT_REPORT | u16::from(*number), u16::from(self.interface));
@@ -98,19 +98,19 @@ impl Port for OpenUsb {
     }
 
     fn is_in_place(&mut self) -> Result<(), PortFault> {
-        // Its transfers fail as soon as it is pulled out.
+        // Its transfers fail as soon as it is unplugged.
         Ok(())
     }
 }
 
 impl Drop for OpenUsb {
     fn drop(&mut self) {
-        // It gives the interface back to the kernel's driver; a device that is gone needs none.
+        // Gives the interface back to the kernel's driver; this may fail if the device is gone.
         let _ = self.handle.release_interface(self.interface);
     }
 }
 
-/// A fault of libusb.
+/// Converts a fault of libusb.
 fn of_usb(error: Error) -> PortFault {
     let kind = match error {
         Error::NoDevice | Error::NotFound => FaultKind::Absent,

@@ -1,4 +1,4 @@
-//! The thread of one port: attends it, tells the booth what it hears and the board how it is.
+//! The thread of one port: attends it, tells the booth what it hears and the board what state it is in.
 
 use std::sync::Arc;
 use std::time::Duration;
@@ -13,42 +13,43 @@ use super::{Attendant, Attended};
 use crate::flow::booth::Heard;
 use crate::flow::facts::TriggerFacts;
 use crate::flow::trigger::PortState;
-use crate::station::assembly::Station;
-use crate::station::beat::Beat;
-use crate::station::stall::{DEADLINE, Pulse, patiently};
-use crate::station::stop::Stop;
+use crate::station::booth::Booth;
+use crate::station::core::Core;
+use crate::station::runtime::beat::Beat;
+use crate::station::runtime::stop::Stop;
+use crate::station::share::stall::{DEADLINE, Pulse, patiently};
 
-/// The longest that the thread sleeps before it looks whether it is to stop.
+/// The longest sleep of the thread before it checks whether to stop.
 const NAP: Duration = Duration::from_millis(200);
 
-/// How long a stop waits for the port to be closed, so that the next run finds it free. One that
-/// hangs in its driver is left alone.
+/// How long a stop waits for the port to close, so that the next run finds it free. A port that hangs
+/// in its driver is left alone.
 const CLOSING: Duration = Duration::from_secs(2);
 
 /// Attends a port until it is asked to stop.
 ///
 /// # Errors
-/// Where the thread panicked.
+/// If the thread panicked.
 pub async fn worker(
-    station: Arc<Station>,
+    booth: Arc<Booth>,
     port: Attended,
     beat: Beat,
     mut stop: Stop,
 ) -> Result<(), JoinError> {
-    let name = port.name;
+    let (core, name) = (Arc::clone(booth.core()), port.name);
     let (open, closed) = oneshot::channel::<()>();
-    let (theirs, asked) = (Arc::clone(&station), stop.clone());
+    let (theirs, asked) = (Arc::clone(&booth), stop.clone());
     let work = move |pulse: &Pulse| {
         attend(&theirs, port, &asked, pulse);
         drop(open);
     };
     let hangs = || {
         warn!(event = "trigger-hung", port = name);
-        if station.config.buttons().contains(name) {
-            let station = Arc::clone(&station);
-            drop(spawn_blocking(move || station.port(name, false)));
+        if core.config.buttons().contains(name) {
+            let booth = Arc::clone(&booth);
+            drop(spawn_blocking(move || booth.port(name, false)));
         }
-        station.board.note(|facts| {
+        core.board.note(|facts| {
             if let Some(known) = facts.triggers.get_mut(name) {
                 let now = Timestamp::now();
                 (known.state, known.since) = (PortState::Hung, now);
@@ -58,41 +59,42 @@ pub async fn worker(
     };
     let beats = || beat.beat();
     if patiently(DEADLINE, &mut stop, work, beats, hangs).await?.is_none() {
-        // Either end of the wait is well: the other end is dropped when the port is closed.
+        // Both results are fine: the other end is dropped when the port is closed.
         let _ = timeout(CLOSING, closed).await;
     }
     Ok(())
 }
 
-fn attend(station: &Station, port: Attended, stop: &Stop, pulse: &Pulse) {
+fn attend(booth: &Booth, port: Attended, stop: &Stop, pulse: &Pulse) {
     let Attended { name, opener, decoder, manner } = port;
-    let signal = station.booth.signal();
-    let clock = || station.now();
+    let core = booth.core();
+    let signal = booth.signal();
+    let clock = || core.now();
     let mut attendant = Attendant::new(opener, decoder, manner, clock());
     let mut noted = Noted::new(name);
     let mut heard = Vec::new();
-    let (is_button, mut was_open) = (station.config.buttons().contains(name), None);
+    let (is_button, mut was_open) = (core.config.buttons().contains(name), None);
     while !stop.is_requested() {
         pulse.beat();
         let showing = *signal.borrow();
         let pause = attendant.turn(&clock, showing, &mut heard);
         for heard in heard.drain(..) {
             noted.count(&heard);
-            station.hear(&heard);
+            booth.hear(&heard);
         }
         if is_button && was_open != Some(attendant.state() == PortState::Open) {
             was_open = Some(attendant.state() == PortState::Open);
-            station.port(name, was_open == Some(true));
+            booth.port(name, was_open == Some(true));
         }
         tell(name, &mut attendant, clock());
-        noted.note(station, &mut attendant);
+        noted.note(core, &mut attendant);
         if !pause.is_zero() {
             std::thread::sleep(pause.min(NAP));
         }
     }
 }
 
-/// One line of the log for each change, seldom enough.
+/// Logs each change once, at a limited rate.
 fn tell(port: &'static str, attendant: &mut Attendant, now: Duration) {
     let Some(state) = attendant.lifecycle().tell(now) else { return };
     let event = match state {
@@ -110,11 +112,11 @@ fn tell(port: &'static str, attendant: &mut Attendant, now: Duration) {
     }
 }
 
-/// What was last noted of a port on the board.
+/// What was last noted about a port on the board.
 struct Noted {
     name: &'static str,
     facts: TriggerFacts,
-    /// `unsound_since` on the station's clock, from which that of the board is made.
+    /// `unsound_since` on the station's clock; the board's time is computed from it.
     unsound_since: Option<Duration>,
 }
 
@@ -131,8 +133,8 @@ impl Noted {
         }
     }
 
-    /// Notes what has changed; nothing is done where nothing has.
-    fn note(&mut self, station: &Station, attendant: &mut Attendant) {
+    /// Notes what has changed; does nothing if nothing has.
+    fn note(&mut self, core: &Core, attendant: &mut Attendant) {
         let garbage = attendant.garbage();
         let lifecycle = attendant.lifecycle();
         let known = &mut self.facts;
@@ -146,12 +148,12 @@ impl Noted {
         if self.unsound_since != lifecycle.unsound_since() {
             self.unsound_since = lifecycle.unsound_since();
             known.unsound_since = self.unsound_since.map(|since| {
-                let age = SignedDuration::try_from(station.now().saturating_sub(since));
+                let age = SignedDuration::try_from(core.now().saturating_sub(since));
                 let now = Timestamp::now();
                 age.ok().and_then(|age| now.checked_sub(age).ok()).unwrap_or(now)
             });
         }
-        station.board.note(|facts| {
+        core.board.note(|facts| {
             if facts.triggers.get(self.name) != Some(known) {
                 facts.triggers.insert(self.name, known.clone());
             }

@@ -94,9 +94,9 @@ fn a_wrong_record_beside_the_right_one_goes_without_any_bytes() {
     custody.unassign(&row, "4711", Some(stored())).unwrap();
     deliver(&custody);
     let custody = rebuilt(custody, dir.path());
-    let nobodys = FoundRecord { patient: None, ..found_record() };
-    assert!(!custody.contradicts(&nobodys).unwrap());
-    custody.found(&nobodys, "folder").unwrap();
+    let unassigned = FoundRecord { patient: None, ..found_record() };
+    assert!(!custody.contradicts(&unassigned).unwrap());
+    custody.found(&unassigned, "folder").unwrap();
     custody.found_against(&found_record(), "folder", Some(stored())).unwrap();
     assert_eq!(to_do(&custody), [("4711".to_owned(), Task::Withdraw)]);
 }

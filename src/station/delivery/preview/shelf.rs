@@ -1,4 +1,4 @@
-//! The folder of the previews, and what is known of each.
+//! The folder of the previews, and what is known about each.
 
 use std::collections::BTreeMap;
 use std::fs::{self, OpenOptions};
@@ -7,16 +7,18 @@ use std::os::unix::fs::OpenOptionsExt;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+use tokio::sync::Notify;
+
 use crate::flow::ScanId;
+use crate::flow::page::FILES;
 use crate::record::RecordFile;
-use crate::station::jitter;
-use crate::station::operator::page::FILES;
+use crate::station::runtime::jitter;
 use crate::store::durable;
 
 /// The folder's name in the state folder.
 const NAME: &str = "previews";
 
-/// Files hold patients' bodies.
+/// For the owner only: the files show patients' bodies.
 const FILE_MODE: u32 = 0o600;
 
 /// The previews of held scans.
@@ -24,6 +26,7 @@ const FILE_MODE: u32 = 0o600;
 pub struct Previews {
     folder: PathBuf,
     inner: Mutex<Inner>,
+    news: Notify,
 }
 
 #[derive(Debug, Default)]
@@ -33,32 +36,32 @@ struct Inner {
     edition: u64,
 }
 
-/// What is known of a held scan's legs.
+/// What is known about a held scan's legs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Preview {
-    /// They can be seen in this folder.
+    /// Their preview is in this folder.
     Made(PathBuf),
-    /// They cannot be measured, for the reason of this code.
+    /// They cannot be measured; the code gives the reason.
     Impossible(String),
 }
 
 impl Previews {
-    /// The previews of a state folder; none is known yet, whatever lies there.
+    /// The previews of a state folder. None is known yet, whatever the folder contains.
     pub fn of(state_dir: &Path) -> Previews {
-        Previews { folder: state_dir.join(NAME), inner: Mutex::default() }
+        Previews { folder: state_dir.join(NAME), inner: Mutex::default(), news: Notify::new() }
     }
 
-    /// What is known of a scan.
+    /// What is known about a scan.
     pub fn get(&self, scan: &ScanId) -> Option<Preview> {
         self.inner().known.get(scan).cloned()
     }
 
-    /// Grows whenever something else is known.
+    /// Grows whenever what is known changes.
     pub fn edition(&self) -> u64 {
         self.inner().edition
     }
 
-    /// Whether there is nothing to be made: the preview is there, or there never will be one.
+    /// Whether there is nothing to make: the preview exists, or it never will.
     pub fn has(&self, scan: &ScanId) -> bool {
         match self.get(scan) {
             Some(Preview::Made(folder)) => folder.is_dir(),
@@ -67,11 +70,11 @@ impl Previews {
         }
     }
 
-    /// Forgets all previews but those of these scans, and removes their folders; at first all that an
-    /// earlier run left.
+    /// Forgets all previews except those of these scans, and removes their folders. The first call
+    /// removes everything that an earlier run left.
     ///
     /// # Errors
-    /// Any I/O error; what could not be removed is tried again at the next call.
+    /// Any I/O error; the next call tries again to remove what is left.
     pub fn keep_only(&self, scans: &[ScanId]) -> io::Result<()> {
         let mut inner = self.inner();
         let before = inner.known.len();
@@ -94,8 +97,8 @@ impl Previews {
         Ok(())
     }
 
-    /// Keeps what the page shows of a scan. Written beside and renamed, so that a folder under its
-    /// final name is whole; not synced, for the next start makes it anew.
+    /// Keeps what the page shows of a scan. It is written elsewhere and renamed, so a folder under its
+    /// final name is complete. It is not synced: the next start makes it again.
     ///
     /// # Errors
     /// Any I/O error; nothing is kept then.
@@ -105,7 +108,7 @@ impl Previews {
         let folder = self.folder.join(scan.as_str());
         let written = write(&staged, files).and_then(|()| fs::rename(&staged, &folder));
         if let Err(error) = written {
-            // What is left of it goes with the next look.
+            // The next look removes what is left of it.
             let _ = remove(&staged);
             return Err(error);
         }
@@ -118,10 +121,16 @@ impl Previews {
         self.note(scan, Preview::Impossible(code));
     }
 
+    /// Returns when a preview has been made or cannot be made.
+    pub async fn changed(&self) {
+        self.news.notified().await;
+    }
+
     fn note(&self, scan: &ScanId, preview: Preview) {
         let mut inner = self.inner();
         inner.known.insert(scan.clone(), preview);
         inner.edition += 1;
+        self.news.notify_one();
     }
 
     fn inner(&self) -> MutexGuard<'_, Inner> {
@@ -129,7 +138,7 @@ impl Previews {
     }
 }
 
-/// Writes those files that the page shows into a new folder.
+/// Writes the files that the page shows into a new folder.
 fn write(folder: &Path, files: &[RecordFile]) -> io::Result<()> {
     durable::make_folder(folder)?;
     let is_shown = |file: &&RecordFile| FILES.iter().any(|shown| shown.name == file.name);
@@ -141,7 +150,7 @@ fn write(folder: &Path, files: &[RecordFile]) -> io::Result<()> {
     Ok(())
 }
 
-/// Removes whatever lies there, if anything does.
+/// Removes whatever is at this path, if anything.
 fn remove(path: &Path) -> io::Result<()> {
     let removed = match fs::symlink_metadata(path) {
         Ok(metadata) if metadata.is_dir() => fs::remove_dir_all(path),

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use rustix::fs::{CWD, Mode, mkfifoat};
 
-use crate::flow::mount::Expected;
+use crate::flow::export::mount::Expected;
 use crate::station::intake::scan_dir::*;
 
 fn config() -> WatchConfig {
@@ -52,7 +52,7 @@ fn only_regular_files_that_could_be_scans_are_found_and_the_others_say_why_not()
         ("broken.obj", "is a link"),
         ("pipe.obj", "is a pipe"),
         ("socket.obj", "is a socket"),
-        ("notes.pdf", "does not end as a scan does"),
+        ("notes.pdf", "does not have the ending of a scan"),
     ] {
         assert!(ignored(name).starts_with(why), "{name}: {}", ignored(name));
     }
@@ -82,7 +82,7 @@ fn sub_folders_are_looked_through_by_choice_to_a_depth_and_never_through_links()
     assert_eq!(names(dir.path(), &looked(dir.path(), &config())), ["a.obj"]);
     let found = looked(dir.path(), &WatchConfig { subfolders: true, ..config() });
     assert_eq!(names(dir.path(), &found), ["1/2/3/4/c.obj", "1/b.obj", "a.obj"]);
-    assert_eq!(found.ignored[&deepest.join("5")], "is a folder that lies too deep");
+    assert_eq!(found.ignored[&deepest.join("5")], "is a folder that is nested too deep");
 }
 
 #[test]

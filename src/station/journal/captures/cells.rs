@@ -19,7 +19,7 @@ pub(super) fn state_word(state: CaptureState) -> &'static str {
     STATES.iter().find(|(_, known)| *known == state).map_or("open", |(word, _)| word)
 }
 
-/// A state of a capture that is over stands for one that was open.
+/// The state that a word stands for. A finished capture counts as one that was open.
 pub(super) fn state_of(word: &str) -> Option<CaptureState> {
     let known = STATES.iter().find(|(known, _)| *known == word).map(|(_, state)| *state);
     known.or_else(|| matches!(word, "answered" | "held" | "over").then_some(CaptureState::Open))
@@ -36,7 +36,7 @@ pub(super) fn opener_of(word: &str) -> Option<Opener> {
     [Opener::Press, Opener::Name].into_iter().find(|opener| opener_word(*opener) == word)
 }
 
-/// The word of a source, as records have it.
+/// The word for a source, as records write it.
 pub(super) fn word_of(kind: SourceKind) -> Result<String, JournalError> {
     Ok(json_text(&kind)?.trim_matches('"').to_owned())
 }

@@ -11,7 +11,7 @@ use crate::record::SourceKind;
 use crate::station::journal::integrity::seal;
 use crate::station::journal::{Journal, JournalError, cell};
 
-/// The fact.
+/// The name of the fact.
 const NEXT: &str = "next-patient";
 
 /// The names that wait.
@@ -19,24 +19,24 @@ const NEXT: &str = "next-patient";
 pub struct Names {
     /// Who may be next.
     pub next: Option<Next>,
-    /// When the button was pressed without a certain name, so shortly ago that an order may be for it.
+    /// The recent presses without a certain name, for which an order may still come.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unsure: Vec<Duration>,
-    /// When somebody was named without a button and it could not be read.
+    /// When a name was given without a button but could not be read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unread: Vec<Duration>,
-    /// The start of the machine on whose clock the times are.
+    /// The machine start that the times refer to.
     pub boot: String,
 }
 
-/// The same with what shows that it was not damaged.
+/// The same with a seal that detects damage.
 #[derive(Serialize, Deserialize)]
 struct NamesCell {
     names: Names,
     seal: String,
 }
 
-/// What stood there before schema 4.
+/// The content of this fact before schema 4.
 #[derive(Deserialize)]
 struct OneName {
     id: String,
@@ -62,7 +62,7 @@ impl Journal {
     }
 }
 
-/// Writes the names down where they have changed.
+/// Saves the names if they have changed.
 pub(super) fn save(
     transaction: &Transaction<'_>,
     before: &Captures,
@@ -91,13 +91,13 @@ fn put(transaction: &Transaction<'_>, names: Names) -> Result<(), JournalError> 
     Ok(())
 }
 
-/// Nobody is named any more.
+/// Removes the names.
 pub(super) fn clear(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     transaction.execute("DELETE FROM meta WHERE name = ?1", [NEXT])?;
     Ok(())
 }
 
-/// Brings the one name of schema 3 to the names of schema 4.
+/// Converts the one name of schema 3 to the names of schema 4.
 pub fn upgrade(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     let text: Option<String> = transaction
         .query_row("SELECT value FROM meta WHERE name = ?1", [NEXT], |row| row.get(0))

@@ -1,5 +1,5 @@
-//! Checks of a whole journal: its pages and indexes, its tables, every cell that is a text, the seals of
-//! its rows, the chain of its history, and that it is not an older copy of itself.
+//! Checks of a whole journal: its pages and indexes, its tables, every text cell, the seals of its rows,
+//! the chain of its history, and that it is not an older copy of itself.
 
 use rusqlite::Connection;
 use rusqlite::types::ValueRef;
@@ -8,14 +8,14 @@ use super::seal;
 use crate::station::journal::history::{self, HeadFile};
 use crate::station::journal::{JournalError, schema};
 
-/// SQLite's own look at every page, and whether each index says what its table says: a row that an
-/// index hides is neither found nor delivered, which the quick check does not see.
+/// SQLite's own check of every page, and of each index against its table: a row that an index hides is
+/// neither found nor delivered, and the quick check does not notice that.
 pub(in crate::station::journal) fn pages(connection: &Connection) -> Result<(), JournalError> {
     let found: String = connection.query_row("PRAGMA integrity_check(1)", [], |row| row.get(0))?;
     if found == "ok" { Ok(()) } else { Err(JournalError::Damaged { found }) }
 }
 
-/// Every row: that its texts are texts, its seal, and the history's chain.
+/// Checks every row: valid text, the seal, and the history's chain.
 pub(in crate::station::journal) fn rows(connection: &Connection) -> Result<(), JournalError> {
     for table in schema::TABLES {
         texts(connection, table)?;
@@ -24,7 +24,7 @@ pub(in crate::station::journal) fn rows(connection: &Connection) -> Result<(), J
     history::check(connection)
 }
 
-/// SQLite keeps any bytes as a text.
+/// Checks that texts are valid UTF-8, because SQLite stores any bytes as text.
 fn texts(connection: &Connection, table: &'static str) -> Result<(), JournalError> {
     let mut query = connection.prepare(&format!("SELECT * FROM {table}"))?;
     let columns = query.column_count();
@@ -34,7 +34,7 @@ fn texts(connection: &Connection, table: &'static str) -> Result<(), JournalErro
             if let ValueRef::Text(bytes) = row.get_ref(column)?
                 && std::str::from_utf8(bytes).is_err()
             {
-                let found = format!("a text of the table {table} is none");
+                let found = format!("table {table} contains invalid UTF-8 text");
                 return Err(JournalError::Damaged { found });
             }
         }

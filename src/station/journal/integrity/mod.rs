@@ -1,6 +1,5 @@
-//! Whether the journal can be relied upon: seals, checks, and the rebuilding of one that is lost.
+//! Seals and checks that show whether the journal is intact.
 
 pub(in crate::station::journal) mod check;
-pub(in crate::station) mod rebuild;
 pub(in crate::station::journal) mod seal;
 pub(in crate::station) mod suspicion;

@@ -1,12 +1,12 @@
-//! Seals: SQLite notices a page that makes no sense, not a digit of a patient's id that has become
-//! another. So the cells that say whose a scan is and where its record goes carry a checksum.
+//! Seals. SQLite notices a page that makes no sense, but not a changed digit in a patient's id. So the
+//! cells that say whose a scan is and where its record goes carry a checksum.
 
 use rusqlite::{Connection, Transaction, params};
 
 use crate::record::sha256;
 use crate::station::journal::JournalError;
 
-/// Digits of a seal: a damaged row passes with a chance of 2⁻⁶⁴.
+/// Hexadecimal digits of a seal: a damaged row passes with a probability of 2⁻⁶⁴.
 const DIGITS: usize = 16;
 
 /// The seal of a scan's fixed cells.
@@ -30,7 +30,7 @@ pub(in crate::station::journal) fn of_delivery(
     seal(&[scan, patient, store, sources])
 }
 
-/// The seal of a capture's cells that say whose scan its export is. `others` is JSON.
+/// The seal of the cells that say whose scan a capture's export is. `others` is JSON.
 pub(in crate::station::journal) fn of_capture(
     number: i64,
     patient: &str,
@@ -39,7 +39,7 @@ pub(in crate::station::journal) fn of_capture(
 ) -> String {
     let number = number.to_string();
     match others {
-        // As it was before captures had others.
+        // The form from before captures had others.
         "[]" => seal(&["capture", &number, patient, source]),
         others => seal(&["capture", &number, patient, source, others]),
     }
@@ -84,7 +84,7 @@ pub(in crate::station::journal) fn check_all(connection: &Connection) -> Result<
     Ok(())
 }
 
-/// Every scan with the seal it should have and the one it has.
+/// Every scan with its expected and its actual seal.
 fn scans(connection: &Connection) -> Result<Vec<(String, String, String)>, JournalError> {
     let mut query = connection
         .prepare("SELECT sha256, format, size, first_seen, file_time, seal FROM scans")?;
@@ -97,7 +97,7 @@ fn scans(connection: &Connection) -> Result<Vec<(String, String, String)>, Journ
     Ok(rows.collect::<rusqlite::Result<_>>()?)
 }
 
-/// The same of every delivery, by its row.
+/// The same for every delivery, by its row.
 fn deliveries(connection: &Connection) -> Result<Vec<(i64, String, String)>, JournalError> {
     let mut query = connection
         .prepare("SELECT rowid, sha256, patient, store, sources, seal FROM deliveries")?;
@@ -108,9 +108,9 @@ fn deliveries(connection: &Connection) -> Result<Vec<(i64, String, String)>, Jou
     Ok(rows.collect::<rusqlite::Result<_>>()?)
 }
 
-/// Every capture's seal as it should be and as it is.
+/// Every capture's expected and actual seal.
 fn captures(connection: &Connection) -> Result<Vec<(String, String)>, JournalError> {
-    // All columns: one whose name is damaged must show now and not at the first press.
+    // Reads all columns, so that a damaged column name shows now and not at the first press.
     let mut query = connection.prepare(
         "SELECT number, patient, source, seal, candidates, at, boot, opened_ms, until_ms, opener, state,
                 shared, scan, refused, doubt

@@ -1,5 +1,5 @@
-//! What the operator's page and the previews ask of the journal, again and again: few rows, each
-//! found by an index or in one pass.
+//! Queries that the operator's page and the previews repeat often: few rows, each found by an index or
+//! in one pass.
 
 use rusqlite::{Row, params};
 
@@ -7,13 +7,12 @@ use crate::flow::{DeliveryState, ScanId, ScanState};
 use crate::station::journal::{Journal, JournalError, cell};
 
 impl Journal {
-    /// Grows with everything that is written to the journal: as long as it stands, nothing has
-    /// changed.
+    /// Grows with every write to the journal: while it stays the same, nothing has changed.
     pub fn changes(&self) -> u64 {
         self.connection().total_changes()
     }
 
-    /// The scans seen last, newest first, at most `limit`.
+    /// The latest scans, newest first, at most `limit`.
     ///
     /// # Errors
     /// See [`JournalError`].
@@ -23,7 +22,7 @@ impl Journal {
         self.scans_of(query, limit)
     }
 
-    /// The scans that wait for a person's decision, refused or held and not closed, newest first, at
+    /// The scans that wait for an operator's decision, refused or held and not closed, newest first, at
     /// most `limit`.
     ///
     /// # Errors

@@ -1,13 +1,13 @@
-//! What counts as a ruined journal, and what does not.
+//! What counts as a corrupt journal, and what does not.
 
 use super::*;
 
-/// What changes the file behind the station's back.
+/// Changes the file behind the station's back.
 pub(super) fn edit(path: &Path, sql: &str) {
     Connection::open(path).unwrap().execute_batch(sql).unwrap();
 }
 
-/// How a trigger was made.
+/// The SQL that made a trigger.
 fn trigger_of(path: &Path, name: &str) -> String {
     let connection = Connection::open(path).unwrap();
     let sql = "SELECT sql FROM sqlite_schema WHERE name = ?1";

@@ -18,7 +18,7 @@ const STORES: [&str; 2] = ["copy", "folder"];
 /// What may happen next.
 #[derive(Debug, Clone, Copy)]
 enum Happening {
-    /// A person assigns the scan to one of two patients, where it is nobody's.
+    /// A person assigns the scan to one of two patients, where it is unassigned.
     Assign(bool),
     /// A person takes it back from whose it is.
     Unassign,

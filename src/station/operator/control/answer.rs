@@ -16,68 +16,65 @@ use crate::flow::page::next_shown;
 use crate::flow::{ScanId, account};
 use crate::record::gdt::OrderFault;
 use crate::record::{Language, SourceKind};
-use crate::station::assembly::Station;
 use crate::station::booth::orders;
 use crate::station::delivery::preview::Preview;
-use crate::station::error::chain;
 use crate::station::journal::{HistoryRow, JournalError};
 use crate::station::operator::act::{Act, ActFault, act};
-use crate::station::operator::overview::Overview;
+use crate::station::operator::page::desk::Desk;
+use crate::station::overview::Overview;
+use crate::station::runtime::causes::chain;
 
 /// Answers a request.
-pub fn answer(station: &Station, request: &Request) -> Answer {
+pub fn answer(desk: &Desk, request: &Request) -> Answer {
     let answered = match request {
-        Request::Status => Ok(Answer::Status(Box::new(status(station)))),
+        Request::Status => Ok(Answer::Status(Box::new(status(desk)))),
         Request::Scans { filter, limit } => {
-            let scans = station.custody.journal().list(*filter, (*limit).min(LIST_MOST));
+            let scans = desk.core.custody.journal().list(*filter, (*limit).min(LIST_MOST));
             scans.map(Answer::Scans).map_err(Fault::from)
         }
-        Request::Show { scan } => whole(station, scan).map(Box::new).map(Answer::Scan),
+        Request::Show { scan } => whole(desk, scan).map(Box::new).map(Answer::Scan),
         Request::ExplainScan { scan } => {
-            let whole = whole(station, scan);
+            let whole = whole(desk, scan);
             whole.map(|whole| {
                 Answer::Sentence(account::explain(
                     &whole,
-                    &station.board.facts().stores,
+                    &desk.core.board.facts().stores,
                     Timestamp::now(),
                 ))
             })
         }
         Request::ExplainFile { path } => {
             let path = Path::new(OsStr::from_bytes(path));
-            let known = known(station, path);
-            known.map(|known| Answer::Sentence(of_file(&station.board.facts(), path, known)))
+            let known = known(desk, path);
+            known.map(|known| Answer::Sentence(of_file(&desk.core.board.facts(), path, known)))
         }
-        Request::Retry { scan } => acted(station, Some(scan), &Act::Retry),
-        Request::Release { scan } => acted(station, Some(scan), &Act::Release),
-        Request::Assign { scan, patient } => {
-            acted(station, Some(scan), &Act::Assign(patient.clone()))
-        }
-        Request::Unassign { scan } => acted(station, Some(scan), &Act::Unassign),
-        Request::GiveUp { scan } => acted(station, Some(scan), &Act::GiveUp),
+        Request::Retry { scan } => acted(desk, Some(scan), &Act::Retry),
+        Request::Release { scan } => acted(desk, Some(scan), &Act::Release),
+        Request::Assign { scan, patient } => acted(desk, Some(scan), &Act::Assign(patient.clone())),
+        Request::Unassign { scan } => acted(desk, Some(scan), &Act::Unassign),
+        Request::GiveUp { scan } => acted(desk, Some(scan), &Act::GiveUp),
         Request::NameNext { patient, replace } => {
             let (id, by) = (patient.clone(), SourceKind::Operator);
-            acted(station, None, &Act::NameNext { id, by, replaces: *replace })
+            acted(desk, None, &Act::NameNext { id, by, replaces: *replace })
         }
-        Request::CallOff => acted(station, None, &Act::CallOff),
-        Request::Next => Ok(Answer::Sentence(next(station))),
-        Request::Order { bytes } => ordered(station, bytes),
-        Request::Pause => acted(station, None, &Act::Pause),
-        Request::Resume => acted(station, None, &Act::Resume),
-        Request::Page => page(station),
+        Request::CallOff => acted(desk, None, &Act::CallOff),
+        Request::Next => Ok(Answer::Sentence(next(desk))),
+        Request::Order { bytes } => ordered(desk, bytes),
+        Request::Pause => acted(desk, None, &Act::Pause),
+        Request::Resume => acted(desk, None, &Act::Resume),
+        Request::Page => page(desk),
     };
     answered.unwrap_or_else(Answer::Fault)
 }
 
 /// The one scan whose id begins with these digits.
-fn named(station: &Station, digits: &str) -> Result<ScanId, Fault> {
+fn named(desk: &Desk, digits: &str) -> Result<ScanId, Fault> {
     let hexadecimal = digits.bytes().all(|byte| matches!(byte, b'0'..=b'9' | b'a'..=b'f'));
     if !hexadecimal || digits.len() < DIGITS_LEAST {
-        let message =
-            format!("a scan is named by the first {DIGITS_LEAST} or more digits of its id");
+        let message = format!("give at least the first {DIGITS_LEAST} digits of the scan's id");
         return Err(Fault::new(FaultKind::Request, "scan-id-malformed", message));
     }
-    let mut found = station.custody.journal().beginning_with(digits, 2)?;
+    let mut found = desk.core.custody.journal().beginning_with(digits, 2)?;
     match (found.pop(), found.pop()) {
         (Some(scan), None) => Ok(scan),
         (Some(_), Some(_)) => {
@@ -91,24 +88,24 @@ fn named(station: &Station, digits: &str) -> Result<ScanId, Fault> {
     }
 }
 
-fn whole(station: &Station, digits: &str) -> Result<account::Whole, Fault> {
-    let scan = named(station, digits)?;
-    let journal = station.custody.journal();
+fn whole(desk: &Desk, digits: &str) -> Result<account::Whole, Fault> {
+    let scan = named(desk, digits)?;
+    let journal = desk.core.custody.journal();
     let mut whole = journal.whole(&scan)?.ok_or_else(|| {
         Fault::new(FaultKind::Unknown, "scan-unknown", "the scan has just been forgotten")
     })?;
     let rows = journal.history(&scan)?.into_iter();
     let happened = |HistoryRow { at, event, detail }| account::Happened { at, event, detail };
-    if let Some(Preview::Made(folder)) = station.previews.get(&scan) {
+    if let Some(Preview::Made(folder)) = desk.previews.get(&scan) {
         whole.preview = Some(folder.display().to_string());
     }
     whole.history = rows.map(happened).collect();
     Ok(whole)
 }
 
-/// What the journal says of a file.
-fn known(station: &Station, path: &Path) -> Result<Option<Known>, Fault> {
-    let journal = station.custody.journal();
+/// What the journal knows about a file.
+fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
+    let journal = desk.core.custody.journal();
     let Some(scan) = journal.sighting(path)? else { return Ok(None) };
     let Some(scan) = scan else {
         let state = "was refused unread, for its size".to_owned();
@@ -122,38 +119,38 @@ fn known(station: &Station, path: &Path) -> Result<Option<Known>, Fault> {
     Ok(Some(Known { state, at, scan: Some(scan.short().to_owned()) }))
 }
 
-/// Who is next, as the page says it; the ids are for the person who asks.
-fn next(station: &Station) -> String {
-    next_shown(&station.who_is_next().situation(), Language::En).sentence
+/// Who is next, in the page's words; the operator who asks may see the ids.
+fn next(desk: &Desk) -> String {
+    next_shown(&desk.booth.who_is_next().situation(), Language::En).sentence
 }
 
-/// The link to the operator's page, with what it takes to decide there.
-fn page(station: &Station) -> Result<Answer, Fault> {
-    let link = station.page.link().ok_or_else(|| {
+/// The link to the operator's page, with the token needed to decide there.
+fn page(desk: &Desk) -> Result<Answer, Fault> {
+    let link = desk.link().ok_or_else(|| {
         let message = "no page is served: set status.listen, or enable gaiter.socket";
         Fault::new(FaultKind::Failed, "page-not-served", message)
     })?;
     Ok(Answer::Sentence(link))
 }
 
-/// Carries out what a person decided.
-fn acted(station: &Station, digits: Option<&str>, decided: &Act) -> Result<Answer, Fault> {
-    let scan = digits.map(|digits| named(station, digits)).transpose()?;
-    Ok(Answer::Sentence(act(station, scan.as_ref(), decided)?))
+/// Carries out an operator's decision.
+fn acted(desk: &Desk, digits: Option<&str>, decided: &Act) -> Result<Answer, Fault> {
+    let scan = digits.map(|digits| named(desk, digits)).transpose()?;
+    Ok(Answer::Sentence(act(&desk.core, &desk.booth, scan.as_ref(), decided)?))
 }
 
-/// Hears an order that somebody brings.
-fn ordered(station: &Station, bytes: &[u8]) -> Result<Answer, Fault> {
+/// Hears an order that a client hands in.
+fn ordered(desk: &Desk, bytes: &[u8]) -> Result<Answer, Fault> {
     let refused = |fault: OrderFault| {
-        Fault::new(FaultKind::Request, fault.code(), format!("this is no order: {fault}"))
+        Fault::new(FaultKind::Request, fault.code(), format!("this is not an order: {fault}"))
     };
-    let order = orders::brought(station, bytes).map_err(refused)?;
+    let order = orders::brought(&desk.booth, bytes).map_err(refused)?;
     let (id, by) = (order.patient, SourceKind::Order);
-    acted(station, None, &Act::NameNext { id, by, replaces: true })
+    acted(desk, None, &Act::NameNext { id, by, replaces: true })
 }
 
-fn status(station: &Station) -> Status {
-    let Overview { facts, tally, disk, complaints, running, now } = Overview::take(station);
+fn status(desk: &Desk) -> Status {
+    let Overview { facts, tally, disk, complaints, running, now } = Overview::take(&desk.core);
     let intake = match facts.intake {
         IntakeState::Open => "open",
         IntakeState::Paused => "paused",
@@ -175,7 +172,7 @@ fn status(station: &Station) -> Status {
         schema: "gaiter.status/1".to_owned(),
         ready: complaints.is_empty(),
         complaints,
-        station: station.config.station.id.clone(),
+        station: desk.core.config.station.id.clone(),
         gaiter: env!("CARGO_PKG_VERSION").to_owned(),
         pid: std::process::id(),
         started: facts.started,
@@ -189,7 +186,7 @@ fn status(station: &Station) -> Status {
         sources: places.map(|(place, source)| SourceStatus::of(place, source)).collect(),
         stores: stores.map(|(name, store)| ((*name).to_owned(), store.into())).collect(),
         triggers: triggers.map(|(name, port)| ((*name).to_owned(), port.into())).collect(),
-        booth: station.booth.state(station.now()).into(),
+        booth: desk.booth.state().into(),
         disk_free_bytes: disk.map(|disk| disk.free),
         disk_bytes: disk.map(|disk| disk.size),
         confinement: facts.confinement,

@@ -1,7 +1,7 @@
-//! The control socket: how `gaiter status` and its like ask a running station.
+//! The control socket: how `gaiter status` and similar commands query a running station.
 //!
-//! A Unix socket in the state folder, for the station's user and root. One request a connection,
-//! a line of JSON, and one answer, a line of JSON.
+//! A Unix socket in the state folder, for the station's user and root. Each connection carries one
+//! request, a line of JSON, and one answer, a line of JSON.
 
 mod answer;
 pub mod protocol;

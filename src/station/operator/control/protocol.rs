@@ -1,5 +1,5 @@
-//! What is said over the control socket. Both ends are of the same binary, so nothing here is kept
-//! compatible; what `--json` prints is, and those parts say so.
+//! The messages of the control socket. Both ends are the same binary, so nothing here is kept
+//! compatible, except what `--json` prints; those parts say so.
 
 use std::collections::BTreeMap;
 
@@ -15,26 +15,26 @@ use crate::station::booth::BoothState;
 /// The longest request, bytes: a path and a patient's id fit many times over.
 pub const REQUEST_MOST: u64 = 64 * 1024;
 
-/// The longest list that is given.
+/// The longest list that is returned.
 pub const LIST_MOST: u32 = 1000;
 
 /// The fewest digits that name a scan.
 pub const DIGITS_LEAST: usize = 4;
 
-/// What is asked of the station.
+/// A request to the station.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "ask")]
 pub enum Request {
-    /// How it is.
+    /// The station's status.
     Status,
     /// Its scans, newest first.
     Scans {
-        /// Which; all if none.
+        /// Which scans; all if `None`.
         filter: Option<Filter>,
-        /// At most so many.
+        /// The largest number of scans.
         limit: u32,
     },
-    /// One scan, with whose it is.
+    /// One scan, with its patient.
     Show {
         /// The beginning of its id.
         scan: String,
@@ -49,42 +49,42 @@ pub enum Request {
         /// Its full path, as the bytes of the file system.
         path: Vec<u8>,
     },
-    /// A refused scan is to be tried again, and one that waits at once.
+    /// Try a refused scan again, and a waiting scan at once.
     Retry {
         /// The beginning of its id.
         scan: String,
     },
-    /// A held scan is the patient's for whom it came in.
+    /// A held scan belongs to the patient for whom it came in.
     Release {
         /// The beginning of its id.
         scan: String,
     },
-    /// A scan that came in for nobody is this patient's.
+    /// A scan that came in without a patient belongs to this patient.
     Assign {
         /// The beginning of its id.
         scan: String,
         /// The patient's id.
         patient: String,
     },
-    /// A scan is not its patient's: it is nobody's again.
+    /// A scan does not belong to its patient: it becomes unassigned again.
     Unassign {
         /// The beginning of its id.
         scan: String,
     },
-    /// A refused scan, or a held one that is somebody's already, needs no decision any more.
+    /// A refused scan, or a held one that already belongs to a patient, needs no decision any more.
     GiveUp {
         /// The beginning of its id.
         scan: String,
     },
-    /// The next scan is this patient's.
+    /// The next scan belongs to this patient.
     NameNext {
         /// The patient's id.
         patient: String,
-        /// Another patient who is named and was not scanned is so no more; else this is refused then.
+        /// Replace another patient who is named and not scanned yet; otherwise that case is refused.
         #[serde(default = "replaces")]
         replace: bool,
     },
-    /// Nobody is named for the next scan, and no press awaits its export.
+    /// No patient is named for the next scan any more, and no press waits for its export.
     CallOff,
     /// Who is named for the next scan.
     Next,
@@ -93,24 +93,24 @@ pub enum Request {
         /// The bytes of the order's file.
         bytes: Vec<u8>,
     },
-    /// No scan is to be taken until somebody resumes.
+    /// No scan is taken in or delivered until an operator resumes.
     Pause,
-    /// Go on.
+    /// End the pause.
     Resume,
     /// The link to the operator's page.
     Page,
 }
 
-/// Naming a patient without more is meant.
+/// The default of `replace`.
 fn replaces() -> bool {
     true
 }
 
-/// What the station answers.
+/// An answer of the station.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "is", content = "of")]
 pub enum Answer {
-    /// How it is.
+    /// The station's status.
     Status(Box<Status>),
     /// Scans, newest first.
     Scans(Vec<Listed>),
@@ -127,7 +127,7 @@ pub enum Answer {
 pub struct Fault {
     /// Stable code.
     pub code: String,
-    /// For people.
+    /// Message for people.
     pub message: String,
     /// Whose fault it is.
     pub kind: FaultKind,
@@ -137,76 +137,76 @@ pub struct Fault {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FaultKind {
-    /// What was asked makes no sense, or not in this state.
+    /// The request makes no sense, or not in this state.
     Request,
-    /// What was named is not known.
+    /// What the request names is not known.
     Unknown,
     /// The station could not do it now.
     Failed,
 }
 
-/// How the station is; `gaiter status --json` prints it. Names no patient, file or folder.
+/// The station's status; `gaiter status --json` prints it. It names no patient, file or folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Status {
     /// `gaiter.status/1`
     pub schema: String,
     /// Whether scans become records.
     pub ready: bool,
-    /// What keeps them from it.
+    /// What prevents that.
     pub complaints: Vec<Complaint>,
     /// The station's name.
     pub station: String,
-    /// Version.
+    /// Gaiter's version.
     pub gaiter: String,
-    /// The process.
+    /// The process id.
     pub pid: u32,
-    /// When it began.
+    /// When it started.
     pub started: Timestamp,
-    /// For how long it has been running, s.
+    /// How long it has been running, s.
     pub running_s: u64,
-    /// The moment of this answer.
+    /// The time of this answer.
     pub now: Timestamp,
     /// Whether scans are taken in: `open`, `paused` or `disk_low`.
     pub intake: String,
     /// The scan that has waited longest for its record.
     pub oldest: Option<Seen>,
-    /// How long, s; none where that is not known, for the clock was set back.
+    /// How long it has waited, s; `None` if unknown because the clock was set back.
     pub oldest_age_s: Option<u64>,
     /// The scan seen last.
     pub last: Option<Seen>,
-    /// Scans by state; `held`, `closed` and `withdrawing` ones are counted in their own state too, but
-    /// for refused ones that are closed. Empty where the journal cannot be read.
+    /// Scans by state. `held`, `closed` and `withdrawing` scans are counted in their own state too,
+    /// except refused ones that are closed. Empty if the journal cannot be read.
     pub scans: BTreeMap<String, u64>,
     /// The export folders, in the order of the configuration.
     pub sources: Vec<SourceStatus>,
-    /// The record stores by name; none before the first delivery.
+    /// The record stores by name; empty before the first delivery.
     pub stores: BTreeMap<String, StoreStatus>,
-    /// The ports of the booth by name; none that the configuration does not name.
+    /// The ports of the booth by name; only those that the configuration names.
     pub triggers: BTreeMap<String, TriggerStatus>,
     /// The booth: its light, and what is awaited there.
     pub booth: BoothStatus,
-    /// Room on the disk of the state folder, bytes.
+    /// Free space on the disk of the state folder, bytes.
     pub disk_free_bytes: Option<u64>,
     /// Size of that disk, bytes.
     pub disk_bytes: Option<u64>,
-    /// The guards around measuring processes; none where they could not be tried.
+    /// The guards around measuring processes; `None` if they could not be tried.
     pub confinement: Option<Confinement>,
     /// Scans measured in this run.
     pub measured: u64,
     /// How long the last measurement took, s.
     pub last_measurement_s: Option<f64>,
-    /// What a person must know, by code.
+    /// What an operator must know, by code.
     pub alarms: BTreeMap<String, AlarmStatus>,
     /// What was wrong with the configuration at the last reload.
     pub refused_reload: Option<String>,
 }
 
-/// An export folder in a status.
+/// The status of an export folder.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SourceStatus {
-    /// Its place in the configuration, from 0, as the log calls it.
+    /// Its place in the configuration, from 0, as in the log.
     pub export_dir: usize,
-    /// `not_looked`, `watched`, `out_of_reach`, `not_mounted` or `stalled`.
+    /// `not_looked`, `watched`, `out_of_reach`, `not_mounted`, `taken` or `stalled`.
     pub state: String,
     /// Why.
     pub why: Option<String>,
@@ -214,7 +214,7 @@ pub struct SourceStatus {
     pub since: Timestamp,
     /// The kind of file system.
     pub file_system: Option<String>,
-    /// It is looked through at its own pace only.
+    /// It has no watch and is only polled.
     pub polled: bool,
     /// When it was last looked through.
     pub last_look: Option<Timestamp>,
@@ -222,11 +222,11 @@ pub struct SourceStatus {
     pub waiting: usize,
     /// Of these, files that have waited longer than they should.
     pub overdue: usize,
-    /// Files passed over.
+    /// Files ignored.
     pub ignored: usize,
 }
 
-/// The booth in a status; names nobody.
+/// The status of the booth; names no patient.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BoothStatus {
     /// What its light shows: `ready`, `armed`, `receiving`, `done`, `attention` or `no_export`.
@@ -235,9 +235,9 @@ pub struct BoothStatus {
     pub awaited: usize,
     /// A patient is named for the next press.
     pub named: bool,
-    /// A press may have gone unheard: scans of named patients are held.
+    /// A press may have been missed: scans of named patients are held.
     pub in_doubt: bool,
-    /// What the configuration should say, by what has been seen; none where it is right.
+    /// A suggested change of the configuration, from what has been seen; `None` if it is right.
     #[serde(default)]
     pub advice: Option<String>,
 }
@@ -251,50 +251,50 @@ impl From<BoothState> for BoothStatus {
     }
 }
 
-/// A record store in a status.
+/// The status of a record store.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct StoreStatus {
-    /// The last attempt's fault; none where it went well.
+    /// The last attempt's fault; `None` if it succeeded.
     pub fault: Option<String>,
     /// Since when.
     pub since: Timestamp,
 }
 
-/// A port of the booth in a status.
+/// The status of a port of the booth.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TriggerStatus {
     /// `not_looked`, `absent`, `busy`, `denied`, `failed`, `settling`, `open`, `stuck` or `hung`.
     pub state: String,
     /// Why it is not listened to.
     pub why: Option<String>,
-    /// Since when it is so.
+    /// Since when.
     pub since: Timestamp,
     /// Presses in this run.
     pub presses: u64,
     /// Ids read in this run.
     pub ids: u64,
-    /// Bytes or keys in this run that meant nothing.
+    /// Bytes or keys in this run that had no meaning.
     pub garbage: u64,
 }
 
-/// An alarm in a status.
+/// The status of an alarm.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct AlarmStatus {
-    /// In words.
+    /// Message for people.
     pub message: String,
     /// Since when.
     pub since: Timestamp,
 }
 
 impl Fault {
-    /// A fault of this code.
+    /// Creates a fault with this code.
     pub fn new(kind: FaultKind, code: &str, message: impl Into<String>) -> Fault {
         Fault { code: code.to_owned(), message: message.into(), kind }
     }
 }
 
 impl SourceStatus {
-    /// The export folder at this place.
+    /// The status of the export folder at this place.
     pub fn of(export_dir: usize, facts: &SourceFacts) -> SourceStatus {
         let (state, why) = state_words(&facts.state);
         SourceStatus {
@@ -312,7 +312,7 @@ impl SourceStatus {
     }
 }
 
-/// The word of an export folder's state, and why it is so.
+/// The word for an export folder's state, and the reason for it.
 pub fn state_words(state: &SourceState) -> (&'static str, Option<&String>) {
     match state {
         SourceState::NotLooked => ("not_looked", None),

@@ -1,5 +1,5 @@
-//! The control socket's server. Slow or flooding clients only delay other clients, for a
-//! while, and never the station: so many at a time, so long a line, so much time for each.
+//! The control socket's server. Slow or flooding clients only delay other clients, for a while, and
+//! never the station: the number of clients, the length of a request and the time for each are limited.
 
 use std::fs::{self, Permissions};
 use std::io;
@@ -18,43 +18,43 @@ use tracing::{info, warn};
 use super::answer::answer;
 use super::protocol::{Answer, Fault, FaultKind, REQUEST_MOST, Request};
 use crate::config::control_path;
-use crate::station::assembly::Station;
-use crate::station::stop::Stop;
+use crate::station::operator::page::desk::Desk;
+use crate::station::runtime::stop::Stop;
 
-/// So many connections are served at a time; further ones wait in the kernel.
+/// The number of connections served at once; further ones wait in the kernel.
 const MOST_CLIENTS: usize = 8;
 
-/// A request has come by then, or never will.
+/// How long a request may take to arrive.
 const REQUEST_TIME: Duration = Duration::from_secs(5);
 
-/// An answer is found and taken by then.
+/// How long it may take to find an answer, and to send it.
 const ANSWER_TIME: Duration = Duration::from_secs(30);
 
-/// How often the socket's name is looked at: somebody may have removed it, and nobody could ask.
+/// How often the socket's name is checked. If another process removed it, no client could connect.
 const RECHECK: Duration = Duration::from_secs(30);
 
-/// The pause before the socket is tried again where it cannot be had.
+/// The pause before the socket is tried again after a failure.
 const RETRY: Duration = Duration::from_secs(10);
 
-/// For the station's user, and root.
+/// For the station's user and root only.
 const SOCKET_MODE: u32 = 0o600;
 
-/// Serves the control socket until it is asked to stop, and removes it then.
+/// Serves the control socket until asked to stop, and then removes it.
 ///
 /// # Errors
-/// None; the type is that of all workers.
-pub async fn worker(station: Arc<Station>, mut stop: Stop) -> Result<(), JoinError> {
-    let path = control_path(&station.config.station.state_dir);
+/// None; all workers have this type.
+pub async fn worker(desk: Arc<Desk>, mut stop: Stop) -> Result<(), JoinError> {
+    let path = control_path(&desk.core.config.station.state_dir);
     let mut said = false;
     while !stop.is_requested() {
         match listen(&path) {
             Ok(listener) => {
                 said = false;
                 let clients = Arc::new(Semaphore::new(MOST_CLIENTS));
-                serve(&station, &listener, &clients, &path, &mut stop).await;
-                // Without its name nobody else finds it. At the next start it is made anew in any case.
+                serve(&desk, &listener, &clients, &path, &mut stop).await;
+                // Without its name no client finds it. The next start creates it again in any case.
                 let _ = fs::remove_file(&path);
-                let left = answer_those_who_wait(&station, listener, &clients);
+                let left = answer_those_who_wait(&desk, listener, &clients);
                 let _ = left.inspect_err(|error| warn!(event = "control-unavailable", %error));
             }
             Err(error) => {
@@ -71,21 +71,21 @@ pub async fn worker(station: Arc<Station>, mut stop: Stop) -> Result<(), JoinErr
     Ok(())
 }
 
-/// Makes the socket in place of an old one; the state folder's lock proves that nobody serves it.
+/// Creates the socket in place of an old one; the state folder's lock proves that no one serves it.
 fn listen(path: &Path) -> io::Result<UnixListener> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
         _ => {}
     }
     let listener = UnixListener::bind(path)?;
-    // Until here the state folder, for its owner only, keeps others out.
+    // Until now, the state folder kept others out because only its owner can enter it.
     fs::set_permissions(path, Permissions::from_mode(SOCKET_MODE))?;
     Ok(listener)
 }
 
-/// Serves until a stop is asked for or the socket's name is no longer that of this socket.
+/// Serves until a stop is requested or the path no longer names this socket.
 async fn serve(
-    station: &Arc<Station>,
+    desk: &Arc<Desk>,
     listener: &UnixListener,
     clients: &Arc<Semaphore>,
     path: &Path,
@@ -109,11 +109,11 @@ async fn serve(
             sleep(REQUEST_TIME).await;
             continue;
         };
-        let station = Arc::clone(station);
+        let desk = Arc::clone(desk);
         tokio::spawn(async move {
             let permit = Arc::new(permit);
-            // A client that goes away or says nothing has its answer already.
-            let _ = converse(&station, stream, &permit).await;
+            // A client that disconnects or sends nothing needs no answer.
+            let _ = converse(&desk, stream, &permit).await;
         });
     }
 }
@@ -128,13 +128,13 @@ async fn next(
     Ok((listener.accept().await?.0, permit))
 }
 
-/// Answers those who had connected before the socket lost its name: a question that is asked while the
-/// station reloads is not cut off.
+/// Answers clients that connected before the socket lost its name, so that a reload of the station does
+/// not cut off their requests.
 ///
 /// # Errors
-/// Where the listener cannot be asked without waiting.
+/// Any I/O error at the listener or at a connection.
 fn answer_those_who_wait(
-    station: &Arc<Station>,
+    desk: &Arc<Desk>,
     listener: UnixListener,
     clients: &Arc<Semaphore>,
 ) -> io::Result<()> {
@@ -142,32 +142,28 @@ fn answer_those_who_wait(
     while let Ok((stream, _)) = listener.accept() {
         stream.set_nonblocking(true)?;
         let stream = UnixStream::from_std(stream)?;
-        let (station, clients) = (Arc::clone(station), Arc::clone(clients));
+        let (desk, clients) = (Arc::clone(desk), Arc::clone(clients));
         tokio::spawn(async move {
             let Ok(permit) = clients.acquire_owned().await else { return };
-            // A client that goes away or says nothing has its answer already.
-            let _ = converse(&station, stream, &Arc::new(permit)).await;
+            // A client that disconnects or sends nothing needs no answer.
+            let _ = converse(&desk, stream, &Arc::new(permit)).await;
         });
     }
     Ok(())
 }
 
-/// One request, one answer. The permit is kept until the journal has been asked, too, so that
-/// impatient clients cannot pile up questions to it.
-async fn converse(
-    station: &Arc<Station>,
-    stream: UnixStream,
-    permit: &Arc<Permit>,
-) -> io::Result<()> {
+/// Handles one request and its answer. The permit is also held until the journal has been read, so that
+/// impatient clients cannot pile up queries.
+async fn converse(desk: &Arc<Desk>, stream: UnixStream, permit: &Arc<Permit>) -> io::Result<()> {
     let (reading, mut writing) = stream.into_split();
     let mut line = Vec::new();
     let mut reading = BufReader::new(reading.take(REQUEST_MOST));
     timeout(REQUEST_TIME, reading.read_until(b'\n', &mut line)).await??;
-    let (station, kept) = (Arc::clone(station), Arc::clone(permit));
+    let (desk, kept) = (Arc::clone(desk), Arc::clone(permit));
     let answered = spawn_blocking(move || {
         let _kept = kept;
         match serde_json::from_slice::<Request>(&line) {
-            Ok(request) => answer(&station, &request),
+            Ok(request) => answer(&desk, &request),
             Err(error) => {
                 let message = format!("the request cannot be read: {error}");
                 Answer::Fault(Fault::new(FaultKind::Request, "request-malformed", message))
@@ -175,7 +171,7 @@ async fn converse(
         }
     });
     let answer = timeout(ANSWER_TIME, answered).await?.unwrap_or_else(|panic| {
-        let message = format!("the answer was cut off: {panic}");
+        let message = format!("the answer was interrupted: {panic}");
         Answer::Fault(Fault::new(FaultKind::Failed, "panic", message))
     });
     let mut line = serde_json::to_vec(&answer)?;

@@ -1,5 +1,5 @@
-//! The connections of a listener. One that waits for nobody but its own client makes room for later
-//! ones, so that a client that holds connections open holds up nobody.
+//! The connections of a listener. A connection that waits only for its own client makes room for later
+//! ones, so that a client that keeps connections open holds up no other.
 
 use std::collections::BTreeMap;
 use std::net::IpAddr;
@@ -9,14 +9,14 @@ use std::time::Duration;
 use tokio::sync::Notify;
 use tokio::time::sleep;
 
-/// So many connections there are at a listener at a time. Each takes some 20 kB.
+/// The largest number of connections at a listener. Each takes some 20 kB.
 const MOST: usize = 256;
 
-/// So many of one address of the network: a browser has six and a stream. On this machine everybody has
-/// the same address, and nothing tells people apart by it.
+/// The largest number for one address of the network: a browser has six and a stream. On this machine
+/// all clients have the same address, so it does not tell them apart.
 const MOST_OF_PEER: usize = 32;
 
-/// How often it is looked whether one is still served.
+/// How often to check whether a connection is still being served.
 const LOOK: Duration = Duration::from_millis(10);
 
 /// The connections of a listener.
@@ -26,7 +26,7 @@ pub struct Connections(Mutex<Inner>);
 #[derive(Debug, Default)]
 struct Inner {
     next: u64,
-    /// By their numbers, in the order in which they came.
+    /// By number, in the order of arrival.
     open: BTreeMap<u64, Entry>,
 }
 
@@ -40,15 +40,15 @@ struct Entry {
 /// What a connection waits for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Phase {
-    /// Its client: the request is not whole, or the answer is on its way.
+    /// Its client: the request is incomplete, or the answer is being sent.
     Idle,
-    /// The station, which works on the answer.
+    /// The station, which is working on the answer.
     Served,
     /// It lasts as long as the station.
     Stream,
 }
 
-/// One connection, there until it is dropped.
+/// One connection; it is registered until it is dropped.
 #[derive(Debug)]
 pub struct Connection {
     all: Arc<Connections>,
@@ -57,8 +57,8 @@ pub struct Connection {
 }
 
 impl Connections {
-    /// Takes a connection in. Where all places are taken the oldest that waits for its client is closed; none
-    /// where all are served, or where this address has too many.
+    /// Admits a connection. If all places are taken, the oldest one that waits for its client is
+    /// closed. Returns `None` if all are being served, or if this address has too many.
     pub fn admit(self: &Arc<Connections>, peer: IpAddr) -> Option<Arc<Connection>> {
         let mut inner = self.inner();
         let of_peer = || inner.open.values().filter(|entry| entry.peer == peer).count();
@@ -80,14 +80,14 @@ impl Connections {
         Some(Arc::new(Connection { all: Arc::clone(self), number, close }))
     }
 
-    /// Closes all that wait for their own clients.
+    /// Closes all connections that wait for their own clients.
     pub fn close_idle(&self) {
         for entry in self.inner().open.values().filter(|entry| entry.phase == Phase::Idle) {
             entry.close.notify_one();
         }
     }
 
-    /// Ends when none waits for the station any more.
+    /// Returns when no connection waits for the station any more.
     pub async fn all_are_served(&self) {
         while self.inner().open.values().any(|entry| entry.phase == Phase::Served) {
             sleep(LOOK).await;
@@ -100,24 +100,24 @@ impl Connections {
 }
 
 impl Connection {
-    /// Ends when somebody else needs the place.
+    /// Returns when another connection needs the place.
     pub async fn must_close(&self) {
         self.close.notified().await;
     }
 
-    /// The request is whole: the station works on its answer.
+    /// Notes that the request is complete: the station works on its answer.
     pub fn is_served(&self) {
         self.turns(Phase::Served);
     }
 
-    /// The answer is there, and goes out as fast as its client takes it.
+    /// Notes that the answer is ready; it is sent as fast as the client reads it.
     pub fn is_answered(&self) {
         if !self.is_stream() {
             self.turns(Phase::Idle);
         }
     }
 
-    /// It lasts as long as the station, or as its client.
+    /// Makes it a stream, which lasts as long as the station or its client.
     pub fn becomes_stream(&self) {
         self.turns(Phase::Stream);
     }

@@ -1,5 +1,5 @@
-//! The listeners of the endpoints. They belong to the process and outlive a reload: while workers change,
-//! clients wait in the kernel, and nobody else on this machine can take the address.
+//! The listeners of the endpoints. They belong to the process and outlive a reload: while workers
+//! change, clients wait in the kernel, and no other program on this machine can take the address.
 
 use std::collections::BTreeMap;
 use std::io;
@@ -11,24 +11,42 @@ use rustix::io::{FdFlags, fcntl_setfd};
 use tokio::net::TcpListener;
 
 use crate::config::Config;
-use crate::station::operator::page::Way;
 
-/// The listeners that the station has opened itself.
+/// The endpoint through which a client comes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Way {
+    /// From this machine: may read, and may decide with the token.
+    Local,
+    /// From the local network: may read.
+    Network,
+}
+
+impl Way {
+    /// Its word in the log.
+    pub fn word(self) -> &'static str {
+        match self {
+            Way::Local => "local",
+            Way::Network => "network",
+        }
+    }
+}
+
+/// The listeners that the station itself has opened.
 #[derive(Debug, Default)]
 pub struct Listeners(Mutex<BTreeMap<Way, Held>>);
 
 #[derive(Debug)]
 struct Held {
-    /// As the configuration has it; its port may be 0.
+    /// The configured address; its port may be 0.
     wanted: SocketAddr,
     listener: std::net::TcpListener,
 }
 
 impl Listeners {
-    /// A endpoint's listener and its address; none where the configuration wants no such endpoint.
+    /// An endpoint's listener and its address; `None` if no such endpoint is configured.
     ///
     /// # Errors
-    /// Where the address cannot be had.
+    /// If the address is not available.
     pub fn take(&self, config: &Config, way: Way) -> io::Result<Option<(TcpListener, SocketAddr)>> {
         let wanted = match way {
             Way::Local => config.status.listen,
@@ -45,7 +63,7 @@ impl Listeners {
         Ok(Some((listener, address)))
     }
 
-    /// The listener at this address, opened where it is not; any other of this endpoint is closed.
+    /// The listener at this address, opened if necessary; any other of this endpoint is closed.
     fn held(
         &self,
         way: Way,
@@ -70,23 +88,23 @@ impl Listeners {
 /// The sockets that the service manager has passed to this process.
 static PASSED: OnceLock<Vec<std::net::TcpListener>> = OnceLock::new();
 
-/// The one of these sockets that is this endpoint's, if there is one. An address that other machines can
-/// reach must be that of the configuration, where somebody has thought about it.
+/// The passed socket that belongs to this endpoint, if any. An address that other machines can reach
+/// must be the configured one, so that it was chosen on purpose.
 fn given(config: &Config, way: Way) -> io::Result<Option<std::net::TcpListener>> {
     let passed = PASSED.get_or_init(|| {
         let mut passed = ListenFd::from_env();
         (0..passed.len()).filter_map(|at| passed.take_tcp_listener(at).ok().flatten()).collect()
     });
     for listener in passed {
-        // Children that measure have no business with it.
+        // Measuring child processes must not inherit it.
         fcntl_setfd(listener, FdFlags::CLOEXEC)?;
         let address = listener.local_addr()?;
         let its_way = match address.ip().is_loopback() {
             true => Way::Local,
             false if config.page.network == Some(address) => Way::Network,
             false => {
-                let message = "the socket unit listens on an address that other machines can reach, \
-                               and page.network is another";
+                let message = "the socket unit listens on an address that other machines can \
+                               reach, but page.network is a different address";
                 return Err(io::Error::new(io::ErrorKind::AddrNotAvailable, message));
             }
         };

@@ -1,5 +1,5 @@
-//! One look for all who ask at the same time. However many ask, one look is under way and one is to
-//! come, and nobody is told what was before he asked.
+//! One look for all who ask at the same time. However many ask, at most one look is running and one is
+//! pending, and no caller gets a result from before its question.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -8,15 +8,15 @@ use tokio::sync::watch;
 use tokio::task::spawn_blocking;
 use tokio::time::timeout;
 
-/// A look is waited for so long. One that takes longer hangs on a disk, and goes on.
+/// How long to wait for a look. A look that takes longer hangs on a disk, and goes on.
 const PATIENCE: Duration = Duration::from_millis(1500);
 
-/// What is seen, by those who look and those who wait.
+/// A look that callers share.
 #[derive(Debug)]
 pub struct SharedLook<T> {
     patience: Duration,
     turns: Mutex<Turns>,
-    /// The number of the last look that ended, and what it saw.
+    /// The number of the last look that ended, and its result.
     seen: watch::Sender<(u64, Option<T>)>,
 }
 
@@ -24,7 +24,7 @@ pub struct SharedLook<T> {
 struct Turns {
     begun: u64,
     is_running: bool,
-    /// Somebody asked after the look that is under way had begun.
+    /// A caller asked after the running look had begun.
     is_wanted: bool,
 }
 
@@ -41,8 +41,8 @@ impl<T> SharedLook<T> {
 }
 
 impl<T: Clone + Send + Sync + 'static> SharedLook<T> {
-    /// What a look sees that begins now or later, on a thread that may block; none where it does not
-    /// end in time, or panicked.
+    /// The result of a look that begins now or later, on a thread that may block; `None` if it does not
+    /// end in time or panics.
     pub async fn of(self: &Arc<Self>, look: impl Fn() -> T + Send + Sync + 'static) -> Option<T> {
         let (number, is_ours) = {
             let mut turns = self.turns();
@@ -59,7 +59,7 @@ impl<T: Clone + Send + Sync + 'static> SharedLook<T> {
         seen.ok()?.ok()?.1.clone()
     }
 
-    /// Looks for as long as anybody wants it.
+    /// Looks as long as a caller wants it.
     async fn run(self: Arc<Self>, look: Arc<impl Fn() -> T + Send + Sync + 'static>) {
         loop {
             let number = {
@@ -118,7 +118,7 @@ mod tests {
                 tokio::spawn(async move { shared.of(unused).await })
             })
             .collect();
-        // Each has its number when it listens.
+        // Each caller has its number when it listens.
         while shared.seen.receiver_count() < 101 {
             tokio::task::yield_now().await;
         }

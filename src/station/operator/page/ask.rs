@@ -1,5 +1,5 @@
-//! What a person decides on the page. It is carried out by the control socket's own answers, and
-//! only for those who show the token from this endpoint's own page.
+//! What an operator decides on the page. The control socket's own answers carry it out, and only for
+//! clients that show the token from this endpoint's own page.
 
 use std::sync::Arc;
 
@@ -10,25 +10,26 @@ use axum::response::{IntoResponse, Response};
 use serde::Serialize;
 use tokio::task::spawn_blocking;
 
-use super::{HttpEndpoint, assets, guard};
+use super::endpoint::HttpEndpoint;
+use super::{assets, guard};
 use crate::flow::page::{of_fault, words};
 use crate::record::Language;
 use crate::station::operator::control::answer;
 use crate::station::operator::control::protocol::{self, Answer, FaultKind};
 
-/// The longest decision, bytes: an id fits many times over.
+/// The longest decision, bytes; an id fits many times over.
 const MOST: usize = 16 * 1024;
 
-/// What is said of a decision.
+/// The reply to a decision.
 #[derive(Serialize)]
 struct Said {
-    /// Stable code; none where it was carried out.
+    /// Stable code; `None` if it was carried out.
     code: Option<String>,
-    /// A sentence for the person.
+    /// A sentence for the operator.
     sentence: String,
 }
 
-/// Carries a decision out.
+/// Carries out a decision.
 pub async fn ask(State(endpoint): State<Arc<HttpEndpoint>>, request: Request) -> Response {
     if let Some(refused) = refusal(&endpoint, request.headers()) {
         return refused;
@@ -38,23 +39,23 @@ pub async fn ask(State(endpoint): State<Arc<HttpEndpoint>>, request: Request) ->
     };
     let asked = serde_json::from_slice::<protocol::Request>(&body).ok();
     let Some((asked, verb)) = asked.and_then(|asked| verb(&asked).map(|verb| (asked, verb))) else {
-        return refused(StatusCode::BAD_REQUEST, "malformed", "this is no decision");
+        return refused(StatusCode::BAD_REQUEST, "malformed", "this is not a decision");
     };
-    let language = endpoint.station.config.language;
+    let language = endpoint.desk.core.config.language;
     let answered = spawn_blocking(move || {
-        let answered = answer(&endpoint.station, &asked);
-        endpoint.station.page.feed.refresh();
+        let answered = answer(&endpoint.desk, &asked);
+        endpoint.desk.refresh();
         answered
     });
     match answered.await {
         Ok(answered) => said(answered, verb, language),
-        Err(_) => refused(StatusCode::INTERNAL_SERVER_ERROR, "panic", "the answer was cut off"),
+        Err(_) => refused(StatusCode::INTERNAL_SERVER_ERROR, "panic", "the answer was interrupted"),
     }
 }
 
 /// Gives a reader who shows the token the cookie for reading.
 pub async fn enter(State(endpoint): State<Arc<HttpEndpoint>>, headers: HeaderMap) -> Response {
-    let token = endpoint.station.page.token.get();
+    let token = endpoint.desk.token();
     match (refusal(&endpoint, &headers), token) {
         (None, Some(token)) => {
             let said = Said { code: None, sentence: String::new() };
@@ -65,16 +66,18 @@ pub async fn enter(State(endpoint): State<Arc<HttpEndpoint>>, headers: HeaderMap
     }
 }
 
-/// Why a request may decide nothing.
+/// Why a request must not decide anything.
 fn refusal(endpoint: &HttpEndpoint, headers: &HeaderMap) -> Option<Response> {
     if !guard::is_own(headers) {
         let why = "only the station's own page can decide";
         return Some(refused(StatusCode::FORBIDDEN, "origin", why));
     }
-    let token = endpoint.station.page.token.get();
+    let token = endpoint.desk.token();
     if !token.is_some_and(|token| token.is_shown_in(headers)) {
-        let why = match endpoint.station.config.language {
-            Language::En => "This link does not decide any more: gaiter page prints the right one.",
+        let why = match endpoint.desk.core.config.language {
+            Language::En => {
+                "This link is no longer valid for decisions: run gaiter page for a new one."
+            }
             Language::De => {
                 "Mit diesem Link kann nicht mehr entschieden werden: gaiter page zeigt \
                              den richtigen."
@@ -88,7 +91,7 @@ fn refusal(endpoint: &HttpEndpoint, headers: &HeaderMap) -> Option<Response> {
         .then(|| refused(StatusCode::UNSUPPORTED_MEDIA_TYPE, "media-type", "a decision is JSON"))
 }
 
-/// The verb of a decision; questions have other ways.
+/// The verb of a decision; `None` for queries, which have other routes.
 fn verb(request: &protocol::Request) -> Option<&'static str> {
     use protocol::Request;
     match request {

@@ -7,10 +7,11 @@ use axum::http::header::{CONTENT_TYPE, HeaderName};
 use axum::response::Html;
 use axum::routing::get;
 
-use super::{HttpEndpoint, Way};
+use super::endpoint::HttpEndpoint;
 use crate::flow::page::words::{LABELS, label, say};
 use crate::record::report::VIEWER;
 use crate::record::{Language, sha256};
+use crate::station::operator::http::listeners::Way;
 
 const PAGE: &str = include_str!("page.html");
 const KIOSK: &str = include_str!("kiosk.html");
@@ -18,12 +19,12 @@ const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = concat!(include_str!("decide.js"), include_str!("page.js"));
 const ICON: &str = include_str!("icon.svg");
 
-/// The header of an answer for programs.
+/// The content type of an answer for programs.
 pub const JSON: (HeaderName, &str) = (CONTENT_TYPE, "application/json");
 
 /// The page, the kiosk and what they load.
 pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
-    let language = endpoint.station.config.language;
+    let language = endpoint.desk.core.config.language;
     let html = |template: &str| Html(fill(template, language, endpoint.way));
     let (page, kiosk) = (html(PAGE), html(KIOSK));
     let script = |text: &'static str| ([(CONTENT_TYPE, "text/javascript; charset=utf-8")], text);
@@ -37,7 +38,7 @@ pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
         .route("/viewer.js", get(async move || script(VIEWER)))
 }
 
-/// What a page is made of: one that was loaded from another version loads itself anew.
+/// The version of the page; a page that was loaded from another version reloads itself.
 pub fn version(language: Language) -> String {
     let labels = labels(language);
     let parts = [env!("CARGO_PKG_VERSION"), PAGE, KIOSK, STYLE, SCRIPT, VIEWER, &labels];
@@ -45,7 +46,7 @@ pub fn version(language: Language) -> String {
     hash.chars().take(16).collect()
 }
 
-/// The labels as an object for the script. `<` would end the element in which it stands.
+/// The labels as an object for the script. `<` is escaped because it could end the enclosing element.
 fn labels(language: Language) -> String {
     let pairs = LABELS.iter().map(|(key, both)| format!("{key:?}:{:?}", say(language, *both)));
     format!("{{{}}}", pairs.collect::<Vec<_>>().join(",")).replace('<', "\\u003c")
@@ -86,7 +87,7 @@ mod tests {
         for key in used.iter().filter(|key| !own.contains(key)) {
             assert!(label(key, Language::En).is_some(), "{key} has no words");
         }
-        // What a scan can be asked for, and its files, are labels by their own names.
+        // The labels of decisions about a scan, and of its files, are found by their own names.
         let acts = ["assign", "give_up", "release", "retry", "unassign"];
         let files = ["legs.svg", "record.json", "report.html", "report.pdf"];
         for (key, _) in LABELS {

@@ -1,5 +1,5 @@
-//! Who is let in: requests that name this endpoint as their host, from the network for reading only.
-//! A page of another site that has its own name point to this machine (DNS rebinding) names itself.
+//! Admits requests that name this endpoint as their host, and from the network only reads. A page of
+//! another site whose name points to this machine (DNS rebinding) names that host and is refused.
 
 use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
@@ -9,14 +9,15 @@ use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Response};
 
-use super::{HttpEndpoint, Way};
+use super::endpoint::HttpEndpoint;
+use crate::station::operator::http::listeners::Way;
 
 /// What a page of this station may do: show what comes from here, and nothing else.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
                       connect-src 'self'; base-uri 'none'; form-action 'none'; \
                       frame-ancestors 'none'";
 
-/// Lets a request in, or says why not, and sets what holds for every answer.
+/// Admits a request or says why not, and sets the headers of every answer.
 pub async fn guard(
     State(endpoint): State<Arc<HttpEndpoint>>,
     request: Request,
@@ -43,13 +44,13 @@ pub async fn guard(
 fn refusal(endpoint: &HttpEndpoint, request: &Request) -> Option<Response> {
     if !host(request.headers()).is_some_and(|host| names(host, endpoint.address)) {
         let sentence =
-            format!("this is http://{}/, and no other name is answered\n", endpoint.address);
+            format!("this is http://{}/; no other host name is accepted\n", endpoint.address);
         return Some((StatusCode::MISDIRECTED_REQUEST, sentence).into_response());
     }
     let reads = [Method::GET, Method::HEAD].contains(request.method());
     (endpoint.way == Way::Network && !reads).then(|| {
-        let sentence = "nothing can be decided over the network, for without TLS the token could be \
-                        read on its way; open the page on the station itself\n";
+        let sentence = "no decisions over the network, because without TLS the token could be \
+                        intercepted; open the page on the station itself\n";
         (StatusCode::FORBIDDEN, sentence).into_response()
     })
 }
@@ -60,10 +61,10 @@ pub fn host(headers: &HeaderMap) -> Option<&str> {
 }
 
 /// Whether a host, with or without a port, is the one at this address. Only addresses and `localhost`
-/// are: any other name could be made to lead here.
+/// count: any other name could be made to point here.
 fn names(host: &str, address: SocketAddr) -> bool {
     let (name, port) = match host.rsplit_once(':') {
-        // The colons of an IPv6 address without a port stand in brackets.
+        // The colons of an IPv6 address without a port are inside brackets.
         Some((name, port)) if !port.ends_with(']') => (name, Some(port)),
         _ => (host, None),
     };
@@ -76,7 +77,7 @@ fn names(host: &str, address: SocketAddr) -> bool {
     is_port && is_name
 }
 
-/// Whether a request comes from a page of this very endpoint.
+/// Whether a request comes from a page of this same endpoint.
 pub fn is_own(headers: &HeaderMap) -> bool {
     let origin = headers.get(header::ORIGIN).and_then(|origin| origin.to_str().ok());
     let origin = origin.and_then(|origin| origin.strip_prefix("http://"));

@@ -1,5 +1,5 @@
-//! The snapshots as server-sent events: at once, whenever they change, and a beat in between by which
-//! a browser knows that the station lives. A stream ends with the station, or with its reader.
+//! The snapshots as server-sent events: at once and at every change, with a beat in between that tells
+//! a browser that the station is alive. A stream ends with the station or with its reader.
 
 use std::convert::Infallible;
 use std::pin::Pin;
@@ -16,16 +16,16 @@ use hyper::body::{Bytes, Frame};
 use tokio::sync::mpsc;
 use tokio::time::sleep;
 
-use super::HttpEndpoint;
-use crate::station::operator::http::Connection;
+use super::endpoint::HttpEndpoint;
+use crate::station::operator::http::connections::Connection;
 
-/// How often a beat goes out: a browser that has heard nothing for three beats looks for another way.
+/// How often a beat is sent: a browser that gets nothing for three beats tries another way.
 const BEAT: Duration = Duration::from_secs(10);
 
-/// How soon a browser whose stream has ended comes again, ms.
+/// How soon a browser reconnects after its stream has ended, ms.
 const RETRY_MS: u32 = 1000;
 
-/// A stream, or 503 where there are too many: the page asks for `/state` again and again then.
+/// A stream, or 503 if there are too many: then the page polls `/state`.
 pub async fn stream(
     State(endpoint): State<Arc<HttpEndpoint>>,
     Extension(connection): Extension<Arc<Connection>>,
@@ -33,7 +33,7 @@ pub async fn stream(
     headers: HeaderMap,
 ) -> Response {
     let Ok(place) = Arc::clone(&endpoint.streams).try_acquire_owned() else {
-        return (StatusCode::SERVICE_UNAVAILABLE, "too many look already\n").into_response();
+        return (StatusCode::SERVICE_UNAVAILABLE, "too many readers\n").into_response();
     };
     connection.becomes_stream();
     let shows_ids = endpoint.shows_ids(&headers, query.as_deref());
@@ -46,9 +46,9 @@ pub async fn stream(
     (kind, Body::new(Events(events))).into_response()
 }
 
-/// Tells a reader until he goes away or the station stops.
+/// Sends snapshots to a reader until it disconnects or the station stops.
 async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<String>) {
-    let mut snapshots = endpoint.station.page.feed.subscribe();
+    let mut snapshots = endpoint.desk.feed.subscribe();
     let mut stop = endpoint.stop.clone();
     let mut last = None;
     if sender.send(format!("retry: {RETRY_MS}\n\n")).await.is_err() {
@@ -69,14 +69,14 @@ async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<St
             () = sender.closed() => return,
             changed = snapshots.changed() => if changed.is_err() { return },
             () = sleep(BEAT) => {
-                // A reader who takes nothing has his last event still before him.
+                // If this fails, the reader still has the last event to read.
                 let _ = sender.try_send("event: beat\ndata:\n\n".to_owned());
             }
         }
     }
 }
 
-/// The events of one stream as the body of an answer.
+/// The events of one stream as the body of a response.
 struct Events(mpsc::Receiver<String>);
 
 impl hyper::body::Body for Events {

@@ -1,22 +1,18 @@
-//! What records and previews say of their scans, read in the background: a store that does
-//! not answer makes measures late, and never the page.
+//! What records and previews say about their scans, read in the background: a store that does not
+//! answer delays the measures, but never the page.
 
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use tokio::task::spawn_blocking;
-
-use super::files::FILES;
-use crate::flow::page::Told;
+use crate::flow::page::{FILES, Told};
 use crate::record::{Language, Record, RecordSummary};
-use crate::station::assembly::Station;
 use crate::store::revision;
 
-/// What was read is read anew after this time: a report may have been made since.
+/// A summary is read again after this time: a report may have been made since.
 const FRESH: Duration = Duration::from_secs(60);
 
 /// A record that could not be read is tried again after this time.
@@ -32,7 +28,7 @@ pub struct Summaries(Mutex<Inner>);
 #[derive(Debug, Default)]
 struct Inner {
     known: BTreeMap<String, Known>,
-    /// A thread reads, or hangs on the store.
+    /// A thread is reading, or hangs on the store.
     is_reading: bool,
     /// Grows with every change.
     edition: u64,
@@ -46,14 +42,14 @@ struct Known {
 }
 
 impl Summaries {
-    /// What is known of a scan's record in this folder.
+    /// What is known about a scan's record in this folder.
     pub fn of(&self, scan: &str, folder: &Path) -> Option<Told> {
         let inner = self.inner();
         let known = inner.known.get(scan).filter(|known| known.folder == folder);
         known.map(|known| known.told.clone())
     }
 
-    /// Grows whenever something else is known.
+    /// Grows whenever what is known changes.
     pub fn edition(&self) -> u64 {
         self.inner().edition
     }
@@ -62,8 +58,8 @@ impl Summaries {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Forgets all records but these; those among them that must be read, if nobody reads yet.
-    fn due(&self, records: Vec<(String, PathBuf)>, now: Duration) -> Vec<(String, PathBuf)> {
+    /// Forgets all other records. Returns those to be read, or none while a thread is reading.
+    pub fn due(&self, records: Vec<(String, PathBuf)>, now: Duration) -> Vec<(String, PathBuf)> {
         let mut inner = self.inner();
         inner.known.retain(|scan, _| records.iter().any(|(wanted, _)| wanted == scan));
         if inner.is_reading {
@@ -80,7 +76,13 @@ impl Summaries {
         due
     }
 
-    fn note(&self, scan: String, folder: PathBuf, told: Told, now: Duration) {
+    /// Notes that the records that were due have been read.
+    pub fn all_read(&self) {
+        self.inner().is_reading = false;
+    }
+
+    /// Notes what a scan's record in this folder says, read at the time `now` of the station's clock.
+    pub fn note(&self, scan: String, folder: PathBuf, told: Told, now: Duration) {
         let mut inner = self.inner();
         let before = inner.known.get(&scan).map(|known| &known.told);
         if before != Some(&told) {
@@ -90,24 +92,9 @@ impl Summaries {
     }
 }
 
-/// Reads in the background what is not known of these records.
-pub fn read(station: &Arc<Station>, records: Vec<(String, PathBuf)>) {
-    let due = station.page.summaries.due(records, station.now());
-    if due.is_empty() {
-        return;
-    }
-    let station = Arc::clone(station);
-    spawn_blocking(move || {
-        for (scan, folder) in due {
-            let told = told(&revision::latest(&folder), station.config.language);
-            station.page.summaries.note(scan, folder, told, station.now());
-        }
-        station.page.summaries.inner().is_reading = false;
-        station.page.feed.refresh();
-    });
-}
-
-fn told(folder: &Path, language: Language) -> Told {
+/// What the record in this folder, or its latest revision, says. Blocks as long as the store does.
+pub fn read(folder: &Path, language: Language) -> Told {
+    let folder = revision::latest(folder);
     let is_there = |name: &&str| folder.join(name).is_file();
     let record = record(&folder.join("record.json"));
     Told {

@@ -1,5 +1,5 @@
-//! The token without which nothing can be decided on the page: a file of the state folder, for the
-//! station's user only, as the control socket is.
+//! The token that is needed to decide on the page: a file in the state folder, for the station's user
+//! only, like the control socket.
 
 use std::fs::{self, File};
 use std::hint::black_box;
@@ -16,22 +16,22 @@ use crate::store::durable;
 /// The token's file in the state folder.
 pub const FILE: &str = "page-token";
 
-/// The system's randomness, which never ends and is fit for secrets.
+/// The system's random source, which never ends and is fit for secrets.
 const RANDOM: &str = "/dev/urandom";
 
-/// How much of it a token is: nobody guesses 256 bits.
+/// The length of a token: 256 bits cannot be guessed.
 const BYTES: usize = 32;
 
-/// What allows reading only, for pages and files that a browser opens by itself.
+/// The cookie that only allows reading, for pages and files that a browser opens by itself.
 const COOKIE: &str = "gaiter-reader";
 
-/// The station's token, and what is made of it for reading.
+/// The station's token, and the word for reading that is derived from it.
 pub struct Token {
     word: String,
     reading: String,
 }
 
-/// A token is nobody's business, a log's least of all.
+/// A token must never be printed, least of all in a log.
 impl std::fmt::Debug for Token {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str("Token")
@@ -39,10 +39,10 @@ impl std::fmt::Debug for Token {
 }
 
 impl Token {
-    /// The token of this state folder; made where there is none, or none that can be one.
+    /// The token of this state folder; created if it is missing or malformed.
     ///
     /// # Errors
-    /// Where its file can be neither read nor made.
+    /// If its file can be neither read nor created.
     pub fn take(state_dir: &Path) -> io::Result<Token> {
         let path = state_dir.join(FILE);
         match fs::read_to_string(&path) {
@@ -56,7 +56,7 @@ impl Token {
         let mut random = [0_u8; BYTES];
         File::open(RANDOM)?.read_exact(&mut random)?;
         let word: String = random.iter().map(|byte| format!("{byte:02x}")).collect();
-        // Written beside and renamed, so that half a token is never found.
+        // Written to another file and renamed, so that half a token is never found.
         let beside = state_dir.join(format!(".{FILE}"));
         match fs::remove_file(&beside) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
@@ -69,10 +69,10 @@ impl Token {
         Ok(Token::of(&word))
     }
 
-    /// A new token of this state folder, in place of the one there is.
+    /// Replaces the token of this state folder with a new one.
     ///
     /// # Errors
-    /// As of [`Token::take`].
+    /// As for [`Token::take`].
     pub fn renew(state_dir: &Path) -> io::Result<Token> {
         match fs::remove_file(state_dir.join(FILE)) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
@@ -92,8 +92,8 @@ impl Token {
         &self.word
     }
 
-    /// The cookie that allows reading. Cookies are sent to every port of this machine, so it is not
-    /// the token, and nothing can be decided with it.
+    /// The cookie that allows reading. Cookies are sent to every port of this machine, so it is not the
+    /// token and cannot decide anything.
     pub fn cookie(&self) -> String {
         format!("{COOKIE}={}; Path=/; HttpOnly; SameSite=Strict", self.reading)
     }
@@ -118,7 +118,7 @@ fn is_one(text: &str) -> bool {
     text.len() == 2 * BYTES && text.bytes().all(|byte| byte.is_ascii_hexdigit())
 }
 
-/// Whether two words are the same, in a time that does not tell how far they agree.
+/// Whether two words are the same, in a time that does not reveal how far they agree.
 fn same(a: &str, b: &str) -> bool {
     let differ = a.bytes().zip(b.bytes()).fold(0, |differ, (a, b)| black_box(differ | (a ^ b)));
     a.len() == b.len() && differ == 0

@@ -1,0 +1,36 @@
+//! Colours, used if the output is a terminal that is not dumb and `NO_COLOR` does not forbid them.
+//! `CLICOLOR_FORCE` turns them on for pipes. A colour only repeats what the words say.
+
+use std::fmt::Display;
+use std::io::{self, Write};
+
+use anstyle::{AnsiColor, Style};
+
+/// All is well.
+pub const GOOD: Style = AnsiColor::Green.on_default().bold();
+
+/// Needs attention.
+pub const CARE: Style = AnsiColor::Yellow.on_default().bold();
+
+/// Something is wrong.
+pub const BAD: Style = AnsiColor::Red.on_default().bold();
+
+/// The label of a figure.
+pub const LABEL: Style = AnsiColor::Cyan.on_default();
+
+/// A text with a colour.
+pub fn painted(style: Style, text: impl Display) -> String {
+    format!("{style}{text}{style:#}")
+}
+
+/// Writes a text with colours to standard output; see [`crate::cli::print`].
+///
+/// # Errors
+/// See [`crate::cli::print`].
+pub fn print(text: impl Display) -> io::Result<()> {
+    let mut out = anstream::stdout().lock();
+    match write!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}

@@ -1,0 +1,71 @@
+//! The terminal on standard output, and text that fits it.
+
+use std::env;
+use std::io::{self, IsTerminal};
+
+use rustix::termios::tcgetwinsize;
+
+/// The assumed size of a terminal that does not report one.
+const USUAL: Size = Size { columns: 80, lines: 24 };
+
+/// Size of a terminal in characters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Size {
+    /// Width.
+    pub columns: usize,
+    /// Height.
+    pub lines: usize,
+}
+
+/// The size of the terminal on standard output. `None` if it is not a terminal.
+pub fn size() -> Option<Size> {
+    let out = io::stdout();
+    if !out.is_terminal() {
+        return None;
+    }
+    let told = tcgetwinsize(&out).ok().filter(|told| told.ws_col > 0 && told.ws_row > 0);
+    let size = |told: rustix::termios::Winsize| Size {
+        columns: usize::from(told.ws_col),
+        lines: usize::from(told.ws_row),
+    };
+    Some(told.map_or(USUAL, size))
+}
+
+/// Whether standard output is a terminal on which text can be redrawn in place.
+pub fn can_renew() -> bool {
+    let term = env::var_os("TERM");
+    io::stdout().is_terminal() && term.is_some_and(|term| !term.is_empty() && term != "dumb")
+}
+
+/// Wraps a text into lines of at most this many characters, at spaces only. A longer word, such as an
+/// id, stays whole. Without a width the text is one line.
+pub fn wrapped(text: &str, columns: Option<usize>) -> Vec<String> {
+    let Some(columns) = columns else { return vec![text.to_owned()] };
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= columns => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_are_parted_at_spaces_and_words_stay_whole() {
+        let text = "abcd1234 has waited 3 minutes for its record";
+        let lines = wrapped(text, Some(20));
+        assert_eq!(lines, ["abcd1234 has waited", "3 minutes for its", "record"]);
+        assert_eq!(lines.join(" "), text, "nothing is lost");
+        assert_eq!(wrapped("one 0123456789", Some(5)), ["one", "0123456789"]);
+        assert_eq!(wrapped(text, None), [text]);
+        assert_eq!(wrapped("", Some(5)), [""]);
+    }
+}

@@ -1,0 +1,152 @@
+//! What all workers of a station share: configuration, custody, stores, board, clock. It does not depend
+//! on workers, booth or page.
+
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Duration;
+
+use tokio::sync::Notify;
+
+use super::admission::Gate;
+use super::board::Board;
+use super::custody::Custody;
+use super::error::StationError;
+use super::event::Observer;
+use super::journal::JournalError;
+use super::journal::integrity::suspicion::Suspicion;
+use super::rebuild;
+use super::runtime::causes::chain;
+use super::runtime::clock::Clock;
+use super::stores::Stores;
+use crate::config::Config;
+use crate::flow::facts::IntakeState;
+use crate::flow::{Facts, Identity, ScanId};
+
+/// What the workers of a station share.
+#[derive(Debug)]
+pub struct Core {
+    /// The configuration.
+    pub config: Config,
+    /// The rules for patients' ids.
+    pub identity: Identity,
+    /// Spool, journal and quarantine.
+    pub custody: Custody,
+    /// Where records go.
+    pub stores: Stores,
+    /// What the workers know, for others to read.
+    pub board: Board,
+    /// Receives the station's events.
+    pub observer: Observer,
+    /// Tells the delivery that the journal has something new; only a hint.
+    pub work: Notify,
+    /// Requests a rebuild of the journal.
+    pub ruin: Notify,
+    /// Errors that may or may not mean that the journal is damaged.
+    pub suspicion: Suspicion,
+    /// The station's own clock.
+    pub clock: Clock,
+    gate: Gate,
+    paused: AtomicBool,
+    to_retry_now: Mutex<Vec<ScanId>>,
+}
+
+/// What a start has found and created.
+#[derive(Debug)]
+pub struct Found {
+    /// The configuration.
+    pub config: Config,
+    /// The rules for patients' ids.
+    pub identity: Identity,
+    /// Spool, journal and quarantine, as the last run left them.
+    pub custody: Custody,
+    /// Where records go.
+    pub stores: Stores,
+    /// What is known so far.
+    pub facts: Facts,
+    /// Receives the station's events.
+    pub observer: Observer,
+}
+
+impl Core {
+    /// The core of a station that starts now.
+    pub fn new(found: Found) -> Core {
+        let Found { config, identity, custody, stores, facts, observer } = found;
+        let gate = Gate::new(config.station.state_dir.clone(), config.station.disk_floor_bytes);
+        let paused = AtomicBool::new(facts.intake == IntakeState::Paused);
+        Core {
+            config,
+            identity,
+            custody,
+            stores,
+            board: Board::new(facts),
+            observer,
+            work: Notify::new(),
+            ruin: Notify::new(),
+            suspicion: Suspicion::default(),
+            clock: Clock::start(),
+            gate,
+            paused,
+            to_retry_now: Mutex::default(),
+        }
+    }
+
+    /// The current time of the station's own clock.
+    pub fn now(&self) -> Duration {
+        self.clock.now()
+    }
+
+    /// Decides whether `size_bytes` may be taken in now, and notes it on the board. Blocks.
+    pub fn intake_gate(&self, size_bytes: u64) -> IntakeState {
+        self.gate.judge(size_bytes, self.is_paused(), &self.board)
+    }
+
+    /// Whether an operator has paused the station.
+    pub fn is_paused(&self) -> bool {
+        self.paused.load(Ordering::Relaxed)
+    }
+
+    /// Notes that an operator has paused or resumed the station.
+    pub fn set_paused(&self, paused: bool) {
+        self.paused.store(paused, Ordering::Relaxed);
+    }
+
+    /// Requests that the deliveries of a scan are tried now.
+    pub fn retry_now(&self, scan: &ScanId) {
+        self.to_retry_now.lock().unwrap_or_else(PoisonError::into_inner).push(scan.clone());
+    }
+
+    /// Takes the scans that are to be tried now.
+    pub fn to_retry_now(&self) -> Vec<ScanId> {
+        std::mem::take(&mut *self.to_retry_now.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Requests a rebuild of the journal if the error means corruption, and a check if it leaves that
+    /// open.
+    pub fn check_corruption(&self, error: &(dyn std::error::Error + 'static)) {
+        match JournalError::among_causes(error) {
+            Some(fault) if fault.is_ruin() => self.ruin.notify_one(),
+            Some(fault) if fault.is_suspicious() => self.suspicion.tell(chain(error)),
+            _ => {}
+        }
+    }
+
+    /// The same, but also returns the text of the error.
+    pub fn checked_text(&self, error: &(dyn std::error::Error + 'static)) -> String {
+        self.check_corruption(error);
+        chain(error)
+    }
+
+    /// Sets a journal aside that proved corrupt in use: opened again it may look intact.
+    ///
+    /// # Errors
+    /// If its files cannot be renamed.
+    pub fn give_up_journal(&self) -> Result<(), StationError> {
+        rebuild::give_up(&journal_file(&self.config), self.custody.journal())
+    }
+}
+
+/// The path of the journal for this configuration.
+pub fn journal_file(config: &Config) -> PathBuf {
+    config.station.state_dir.join("journal.db")
+}

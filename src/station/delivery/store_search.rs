@@ -1,0 +1,49 @@
+//! Searches a store for records that a rebuilt journal does not know.
+
+use tracing::info;
+
+use crate::station::custody::{Custody, CustodyFault};
+use crate::station::journal::JournalError;
+use crate::store::{RecordStore, StoreFault};
+
+/// Why a store was not searched completely.
+#[derive(Debug, thiserror::Error)]
+pub enum SearchFault {
+    /// The store is out of reach.
+    #[error("searching the store failed")]
+    Store(#[source] StoreFault),
+    /// A record that was found could not be entered.
+    #[error(transparent)]
+    Custody(#[from] CustodyFault),
+    /// The journal failed.
+    #[error(transparent)]
+    Journal(#[from] JournalError),
+}
+
+/// Enters every record that a store holds into the journal. Records that must not stay there because of
+/// an operator's decision come last, when all others are known.
+///
+/// # Errors
+/// See [`SearchFault`]; what was entered stays, and the store is searched again.
+pub fn search(custody: &Custody, store: &RecordStore) -> Result<(), SearchFault> {
+    let records = store.records().map_err(SearchFault::Store)?;
+    let mut against = Vec::new();
+    for record in &records {
+        match custody.contradicts(record)? {
+            true => against.push(record),
+            false => custody.found(record, store.name())?,
+        }
+    }
+    for record in against {
+        let stored = match custody.holds(&record.scan) {
+            true => None,
+            false => store
+                .stored_scan(&record.scan, record.patient.as_deref())
+                .map_err(SearchFault::Store)?,
+        };
+        custody.found_against(record, store.name(), stored)?;
+    }
+    custody.journal().searched(store.name())?;
+    info!(event = "store-searched", store = store.name(), records = records.len());
+    Ok(())
+}

@@ -1,0 +1,131 @@
+//! Deletes what is past its retention, once an hour, but nothing that is still to be delivered; and soon
+//! after, what could not be removed when it was due. It also reports the station's state to the service
+//! manager and checks the journal after errors.
+
+use std::sync::Arc;
+use std::time::Duration;
+
+use jiff::Timestamp;
+use tokio::task::{JoinError, spawn_blocking};
+use tokio::time::sleep;
+use tracing::{error, info, warn};
+
+use super::core::Core;
+use super::custody::CustodyFault;
+use super::custody::wall_clock::Timekeeper;
+use super::overview::Overview;
+use super::runtime::beat::Beat;
+use super::runtime::causes::chain;
+use super::runtime::stop::Stop;
+use super::service::{status_line, tell_status};
+use crate::flow::facts::Alarm;
+use crate::flow::retention::before;
+
+/// Interval between deletions.
+const ROUND: Duration = Duration::from_secs(3600);
+
+/// Interval at which the service manager is told the station's state, if it has changed.
+const STATUS: Duration = Duration::from_secs(30);
+
+/// Interval of the worker's heartbeat and of its readings of the wall clock.
+const BREATH: Duration = Duration::from_secs(1);
+
+/// Least time between checks of the journal: each reads the whole journal.
+const CHECK_PAUSE: Duration = Duration::from_secs(60);
+
+/// Alarm: an intact journal refuses a statement of the station.
+const REFUSES: &str = "journal-refuses";
+
+/// Deletes what is past its retention until asked to stop.
+///
+/// # Errors
+/// If a round panicked.
+pub async fn worker(core: Arc<Core>, beat: Beat, mut stop: Stop) -> Result<(), JoinError> {
+    let mut next = core.now();
+    let (mut next_status, mut said) = (core.now(), String::new());
+    let (mut next_check, mut timekeeper) = (Duration::ZERO, Timekeeper::default());
+    while !stop.is_requested() {
+        beat.beat();
+        let round_is_due = core.now() >= next;
+        if round_is_due {
+            next = core.now() + ROUND;
+        }
+        let round = Arc::clone(&core);
+        let kept = spawn_blocking(move || {
+            let kept = keep(&round, &mut timekeeper, round_is_due);
+            (kept, timekeeper)
+        });
+        let (kept, told) = kept.await?;
+        timekeeper = told;
+        if let Err(fault) = kept {
+            core.check_corruption(&fault);
+            warn!(event = "housekeeping-failed", error = chain(&fault));
+        }
+        if core.now() >= next_status {
+            next_status = core.now() + STATUS;
+            let core = Arc::clone(&core);
+            let line = spawn_blocking(move || status_line(&Overview::take(&core))).await?;
+            if line != said {
+                tell_status(&line);
+                said = line;
+            }
+        }
+        tokio::select! {
+            () = stop.requested() => break,
+            () = sleep(BREATH) => {}
+            () = core.suspicion.told(), if core.now() >= next_check => {
+                next_check = core.now() + CHECK_PAUSE;
+                let core = Arc::clone(&core);
+                spawn_blocking(move || check_journal(&core)).await?;
+            }
+        }
+    }
+    Ok(())
+}
+
+fn keep(core: &Core, timekeeper: &mut Timekeeper, round_is_due: bool) -> Result<(), CustodyFault> {
+    let now = timekeeper.look(core.custody.journal(), &core.clock, round_is_due)?;
+    core.custody.tidy()?;
+    if round_is_due { let_go(core, now) } else { Ok(()) }
+}
+
+/// Deletes what is past its retention at this time.
+fn let_go(core: &Core, now: Timestamp) -> Result<(), CustodyFault> {
+    let (custody, kept) = (&core.custody, core.config.retention);
+    let mut gone = [0; 3];
+    // With a retention of zero, the age does not matter.
+    let spool_now = if kept.spool.is_zero() { Timestamp::now() } else { now };
+    if let Some(before) = before(Some(kept.spool), spool_now) {
+        gone[0] = custody.let_go_spooled(before)?;
+    }
+    if let Some(before) = before(kept.quarantine, now) {
+        gone[1] = custody.let_go_quarantined(before)?;
+    }
+    if let Some(before) = before(kept.journal, now) {
+        gone[2] = custody.forget(before)?;
+    }
+    if gone != [0; 3] {
+        let [spooled, quarantined, scans] = gone;
+        info!(event = "let-go", spooled, quarantined, scans);
+    }
+    Ok(())
+}
+
+/// Checks the journal after an error that may or may not mean damage. Blocks.
+fn check_journal(core: &Core) {
+    let Some(why) = core.suspicion.taken() else { return };
+    match core.custody.journal().check() {
+        Ok(()) => {
+            error!(event = "journal-refuses", error = why);
+            let message = format!("the journal is intact but rejects a statement: {why}");
+            let alarm = Alarm { message, since: Timestamp::now() };
+            core.board.note(|facts| _ = facts.alarms.entry(REFUSES).or_insert(alarm));
+        }
+        Err(fault) => {
+            warn!(event = "journal-failed", error = chain(&fault));
+            if fault.is_ruin() {
+                core.ruin.notify_one();
+            }
+        }
+    }
+}

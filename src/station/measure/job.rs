@@ -1,0 +1,192 @@
+//! The messages to and from the measuring process, as bytes on pipes.
+
+use std::io::{self, BufRead, Read, Write};
+use std::time::Duration;
+
+use serde::{Deserialize, Serialize};
+
+use crate::flow::confinement::Confine;
+use crate::record::{Provenance, RecordFile};
+
+/// The longest line before the bytes; a configuration has some kilobytes.
+const LINE_MAX: u64 = 1 << 20;
+
+/// The limits of a measuring process.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Limits {
+    /// Address space, bytes.
+    pub memory_bytes: u64,
+    /// Processor time of all threads together.
+    pub cpu: Duration,
+    /// Time from its start to its answer.
+    pub wall: Duration,
+}
+
+/// The line before the bytes of the scan and of its measurement file.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Job {
+    /// The text of the station's configuration: method and output.
+    pub config: String,
+    /// Where the scan comes from.
+    pub provenance: Provenance,
+    /// The ending of its format.
+    pub ending: String,
+    /// How many bytes of scan follow.
+    pub scan_bytes: u64,
+    /// How many files of the scanner's own measures came with the scan.
+    pub ord_files: usize,
+    /// How many bytes of such a file follow the scan; 0 if there is not exactly one.
+    pub ord_bytes: u64,
+    /// The number of threads that measure it.
+    pub threads: usize,
+    /// The limits of the process.
+    pub limits: Limits,
+    /// Whether it measures even if it cannot be confined.
+    pub confine: Confine,
+}
+
+/// The answer of a measuring process that finished.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Answer {
+    /// The record's files except the scan's own bytes, `SHA256SUMS` last.
+    Files(Vec<RecordFile>),
+    /// The scan cannot be measured.
+    Refused {
+        /// Stable code.
+        code: String,
+        /// Message for people.
+        message: String,
+    },
+}
+
+/// The line before the bytes of an answer.
+#[derive(Debug, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Header {
+    Files(Vec<(String, u64)>),
+    Refused { code: String, message: String },
+}
+
+impl Job {
+    /// Writes the line.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
+        write_line(to, self)
+    }
+
+    /// Reads the line; the bytes follow in `from`.
+    ///
+    /// # Errors
+    /// Any I/O error; `InvalidData` if the line is not a job.
+    pub fn read(from: &mut impl BufRead) -> io::Result<Job> {
+        read_line(from)
+    }
+}
+
+impl Answer {
+    /// Writes the whole answer.
+    ///
+    /// # Errors
+    /// Any I/O error.
+    pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
+        match self {
+            Answer::Files(files) => {
+                let names = files.iter().map(|file| (file.name.clone(), len(&file.bytes)));
+                write_line(to, &Header::Files(names.collect()))?;
+                files.iter().try_for_each(|file| to.write_all(&file.bytes))?;
+            }
+            Answer::Refused { code, message } => {
+                let (code, message) = (code.clone(), message.clone());
+                write_line(to, &Header::Refused { code, message })?;
+            }
+        }
+        to.flush()
+    }
+
+    /// Reads the whole answer, of at most `most` bytes.
+    ///
+    /// # Errors
+    /// Any I/O error; `UnexpectedEof` if the process ended in the middle; `InvalidData` if it is not an
+    /// answer.
+    pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<Answer> {
+        let names = match read_line(from)? {
+            Header::Refused { code, message } => return Ok(Answer::Refused { code, message }),
+            Header::Files(names) => names,
+        };
+        let mut left = most;
+        let mut files = Vec::with_capacity(names.len().min(64));
+        for (name, length) in names {
+            left = left.checked_sub(length).ok_or_else(|| invalid("the answer is too long"))?;
+            let mut bytes = Vec::new();
+            if from.take(length).read_to_end(&mut bytes)? as u64 != length {
+                return Err(io::ErrorKind::UnexpectedEof.into());
+            }
+            files.push(RecordFile { name, bytes });
+        }
+        Ok(Answer::Files(files))
+    }
+}
+
+fn len(bytes: &[u8]) -> u64 {
+    bytes.len() as u64
+}
+
+fn write_line(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
+    let mut line = serde_json::to_vec(value)?;
+    line.push(b'\n');
+    to.write_all(&line)
+}
+
+fn read_line<T: serde::de::DeserializeOwned>(from: &mut impl BufRead) -> io::Result<T> {
+    let mut line = Vec::new();
+    from.take(LINE_MAX).read_until(b'\n', &mut line)?;
+    if line.last() != Some(&b'\n') {
+        return Err(io::ErrorKind::UnexpectedEof.into());
+    }
+    serde_json::from_slice(&line).map_err(invalid)
+}
+
+fn invalid(why: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, why)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn file(name: &str, bytes: &[u8]) -> RecordFile {
+        RecordFile { name: name.to_owned(), bytes: bytes.to_vec() }
+    }
+
+    fn written(answer: &Answer) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        answer.write(&mut bytes).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn an_answer_reads_back() {
+        let files = vec![file("record.json", b"{\n}\n"), file("empty", b""), file("S", b"\0\xff")];
+        let refused = Answer::Refused { code: "no-leg".into(), message: "line\nbreak".into() };
+        for answer in [Answer::Files(files), refused] {
+            assert_eq!(Answer::read(&mut &written(&answer)[..], 100).unwrap(), answer);
+        }
+    }
+
+    #[test]
+    fn an_answer_that_ends_anywhere_before_its_end_is_none() {
+        let whole = written(&Answer::Files(vec![file("a", b"abc"), file("b", b"defg")]));
+        for end in 0..whole.len() {
+            let fault = Answer::read(&mut &whole[..end], 100).unwrap_err();
+            assert_eq!(fault.kind(), io::ErrorKind::UnexpectedEof, "{end}");
+        }
+    }
+
+    #[test]
+    fn an_answer_that_would_fill_the_memory_is_not_read() {
+        let long = written(&Answer::Files(vec![file("a", &[0; 60]), file("b", &[0; 60])]));
+        assert!(Answer::read(&mut &long[..], 100).is_err());
+    }
+}

@@ -1,0 +1,192 @@
+//! The station's side of a measurement: starts the process, feeds it, ends it in time and reports how
+//! it ended.
+
+use std::fs::{self, File};
+use std::io::{self, BufReader, Read, Write};
+use std::path::Path;
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use super::VERB;
+use super::job::{Answer, Job};
+use super::trouble::Trouble;
+use crate::flow::ScanId;
+use crate::store::sums;
+
+/// This same program, even if the file it was started from has been replaced.
+const SELF: &str = "/proc/self/exe";
+
+/// Settings of the C library's allocator for the process. A measurement takes some 60 MB and gives
+/// nothing back until it ends. From one heap, of huge pages if there are any, that costs 500 page
+/// faults; with the library's own rules it costs 10 600, which take a tenth of a measurement. Pieces of
+/// more than 32 MB are mapped one by one as usual, so that growing them leaves no holes. Other C
+/// libraries do not know the variable and ignore it.
+const ALLOCATOR: (&str, &str) = (
+    "GLIBC_TUNABLES",
+    "glibc.malloc.arena_max=1:glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:\
+     glibc.malloc.trim_threshold=1073741824:glibc.malloc.top_pad=67108864",
+);
+
+/// A longer answer is refused; a record has a few megabytes.
+const ANSWER_MAX_BYTES: u64 = 1 << 30;
+
+/// How much of a process's error output is kept.
+const COMPLAINT_MAX_BYTES: u64 = 400;
+
+/// How a measurement ended.
+#[derive(Debug)]
+pub enum Measured {
+    /// With an answer.
+    Answered(Answer),
+    /// Its process exceeded a limit, or ended without an answer.
+    Trouble(Trouble),
+}
+
+/// Why a measurement could not run to any end; it may succeed later.
+#[derive(Debug, thiserror::Error)]
+pub enum MeasureFault {
+    /// The spooled files could not be read.
+    #[error("the spool could not be read")]
+    Spool(#[source] io::Error),
+    /// The process could not be started or could not be fed.
+    #[error("the measuring process could not be started")]
+    NotStarted(#[source] io::Error),
+}
+
+/// Measures a spooled scan in its own process. Blocks.
+///
+/// # Errors
+/// See [`MeasureFault`].
+pub fn measure(
+    scan: &ScanId,
+    job: &Job,
+    scan_file: &Path,
+    ord_file: Option<&Path>,
+) -> Result<Measured, MeasureFault> {
+    let files = [Some(scan_file), ord_file].into_iter().flatten();
+    let files: Vec<File> =
+        files.map(File::open).collect::<io::Result<_>>().map_err(MeasureFault::Spool)?;
+    run(scan, job, files)
+}
+
+/// Whether a measuring process can answer here and now: it gets bytes that are not a scan. Blocks.
+///
+/// # Errors
+/// See [`MeasureFault`].
+pub fn answers(job: &Job) -> Result<bool, MeasureFault> {
+    let bytes: &[u8] = b"no scan\n";
+    let job = Job { scan_bytes: bytes.len() as u64, ord_files: 0, ord_bytes: 0, ..job.clone() };
+    let answered = run(&sums::scan_id(bytes), &job, vec![bytes])?;
+    Ok(matches!(answered, Measured::Answered(_)))
+}
+
+fn run(scan: &ScanId, job: &Job, files: Vec<impl Read>) -> Result<Measured, MeasureFault> {
+    let (child, pipes) = start(scan).map_err(MeasureFault::NotStarted)?;
+    let child = Mutex::new(child);
+    let shared = &child;
+    let (done, ended) = mpsc::channel::<()>();
+    let (fed, answer, too_late) = thread::scope(|scope| {
+        let killer = scope.spawn(move || {
+            if ended.recv_timeout(job.limits.wall) != Err(RecvTimeoutError::Timeout) {
+                return None;
+            }
+            let mut child = shared.lock().unwrap_or_else(PoisonError::into_inner);
+            let cpu = cpu_of(child.id());
+            // It may just have ended by itself, which is fine.
+            let _ = child.kill();
+            Some(cpu)
+        });
+        let fed = feed(pipes.input, job, files);
+        let answer = Answer::read(&mut BufReader::new(pipes.output), ANSWER_MAX_BYTES);
+        drop(done);
+        (fed, answer, killer.join().unwrap_or(None))
+    });
+    let mut child = child.into_inner().unwrap_or_else(PoisonError::into_inner);
+    let unanswered = match answer {
+        Ok(answer) => {
+            // It has nothing more to say and does not need to clean up.
+            end(&mut child).map_err(MeasureFault::NotStarted)?;
+            return Ok(Measured::Answered(answer));
+        }
+        Err(error) => error,
+    };
+    if let Err(error) = fed
+        && too_late.is_none()
+        && !is_closed(&error)
+    {
+        // The spool could not be read; the process still waits for the rest.
+        end(&mut child).map_err(MeasureFault::NotStarted)?;
+        return Err(MeasureFault::Spool(error));
+    }
+    if unanswered.kind() == io::ErrorKind::InvalidData {
+        end(&mut child).map_err(MeasureFault::NotStarted)?;
+    }
+    let status = child.wait().map_err(MeasureFault::NotStarted)?;
+    let complaint = complaint(pipes.complaints);
+    Ok(Measured::Trouble(Trouble::of(status, too_late, &job.limits, &complaint)))
+}
+
+struct Pipes {
+    input: ChildStdin,
+    output: ChildStdout,
+    complaints: ChildStderr,
+}
+
+fn start(scan: &ScanId) -> io::Result<(Child, Pipes)> {
+    let mut child = Command::new(SELF)
+        .args([VERB, scan.as_str()])
+        .env_clear()
+        .env(ALLOCATOR.0, ALLOCATOR.1)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()?;
+    match (child.stdin.take(), child.stdout.take(), child.stderr.take()) {
+        (Some(input), Some(output), Some(complaints)) => {
+            Ok((child, Pipes { input, output, complaints }))
+        }
+        _ => {
+            end(&mut child)?;
+            Err(io::Error::other("a pipe to the measuring process is missing"))
+        }
+    }
+}
+
+/// The processor time of a running process, all its threads together; `None` if unknown.
+fn cpu_of(pid: u32) -> Option<Duration> {
+    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    // After the name, which may contain anything: utime and stime are fields 14 and 15 of the line.
+    let (_, fields) = stat.rsplit_once(')')?;
+    let mut fields = fields.split_whitespace().skip(11);
+    let mut ticks = || fields.next()?.parse::<u64>().ok();
+    let ticks = ticks()? + ticks()?;
+    Some(Duration::from_millis(ticks * 1000 / rustix::param::clock_ticks_per_second()))
+}
+
+fn end(child: &mut Child) -> io::Result<ExitStatus> {
+    child.kill()?;
+    child.wait()
+}
+
+fn feed(mut input: impl Write, job: &Job, files: Vec<impl Read>) -> io::Result<()> {
+    job.write(&mut input)?;
+    for mut file in files {
+        io::copy(&mut file, &mut input)?;
+    }
+    input.flush()
+}
+
+/// Whether the process stopped reading; its answer or its end explains why.
+fn is_closed(error: &io::Error) -> bool {
+    error.kind() == io::ErrorKind::BrokenPipe
+}
+
+fn complaint(from: impl Read) -> String {
+    let mut text = Vec::new();
+    // Output that cannot be read is left out.
+    let _ = from.take(COMPLAINT_MAX_BYTES).read_to_end(&mut text);
+    String::from_utf8_lossy(&text).trim().to_owned()
+}

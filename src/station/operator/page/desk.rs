@@ -1,0 +1,78 @@
+//! What an operator can reach: the station's core, booth and previews, and what else the page needs.
+
+use std::net::SocketAddr;
+use std::sync::{Arc, OnceLock};
+
+use tokio::sync::Semaphore;
+use tracing::warn;
+
+use super::feed::Feed;
+use super::summaries::Summaries;
+use super::token::Token;
+use crate::station::booth::Booth;
+use crate::station::core::Core;
+use crate::station::delivery::preview::Previews;
+use crate::station::runtime::causes::chain;
+
+/// The number of record files read at once: a share that does not answer blocks no more threads.
+const MOST_READERS: usize = 4;
+
+/// The operator's desk.
+#[derive(Debug)]
+pub struct Desk {
+    /// What all workers share.
+    pub core: Arc<Core>,
+    /// The button, the readers of ids and the light.
+    pub booth: Arc<Booth>,
+    /// The previews of held scans.
+    pub previews: Arc<Previews>,
+    pub(super) feed: Feed,
+    pub(super) summaries: Summaries,
+    pub(super) readers: Arc<Semaphore>,
+    token: OnceLock<Token>,
+    local: OnceLock<SocketAddr>,
+}
+
+impl Desk {
+    /// Creates a desk whose page is not served yet.
+    pub fn new(core: Arc<Core>, booth: Arc<Booth>, previews: Arc<Previews>) -> Desk {
+        Desk {
+            core,
+            booth,
+            previews,
+            feed: Feed::default(),
+            summaries: Summaries::default(),
+            readers: Arc::new(Semaphore::new(MOST_READERS)),
+            token: OnceLock::new(),
+            local: OnceLock::new(),
+        }
+    }
+
+    /// The link that opens the page with its token; `None` if no page is served.
+    pub fn link(&self) -> Option<String> {
+        let (token, local) = (self.token.get()?, self.local.get()?);
+        Some(format!("http://{local}/#token={}", token.word()))
+    }
+
+    /// Notes that something has changed that an operator waits for.
+    pub fn refresh(&self) {
+        self.feed.refresh();
+    }
+
+    /// The token needed to decide on the page; `None` if no page is served.
+    pub(super) fn token(&self) -> Option<&Token> {
+        self.token.get()
+    }
+
+    /// Notes that the page is served at this address of the machine. Its token is read from the state
+    /// folder, created if there is none, or renewed. Blocks, on the local disk. Without a token the
+    /// page is read-only.
+    pub(super) fn is_served_at(&self, address: SocketAddr, renews_token: bool) {
+        let state_dir = &self.core.config.station.state_dir;
+        match if renews_token { Token::renew(state_dir) } else { Token::take(state_dir) } {
+            Ok(token) => _ = self.token.set(token),
+            Err(error) => warn!(event = "page-token-failed", error = chain(&error)),
+        }
+        _ = self.local.set(address);
+    }
+}

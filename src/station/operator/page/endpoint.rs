@@ -1,0 +1,63 @@
+//! One endpoint of the page, and what its clients may do.
+
+use std::net::SocketAddr;
+use std::sync::Arc;
+
+use axum::http::HeaderMap;
+use tokio::sync::Semaphore;
+
+use super::desk::Desk;
+use super::feed::Texts;
+use crate::station::operator::http::listeners::Way;
+use crate::station::operator::http::shared_look::SharedLook;
+use crate::station::runtime::stop::Stop;
+
+/// The number of streams served at once at each endpoint; later readers poll.
+const MOST_STREAMS: usize = 8;
+
+/// The query that the kiosk sends.
+const KIOSK: &str = "kiosk";
+
+/// A listener, and what it serves to its clients.
+#[derive(Debug)]
+pub struct HttpEndpoint {
+    /// The desk behind it.
+    pub desk: Arc<Desk>,
+    pub(super) way: Way,
+    pub(super) address: SocketAddr,
+    pub(super) streams: Arc<Semaphore>,
+    pub(super) state: Arc<SharedLook<Option<Texts>>>,
+    pub(super) stop: Stop,
+}
+
+impl HttpEndpoint {
+    /// Opens an endpoint at this address. If another program had the address, browsers may have sent it
+    /// the token, so the token is renewed. Blocks, on the local disk.
+    pub fn open(
+        desk: &Arc<Desk>,
+        way: Way,
+        address: SocketAddr,
+        was_lost: bool,
+        stop: Stop,
+    ) -> Arc<HttpEndpoint> {
+        if way == Way::Local {
+            desk.is_served_at(address, was_lost);
+        }
+        let streams = Arc::new(Semaphore::new(MOST_STREAMS));
+        let state = Arc::default();
+        Arc::new(HttpEndpoint { desk: Arc::clone(desk), way, address, streams, state, stop })
+    }
+
+    /// Whether a reader holds the station's token.
+    fn is_operator(&self, headers: &HeaderMap) -> bool {
+        let token = self.desk.token().filter(|_| self.way == Way::Local);
+        token.is_some_and(|token| token.is_shown_in(headers) || token.is_read_with(headers))
+    }
+
+    /// Whether a reader may know whose scans these are. A kiosk does not count as an operator, even if
+    /// an operator opened it, because everyone can see it.
+    pub(super) fn shows_ids(&self, headers: &HeaderMap, query: Option<&str>) -> bool {
+        let is_kiosk = query == Some(KIOSK);
+        self.desk.core.config.page.ids.to(!is_kiosk && self.is_operator(headers))
+    }
+}

@@ -1,0 +1,106 @@
+//! Takes the snapshot for all readers: when something has changed, and never without readers.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use tokio::task::spawn_blocking;
+use tokio::time::sleep;
+
+use super::desk::Desk;
+use super::feed::Texts;
+use super::{snapshot, summaries};
+use crate::flow::Facts;
+use crate::station::booth::BoothState;
+use crate::station::runtime::stop::Stop;
+
+/// How often to check for changes; people do not notice a shorter delay.
+const PACE: Duration = Duration::from_millis(400);
+
+/// A snapshot is taken again after this time even without a change: some faults grow with time alone.
+const ANEW: Duration = Duration::from_secs(5);
+
+/// What a snapshot depends on; cheap to read.
+#[derive(PartialEq)]
+struct Ground {
+    journal: u64,
+    summaries: u64,
+    previews: u64,
+    facts: Facts,
+    booth: BoothState,
+}
+
+impl Ground {
+    /// Blocks while the journal is being written.
+    fn of(desk: &Desk) -> Ground {
+        let core = &desk.core;
+        Ground {
+            journal: core.custody.journal().changes(),
+            summaries: desk.summaries.edition(),
+            previews: desk.previews.edition(),
+            facts: core.board.facts(),
+            booth: desk.booth.state(),
+        }
+    }
+}
+
+/// The current snapshot; `None` if it could not be taken. Blocks, on the local disk only.
+pub fn texts(desk: &Arc<Desk>) -> Option<Texts> {
+    let (shown, records) = snapshot::take(desk);
+    read_summaries(desk, records);
+    let with_ids = serde_json::to_string(&shown).ok()?;
+    let without_ids = serde_json::to_string(&shown.without_ids()).ok()?;
+    Some(Texts { with_ids: with_ids.into(), without_ids: without_ids.into() })
+}
+
+/// Reads in the background what is not known about these records.
+fn read_summaries(desk: &Arc<Desk>, records: Vec<(String, PathBuf)>) {
+    let due = desk.summaries.due(records, desk.core.now());
+    if due.is_empty() {
+        return;
+    }
+    let desk = Arc::clone(desk);
+    spawn_blocking(move || {
+        let language = desk.core.config.language;
+        for (scan, folder) in due {
+            let told = summaries::read(&folder, language);
+            desk.summaries.note(scan, folder, told, desk.core.now());
+        }
+        desk.summaries.all_read();
+        desk.refresh();
+    });
+}
+
+/// Takes snapshots while there are readers, until asked to stop.
+pub async fn worker(desk: &Arc<Desk>, mut stop: Stop) {
+    let feed = &desk.feed;
+    let mut signal = desk.booth.signal();
+    let (mut ground, mut taken) = (None, Duration::ZERO);
+    while !stop.is_requested() {
+        if !feed.has_readers() {
+            feed.forget();
+            ground = None;
+            tokio::select! {
+                () = stop.requested() => return,
+                () = feed.first_reader() => continue,
+            }
+        }
+        let looked = Arc::clone(desk);
+        let found = spawn_blocking(move || Ground::of(&looked)).await.ok();
+        let now = desk.core.now();
+        if found != ground || now - taken >= ANEW {
+            (ground, taken) = (found, now);
+            let looked = Arc::clone(desk);
+            if let Some(texts) = spawn_blocking(move || texts(&looked)).await.ok().flatten() {
+                feed.publish(texts);
+            }
+        }
+        tokio::select! {
+            () = stop.requested() => return,
+            () = sleep(PACE) => {}
+            _ = signal.changed() => {}
+            () = feed.refreshed() => {}
+            () = desk.previews.changed() => {}
+        }
+    }
+}

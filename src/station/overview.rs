@@ -1,0 +1,73 @@
+//! The station at one moment, from board, journal and disk.
+
+use std::time::Duration;
+
+use jiff::Timestamp;
+
+use crate::flow::Facts;
+use crate::flow::health::{Backlog, Complaint, complaints};
+use crate::station::core::Core;
+use crate::station::custody::state_folders;
+use crate::station::journal::Tally;
+
+/// What is known at one moment.
+#[derive(Debug, Clone)]
+pub struct Overview {
+    /// What the workers know.
+    pub facts: Facts,
+    /// What the journal holds; `None` if it cannot be read.
+    pub tally: Option<Tally>,
+    /// Room on the disk of the state folder; `None` if unknown.
+    pub disk: Option<Disk>,
+    /// Why the station is not ready.
+    pub complaints: Vec<Complaint>,
+    /// How long the station has been running.
+    pub running: Duration,
+    /// The time of the overview.
+    pub now: Timestamp,
+}
+
+/// The room on a disk.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Disk {
+    /// Free for the station, bytes.
+    pub free: u64,
+    /// Its size, bytes.
+    pub size: u64,
+}
+
+impl Overview {
+    /// Takes an overview now. Removed state folders are created again first, because the answer counts
+    /// from then on. Blocks, on the local disk only.
+    pub fn take(core: &Core) -> Overview {
+        state_folders::look_after(&core.custody, &core.board);
+        let (facts, now) = (core.board.facts(), Timestamp::now());
+        let tally = core.custody.journal().tally();
+        let tally = tally.inspect_err(|error| core.check_corruption(error)).ok();
+        let found = match &tally {
+            None => vec![Complaint::journal()],
+            Some(tally) => {
+                let oldest = tally.oldest.as_ref().map(|seen| seen.first_seen);
+                let backlog = Backlog { pending: pending(tally), oldest };
+                complaints(&facts, &backlog, core.config.status.overdue, now)
+            }
+        };
+        let disk = rustix::fs::statvfs(&core.config.station.state_dir).ok().map(|found| Disk {
+            free: found.f_bavail.saturating_mul(found.f_frsize),
+            size: found.f_blocks.saturating_mul(found.f_frsize),
+        });
+        let running = core.clock.running();
+        Overview { facts, tally, disk, complaints: found, running, now }
+    }
+
+    /// How many records are to be delivered; zero if the journal cannot be read.
+    pub fn pending(&self) -> u64 {
+        self.tally.as_ref().map_or(0, pending)
+    }
+}
+
+/// Deliveries to be made.
+fn pending(tally: &Tally) -> u64 {
+    let pending = tally.deliveries.iter().filter(|((_, state), _)| state == "pending");
+    pending.map(|(_, count)| count).sum()
+}

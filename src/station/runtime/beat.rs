@@ -1,0 +1,27 @@
+//! The workers' beats, which tell the watchdog that they are alive.
+
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// The last sign of life of one worker, on a clock that stops while the machine sleeps: no worker runs
+/// then, and none hangs.
+#[derive(Debug, Clone)]
+pub struct Beat(Arc<Mutex<Instant>>);
+
+impl Default for Beat {
+    fn default() -> Beat {
+        Beat(Arc::new(Mutex::new(Instant::now())))
+    }
+}
+
+impl Beat {
+    /// Notes that the worker is alive.
+    pub fn beat(&self) {
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Instant::now();
+    }
+
+    /// The time since the last beat.
+    pub fn age(&self) -> Duration {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).elapsed()
+    }
+}

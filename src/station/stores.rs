@@ -1,0 +1,83 @@
+//! The stores of a station, each with its name in the journal.
+
+use std::collections::BTreeSet;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use jiff::tz::TimeZone;
+
+use crate::config::{Config, GdtStoreConfig};
+use crate::store::gdt::Attach;
+use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
+
+/// Where records go.
+#[derive(Debug)]
+pub struct Stores {
+    all: Vec<RecordStore>,
+    /// The names of the stores that this run has opened.
+    opened: Mutex<BTreeSet<&'static str>>,
+}
+
+impl Stores {
+    /// The stores of a configuration, none of them opened yet.
+    pub fn of(config: &Config) -> Stores {
+        let station = &config.station.id;
+        let first = FolderStore::new("folder", config.store.folder.path.clone(), station);
+        let copy = config.store.copy.as_ref();
+        let copy = copy.map(|copy| FolderStore::new("copy", copy.path.clone(), station));
+        let folders = [Some(first), copy].into_iter().flatten().map(RecordStore::Folder);
+        let all = folders.chain(config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt)));
+        Stores { all: all.collect(), opened: Mutex::default() }
+    }
+
+    /// All of them, in the configuration's order.
+    pub fn iter(&self) -> impl Iterator<Item = &RecordStore> {
+        self.all.iter()
+    }
+
+    /// The store of this name in the journal, if the configuration has it.
+    pub fn named(&self, name: &str) -> Option<&RecordStore> {
+        self.iter().find(|store| store.name() == name)
+    }
+
+    /// The names of all stores.
+    pub fn names(&self) -> Vec<&'static str> {
+        self.iter().map(RecordStore::name).collect()
+    }
+
+    /// The names of the stores that take no record of a scan without a patient.
+    pub fn named_only(&self) -> Vec<&'static str> {
+        self.iter().filter(|store| !store.takes_unassigned()).map(RecordStore::name).collect()
+    }
+
+    /// Removes what a crash left half made in a store, once per run. Blocks.
+    ///
+    /// # Errors
+    /// See [`StoreFault`]; the next call tries again.
+    pub fn open(&self, store: &RecordStore) -> Result<(), StoreFault> {
+        if !self.opened().contains(store.name()) {
+            store.open()?;
+            self.opened().insert(store.name());
+        }
+        Ok(())
+    }
+
+    fn opened(&self) -> MutexGuard<'_, BTreeSet<&'static str>> {
+        self.opened.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// The store of practice software.
+fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> RecordStore {
+    let attach = Attach {
+        files: gdt.attach.clone(),
+        folder: gdt.attach_folder.clone(),
+        reference: gdt.attach_as,
+        root: gdt.attach_root.clone(),
+    };
+    let rules = (gdt.rules.clone(), attach);
+    let station = (config.station.id.as_str(), config.station.state_dir.clone());
+    let zone = if gdt.utc { TimeZone::UTC } else { TimeZone::system() };
+    let names = gdt.file_name.clone();
+    let store = GdtStore::new(gdt.path.clone(), names, rules, station, zone);
+    RecordStore::Gdt(Box::new(store))
+}

@@ -1,0 +1,5 @@
+//! Whose a scan is: what people say, what names in files show, what must never happen.
+
+mod by_hand;
+mod planted;
+mod right_patient;

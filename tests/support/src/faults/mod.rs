@@ -1,0 +1,7 @@
+//! Disks, shares and processes that fail where a test wants them to.
+
+pub mod disk;
+pub mod matrix;
+pub mod player;
+pub mod share;
+pub mod tracer;
