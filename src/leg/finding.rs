@@ -53,24 +53,24 @@ pub enum What {
     #[error("the level is absent: {0}")]
     LevelAbsent(Absence),
     /// A girth that no leg has.
-    #[error("a girth of {girth_mm:.0} mm is no leg's: the level is left out")]
+    #[error("a girth of {girth_mm:.0} mm is not plausible for a leg: the level is left out")]
     LevelImplausible {
         /// The measured girth, mm.
         girth_mm: f64,
     },
     /// The feet were not seen, so the declared facing is unchecked.
-    #[error("left and right rest on the declared facing alone: {0}")]
+    #[error("left and right are known from the declared facing only: {0}")]
     FacingUnchecked(FeetUnclear),
     /// An OBJ file without any faces, so a cut cannot be detected.
     #[error(
-        "the file holds points but no faces, and was measured by its points: was the export cut \
+        "the file holds points but no faces, and was measured from its points: was the export cut \
          short, or the mesh left out?"
     )]
     NoFaces,
     /// The thighs touch below the crotch.
     #[error(
-        "the legs are one from {from_mm:.0} mm up: do the thighs touch, or is there cloth? they were \
-         parted along the fold, and the skin in it was not seen"
+        "the legs are joined from {from_mm:.0} mm up: do the thighs touch, or is there cloth? They were \
+         separated along the fold; the skin inside it was not seen"
     )]
     ThighsTouch {
         /// Height above which they touch, mm.
@@ -78,7 +78,7 @@ pub enum What {
     },
     /// A crotch at an unusual height.
     #[error(
-        "the crotch is at {percent:.0} % of the stature, where nearly everybody has it at 44 to 53 %: \
+        "the crotch is at {percent:.0} % of the stature, for nearly all people it is at 44 to 53 %: \
          are head and feet whole in the scan?"
     )]
     Proportions {
@@ -102,7 +102,7 @@ pub enum What {
     NoSurface(#[from] NoSurface),
     /// The surface does not cover the range that a stocking needs.
     #[error(
-        "the surface covers {from_mm:.0} to {to_mm:.0} mm; {wanted_from_mm:.0} to {wanted_to_mm:.0} mm are wanted"
+        "the surface covers {from_mm:.0} to {to_mm:.0} mm; {wanted_from_mm:.0} to {wanted_to_mm:.0} mm were requested"
     )]
     SurfaceShort {
         /// Lower end, height in mm.

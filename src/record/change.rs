@@ -1,7 +1,7 @@
 //! The differences between an earlier and a later record of a scan.
 
 use serde::Serialize;
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::Record;
 use super::rounding::mm;
@@ -80,6 +80,9 @@ const NOT_OF_THE_SCAN: [&str; 6] =
 /// Objects whose keys come from the scan, so that an added key is a change of the result.
 const FOUND: [&str; 2] = ["landmarks", "estimates"];
 
+/// Texts that a later gaiter may word otherwise, and the key of the same statement as data.
+const WORDS: [(&str, &str); 2] = [("message", "says"), ("by", "rule")];
+
 /// Compares two records of a scan. `old_json` is the earlier one as written, which shows the keys that
 /// an older gaiter did not know.
 pub fn changes(old: &Record, old_json: &Value, new: &Record) -> Result<Changes, serde_json::Error> {
@@ -136,6 +139,7 @@ fn sameness(old: &Value, new: &Value, found: bool) -> Sameness {
         (Value::Object(old), Value::Object(new)) => {
             let gone = old.iter().any(|(key, value)| !value.is_null() && !new.contains_key(key));
             let of_key = |(key, value): (&String, &Value)| match old.get(key) {
+                Some(_) if are_words(key, old, new) => Sameness::Same,
                 Some(old) => sameness(old, value, FOUND.contains(&key.as_str())),
                 None if found => Sameness::Differs,
                 None if is_empty(value) => Sameness::Same,
@@ -151,6 +155,13 @@ fn sameness(old: &Value, new: &Value, found: bool) -> Sameness {
         (old, new) if old == new => Sameness::Same,
         _ => Sameness::Differs,
     }
+}
+
+/// Whether a key holds the words of a statement that both records also hold as data.
+fn are_words(key: &str, old: &Map<String, Value>, new: &Map<String, Value>) -> bool {
+    let stated =
+        |data: &str| [old, new].iter().all(|all| all.get(data).is_some_and(Value::is_object));
+    WORDS.iter().any(|(words, data)| *words == key && stated(data))
 }
 
 /// Whether a value is empty, so that a key of a newer gaiter adds nothing with it.
@@ -200,6 +211,22 @@ mod tests {
         differs(&|new| new["legs"][0]["landmarks"]["B"]["height_mm"] = json!(118.001));
         differs(&|new| new["legs"][0]["foot"] = json!({"length_mm": 250.0}));
         differs(&|new| new["findings"] = json!([]));
+    }
+
+    #[test]
+    fn other_words_for_the_same_statement_are_the_same_result() {
+        let finding = |message: &str, points: u32| {
+            json!({"findings": [{"code": "gap", "message": message,
+                                 "says": {"is": "foot-not-seen", "points": points}}]})
+        };
+        let (old, new) = (finding("a foot of 3 points", 3), finding("a foot has only 3 points", 3));
+        assert_eq!(same(&old, &new), Sameness::Same);
+        assert_eq!(same(&old, &finding("a foot of 3 points", 4)), Sameness::Differs);
+        let level = |by: &str| json!({"by": by, "rule": {"is": "turning-point"}});
+        assert_eq!(same(&level("turn of the girth"), &level("turning point")), Sameness::Same);
+        // Without the data, the words are all there is.
+        let untold = |message: &str| json!({"code": "gap", "message": message});
+        assert_eq!(same(&untold("3 points"), &untold("4 points")), Sameness::Differs);
     }
 
     /// A record without legs, with a finding about C on each of these legs.

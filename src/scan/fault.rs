@@ -11,7 +11,7 @@ pub enum ScanFault {
     Empty,
     /// The file-name ending is not one that gaiter reads.
     #[error(
-        "the ending {ending:?} is no scan format that gaiter reads (it reads .obj, .ply, .stl, \
+        "the ending {ending:?} is not a scan format that gaiter reads (it reads .obj, .ply, .stl, \
          .wrl, .xyz, .asc and .txt)"
     )]
     UnknownEnding {
@@ -51,7 +51,7 @@ pub enum ScanFault {
         what: CutSign,
     },
     /// The file is longer than it declares.
-    #[error("the file has {has} {what} where it says {says}; which is true? Export it again")]
+    #[error("the file has {has} {what} but states {says}; export it again")]
     TooLong {
         /// The unit of the counts: bytes, lines, points.
         what: &'static str,
@@ -69,7 +69,7 @@ pub enum ScanFault {
         found: String,
     },
     /// The file has statements but no points.
-    #[error("the file holds not one point: there is no body in it; scan and export again")]
+    #[error("the file holds no points: there is no body in it; scan and export again")]
     NoPoints,
     /// The file violates the format.
     #[error("{place}{what}")]

@@ -65,7 +65,7 @@ impl OrdUnit {
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum OrdFault {
     /// The file is too large.
-    #[error("more than {BYTES_MAX} bytes are no measurement file")]
+    #[error("more than {BYTES_MAX} bytes: not a measurement file")]
     TooLarge,
     /// The file is not text.
     #[error("line {line}: the file is binary, not text")]
@@ -74,7 +74,7 @@ pub enum OrdFault {
         line: usize,
     },
     /// A value begins like a number but is not one.
-    #[error("line {line}: \"{found}\" is no number")]
+    #[error("line {line}: \"{found}\" is not a number")]
     NotANumber {
         /// Its line.
         line: usize,
@@ -82,7 +82,7 @@ pub enum OrdFault {
         found: String,
     },
     /// A measure without a name, or a line without `=`.
-    #[error("line {line}: \"{found}\" is no NAME=VALUE")]
+    #[error("line {line}: \"{found}\" is not NAME=VALUE")]
     NoName {
         /// Its line.
         line: usize,
@@ -90,7 +90,7 @@ pub enum OrdFault {
         found: String,
     },
     /// An unknown unit.
-    #[error("line {line}: the unit \"{found}\" is none of mm, cm and in")]
+    #[error("line {line}: the unit \"{found}\" is not mm, cm or in")]
     UnknownUnit {
         /// Its line.
         line: usize,
@@ -98,7 +98,7 @@ pub enum OrdFault {
         found: String,
     },
     /// A different unit than declared before.
-    #[error("line {line}: the unit is {}, and it was {} before", now.word(), before.word())]
+    #[error("line {line}: the unit is {}, but was {} before", now.word(), before.word())]
     TwoUnits {
         /// The line of the second.
         line: usize,
@@ -108,7 +108,7 @@ pub enum OrdFault {
         now: OrdUnit,
     },
     /// No line declares the unit.
-    #[error("none of its {lines} lines says the unit (OPTION UNITS=cm)")]
+    #[error("none of its {lines} lines states the unit (OPTION UNITS=cm)")]
     NoUnit {
         /// Number of lines.
         lines: usize,

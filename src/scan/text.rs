@@ -208,7 +208,7 @@ fn no_number(word: &[u8], line: usize) -> ScanFault {
     if lower.contains(&b'#') || lower.windows(3).any(|part| part == b"nan") {
         return not_finite(word, line);
     }
-    malformed(line, format!("\"{}\" is no number", excerpt(word)))
+    malformed(line, format!("\"{}\" is not a number", excerpt(word)))
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ pub struct Basis {
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BasisFault {
     /// A clamped basis needs 2 breakpoints, a periodic one 5 (4 intervals).
-    #[error("{found} breakpoints, where the basis needs at least {needed}")]
+    #[error("{found} breakpoints; the basis needs at least {needed}")]
     TooFewBreakpoints {
         /// Number of breakpoints given.
         found: usize,
@@ -42,7 +42,7 @@ pub enum BasisFault {
         index: usize,
     },
     /// A breakpoint is not greater than the one before it.
-    #[error("breakpoint {index} at {value} does not lie above its predecessor {before}")]
+    #[error("breakpoint {index} at {value} is not above its predecessor {before}")]
     NotIncreasing {
         /// 0-based index of the first such breakpoint, at least 1.
         index: usize,

@@ -97,7 +97,7 @@ pub enum FitFault {
         to: f64,
     },
     /// The data of positive weight have fewer distinct abscissae than one cubic piece needs.
-    #[error("data at {found} different places, where a fit needs at least {needed}")]
+    #[error("data at {found} different places; a fit needs at least {needed}")]
     TooFewPlaces {
         /// Number of distinct abscissae.
         found: usize,
@@ -113,7 +113,7 @@ pub enum FitFault {
         around: usize,
     },
     /// A cloud has fewer points than its surface has control points.
-    #[error("{points} points, where {control_points} control points need at least as many")]
+    #[error("{points} points for {control_points} control points, which need at least as many")]
     TooFewPoints {
         /// Number of points.
         points: usize,

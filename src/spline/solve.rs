@@ -23,7 +23,7 @@ pub struct Skyline {
 
 /// A matrix that is not positive definite in double precision.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-#[error("row {row} of the equations is left with {relative_pivot:e} of its diagonal: singular")]
+#[error("row {row} of the equations keeps only {relative_pivot:e} of its diagonal: singular")]
 pub struct Singular {
     /// 0-based row (that is, coefficient) at which the factorisation stopped.
     pub row: usize,

@@ -26,7 +26,7 @@ pub enum SurfaceFault {
         needed: &'static str,
     },
     /// There must be one control point per pair of basis functions.
-    #[error("{found} control points, where the bases need {along} rows of {around}")]
+    #[error("{found} control points; the bases need {along} rows of {around}")]
     WrongCount {
         /// Number of control points given.
         found: usize,

@@ -65,7 +65,7 @@ pub enum TessellationFault {
         triangles: f64,
     },
     /// The surface has no tangent plane at one of the points, or an end has no area.
-    #[error("the surface is no tube at u = {u}, v = {v}")]
+    #[error("the surface is not a tube at u = {u}, v = {v}")]
     Degenerate {
         /// Parameter along.
         u: f64,

@@ -68,9 +68,6 @@ struct Inner {
 impl Inner {
     /// The captures from the journal, for this machine start and this time of its clock. `buttons` are
     /// the ports with buttons.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     fn recall(
         journal: &Journal,
         rules: Rules,
@@ -209,9 +206,6 @@ impl WhoIsNext {
 
 impl Booth {
     /// Opens the booth with what the journal holds.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn open(core: Arc<Core>) -> Result<Booth, JournalError> {
         let (config, buttons) = (&core.config, core.config.buttons());
         let orders = config.patient.orders.as_ref();

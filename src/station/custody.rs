@@ -1,6 +1,7 @@
 //! Custody: which bytes the station keeps, and why. Spool, quarantine and journal change together only
 //! here. The bytes come first when they are added and the journal first when they are removed, so a
-//! crash in between leaves too many bytes, never too few.
+//! crash in between leaves too many bytes, never too few. What fails says with [`CustodyFault`] whether
+//! the folders or the journal failed.
 
 mod acts;
 mod decided;
@@ -137,9 +138,6 @@ impl Custody {
     }
 
     /// Creates missing folders again, durably; what was in them is lost.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn make_folders_anew(&self) -> io::Result<()> {
         self.folders().into_iter().try_for_each(|(_, at)| {
             durable::make_folder_once(at)?;
@@ -167,9 +165,6 @@ impl Custody {
 
     /// Takes bytes in if they add anything new. Durable on return. If the journal fails after the bytes
     /// are kept, [`Custody::enter_kept`] continues.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn admit(&self, arrival: &Arrival<'_>) -> Result<Verdict, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let scan = arrival.scan;
@@ -215,9 +210,6 @@ impl Custody {
     }
 
     /// Notes a file that was refused before it was read.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn refuse_unread(&self, name: &str, reason: &Reason) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         io("noting a refusal", self.quarantine.note(name, reason))
@@ -256,9 +248,6 @@ impl Custody {
     }
 
     /// Removes the spooled bytes of scans that were finished before a time. Returns how many.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn let_go_spooled(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let mut gone = 0;
@@ -275,9 +264,6 @@ impl Custody {
 
     /// Removes scans from quarantine that were refused before a time. Returns how many. The journal
     /// still knows them, so that their exports are not taken in again.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn let_go_quarantined(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let mut gone = io("giving up refused files", self.quarantine.remove_notes(before))?;
@@ -296,9 +282,6 @@ impl Custody {
     /// Refuses a delivery for good. If only its store will never take the record and other deliveries of
     /// the scan are pending, the bytes stay for them; otherwise the scan is refused. Returns the reason
     /// that applies; `None` if a decision has changed the delivery meanwhile.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn refuse_delivery(
         &self,
         due: &Due,
@@ -316,9 +299,6 @@ impl Custody {
     }
 
     /// Refuses a scan for good; its bytes go to quarantine. Returns the reason that applies.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn refuse(&self, scan: &ScanId, reason: Reason) -> Result<Reason, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         self.refused(scan, reason)

@@ -25,9 +25,6 @@ pub struct FileId {
 
 impl FileId {
     /// The id of the file a path leads to now.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn of(path: &Path) -> io::Result<FileId> {
         let metadata = fs::metadata(path)?;
         Ok(FileId { dev: metadata.dev(), ino: metadata.ino() })
@@ -98,9 +95,6 @@ pub fn make_folder_once(path: &Path) -> io::Result<()> {
 
 /// Opens a folder of ours within another, creates it if needed, and removes what a crash left half made
 /// in it: everything under a dot name. Returns its path.
-///
-/// # Errors
-/// Any I/O error.
 pub fn open_folder(within: &Path, name: &str) -> io::Result<PathBuf> {
     let folder = within.join(name);
     make_folder_once(&folder)?;
@@ -112,9 +106,6 @@ pub fn open_folder(within: &Path, name: &str) -> io::Result<PathBuf> {
 }
 
 /// Removes every folder under a dot name.
-///
-/// # Errors
-/// Any I/O error.
 pub fn clear_hidden(folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(folder)? {
         let entry = entry?;
@@ -126,9 +117,6 @@ pub fn clear_hidden(folder: &Path) -> io::Result<()> {
 }
 
 /// Makes the names within a folder durable.
-///
-/// # Errors
-/// Any I/O error.
 pub fn sync_folder(path: &Path) -> io::Result<()> {
     File::open(path)?.sync_all()
 }

@@ -112,9 +112,6 @@ impl FolderStore {
 
     /// Stores a record, or finds that it is already there. A record with any time counts, because a
     /// station that lost its journal sees an old scan for the first time.
-    ///
-    /// # Errors
-    /// See [`StoreFault`].
     pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         fit(delivery)?;
         // Checked each time: the share may have gone since, and its empty mount point accepts anything.

@@ -117,9 +117,6 @@ impl GdtStore {
     }
 
     /// Hands a record over, or finds that it was handed over before.
-    ///
-    /// # Errors
-    /// See [`StoreFault`].
     pub fn put(&self, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
         let Some(patient) = delivery.patient else {
             return Err(StoreFault::Permanent(Misfit::Unassigned));

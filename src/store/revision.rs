@@ -137,9 +137,6 @@ pub fn latest(folder: &Path) -> PathBuf {
 
 /// Removes staged folders that a killed run left in a patient's folder. Those of a run that still works,
 /// here or elsewhere, stay.
-///
-/// # Errors
-/// Any I/O error.
 pub fn clear_staging(patient_folder: &Path) -> io::Result<()> {
     for entry in fs::read_dir(patient_folder)? {
         let entry = entry?;

@@ -56,8 +56,8 @@ fn a_file_that_is_no_obj_text_is_refused() {
         ),
         case("latin-1 prose", latin1_prose, "scan-not-this-format", &["line 1", "Gr??e aus"]),
         case("json", "{\"points\": []}\n", "scan-not-this-format", &["line 1"]),
-        case("comments only", "# nothing\n# here\n", "scan-no-points", &["not one point"]),
-        case("faces only", "f 1 2 3\n", "scan-no-points", &["not one point"]),
+        case("comments only", "# nothing\n# here\n", "scan-no-points", &["holds no points"]),
+        case("faces only", "f 1 2 3\n", "scan-no-points", &["holds no points"]),
     ]);
 }
 

@@ -210,7 +210,7 @@ fn clouds_that_tell_no_surface_are_refused_with_the_reason() {
     );
     let few = refused(&points[..71], &around[..71], &method);
     assert_eq!(few, FitFault::TooFewPoints { points: 71, control_points: 72 });
-    assert_eq!(few.to_string(), "71 points, where 72 control points need at least as many");
+    assert_eq!(few.to_string(), "71 points for 72 control points, which need at least as many");
     assert_eq!(
         refused(&[], &[], &method),
         FitFault::TooFewPoints { points: 0, control_points: 72 }

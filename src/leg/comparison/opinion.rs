@@ -40,7 +40,7 @@ pub enum SecondOpinion {
         why: String,
     },
     /// More than one measurement file could belong to the scan.
-    #[error("{files} measurement files (.ord) bear this scan's name; none of them was compared")]
+    #[error("{files} measurement files (.ord) have this scan's name; none of them was compared")]
     Ambiguous {
         /// How many.
         files: usize,
@@ -70,8 +70,8 @@ pub enum SecondOpinion {
     },
     /// Each calf fits the other leg.
     #[error(
-        "the scanner's calves, {left_mm:.0} mm left and {right_mm:.0} mm right, fit the other leg \
-         each: are left and right swapped?"
+        "the scanner's calves, {left_mm:.0} mm left and {right_mm:.0} mm right, each fit the \
+         other leg: are left and right swapped?"
     )]
     Sides {
         /// The scanner's left calf, mm.

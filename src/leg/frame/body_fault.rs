@@ -11,7 +11,7 @@ pub const STATURE_MM: [f64; 2] = [1000.0, 2300.0];
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum BodyFault {
     /// All shells are tiny.
-    #[error("nothing but fragments: no connected surface holds more than 0.5 % of the points")]
+    #[error("only fragments: no connected surface holds more than 0.5 % of the points")]
     OnlyFragments,
     /// No unit gives a plausible stature.
     #[error(
@@ -47,7 +47,7 @@ pub enum BodyFault {
     #[error(
         "two shanks are seen at only {pairs} of {heights} heights between 8 % and 15 % of the \
          stature, one alone at {singles} ({most} at most at one height): is nobody there, is a leg \
-         hidden, do the legs touch, or is somebody or something beside the patient?"
+         hidden, do the legs touch, or is another person or an object beside the patient?"
     )]
     NotTwoLegs {
         /// Heights at which exactly two were seen.
@@ -61,7 +61,7 @@ pub enum BodyFault {
     },
     /// The feet do not show the facing, and none was declared.
     #[error(
-        "left and right cannot be told: {0}; both feet must be seen whole, with nothing else on \
+        "left and right cannot be determined: {0}; both feet must be fully visible, with nothing else on \
          the floor"
     )]
     FacingUnclear(FeetUnclear),
@@ -80,7 +80,7 @@ pub enum BodyFault {
     /// A single leg that stands under the middle of the trunk.
     #[error(
         "only one leg is seen, {off_mm:.0} mm beside the middle of the trunk: whether it is the left \
-         or the right cannot be told; scan it as a lone leg, with its side declared"
+         or the right cannot be determined; scan it as a lone leg and declare its side"
     )]
     SideUnclear {
         /// Distance of the shank from the trunk's middle across the body, mm.
@@ -98,7 +98,9 @@ pub enum BodyFault {
         foot: f64,
     },
     /// A lone leg was declared but two are present.
-    #[error("a lone leg was declared and two are seen: `scope` must be \"body\" for this scan")]
+    #[error(
+        "a lone leg was declared, but two legs are visible: `scope` must be \"body\" for this scan"
+    )]
     TwoLegs,
 }
 

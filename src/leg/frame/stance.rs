@@ -75,7 +75,7 @@ pub enum FeetUnclear {
     /// The part on the floor is not a foot but a platform, a plate, or a leg without its foot.
     #[error(
         "what stands on the floor is {length_percent:.0} % of the stature long and \
-         {width_percent:.0} % wide, which is no foot"
+         {width_percent:.0} % wide, which is not a foot"
     )]
     NoFoot {
         /// Length, percent of the stature.
@@ -96,7 +96,9 @@ pub enum FeetUnclear {
         spread_deg: f64,
     },
     /// The toes point along the line through the ankles.
-    #[error("the toes point {off_deg:.0} degrees off the square to the line through the ankles")]
+    #[error(
+        "the toes point {off_deg:.0} degrees away from the perpendicular to the line through the ankles"
+    )]
     NotSquare {
         /// Deviation from the perpendicular, degrees.
         off_deg: f64,

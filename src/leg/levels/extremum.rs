@@ -53,8 +53,8 @@ pub enum Absence {
     NoTurn,
     /// The curve is lowest where the search begins.
     #[error(
-        "the girth is smaller still {along_mm:.0} mm along the leg, where the search begins: its \
-         least lies below or was not seen"
+        "the girth is even smaller at {along_mm:.0} mm along the leg, where the search begins: the \
+         smallest girth lies below, or was not seen"
     )]
     BelowSearch {
         /// Lower end of the search, along the axis, mm.
@@ -62,7 +62,7 @@ pub enum Absence {
     },
     /// The curve does not turn before the end of the search.
     #[error(
-        "the girth does not clearly turn up to {along_mm:.0} mm along the leg, where the search ends"
+        "the girth has no clear turning point up to {along_mm:.0} mm along the leg, where the search ends"
     )]
     AboveSearch {
         /// Upper end of the search, along the axis, mm.

@@ -73,7 +73,7 @@ pub struct Legs {
 pub enum SegmentFault {
     /// Every leg ends below where a crotch could be.
     #[error(
-        "no leg goes on above {height_mm:.0} mm: the upper part of the legs is missing in the \
+        "no leg continues above {height_mm:.0} mm: the upper part of the legs is missing in the \
          scan; scan again"
     )]
     LegsEnd {
@@ -82,7 +82,7 @@ pub enum SegmentFault {
     },
     /// The legs join at the height of the calves.
     #[error(
-        "the legs become one at {height_mm:.0} mm, on the calf: is there cloth around them? scan \
+        "the legs merge at {height_mm:.0} mm, on the calf: is there cloth around them? scan \
          again with the legs bare and apart"
     )]
     JoinTooLow {
@@ -91,7 +91,7 @@ pub enum SegmentFault {
     },
     /// The legs never join.
     #[error(
-        "the legs are still apart at {height_mm:.0} mm, above any crotch: is the upper body \
+        "the legs are still separate at {height_mm:.0} mm, above any possible crotch: is the upper body \
          missing in the scan?"
     )]
     NeverJoin {

@@ -50,13 +50,13 @@ pub struct LegAxis {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum AxisFault {
     /// Too few sections.
-    #[error("{found} sections between ankle and groin, where an axis needs {CENTROIDS_MIN}")]
+    #[error("{found} sections between ankle and groin; an axis needs {CENTROIDS_MIN}")]
     TooFewSections {
         /// Number found.
         found: usize,
     },
     /// Too few points.
-    #[error("{found} points below the crotch, where an axis needs {POINTS_MIN}")]
+    #[error("{found} points below the crotch; an axis needs {POINTS_MIN}")]
     TooFewPoints {
         /// Number found.
         found: usize,

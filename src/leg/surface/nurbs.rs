@@ -77,8 +77,8 @@ pub struct LegSurface {
 pub enum NoSurface {
     /// Too little of the leg was seen.
     #[error(
-        "no surface: between {from_mm:.0} and {to_mm:.0} mm only {rows} sections are seen without a \
-         band between them, where it needs {needed}"
+        "no surface: between {from_mm:.0} and {to_mm:.0} mm only {rows} sections have no unseen \
+         band between them; a surface needs {needed}"
     )]
     TooFewRows {
         /// Sections in the longest part.

@@ -4,7 +4,7 @@ use crate::spline::basis::{Basis, DEGREE};
 
 /// A function of a basis that no datum is left for.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
-#[error("no datum is left for function {function}, which lives from {from} to {to}")]
+#[error("no data is left for basis function {function}, which extends from {from} to {to}")]
 pub struct Undetermined {
     /// 0-based index of the function.
     pub function: usize,

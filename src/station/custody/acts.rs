@@ -29,9 +29,6 @@ pub enum Acted {
 
 impl Custody {
     /// Makes the refused deliveries of a scan pending again.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn retry(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let refused = self.journal.deliveries_in(scan, DeliveryState::Refused)?;
@@ -53,9 +50,6 @@ impl Custody {
 
     /// Releases a held scan to the patient it is held for, who must be the only candidate. A scan that
     /// came in without a patient is released without one.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn release(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let held = self.journal.deliveries_in(scan, DeliveryState::Held)?;
@@ -84,9 +78,6 @@ impl Custody {
 
     /// Takes a scan back from its patient, `owner`, so that it is unassigned again. `stored` is as in
     /// [`Custody::assign`].
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn unassign(
         &self,
         row: &ScanRow,
@@ -129,9 +120,6 @@ impl Custody {
 
     /// Assigns an unassigned or held scan to this patient. `stored` is the scan from a store, needed if
     /// the spool no longer has it.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn assign(
         &self,
         row: &ScanRow,
@@ -156,9 +144,6 @@ impl Custody {
 
     /// Closes a scan that was refused, or is held although it already belongs to a patient: it needs no
     /// further decision. Its bytes are kept as long as other bytes that are no longer needed.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn give_up(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         if !self.journal.may_be_given_up(scan)? {

@@ -52,9 +52,6 @@ impl Custody {
 
     /// Carries out the decisions that the journal does not know. Returns the scans whose decisions
     /// cannot be read.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn carry_out(&self) -> Result<Vec<ScanId>, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let (mut count, mut unreadable) = (0, Vec::new());
@@ -99,18 +96,12 @@ impl Custody {
     }
 
     /// Reports whether a decision forbids a record that a store holds.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn contradicts(&self, record: &FoundRecord) -> Result<bool, CustodyFault> {
         let known = self.state_known(&record.scan)?;
         Ok(known.is_some_and(|known| !known.ruling.allows(record.patient.as_deref())))
     }
 
     /// Enters a record that a store holds, and removes spooled bytes that are no longer needed.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn found(&self, record: &FoundRecord, store: &str) -> Result<(), CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let (row, patient, folder) = parts(record);
@@ -124,9 +115,6 @@ impl Custody {
     /// Enters a record that a store holds against a decision: the scan goes to the patient of the
     /// decision, and the record is withdrawn. `stored` is the scan from this store, needed if the state
     /// folder no longer has it.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn found_against(
         &self,
         record: &FoundRecord,
@@ -148,9 +136,6 @@ impl Custody {
 
     /// Forgets scans that were finished before a time, and the decisions about them. Returns the number
     /// of scans.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn forget(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let forgotten = self.journal.forget(before)?;

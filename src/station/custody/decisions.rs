@@ -45,9 +45,6 @@ enum Versioned {
 impl Decisions {
     /// Opens the decisions of a state folder, creates the folder if needed, and removes files that a
     /// crash left half written.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn open(state_dir: &Path) -> io::Result<Decisions> {
         let folder = state_dir.join("decisions");
         durable::make_folder_once(&folder)?;
@@ -117,9 +114,6 @@ impl Decisions {
     }
 
     /// The scans that have decisions.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn scans(&self) -> io::Result<Vec<ScanId>> {
         let mut scans = Vec::new();
         for entry in fs::read_dir(&self.folder)? {

@@ -45,9 +45,6 @@ impl Custody {
     }
 
     /// The earlier scan with the same bytes or the same geometry, if there is one.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn known(&self, scan: &ScanId, geometry: &str) -> Result<Option<ScanId>, CustodyFault> {
         if self.journal.scan(scan)?.is_some() {
             return Ok(Some(scan.clone()));
@@ -60,9 +57,6 @@ impl Custody {
 
     /// The patients of an earlier, partial scan that these bytes complete: one read from the same file
     /// at one of the lengths `read`, or one refused as cut short.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn completed_by(
         &self,
         bytes: &[u8],

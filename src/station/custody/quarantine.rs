@@ -70,9 +70,6 @@ impl Reason {
 
 impl Quarantine {
     /// Opens the quarantine, creates it if needed, and removes entries that a crash left half made.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn open(state_dir: &Path) -> io::Result<Quarantine> {
         Ok(Quarantine { folder: durable::open_folder(state_dir, "quarantine")? })
     }
@@ -88,17 +85,11 @@ impl Quarantine {
     }
 
     /// Removes entries that failed attempts left half made. No other change may run meanwhile.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn clear(&self) -> io::Result<()> {
         durable::clear_hidden(&self.folder)
     }
 
     /// Makes the quarantine's names durable.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn sync(&self) -> io::Result<()> {
         durable::sync_folder(&self.folder)
     }
@@ -109,9 +100,6 @@ impl Quarantine {
     }
 
     /// The scans in quarantine.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn entries(&self) -> io::Result<Vec<ScanId>> {
         spool::entries(&self.folder)
     }
@@ -135,9 +123,6 @@ impl Quarantine {
 
     /// Removes a scan. Returns whether it was here. The entry is renamed first, so that a crash leaves
     /// no partial entry under its name.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn remove(&self, scan: &ScanId) -> io::Result<bool> {
         self.remove_entry(scan.as_str())
     }
@@ -155,9 +140,6 @@ impl Quarantine {
     }
 
     /// Removes the reasons of unread files noted before a time. Returns how many.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn remove_notes(&self, before: Timestamp) -> io::Result<usize> {
         let mut removed = 0;
         for entry in fs::read_dir(&self.folder)? {
@@ -174,9 +156,6 @@ impl Quarantine {
     }
 
     /// Why a scan is in quarantine; `None` if it is not here or the reason cannot be read.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn reason(&self, scan: &ScanId) -> io::Result<Option<Reason>> {
         read_reason(&self.folder.join(scan.as_str()))
     }
@@ -198,9 +177,6 @@ impl Quarantine {
     }
 
     /// Notes a reason if there are no bytes to keep. Does nothing if it is already noted.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn note(&self, name: &str, reason: &Reason) -> io::Result<()> {
         let staged = self.folder.join(format!(".tmp-{name}"));
         durable::remove_folder(&staged)?;

@@ -16,9 +16,6 @@ use crate::station::journal::{Entry, ScanRow};
 impl Custody {
     /// Makes spool, quarantine and journal agree after the last run, however it ended. Returns how many
     /// scans of the spool the journal did not know.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn recover(&self) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let mut adopted = 0;
@@ -109,9 +106,6 @@ impl Custody {
 
     /// Enters the scans of the quarantine that the journal does not know, as refused. Returns how many.
     /// An entry that cannot be read stays as it is.
-    ///
-    /// # Errors
-    /// See [`CustodyFault`].
     pub fn adopt_quarantined(&self) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let mut adopted = 0;

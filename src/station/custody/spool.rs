@@ -85,9 +85,6 @@ const INTAKE: &str = "intake.json";
 
 impl Spool {
     /// Opens the spool, creates it if needed, and removes entries that a crash left half made.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn open(state_dir: &Path) -> io::Result<Spool> {
         Ok(Spool { folder: durable::open_folder(state_dir, "spool")? })
     }
@@ -103,9 +100,6 @@ impl Spool {
     }
 
     /// The scans in the spool.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn entries(&self) -> io::Result<Vec<ScanId>> {
         entries(&self.folder)
     }
@@ -189,9 +183,6 @@ impl Spool {
 
     /// Removes a scan whose bytes are no longer needed. The entry is renamed first, so that a crash
     /// leaves no partial entry under its name.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn remove(&self, scan: &ScanId) -> io::Result<()> {
         let gone = self.folder.join(format!(".tmp-{:016x}", jitter::bits()));
         match durable::rename_new(&self.entry(scan), &gone) {
@@ -203,17 +194,11 @@ impl Spool {
     }
 
     /// Removes entries that failed attempts left half made. No other change may run meanwhile.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn clear(&self) -> io::Result<()> {
         durable::clear_hidden(&self.folder)
     }
 
     /// Makes the spool's names durable after an entry was moved out.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn sync(&self) -> io::Result<()> {
         durable::sync_folder(&self.folder)
     }

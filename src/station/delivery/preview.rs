@@ -51,7 +51,7 @@ struct Round {
     booth: Arc<Booth>,
     previews: Arc<Previews>,
     /// The journal's change count at the last look that left nothing to do.
-    changes: Option<u64>,
+    edition: Option<i64>,
     /// The time of the next look, even without a change.
     next: Duration,
     trials: BTreeMap<ScanId, Trial>,
@@ -110,7 +110,7 @@ async fn with_beats<T>(mut step: JoinHandle<T>, beat: &Beat) -> Result<T, JoinEr
 impl Round {
     fn new(booth: Arc<Booth>, previews: Arc<Previews>) -> Round {
         let (trials, next) = (BTreeMap::new(), Duration::ZERO);
-        Round { booth, previews, changes: None, next, trials, said: None }
+        Round { booth, previews, edition: None, next, trials, said: None }
     }
 
     fn core(&self) -> &Core {
@@ -120,8 +120,8 @@ impl Round {
     /// Looks if there may be something to do. Returns whether a scan was measured; then more may be
     /// waiting.
     fn step(&mut self) -> bool {
-        let (changes, now) = (self.core().custody.journal().changes(), self.core().now());
-        if self.changes == Some(changes) && now < self.next {
+        let (edition, now) = (self.core().custody.journal().edition(), self.core().now());
+        if self.edition == edition && now < self.next {
             return false;
         }
         let looked = self.look();
@@ -131,7 +131,7 @@ impl Round {
         });
         let has_made = looked.unwrap_or(false);
         if !has_made {
-            (self.changes, self.next) = (Some(changes), now + RECHECK);
+            (self.edition, self.next) = (edition, now + RECHECK);
         }
         has_made
     }

@@ -23,9 +23,6 @@ pub struct Export {
 }
 
 /// Writes an export piece by piece. An existing file is an error.
-///
-/// # Errors
-/// Any I/O error.
 pub async fn write(export: Export) -> io::Result<()> {
     let mut file = OpenOptions::new().write(true).create_new(true).open(&export.path)?;
     let piece_bytes = export.bytes.len().div_ceil(PIECES).max(1);

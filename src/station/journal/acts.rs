@@ -14,9 +14,6 @@ use crate::record::Patient;
 
 impl Journal {
     /// All deliveries of a scan in this state.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn deliveries_in(
         &self,
         scan: &ScanId,
@@ -26,9 +23,6 @@ impl Journal {
     }
 
     /// The ids of the patients a held scan may belong to, as far as known when it was held.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn candidates(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
         let connection = self.connection();
         let mut query =
@@ -39,9 +33,6 @@ impl Journal {
 
     /// Applies an operator's retry of refused deliveries. `number` is set if it revokes an earlier
     /// decision.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn retried(
         &self,
         scan: &ScanId,
@@ -54,9 +45,6 @@ impl Journal {
 
     /// Applies an operator's release of a held scan to one patient: these deliveries are made, and the
     /// other held ones are dropped.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn released(
         &self,
         scan: &ScanId,
@@ -71,9 +59,6 @@ impl Journal {
 
     /// Applies an operator's assignment of a scan to a patient. Deliveries to others become unwanted.
     /// Those already made are withdrawn when the patient's own record is in the same store.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn assigned(
         &self,
         scan: &ScanId,
@@ -90,9 +75,6 @@ impl Journal {
 
     /// Applies an operator's decision to take a scan back from its patient: it is unassigned again.
     /// Delivered records are withdrawn when the unassigned one is in the same store.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn unassigned(
         &self,
         scan: &ScanId,
@@ -109,9 +91,6 @@ impl Journal {
 
     /// Reports whether an operator may give up a scan: it was refused, or is held although it already
     /// belongs to a patient.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn may_be_given_up(&self, scan: &ScanId) -> Result<bool, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
@@ -125,9 +104,6 @@ impl Journal {
     }
 
     /// Applies an operator's decision to give a scan up: it needs no further decision.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn given_up(&self, scan: &ScanId, number: usize) -> Result<(), JournalError> {
         self.change(|transaction| {
             close(transaction, scan)?;
@@ -138,9 +114,6 @@ impl Journal {
 
     /// Reports whether the spooled bytes of a scan are no longer needed: nothing is pending, and nothing
     /// waits for a decision.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn has_served(&self, scan: &ScanId) -> Result<bool, JournalError> {
         has_served(&self.connection(), scan)
     }

@@ -60,9 +60,6 @@ pub struct BoothChange<'a> {
 
 impl Journal {
     /// The number of the next capture.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn next_capture(&self) -> Result<i64, JournalError> {
         let newest: Option<i64> =
             self.connection()
@@ -103,9 +100,6 @@ impl Journal {
     }
 
     /// The captures whose exports have not come, in the order in which they were opened.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn captures_waiting(&self) -> Result<Vec<CaptureRow>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(&format!(
@@ -120,9 +114,6 @@ impl Journal {
     }
 
     /// The capture that a scan answered.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn capture_answered_by(&self, scan: &ScanId) -> Result<Option<Capture>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(&format!(
@@ -134,9 +125,6 @@ impl Journal {
 
     /// The captures whose scans are to be measured, are held, or were refused without the capture being
     /// opened again.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn captures_taken(&self) -> Result<Vec<CaptureRow>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(&format!(
@@ -154,9 +142,6 @@ impl Journal {
     }
 
     /// Whether the last orders came before or after the press, newest last.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn orders_came(&self) -> Result<Vec<OrderCame>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
@@ -176,9 +161,6 @@ impl Journal {
     }
 
     /// When a capture was opened, by the wall clock; `None` if the capture is not kept.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn captured_at(&self, number: i64) -> Result<Option<Timestamp>, JournalError> {
         let text: Option<String> = self
             .connection()
@@ -188,18 +170,12 @@ impl Journal {
     }
 
     /// Ends captures of refused scans because a good scan of the same patient was measured.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn captures_closed(&self, captures: &[i64]) -> Result<(), JournalError> {
         self.change(|transaction| end(transaction, captures, "over"))
     }
 
     /// Expires captures of an earlier machine start, and their names. Captures that are carried over
     /// stay, with times of this start.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn captures_of_before(
         &self,
         captures: &[i64],

@@ -12,9 +12,6 @@ use crate::record::Patient;
 
 impl Journal {
     /// The number of the last decision about a scan that this journal has applied; 0 for none.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn last_decision(&self, scan: &ScanId) -> Result<usize, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
@@ -27,9 +24,6 @@ impl Journal {
 
     /// Carries out decisions about a scan that this journal does not know, because of a crash between
     /// the decision and the journal or because the journal was rebuilt.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn carried_out(
         &self,
         scan: &ScanId,
@@ -63,9 +57,6 @@ impl Journal {
 
     /// Records that retention deletes the bytes of a refused scan: they are not lost, and the scan needs
     /// no further decision.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn let_go_of(&self, scan: &ScanId) -> Result<(), JournalError> {
         self.change(|transaction| {
             let closed = "UPDATE scans SET closed = 'let-go' WHERE sha256 = ?1 AND closed IS NULL";
@@ -75,9 +66,6 @@ impl Journal {
     }
 
     /// Reports whether retention deleted the bytes of a scan and nothing has happened to it since.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn was_let_go(&self, scan: &ScanId) -> Result<bool, JournalError> {
         let last = self.history(scan)?.pop();
         Ok(last.is_some_and(|last| last.event == Event::LetGo.word()))
@@ -85,9 +73,6 @@ impl Journal {
 
     /// Records that the lost bytes of a refused scan came in again. Its deliveries are made if they are
     /// for one patient; otherwise they are held.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn taken_again(&self, scan: &ScanId) -> Result<(), JournalError> {
         self.change(|transaction| {
             let refused = deliveries_in(transaction, scan, DeliveryState::Refused)?;

@@ -18,9 +18,6 @@ use crate::record::Patient;
 impl Journal {
     /// All deliveries to make or withdraw, newest scan first: an operator at the booth must not wait for
     /// a backlog.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn pending(&self) -> Result<Vec<Due>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
@@ -61,9 +58,6 @@ impl Journal {
     /// scans of the same patient need no further decision. Records that can be withdrawn now are marked,
     /// see `journal::withdrawal`. Returns whether the spooled bytes are no longer needed: nothing is
     /// pending, held or refused.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn delivered(&self, due: &Due, folder: &Path) -> Result<bool, JournalError> {
         let scan = &due.scan;
         self.change(|transaction| {
@@ -87,9 +81,6 @@ impl Journal {
 
     /// Records that a store will never take a record, if other deliveries of the scan are pending.
     /// Returns whether that is so. If not, nothing is changed: the scan is to be refused.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn refused_at_store(&self, due: &Due, code: &str) -> Result<bool, JournalError> {
         self.change(|transaction| {
             if count(transaction, &due.scan, DeliveryState::Pending)? < 2 {
@@ -105,9 +96,6 @@ impl Journal {
 
     /// Records an attempt that failed for a reason that may pass. A delivery that is no longer to be
     /// made is left as it is: its code says why.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn put_off(&self, due: &Due, code: &str, next_at: Timestamp) -> Result<(), JournalError> {
         self.connection().execute(
             "UPDATE deliveries SET attempts = attempts + 1, code = ?5, next_at = ?4
@@ -119,17 +107,11 @@ impl Journal {
     }
 
     /// The patients the scan belongs to: neither those it is held for nor those it was withdrawn from.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn owners(&self, scan: &ScanId) -> Result<Vec<String>, JournalError> {
         owners(&self.connection(), scan)
     }
 
     /// Why a delivery of the scan waits for a decision; `None` if none does.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn held_for(&self, scan: &ScanId) -> Result<Option<String>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(

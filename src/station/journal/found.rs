@@ -56,9 +56,6 @@ impl Journal {
     /// other patients, entered without knowing of it, are held, except those to `theirs`, who have the
     /// scan by an operator's decision. `number` is that of the last decision about the scan, if there is
     /// one.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn found(
         &self,
         found: &FoundThere<'_>,
@@ -86,9 +83,6 @@ impl Journal {
     /// that has it for another patient, the scan goes to these patients, or becomes unassigned if there
     /// are none. Without a number the bytes for that are missing, and the journal only notes that the
     /// record must not stay.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn found_against(
         &self,
         found: &FoundThere<'_>,

@@ -235,11 +235,8 @@ pub(super) fn is_behind(connection: &Connection, head: &Head) -> Result<bool, Jo
 
 impl Journal {
     /// What happened to a scan, oldest first.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn history(&self, scan: &ScanId) -> Result<Vec<HistoryRow>, JournalError> {
-        let connection = self.connection();
+        let connection = self.viewer();
         let mut query = connection
             .prepare_cached("SELECT at, event, detail FROM history WHERE scan = ?1 ORDER BY seq")?;
         let rows = query.query_map([scan.as_str()], |row| {

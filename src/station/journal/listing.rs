@@ -34,11 +34,10 @@ pub struct Tally {
 
 impl Journal {
     /// Counts of everything, the oldest waiting scan, and the latest scan.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn tally(&self) -> Result<Tally, JournalError> {
-        let connection = self.connection();
+        // One transaction, so that all counts are of one moment.
+        let viewer = self.viewer();
+        let connection = viewer.unchecked_transaction()?;
         let mut scans: BTreeMap<&'static str, u64> =
             ScanState::ALL.into_iter().map(|state| (state.word(), 0)).collect();
         let mut query = connection.prepare_cached(
@@ -86,11 +85,8 @@ impl Journal {
     }
 
     /// The latest scans, newest first, at most `limit`.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn list(&self, filter: Option<Filter>, limit: u32) -> Result<Vec<Listed>, JournalError> {
-        let connection = self.connection();
+        let connection = self.viewer();
         let mut query = connection.prepare_cached(&format!(
             "SELECT sha256, first_seen, scans.state,
                     coalesce(sum(deliveries.state = 'held'), 0) AS held, format, size,
@@ -123,11 +119,8 @@ impl Journal {
     }
 
     /// The scans whose id begins with these digits, at most `limit`.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn beginning_with(&self, digits: &str, limit: u32) -> Result<Vec<ScanId>, JournalError> {
-        let connection = self.connection();
+        let connection = self.viewer();
         // 'g' follows the last hexadecimal digit.
         let mut query = connection.prepare_cached(
             "SELECT sha256 FROM scans WHERE sha256 >= ?1 AND sha256 < ?1 || 'g' LIMIT ?2",
@@ -137,11 +130,9 @@ impl Journal {
     }
 
     /// Everything known about a scan except its history and preview; `None` if it was never seen.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn whole(&self, scan: &ScanId) -> Result<Option<Whole>, JournalError> {
-        let connection = self.connection();
+        let viewer = self.viewer();
+        let connection = viewer.unchecked_transaction()?;
         let mut query = connection.prepare_cached(
             "SELECT state, first_seen, file_time, format, size, code, message, closed, candidates
              FROM scans WHERE sha256 = ?1",

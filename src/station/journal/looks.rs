@@ -15,9 +15,6 @@ use crate::flow::settle::Memory;
 
 impl Journal {
     /// What the last run since this machine start knew about a folder; empty if there was none.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn look(&self, folder: &Path, boot: &str) -> Result<Memory, JournalError> {
         let connection = self.connection();
         let found: Option<(Option<i64>, String)> = connection
@@ -34,9 +31,6 @@ impl Journal {
     }
 
     /// Saves what is known about a folder.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn looked(&self, folder: &Path, boot: &str, memory: &Memory) -> Result<(), JournalError> {
         let files = serde_json::to_string(&memory.files)
             .map_err(|error| rusqlite::Error::ToSqlConversionFailure(error.into()))?;

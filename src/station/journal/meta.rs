@@ -20,9 +20,6 @@ const TIME: &str = "time";
 
 impl Journal {
     /// How far the wall clock was last trusted.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn trusted_time(&self) -> Result<TrustedTime, JournalError> {
         match self.fact(TIME)? {
             Some(text) => cell("value", text, |text| serde_json::from_str(text).ok()),
@@ -31,25 +28,16 @@ impl Journal {
     }
 
     /// Saves how far the wall clock is trusted.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn keep_time(&self, time: &TrustedTime) -> Result<(), JournalError> {
         self.set_fact(TIME, &json!(time).to_string())
     }
 
     /// Reports whether an operator has paused the station.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn is_paused(&self) -> Result<bool, JournalError> {
         Ok(self.fact(PAUSED)?.is_some())
     }
 
     /// Pauses or resumes the station. Returns whether that changed anything.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn pause(&self, paused: bool) -> Result<bool, JournalError> {
         self.change(|transaction| {
             let changed = match paused {
@@ -68,17 +56,11 @@ impl Journal {
     }
 
     /// Reports whether a store is still to be searched for records that the journal does not know.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn is_to_be_searched(&self, store: &str) -> Result<bool, JournalError> {
         Ok(self.fact(&format!("{TO_SEARCH}{store}"))?.is_some())
     }
 
     /// Records that this is a new journal, and why: every store is to be searched.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn begin_anew(&self, stores: &[&str], why: &str) -> Result<(), JournalError> {
         self.change(|transaction| {
             for store in stores {
@@ -92,9 +74,6 @@ impl Journal {
     }
 
     /// Records that a store was searched completely.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn searched(&self, store: &str) -> Result<(), JournalError> {
         let name = format!("{TO_SEARCH}{store}");
         self.connection().execute("DELETE FROM meta WHERE name = ?1", [name])?;
@@ -102,17 +81,11 @@ impl Journal {
     }
 
     /// The place where a store was last begun; `None` if it never was.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn begun_at(&self, store: &str) -> Result<Option<String>, JournalError> {
         self.fact(&format!("{BEGUN}{store}"))
     }
 
     /// Records that a store was begun at this place.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn begun(&self, store: &str, place: &str) -> Result<(), JournalError> {
         self.set_fact(&format!("{BEGUN}{store}"), place)
     }

@@ -2,8 +2,9 @@
 //!
 //! It uses a write-ahead log and `synchronous = FULL`: with this pair no acknowledged commit was lost in
 //! the power cuts we measured. Both are set and read back, because a file system or an old file may keep
-//! another mode. There is one connection behind a lock. Every call blocks, so callers run it on a
-//! blocking thread. Text columns hold words, RFC 3339 times and JSON, readable in `sqlite3`.
+//! another mode. One connection behind a lock writes. A second one, read-only, serves page, status and
+//! monitors, which a slow sync of the disk would otherwise keep waiting. Every call blocks, so callers
+//! run it on a blocking thread, and fails with [`JournalError`] if the journal cannot do it. Text columns hold words, RFC 3339 times and JSON, readable in `sqlite3`.
 
 mod acts;
 mod captures;
@@ -32,7 +33,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use rusqlite::{Connection, Transaction, TransactionBehavior};
+use rusqlite::{Connection, OpenFlags, Transaction, TransactionBehavior};
 use tracing::warn;
 
 use crate::store::durable;
@@ -56,6 +57,8 @@ const FULL: i64 = 2;
 /// The station's durable state.
 #[derive(Debug)]
 pub struct Journal {
+    /// Read-only. Dropped before the writing connection, which as the last one checkpoints the log.
+    viewer: Mutex<Connection>,
     connection: Mutex<Connection>,
     head: HeadFile,
     path: PathBuf,
@@ -103,8 +106,9 @@ impl Journal {
         let folder = |source| JournalError::Folder { path: path.to_owned(), source };
         durable::sync_folder(path.parent().unwrap_or(Path::new("."))).map_err(folder)?;
         let file = durable::FileId::of(path).map_err(folder)?;
+        let viewer = Mutex::new(open_viewer(path)?);
         let path = path.to_owned();
-        Ok(Journal { connection: Mutex::new(connection), head, path, file })
+        Ok(Journal { viewer, connection: Mutex::new(connection), head, path, file })
     }
 
     /// Checks all of the open journal, as [`Journal::open`] does.
@@ -135,8 +139,14 @@ impl Journal {
     /// # Errors
     /// If not even an empty journal in memory can be opened.
     pub fn let_go(&self) -> Result<(), JournalError> {
+        *self.viewer() = Connection::open_in_memory()?;
         *self.connection() = Connection::open_in_memory()?;
         Ok(())
+    }
+
+    /// The connection for readers: it sees what was committed, and never waits for a writer.
+    fn viewer(&self) -> MutexGuard<'_, Connection> {
+        self.viewer.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// The connection. A panic while it was held rolled its transaction back, so a poisoned lock guards
@@ -164,6 +174,13 @@ impl Journal {
         }
         Ok(done)
     }
+}
+
+fn open_viewer(path: &Path) -> Result<Connection, JournalError> {
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    let viewer = Connection::open_with_flags(path, flags)?;
+    viewer.busy_timeout(BUSY)?;
+    Ok(viewer)
 }
 
 fn set_durable(connection: &Connection) -> Result<(), JournalError> {

@@ -16,9 +16,6 @@ const FOLDER: &str = "orders-folder";
 
 impl Journal {
     /// The order that was handled under this name; `None` if there was none or it is gone.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn order_known(&self, path: &Path) -> Result<Option<OrderState>, JournalError> {
         let connection = self.connection();
         let mut query = connection
@@ -28,18 +25,12 @@ impl Journal {
     }
 
     /// Records that an order is about to be handled or was skipped: it is not handled again.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn order_heard(&self, path: &Path, state: &OrderState) -> Result<(), JournalError> {
         self.change(|transaction| heard(transaction, path, state))
     }
 
     /// Takes over what an older gaiter knew about an order: whether it has handled this file. The old
     /// entry is removed, so this works only once.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn order_sighted(&self, path: &Path, state: &OrderState) -> Result<bool, JournalError> {
         self.change(|transaction| {
             let stamp: Option<String> = transaction
@@ -62,9 +53,6 @@ impl Journal {
     }
 
     /// The known orders of a folder.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn orders_known(
         &self,
         folder: &Path,
@@ -84,9 +72,6 @@ impl Journal {
     }
 
     /// Forgets orders that are gone: a file that comes under the same name is a new order.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn forget_orders(&self, paths: &[&Path]) -> Result<(), JournalError> {
         if paths.is_empty() {
             return Ok(());
@@ -100,9 +85,6 @@ impl Journal {
     }
 
     /// The folder in which the known orders were seen.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn orders_folder(&self) -> Result<Option<FolderId>, JournalError> {
         let Some(text) = self.fact(FOLDER)? else { return Ok(None) };
         let read = |text: &str| {
@@ -113,9 +95,6 @@ impl Journal {
     }
 
     /// Records the folder in which the known orders were seen.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn orders_seen_in(&self, (device, inode): FolderId) -> Result<(), JournalError> {
         self.change(|transaction| {
             transaction.execute(

@@ -13,9 +13,6 @@ use crate::flow::{ScanId, ScanState};
 
 impl Journal {
     /// Reports whether a scan has been in a state since before a time and nothing is left to do for it.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn rests_since(
         &self,
         scan: &ScanId,
@@ -77,9 +74,6 @@ impl Journal {
 
     /// Forgets the sightings of files in a folder whose scans are forgotten or were never read. Returns
     /// how many. Files that are still present stay, as do files in one of the other folders.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn forget_sightings(
         &self,
         folder: &Path,

@@ -53,9 +53,6 @@ pub struct Entry<'a> {
 
 impl Journal {
     /// What is known about a scan; `None` if it was never seen.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn scan(&self, scan: &ScanId) -> Result<Option<ScanRow>, JournalError> {
         type Cells = (String, i64, String, Option<String>, String, String, Option<String>);
         let found: Option<Cells> = self
@@ -91,9 +88,6 @@ impl Journal {
     }
 
     /// All scans in a state.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn scans_in(&self, state: ScanState) -> Result<Vec<ScanId>, JournalError> {
         let connection = self.connection();
         let mut query =
@@ -103,9 +97,6 @@ impl Journal {
     }
 
     /// The patients for whom a scan is known, including held ones; `None` stands for no patient.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn patients(&self, scan: &ScanId) -> Result<Vec<Option<String>>, JournalError> {
         let connection = self.connection();
         let mut query =
@@ -115,9 +106,6 @@ impl Journal {
     }
 
     /// The first scan with a geometry; `None` if there is none.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn of_geometry(&self, geometry: &str) -> Result<Option<ScanId>, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(
@@ -128,9 +116,6 @@ impl Journal {
     }
 
     /// The refused scans with these sizes, in bytes, newest first, at most `limit`.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn refused_of(
         &self,
         sizes: Range<u64>,
@@ -194,9 +179,6 @@ impl Journal {
     }
 
     /// Refuses a scan for good, and with it every pending delivery.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn refused(&self, scan: &ScanId, code: &str, message: &str) -> Result<(), JournalError> {
         self.change(|transaction| {
             let state = state_of(transaction, scan)?.after(ScanStep::Refuse)?;
@@ -222,9 +204,6 @@ impl Journal {
     }
 
     /// Counts a measurement of the scan that ended without a result. Returns the count.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn crashed(&self, scan: &ScanId) -> Result<u32, JournalError> {
         let connection = self.connection();
         Ok(connection.query_row(

@@ -11,9 +11,6 @@ use crate::flow::{ScanId, Stamp};
 
 impl Journal {
     /// Reports whether this state of the file was taken in or refused before.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn was_sighted(&self, path: &Path, stamp: Stamp) -> Result<bool, JournalError> {
         let found: Option<String> = self
             .connection()
@@ -25,9 +22,6 @@ impl Journal {
 
     /// The scan of the last sighting of a file: outer `None` if there was no sighting, inner `None` if
     /// the file was refused unread.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn sighting(&self, path: &Path) -> Result<Option<Option<ScanId>>, JournalError> {
         let found: Option<Option<String>> = self
             .connection()
@@ -39,9 +33,6 @@ impl Journal {
     }
 
     /// The last sighted state of a file, and the scan that it was or belonged to.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn sighted_as(&self, path: &Path) -> Result<Option<(Stamp, Option<ScanId>)>, JournalError> {
         let found: Option<(String, Option<String>)> = self
             .connection()
@@ -54,9 +45,6 @@ impl Journal {
     }
 
     /// Notes that this state of the file was taken in, or refused unread if there is no scan.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn sighted(
         &self,
         path: &Path,

@@ -291,3 +291,42 @@ fn a_refused_scan_is_closed_by_the_same_patients_next_good_one_and_by_nobody_els
         ("superseded", "{\"by\":\"ffffffff\"}")
     );
 }
+
+/// How long a query may take before it counts as one that waits for the writer.
+const HANG: std::time::Duration = std::time::Duration::from_secs(30);
+
+#[test]
+fn page_and_status_read_what_is_committed_while_a_change_is_being_made() {
+    let (_dir, journal) = journal();
+    enter(&journal, &row('a'), Some("4711"), DeliveryState::Pending);
+    let (scan, edition) = (row('a').scan, journal.edition());
+    let (answer, answered) = std::sync::mpsc::channel();
+    std::thread::scope(|scope| {
+        let change = journal.change(|transaction| {
+            transaction.execute("UPDATE scans SET state = 'refused', code = 'scan-empty'", [])?;
+            scope.spawn(|| {
+                let tally = journal.tally().unwrap();
+                let whole = journal.whole(&scan).unwrap().unwrap();
+                let newest = (journal.newest(9).unwrap(), journal.undecided(9).unwrap());
+                let seen = (tally.scans["refused"], whole.summary.state, newest, journal.edition());
+                answer.send(seen).unwrap();
+            });
+            let seen = answered.recv_timeout(HANG).expect("the readers wait for the writer");
+            assert_eq!(seen, (0, "spooled".to_owned(), (vec![scan.clone()], vec![]), edition));
+            Ok(())
+        });
+        change.unwrap();
+    });
+    assert_eq!(journal.tally().unwrap().scans["refused"], 1);
+    assert_ne!(journal.edition(), edition);
+}
+
+#[test]
+fn a_journal_that_was_let_go_answers_no_reader_either() {
+    let (dir, journal) = journal();
+    enter(&journal, &row('a'), Some("4711"), DeliveryState::Pending);
+    journal.let_go().unwrap();
+    assert!(journal.tally().is_err() && journal.list(None, 9).is_err());
+    let beside = |end| dir.path().join(format!("journal.db{end}"));
+    assert!(beside("").exists() && !beside("-wal").exists(), "the last connection closed the log");
+}

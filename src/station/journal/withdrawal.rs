@@ -123,9 +123,6 @@ pub(super) fn made_in_vain(
 impl Journal {
     /// Applies the rule to every scan that may have an unwanted record in a store: at a start no
     /// delivery is running. An older version may have left such records.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn take_back_unwanted(&self) -> Result<(), JournalError> {
         self.change(|transaction| {
             let mut query = transaction.prepare(
@@ -141,25 +138,16 @@ impl Journal {
     }
 
     /// Reports whether a delivery is still to be made: no decision has changed it since it began.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn is_to_be_made(&self, due: &Due) -> Result<bool, JournalError> {
         is_to_be_made(&self.connection(), due)
     }
 
     /// Records that the record is gone from the store.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn withdrawn(&self, due: &Due) -> Result<(), JournalError> {
         self.left(due, DeliveryStep::Gone, None)
     }
 
     /// Records that the store gives nothing back: the record stays until the operator removes it.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn left_there(&self, due: &Due) -> Result<(), JournalError> {
         self.left(due, DeliveryStep::Keep, Some(HANDED_OVER))
     }
@@ -182,9 +170,6 @@ impl Journal {
 
     /// The patient who keeps the record of a scan in a store when another record is withdrawn. Outer
     /// `None` while no one has it, inner `None` for the folder of unassigned scans.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn keeper(
         &self,
         scan: &ScanId,
@@ -203,9 +188,6 @@ impl Journal {
     }
 
     /// Reports whether a record that was to be withdrawn stays because it was changed by hand.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn keeps_changed_records(&self) -> Result<bool, JournalError> {
         let connection = self.connection();
         let mut query = connection.prepare_cached(

@@ -69,9 +69,6 @@ enum Header {
 
 impl Job {
     /// Writes the line.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         write_line(to, self)
     }
@@ -87,9 +84,6 @@ impl Job {
 
 impl Answer {
     /// Writes the whole answer.
-    ///
-    /// # Errors
-    /// Any I/O error.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         match self {
             Answer::Files(files) => {

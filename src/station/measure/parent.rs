@@ -57,9 +57,6 @@ pub enum MeasureFault {
 }
 
 /// Measures a spooled scan in its own process. Blocks.
-///
-/// # Errors
-/// See [`MeasureFault`].
 pub fn measure(
     scan: &ScanId,
     job: &Job,
@@ -73,9 +70,6 @@ pub fn measure(
 }
 
 /// Whether a measuring process can answer here and now: it gets bytes that are not a scan. Blocks.
-///
-/// # Errors
-/// See [`MeasureFault`].
 pub fn answers(job: &Job) -> Result<bool, MeasureFault> {
     let bytes: &[u8] = b"no scan\n";
     let job = Job { scan_bytes: bytes.len() as u64, ord_files: 0, ord_bytes: 0, ..job.clone() };

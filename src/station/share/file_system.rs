@@ -21,9 +21,6 @@ pub fn of(folder: &Path) -> io::Result<FileSystem> {
 }
 
 /// Free space for the station on the disk of a folder, bytes.
-///
-/// # Errors
-/// As [`of`].
 pub fn free_bytes(folder: &Path) -> io::Result<u64> {
     let disk = rustix::fs::statvfs(folder)?;
     Ok(disk.f_bavail.saturating_mul(disk.f_frsize))
@@ -39,9 +36,6 @@ pub fn folder_id(folder: &Path) -> io::Result<(u64, u64)> {
 }
 
 /// What can be found out about where an export folder lies.
-///
-/// # Errors
-/// As [`of`].
 pub fn mount(folder: &Path, config: &WatchConfig) -> io::Result<Mount> {
     let marker = config.expected.marker.as_ref();
     let has_marker = marker.is_some_and(|name| folder.join(name).symlink_metadata().is_ok());

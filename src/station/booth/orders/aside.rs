@@ -14,9 +14,6 @@ use crate::store::{durable, sums};
 const FOLDER: &str = "orders-refused";
 
 /// Stores an order durably with its reason. An order that is already stored stays unchanged.
-///
-/// # Errors
-/// Any I/O error.
 pub fn keep(state_dir: &Path, bytes: &[u8], code: &str, message: &str) -> io::Result<()> {
     let all = state_dir.join(FOLDER);
     durable::make_folder_once(&all)?;

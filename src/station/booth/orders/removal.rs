@@ -76,9 +76,6 @@ pub(super) fn remove_in_steps(
 }
 
 /// Deletes a file under a hidden name durably: one that a power cut restores is heard again.
-///
-/// # Errors
-/// Any I/O error.
 pub fn delete(taken: &Path) -> io::Result<()> {
     fs::remove_file(taken)?;
     durable::sync_folder(taken.parent().unwrap_or(Path::new(".")))

@@ -48,9 +48,6 @@ struct OneName {
 
 impl Journal {
     /// The names that wait for a press.
-    ///
-    /// # Errors
-    /// See [`JournalError`].
     pub fn names(&self) -> Result<Option<Names>, JournalError> {
         let Some(text) = self.fact(NEXT)? else { return Ok(None) };
         let NamesCell { names, seal } =

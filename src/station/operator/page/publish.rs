@@ -23,7 +23,7 @@ const ANEW: Duration = Duration::from_secs(5);
 /// What a snapshot depends on; cheap to read.
 #[derive(PartialEq)]
 struct Ground {
-    journal: u64,
+    journal: Option<i64>,
     summaries: u64,
     previews: u64,
     facts: Facts,
@@ -31,11 +31,11 @@ struct Ground {
 }
 
 impl Ground {
-    /// Blocks while the journal is being written.
+    /// Blocks, on the local disk only.
     fn of(desk: &Desk) -> Ground {
         let core = &desk.core;
         Ground {
-            journal: core.custody.journal().changes(),
+            journal: core.custody.journal().edition(),
             summaries: desk.summaries.edition(),
             previews: desk.previews.edition(),
             facts: core.board.facts(),
