@@ -150,15 +150,20 @@ fn read_only(field: &Field, lasts: Duration) -> bool {
 /// Not while a station starts: one that finds no state folder makes one, as it should.
 fn away(field: &Field, lasts: Duration) -> bool {
     let (state, moved) = (field.booth.path("disk/state"), field.booth.path("disk/moved"));
+    // Synced: a disk that breaks next would otherwise bring the folder back under its other name.
+    let rename = |from: &Path, to: &Path| {
+        fs::rename(from, to).unwrap();
+        File::open(field.booth.path("disk")).unwrap().sync_all().unwrap();
+    };
     field.keeper.in_calm(field, || {
         begin(field, "the state folder is away", lasts);
-        fs::rename(&state, &moved).unwrap();
+        rename(&state, &moved);
         field.pass(lasts);
         if state.exists() {
             field.fault("a running station made its state folder anew while that was away");
-            fs::rename(&state, field.booth.path("disk/anew")).unwrap();
+            rename(&state, &field.booth.path("disk/anew"));
         }
-        fs::rename(&moved, &state).unwrap();
+        rename(&moved, &state);
     })
 }
 
