@@ -29,6 +29,7 @@ use std::time::Duration;
 use regex::Regex;
 
 use crate::cad::Output;
+use crate::flow::access::Access;
 use crate::flow::confinement::Confine;
 use crate::flow::retention::Retention;
 use crate::leg::Method;
@@ -147,6 +148,8 @@ pub struct StoreConfig {
 pub struct FolderStoreConfig {
     /// The folder that holds a folder per patient.
     pub path: PathBuf,
+    /// Who may read the records.
+    pub access: Access,
 }
 
 /// `[status]`: what the station reports about itself, and where.

@@ -2,7 +2,9 @@
 
 mod environment;
 mod names;
+mod readers;
 mod row;
+mod unit;
 
 use std::path::Path;
 
@@ -35,7 +37,7 @@ pub fn check(args: &CheckArgs) -> Exit {
         match read {
             Ok(config) => {
                 let mut rows = vec![Row::ok("configuration", &args.config, "no fault")];
-                rows.extend(environment::rows(&config));
+                rows.extend(around(&args.config, &config));
                 rows.extend(habit(&args.config, &config));
                 (paint::print(table(&rows)), worst(&rows))
             }
@@ -49,6 +51,14 @@ pub fn check(args: &CheckArgs) -> Exit {
             Exit::Io
         }
     }
+}
+
+/// The checks of what is around the station: folders and disks, who may read, the system's service.
+fn around(file: &Path, config: &Config) -> Vec<Row> {
+    let mut rows = environment::rows(config);
+    rows.extend(readers::rows(config));
+    rows.extend(unit::rows(file, config));
+    rows
 }
 
 /// The running station's advice if the configuration does not fit the orders it has seen from the
@@ -141,7 +151,7 @@ fn report(file: &Path, read: Result<Config, ConfigError>) -> (Report, Exit) {
     let (mut unreadable, mut faults, mut checks) = (None, Vec::new(), Vec::new());
     let exit = match &read {
         Ok(config) => {
-            checks = environment::rows(config);
+            checks = around(file, config);
             checks.extend(habit(file, config));
             worst(&checks)
         }

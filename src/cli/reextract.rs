@@ -16,6 +16,7 @@ use super::parallel::{in_order, usual_jobs};
 use super::terminal::paint;
 use super::terminal::progress::Progress;
 use super::{Exit, complain, print, shown};
+use crate::flow::access::Access;
 use crate::station::runtime::causes::chain;
 use crate::store::StoreFault;
 use crate::store::revision::{Family, clear_staging, families};
@@ -38,6 +39,7 @@ pub fn reextract(args: &ReextractArgs) -> Exit {
     if !args.dry_run {
         clear(&records);
     }
+    Access::open_umask();
     let intent = Intent { complete: args.complete, dry_run: args.dry_run };
     let jobs = args.jobs.unwrap_or_else(usual_jobs);
     let progress = Progress::of(records.len(), "measuring again");

@@ -14,6 +14,7 @@ use tracing_subscriber::EnvFilter;
 use super::args::RunArgs;
 use super::{Exit, complain, explain_config};
 use crate::config::{self, ConfigError, LogFormat};
+use crate::flow::access::Access;
 use crate::station::runtime::causes::chain;
 use crate::station::{self, Orders, Reload, StationError};
 
@@ -30,6 +31,7 @@ pub fn run(args: &RunArgs) -> Exit {
         Err(error) => return explain_config(&error),
     };
     log_to_stderr(config.log.format);
+    Access::open_umask();
     let started = Runtime::new().and_then(|runtime| {
         let path = args.config.clone();
         let orders = runtime.block_on(async { Ok((asked_to_stop()?, asked_to_reload(path)?)) });

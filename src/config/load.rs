@@ -10,8 +10,8 @@ use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::words::{
-    AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES, SURFACES, UNITS,
-    UPS, Words, faces_up_or_down,
+    ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES,
+    SURFACES, UNITS, UPS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -94,7 +94,9 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
+    let store_mode = reader.text("store.folder.mode", Default("private"), parse::word(ACCESSES));
     let copy = reader.text("store.copy.path", Default(""), parse::full_path_or_none);
+    let copy_mode = reader.text("store.copy.mode", Default("private"), parse::word(ACCESSES));
     let copy = copy.and_then(|found| Some(Found { value: found.value?, at: found.at }));
     let (gdt_path, gdt) = gdt::store(reader);
     let retention = retention(reader);
@@ -115,6 +117,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     }
 
     let (capture, patient) = whose?;
+    let copy_access = copy_mode?.value;
     Some(Config {
         station: StationConfig {
             id: id?.value,
@@ -148,8 +151,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         language: language?.value,
         measure: measure?,
         store: StoreConfig {
-            folder: FolderStoreConfig { path: store?.value },
-            copy: copy.map(|found| FolderStoreConfig { path: found.value }),
+            folder: FolderStoreConfig { path: store?.value, access: store_mode?.value },
+            copy: copy.map(|found| FolderStoreConfig { path: found.value, access: copy_access }),
             gdt: gdt?,
         },
         retention: retention?,

@@ -3,6 +3,7 @@
 use std::ops::{Range, RangeInclusive};
 
 use crate::cad::{FileFormat, FileKind, Schema, Shape};
+use crate::flow::access::Access;
 use crate::flow::confinement::Confine;
 use crate::flow::page::IdsShown;
 use crate::flow::patient::check_digit::CheckDigit;
@@ -52,6 +53,9 @@ pub const WITHOUT_TRIGGER: Words<WithoutTrigger> =
 /// `measure.confine`
 pub const CONFINES: Words<Confine> =
     &[("where-possible", Confine::WherePossible), ("required", Confine::Required)];
+
+/// `store.folder.mode`, `store.copy.mode`
+pub const ACCESSES: Words<Access> = &[("private", Access::Private), ("group", Access::Group)];
 
 /// `report.language`, `--language`
 pub const LANGUAGES: Words<Language> = &[("en", Language::En), ("de", Language::De)];

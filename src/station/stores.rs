@@ -21,9 +21,15 @@ impl Stores {
     /// The stores of a configuration, none of them opened yet.
     pub fn of(config: &Config) -> Stores {
         let station = &config.station.id;
-        let first = FolderStore::new("folder", config.store.folder.path.clone(), station);
+        let first = FolderStore::new(
+            "folder",
+            config.store.folder.path.clone(),
+            station,
+            config.store.folder.access,
+        );
         let copy = config.store.copy.as_ref();
-        let copy = copy.map(|copy| FolderStore::new("copy", copy.path.clone(), station));
+        let copy =
+            copy.map(|copy| FolderStore::new("copy", copy.path.clone(), station, copy.access));
         let folders = [Some(first), copy].into_iter().flatten().map(RecordStore::Folder);
         let all = folders.chain(config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt)));
         Stores { all: all.collect(), opened: Mutex::default() }

@@ -19,6 +19,7 @@ pub(super) use self::search::records_in;
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
 use crate::flow::ScanId;
+use crate::flow::access::Access;
 use crate::flow::patient::naming;
 use crate::record::RecordFile;
 
@@ -42,12 +43,15 @@ pub struct FolderStore {
     staging: String,
     /// Its name in the journal.
     name: &'static str,
+    /// Who may read its records.
+    access: Access,
 }
 
 impl FolderStore {
-    /// The store with this name in the journal, at `root`, used by the station `station`.
-    pub fn new(name: &'static str, root: PathBuf, station: &str) -> FolderStore {
-        FolderStore { root, staging: format!(".staging.{station}."), name }
+    /// The store with this name in the journal, at `root`, used by the station `station`, with records
+    /// for `access`.
+    pub fn new(name: &'static str, root: PathBuf, station: &str, access: Access) -> FolderStore {
+        FolderStore { root, staging: format!(".staging.{station}."), name, access }
     }
 
     /// Makes the store's folder. Only for a station's first start: later a missing folder means a share
@@ -127,7 +131,7 @@ impl FolderStore {
             Some(found) => (found, true),
             None => {
                 let staged = patient.join(format!("{}{name}", self.staging));
-                stage(&staged, delivery)?;
+                stage(&staged, delivery, self.access)?;
                 self.publish(&staged, &patient, place, delivery.scan)?
             }
         };
@@ -189,29 +193,29 @@ fn fit(delivery: &Delivery<'_>) -> Result<(), StoreFault> {
 }
 
 /// Writes the complete record under its staging name, synced.
-fn stage(staged: &Path, delivery: &Delivery<'_>) -> Result<(), StoreFault> {
+fn stage(staged: &Path, delivery: &Delivery<'_>, access: Access) -> Result<(), StoreFault> {
     // A failed attempt may have left part of the folder, or all of it.
     for left in [staged, &whole(staged)] {
         tried("clearing", left, durable::remove_folder(left))?;
     }
-    tried("making", staged, durable::make_folder(staged))?;
+    tried("making", staged, access.make_folder(staged))?;
     let (sums, files) = delivery.files.split_last().unzip();
     for file in files.into_iter().flatten() {
-        write(staged, file)?;
+        write(staged, file, access)?;
     }
     let scan = staged.join(format!("{}{}", sums::SCAN, delivery.ending));
-    let digest = tried("copying the scan to", &scan, durable::copy_new(delivery.scan_file, &scan))?;
+    let digest = tried("copying the scan to", &scan, access.copy_new(delivery.scan_file, &scan))?;
     if ScanId::of_digest(digest) != *delivery.scan {
         tried("clearing", staged, durable::remove_folder(staged))?;
         return Err(StoreFault::Permanent(Misfit::OtherBytes));
     }
-    sums.map_or(Ok(()), |sums| write(staged, sums))?;
+    sums.map_or(Ok(()), |sums| write(staged, sums, access))?;
     tried("syncing", staged, durable::sync_folder(staged))
 }
 
-fn write(staged: &Path, file: &RecordFile) -> Result<(), StoreFault> {
+fn write(staged: &Path, file: &RecordFile, access: Access) -> Result<(), StoreFault> {
     let path = staged.join(&file.name);
-    tried("writing", &path, durable::write_new(&path, &file.bytes))
+    tried("writing", &path, access.write_new(&path, &file.bytes))
 }
 
 /// The folders in a folder; links are not followed.

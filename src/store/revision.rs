@@ -16,6 +16,7 @@ use rustix::fs::{FlockOperation, flock};
 
 use super::folder::records_in;
 use super::{StoreFault, durable};
+use crate::flow::access::Access;
 use crate::flow::patient::naming::{self, RecordName};
 use crate::record::RecordFile;
 
@@ -152,13 +153,16 @@ pub fn clear_staging(patient_folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes a complete folder, synced, with the same owner as the one it goes beside.
+/// Writes a complete folder, synced, with the same owner and for the same readers as the one it goes
+/// beside.
 fn write(staged: &Path, files: &[RecordFile], beside: &Path) -> io::Result<()> {
-    durable::make_folder(staged)?;
+    let owner = fs::metadata(beside)?;
+    let access = Access::of_folder(owner.mode());
+    access.make_folder(staged)?;
     let held = File::open(staged)?;
     // See `clear_staging`; without locks nothing is removed.
     let _ = flock(&held, FlockOperation::NonBlockingLockExclusive);
-    let (owner, ours) = (fs::metadata(beside)?, held.metadata()?);
+    let ours = held.metadata()?;
     let gives = (owner.uid(), owner.gid()) != (ours.uid(), ours.gid());
     let give = |path: &Path| match gives {
         true => chown(path, Some(owner.uid()), Some(owner.gid())),
@@ -166,7 +170,7 @@ fn write(staged: &Path, files: &[RecordFile], beside: &Path) -> io::Result<()> {
     };
     for file in files {
         let path = staged.join(&file.name);
-        durable::write_new(&path, &file.bytes)?;
+        access.write_new(&path, &file.bytes)?;
         give(&path)?;
     }
     give(staged)?;

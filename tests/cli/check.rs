@@ -259,3 +259,24 @@ fn a_reader_that_has_gone_is_no_fault() {
         .unwrap();
     assert_eq!(status.code(), Some(0));
 }
+
+#[test]
+fn a_group_that_may_read_records_needs_a_folder_that_hands_itself_on() {
+    use std::os::unix::fs::PermissionsExt;
+    let root = TempDir::new().unwrap();
+    let file = station(root.path(), "");
+    let text = fs::read_to_string(&file).unwrap() + "mode = \"group\"\n";
+    fs::write(&file, text).unwrap();
+    let records = root.path().join("records");
+    fs::create_dir(&records).unwrap();
+    let row = |mode| {
+        fs::set_permissions(&records, fs::Permissions::from_mode(mode)).unwrap();
+        let report = json(&check(&file, &["--json"]));
+        let rows = report["checks"].as_array().unwrap().clone();
+        rows.into_iter().find(|row| row["check"] == "readers").unwrap()
+    };
+    let found = row(0o750);
+    assert_eq!(found["verdict"], "warn", "{found}");
+    assert!(found["detail"].as_str().unwrap().contains("chmod g+s"), "{found}");
+    assert_eq!(row(0o2750)["verdict"], "ok");
+}

@@ -198,7 +198,7 @@ fn a_name_cannot_forge_a_line() {
     fs::write(folder.path().join("a.x\ny\u{1b}"), "").unwrap();
     let (code, said) = refused(folder.path(), "a.x\ny\u{1b}");
     assert_eq!(code, Some(65));
-    assert!(said.contains(r#"the ending "x\ny\u{1b}" is no scan"#), "{said}");
+    assert!(said.contains(r#"the ending "x\ny\u{1b}" is not a scan"#), "{said}");
 }
 
 #[test]

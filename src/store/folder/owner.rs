@@ -22,7 +22,7 @@ impl FolderStore {
                 false
             }
         };
-        tried("making", &folder, durable::make_folder_once(&folder))?;
+        tried("making", &folder, self.access.make_folder_once(&folder))?;
         if patient.is_some_and(has_case)
             && let Standing::Mistakable = self.standing(&name)?
         {

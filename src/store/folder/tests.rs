@@ -31,7 +31,7 @@ impl Case {
     }
 
     fn store(&self) -> FolderStore {
-        FolderStore::new("folder", self.dir.path().join("records"), "booth-1")
+        FolderStore::new("folder", self.dir.path().join("records"), "booth-1", Access::Private)
     }
 
     fn delivery(&self) -> Delivery<'_> {
@@ -137,7 +137,7 @@ fn a_half_staged_attempt_does_not_hinder_the_next() {
 fn a_missing_root_is_a_share_that_is_not_mounted_and_is_not_made() {
     let case = Case::new();
     let gone = case.dir.path().join("share");
-    let store = FolderStore::new("folder", gone.clone(), "booth-1");
+    let store = FolderStore::new("folder", gone.clone(), "booth-1", Access::Private);
     let fault = store.put(&case.delivery()).unwrap_err();
     assert_eq!(fault.code(), "store-unavailable");
     assert!(!gone.exists());
@@ -218,7 +218,7 @@ fn two_stations_that_store_a_scan_at_once_make_one_record() {
         let root = case.dir.path().join("records");
         std::thread::scope(|threads| {
             for (station, first_seen) in [("booth-1", 0), ("booth-2", 1), ("booth-3", 1)] {
-                let store = FolderStore::new("folder", root.clone(), station);
+                let store = FolderStore::new("folder", root.clone(), station, Access::Private);
                 let mut delivery = case.delivery();
                 delivery.first_seen += jiff::SignedDuration::from_secs(first_seen);
                 threads.spawn(move || store.put(&delivery).unwrap());
