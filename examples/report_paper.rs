@@ -1,4 +1,4 @@
-//! Writes what is printed of records: `report.pdf` and the figures as PNG, in both languages.
+//! Writes what is printed of records: `report.pdf` and the figures as PNG, in every language.
 //!
 //! `cargo run --example report_paper -- OUT RECORD.json…`
 
@@ -9,8 +9,9 @@ use std::path::Path;
 use std::time::Instant;
 use std::{env, fs};
 
+use gaiter::language::Language;
 use gaiter::record::picture::{Theme, figures, png};
-use gaiter::record::{Language, Record, report};
+use gaiter::record::{Record, report};
 
 /// The other work of a machine makes single times longer, never shorter.
 const TIMES: usize = 20;
@@ -29,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let out = args.next().ok_or("OUT RECORD.json…")?;
     for (index, path) in args.enumerate() {
         let record: Record = serde_json::from_slice(&fs::read(&path)?)?;
-        for language in [Language::En, Language::De] {
+        for language in Language::ALL {
             let drawn = figures::all(&record, language);
             let paper = report::paper(&record, language, &drawn)?;
             let milliseconds = fastest_ms(|| report::paper(&record, language, &drawn));

@@ -22,13 +22,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! With `default-features = false` gaiter is this library: scan, spline, leg, cad and record. The
-//! feature `station` adds the program.
+//! With `default-features = false` gaiter is this library: language, scan, spline, leg, cad and record.
+//! The feature `station` adds the program.
 //!
 //! Data goes one way, top to bottom; a layer uses only layers above it.
 //!
 //! | layer | kind | what it knows |
 //! |---|---|---|
+//! | [`language`] | pure | the texts for people in each language, by keys; one file per language |
 //! | [`scan`] | pure | bytes → [`scan::Scan`]: one decoder per format |
 //! | [`spline`] | pure | bases, fits, solvers, curves and surfaces; knows no legs |
 //! | [`leg`] | pure | scan → leg reports: the paper, a stage per file |
@@ -48,6 +49,7 @@
 //!
 //! | layer | crates |
 //! |---|---|
+//! | `language` | toml (the files of texts) |
 //! | `scan` | nalgebra, thiserror, tobj (the OBJ reader) |
 //! | `spline` | nalgebra, rayon, thiserror |
 //! | `leg` | nalgebra, rayon, thiserror |
@@ -62,6 +64,7 @@ pub mod cli;
 pub mod config;
 #[cfg(feature = "station")]
 pub mod flow;
+pub mod language;
 pub mod leg;
 pub mod record;
 pub mod scan;

@@ -16,8 +16,9 @@ use crate::cad::FileKind;
 use crate::config::words::{
     self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, Words,
 };
+use crate::language::Language;
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
-use crate::record::{FigureFormat, Language};
+use crate::record::FigureFormat;
 use crate::station::measure::VERB;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
 pub use reextract::ReextractArgs;

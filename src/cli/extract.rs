@@ -16,10 +16,9 @@ use super::terminal::{paint, table};
 use super::{Exit, complain, explain_config, ord, print, shown};
 use crate::cad::Output;
 use crate::config::{self, words};
+use crate::language::Language;
 use crate::leg::{Method, Refusal, extract as measure};
-use crate::record::{
-    self, FilesFault, Language, Provenance, Record, RecordFile, ReportChoice, ScanFile,
-};
+use crate::record::{self, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile};
 use crate::scan::Format;
 use found::{FolderFault, found};
 use place::{Foreign, put_folder};

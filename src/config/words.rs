@@ -7,11 +7,12 @@ use crate::flow::access::Access;
 use crate::flow::confinement::Confine;
 use crate::flow::page::IdsShown;
 use crate::flow::patient::check_digit::CheckDigit;
+use crate::language::Language;
 use crate::leg::Side;
 use crate::leg::method::{
     Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
 };
-use crate::record::{FigureFormat, Language};
+use crate::record::FigureFormat;
 
 /// The choices for `method.b1`; the distance for the second has a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,7 +59,8 @@ pub const CONFINES: Words<Confine> =
 pub const ACCESSES: Words<Access> = &[("private", Access::Private), ("group", Access::Group)];
 
 /// `report.language`, `--language`
-pub const LANGUAGES: Words<Language> = &[("en", Language::En), ("de", Language::De)];
+pub const LANGUAGES: Words<Language> =
+    &[(Language::En.tag(), Language::En), (Language::De.tag(), Language::De)];
 
 /// `--figures`
 pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg), ("png", FigureFormat::Png)];

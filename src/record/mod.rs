@@ -10,7 +10,6 @@ mod csv;
 mod file;
 mod files;
 pub mod gdt;
-mod language;
 pub mod picture;
 mod provenance;
 pub mod report;
@@ -27,7 +26,6 @@ pub use check::RecordFault;
 pub use compose::record;
 pub use file::RecordFile;
 pub use files::{ORD, SUMS, ScanFile, record_files, sha256};
-pub use language::Language;
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
 };

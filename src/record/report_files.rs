@@ -2,12 +2,13 @@
 
 use std::collections::BTreeSet;
 
+use super::Record;
 use super::file::{RecordFile, file};
 use super::picture::figures::{self, Figure};
 use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};
 use super::report::{self, PdfFault};
-use super::{Language, Record};
+use crate::language::Language;
 
 /// The report as an HTML page.
 const PAGE: &str = "report.html";

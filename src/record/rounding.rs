@@ -1,7 +1,7 @@
 //! The one rounding rule: the number of decimal places for each kind of figure. Everything that is
 //! printed or stored uses it, so that the last digits agree everywhere.
 
-use super::Language;
+use crate::language::Language;
 
 /// The uncertainty of a figure is shown as this many standard errors: about 95 % of repeated scans lie
 /// within it.
@@ -33,10 +33,7 @@ pub fn shortest(value: f64, language: Language) -> String {
 }
 
 fn in_language(text: String, language: Language) -> String {
-    match language {
-        Language::En => text,
-        Language::De => text.replace('.', ","),
-    }
+    text.replace('.', language.decimal_sign())
 }
 
 /// Volumes in mL, to 1 mm³.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::rounding;
 use crate::cad::{CadFault, End};
+use crate::language::{Language, fill};
 use crate::leg::comparison::difference::LegsDiffer;
 use crate::leg::comparison::opinion::{Measure, SecondOpinion};
 use crate::leg::doubt::Doubt;
@@ -70,6 +71,22 @@ impl Statement {
 
     fn because(self, why: Statement) -> Statement {
         self.with("why", Figure::Statement(Box::new(why)))
+    }
+
+    /// Its text in a language. `None` if it, a statement within it or a figure is unknown.
+    pub fn in_words(&self, language: Language) -> Option<String> {
+        let template = language.find(&format!("statement.{}", self.is))?;
+        fill(template, |name, decimals| {
+            Some(match self.figures.get(name)? {
+                Figure::Number(value) => match decimals {
+                    "*" => rounding::shortest(*value, language),
+                    "" => rounding::number(*value, 0, language),
+                    places => rounding::number(*value, places.parse().ok()?, language),
+                },
+                Figure::Name(name) => name.clone(),
+                Figure::Statement(within) => within.in_words(language)?,
+            })
+        })
     }
 
     /// The statement about a file that was not made.

@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
+use super::rounding;
 use super::schema::{LandmarkFigures, Record};
-use super::{Language, rounding};
+use crate::language::Language;
 use crate::leg::Side;
 
 /// The levels of a stocking that ends below the knee, from the foot up.

@@ -7,10 +7,11 @@ use std::sync::LazyLock;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use gaiter::language::Language;
 use gaiter::leg::{Extraction, Method, Side};
+use gaiter::record::Record;
 use gaiter::record::picture::figures::{Figure, all};
 use gaiter::record::picture::{Ink, Mark};
-use gaiter::record::{Language, Record};
 use support::geometry::bodies::{export, record_of};
 
 static BODIES: LazyLock<Vec<(&str, Extraction, Record)>> = LazyLock::new(|| {

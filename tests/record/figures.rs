@@ -8,10 +8,11 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::{env, fs};
 
+use gaiter::language::Language;
 use gaiter::leg::{Extraction, Method, Side};
+use gaiter::record::Record;
 use gaiter::record::picture::figures::{Figure, all};
 use gaiter::record::picture::{Anchor, Ink, Mark};
-use gaiter::record::{Language, Record};
 use support::geometry::bodies::{export, record_of};
 
 static BODIES: LazyLock<Vec<(String, Extraction, Record)>> = LazyLock::new(|| {

@@ -5,13 +5,14 @@
 
 use std::sync::LazyLock;
 
+use gaiter::language::Language;
 use gaiter::leg::Method;
 use gaiter::record::chart::{SliceFigures, VolumeDifferenceFigures};
 use gaiter::record::picture::figures;
 use gaiter::record::report::content::{Table, Weight};
 use gaiter::record::report::{self, Content, Figure, Mark};
 use gaiter::record::schema::{FindingNote, LegFigures};
-use gaiter::record::{Language, Record, RecordSummary};
+use gaiter::record::{Record, RecordSummary};
 use support::geometry::bodies::{export, record_of};
 use support::page::words;
 

@@ -9,13 +9,14 @@ use std::sync::LazyLock;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gaiter::cad::Output;
+use gaiter::language::Language;
 use gaiter::leg::{Level, Method, extract};
 use gaiter::record::gdt::{AttachmentFields, Charset, GdtRules, result};
 use gaiter::record::picture::figures;
 use gaiter::record::report::{self, Content, Mark};
 use gaiter::record::{
-    FigureFormat, Language, Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile,
-    Source, SourceKind, record_files, report_files, sha256,
+    FigureFormat, Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile, Source,
+    SourceKind, record_files, report_files, sha256,
 };
 use gaiter::scan::Format;
 use sha2::{Digest, Sha256};

@@ -7,10 +7,11 @@ use std::collections::BTreeMap;
 use std::io::Read;
 use std::sync::LazyLock;
 
+use gaiter::language::Language;
 use gaiter::leg::Method;
 use gaiter::record::picture::figures;
 use gaiter::record::report::{self, Content};
-use gaiter::record::{Language, Patient, Record, Source, SourceKind};
+use gaiter::record::{Patient, Record, Source, SourceKind};
 use support::geometry::bodies::{export, record_of};
 
 static RECORD: LazyLock<Record> =

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::fs;
 
 use gaiter::cad::{CadFault, End, EndNotPlane};
+use gaiter::language::Language;
 use gaiter::leg::comparison::difference::LegsDiffer;
 use gaiter::leg::comparison::opinion::{Measure, SecondOpinion};
 use gaiter::leg::doubt::Doubt;
@@ -16,10 +17,10 @@ use gaiter::leg::levels::extremum::Absence;
 use gaiter::leg::sections::axis::AxisFault;
 use gaiter::leg::surface::nurbs::NoSurface;
 use gaiter::leg::{Finding, LegFault, Level, Side, What};
+use gaiter::record::Record;
 use gaiter::record::report::Content;
 use gaiter::record::schema::FindingNote;
 use gaiter::record::statement::Statement;
-use gaiter::record::{Language, Record};
 use gaiter::spline::tessellate::TessellationFault;
 use serde_json::json;
 
@@ -281,11 +282,13 @@ fn figures(text: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_message_is_told_in_german_with_all_its_figures() {
+fn every_message_is_told_in_both_languages_with_all_its_figures() {
     for what in all() {
         let finding = Finding { side: Some(Side::Left), level: None, what };
         let message = finding.what.to_string();
         let says = Statement::of_finding(&finding.what);
+        let in_english = says.as_ref().and_then(|says| says.in_words(Language::En));
+        assert_eq!(in_english.as_ref(), Some(&message));
         let record = record(&[(finding.code().to_owned(), message.clone(), says)]);
         let [english, german] = LANGUAGES.map(|language| {
             let notes = Content::of(&record, language).notes.entries;
@@ -346,13 +349,14 @@ fn by_what_a_level_is_found_is_told_in_german() {
             table.rows[0].figures[column].value.clone()
         });
         assert_eq!(told[0], english);
+        assert_eq!(Statement::from(&by).in_words(Language::En).as_ref(), Some(&english));
         assert_ne!(told[1], english);
         assert_eq!(figures(&told[1]).len(), figures(&english).len(), "{told:?}");
     }
 }
 
 #[test]
-fn a_file_that_was_not_made_says_so_in_german() {
+fn a_file_that_was_not_made_says_so_in_both_languages() {
     let tessellation = [
         TessellationFault::NoTolerance { tolerance_mm: -0.5 },
         TessellationFault::TooFine { tolerance_mm: 0.001, triangles: 9e9 },
@@ -363,6 +367,8 @@ fn a_file_that_was_not_made_says_so_in_german() {
     let mut seen = BTreeSet::new();
     for fault in faults {
         let says = Some(Statement::of_missing_file("left.stl", &fault));
+        let english = says.as_ref().and_then(|says| says.in_words(Language::En));
+        assert_eq!(english.unwrap(), format!("left.stl was not made: {fault}"));
         let record = record(&[(fault.code().to_owned(), "was not made".to_owned(), says)]);
         let note = Content::of(&record, Language::De).notes.entries[0].clone();
         assert!(!note.is_message_english, "{fault}");

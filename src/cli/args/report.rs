@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::of_words;
 use crate::config::words::LANGUAGES;
-use crate::record::Language;
+use crate::language::Language;
 
 /// `gaiter report`
 #[derive(Debug, clap::Args)]

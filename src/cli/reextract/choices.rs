@@ -5,9 +5,10 @@ use std::path::Path;
 use crate::cad::Output;
 use crate::cli::{Exit, explain_config};
 use crate::config::words::{self, FACINGS, UNITS, UPS};
+use crate::language::Language;
 use crate::leg::method::{B1, Scope, UnitChoice};
 use crate::leg::{Method, Side};
-use crate::record::{Language, Record};
+use crate::record::Record;
 
 /// The choice on the command line, which applies to all records.
 #[derive(Debug)]

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
+use crate::language::Language;
 use crate::leg::{Level, Side};
+use crate::record::Record;
 use crate::record::rounding::{cm_margin, cm_words};
 use crate::record::schema::LegFigures;
-use crate::record::{Language, Record};
 
 /// The measures of a record as a table, with the findings below it and no line end after the last line.
 pub fn of(record: &Record) -> String {

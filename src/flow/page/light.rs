@@ -3,9 +3,8 @@
 use serde::Serialize;
 
 use super::reasons::Advice;
-use super::words::{Both, say};
 use crate::flow::booth::Signal;
-use crate::record::Language;
+use crate::language::Language;
 
 /// The light on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -42,62 +41,30 @@ pub(super) fn shown(
     is_any_undecided: bool,
     language: Language,
 ) -> LightShown {
+    let decide = language.text("page.decide");
+    let step = language.text(next_step(booth));
     let sentence = match (booth.signal, first) {
         (Signal::Attention, Some(advice)) => format!("{} {}", advice.what, advice.next),
-        (Signal::Attention, None) if is_any_undecided => say(language, DECIDE).to_owned(),
-        (Signal::Ready, _) if is_any_undecided => {
-            format!("{} {}", say(language, next_step(Signal::Ready, booth)), say(language, DECIDE))
-        }
-        (signal, _) => say(language, next_step(signal, booth)).to_owned(),
+        (Signal::Attention, None) if is_any_undecided => decide.to_owned(),
+        (Signal::Ready, _) if is_any_undecided => format!("{step} {decide}"),
+        _ => step.to_owned(),
     };
-    let word = say(language, word(booth.signal));
-    LightShown { signal: booth.signal.word(), word, sentence }
+    let signal = booth.signal.word();
+    LightShown { signal, word: language.word("page.light", signal), sentence }
 }
 
-const DECIDE: Both = (
-    "A scan waits for your decision on the page.",
-    "Ein Scan wartet auf der Seite auf Ihre Entscheidung.",
-);
-
-fn word(signal: Signal) -> Both {
-    match signal {
-        Signal::Ready => ("Ready", "Bereit"),
-        Signal::Armed => ("Waiting for the export", "Warte auf den Export"),
-        Signal::Receiving => ("Measuring", "Vermessung läuft"),
-        Signal::Done => ("Done", "Fertig"),
-        Signal::Attention => ("Attention", "Achtung"),
-        Signal::NoExport => ("No export", "Kein Export"),
-    }
-}
-
-fn next_step(signal: Signal, booth: &Situation<'_>) -> Both {
-    match (signal, booth.has_button) {
-        (Signal::Ready, true) if booth.next.len() > 1 => (
-            "Say who is in the booth, then press the button.",
-            "Sagen, wer in der Kabine ist, dann den Knopf drücken.",
-        ),
-        (Signal::Ready, true) if !booth.next.is_empty() => (
-            "Press the button, then scan the patient who is named.",
-            "Knopf drücken, dann den genannten Patienten scannen.",
-        ),
-        (Signal::Ready, true) => ("Press the button, then scan.", "Knopf drücken, dann scannen."),
-        (Signal::Ready, false) => ("Scan the next patient.", "Den nächsten Patienten scannen."),
-        (Signal::Armed, _) => ("Scan now, then export.", "Jetzt scannen, dann exportieren."),
-        (Signal::Receiving, _) => {
-            ("Please wait. This takes a few seconds.", "Bitte warten. Das dauert einige Sekunden.")
-        }
-        (Signal::Done, _) => (
-            "The record is stored. The patient may get dressed.",
-            "Die Messung ist gespeichert. Der Patient kann sich anziehen.",
-        ),
-        (Signal::Attention, _) => ("Look at the scans below.", "Bitte die Scans unten ansehen."),
-        (Signal::NoExport, true) => (
-            "No export came. Press the button and scan again.",
-            "Es kam kein Export. Knopf drücken und noch einmal scannen.",
-        ),
-        (Signal::NoExport, false) => (
-            "No export came. Name the patient and scan again.",
-            "Es kam kein Export. Den Patienten benennen und noch einmal scannen.",
-        ),
+/// The key of the sentence on what to do next.
+fn next_step(booth: &Situation<'_>) -> &'static str {
+    match (booth.signal, booth.has_button) {
+        (Signal::Ready, true) if booth.next.len() > 1 => "page.step.say_who",
+        (Signal::Ready, true) if !booth.next.is_empty() => "page.step.press_for_named",
+        (Signal::Ready, true) => "page.step.press",
+        (Signal::Ready, false) => "page.step.scan",
+        (Signal::Armed, _) => "page.step.armed",
+        (Signal::Receiving, _) => "page.step.receiving",
+        (Signal::Done, _) => "page.step.done",
+        (Signal::Attention, _) => "page.step.attention",
+        (Signal::NoExport, true) => "page.step.no_export",
+        (Signal::NoExport, false) => "page.step.no_export_without_button",
     }
 }

@@ -12,14 +12,14 @@ mod next;
 mod parts;
 mod reasons;
 mod scans;
-pub mod words;
 
 use jiff::Timestamp;
 use serde::Serialize;
 
 use super::facts::{Facts, IntakeState};
 use super::health::Complaint;
-use crate::record::{Language, shown};
+use crate::language::Language;
+use crate::record::shown;
 pub use files::FILES;
 pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};

@@ -3,9 +3,8 @@
 use serde::Serialize;
 
 use super::light::Situation;
-use super::words::{Both, say};
 use super::{PatientShown, distinct};
-use crate::record::Language;
+use crate::language::{Language, Piece, pieces};
 
 /// The next patient on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -38,17 +37,13 @@ impl NextShown {
 pub fn shown(booth: &Situation<'_>, language: Language) -> NextShown {
     let who = next(booth);
     let Text(pieces) = told(booth, &who, language);
-    let doubt = (
-        "A press of the button may have been missed: scans of named patients are held.",
-        "Ein Knopfdruck wurde vielleicht nicht gehört: Scans benannter Patienten werden zurückgehalten.",
-    );
     NextShown {
         sentence: pieces.concat(),
         pieces,
         anonymous: anonymous(booth, &who, language),
         can_be_called_off: !who.is_empty() || booth.awaited > 0,
         who,
-        doubt: booth.is_in_doubt.then(|| say(language, doubt)),
+        doubt: booth.is_in_doubt.then(|| language.text("page.next.in_doubt")),
     }
 }
 
@@ -58,15 +53,6 @@ fn next(booth: &Situation<'_>) -> Vec<PatientShown> {
     let awaited = if booth.has_button { &[] } else { booth.awaited_for };
     distinct(booth.next.iter().chain(awaited))
 }
-
-const NOBODY: Both = ("Nobody is named.", "Niemand ist benannt.");
-
-const ONE: Both = ("The next patient is named.", "Der nächste Patient ist benannt.");
-
-const SEVERAL: Both = (
-    "More than one patient is named: who is in the booth?",
-    "Mehr als ein Patient ist benannt: Wer ist in der Kabine?",
-);
 
 /// Words and ids in turn, starting and ending with words.
 struct Text(Vec<String>);
@@ -98,9 +84,13 @@ impl Text {
         })
     }
 
-    /// Adds a space if there is a sentence before.
-    fn blank(self) -> Text {
-        if self.is_empty() { self } else { self.words(" ") }
+    /// A sentence with the ids in its place, after a space if there is a sentence before.
+    fn sentence(self, words: &str, patients: &[PatientShown], before_last: &str) -> Text {
+        let text = if self.is_empty() { self } else { self.words(" ") };
+        pieces(words).fold(text, |text, piece| match piece {
+            Piece::Words(words) => text.words(words),
+            Piece::Place { .. } => text.ids(patients, before_last),
+        })
     }
 
     fn is_empty(&self) -> bool {
@@ -110,48 +100,41 @@ impl Text {
 
 /// Who is next and whose exports are expected.
 fn told(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> Text {
+    let [or, and] = ["page.next.or", "page.next.and"].map(|key| language.text(key));
     let text = match who {
-        [_, _, ..] => {
-            let text = Text::new().ids(who, say(language, (" or ", " oder ")));
-            text.words(say(language, (": who is in the booth?", ": Wer ist in der Kabine?")))
-        }
-        [next] if booth.has_button => {
-            Text::new().words(say(language, ("Next: ", "Als Nächstes: "))).id(next).words(".")
-        }
+        [_, _, ..] => Text::new().sentence(language.text("page.next.who"), who, or),
+        [_] if booth.has_button => Text::new().sentence(language.text("page.next.next"), who, or),
         _ => Text::new(),
     };
     let is_asked = !booth.has_button && who.len() > 1;
     let awaited_for = if is_asked { Vec::new() } else { distinct(booth.awaited_for) };
-    let (before, and, behind) = match (awaited_for.len(), language) {
-        (0, _) => ("", "", ""),
-        (1, Language::En) => ("", "", "'s export is expected."),
-        (1, Language::De) => ("Der Export von ", "", " wird erwartet."),
-        (_, Language::En) => ("The exports of ", " and ", " are expected."),
-        (_, Language::De) => ("Die Exporte von ", " und ", " werden erwartet."),
-    };
-    let mut text = match awaited_for.as_slice() {
+    let text = match awaited_for.as_slice() {
         [] => text,
-        awaited_for => text.blank().words(before).ids(awaited_for, and).words(behind),
+        [_] => text.sentence(language.text("page.next.export_of"), &awaited_for, and),
+        _ => text.sentence(language.text("page.next.exports_of"), &awaited_for, and),
     };
-    if let Some(count) = counted(unnamed(booth), language) {
-        text = text.blank().words(&count);
-    }
-    if text.is_empty() { text.words(say(language, NOBODY)) } else { text }
+    let text = match counted(unnamed(booth), language) {
+        Some(count) => text.sentence(&count, &[], and),
+        None => text,
+    };
+    if text.is_empty() { text.words(language.text("page.next.nobody")) } else { text }
 }
 
 /// The same without ids.
 fn anonymous(booth: &Situation<'_>, who: &[PatientShown], language: Language) -> String {
     let named = match who.len() {
         0 => None,
-        1 => Some(ONE),
-        _ => Some(SEVERAL),
+        1 => Some(language.text("page.next.one").to_owned()),
+        _ => Some(language.text("page.next.several").to_owned()),
     };
     // Without a button, the expected export is that of the named patient.
     let awaited = if booth.has_button { booth.awaited } else { unnamed(booth) };
-    let awaited = counted(awaited, language);
-    let named = named.map(|both| say(language, both).to_owned());
-    let sentences: Vec<String> = named.into_iter().chain(awaited).collect();
-    if sentences.is_empty() { say(language, NOBODY).to_owned() } else { sentences.join(" ") }
+    let sentences: Vec<String> = named.into_iter().chain(counted(awaited, language)).collect();
+    if sentences.is_empty() {
+        language.text("page.next.nobody").to_owned()
+    } else {
+        sentences.join(" ")
+    }
 }
 
 /// How many exports are expected without a known patient.
@@ -161,11 +144,9 @@ fn unnamed(booth: &Situation<'_>) -> usize {
 
 /// A sentence on how many exports are expected.
 fn counted(count: usize, language: Language) -> Option<String> {
-    match (count, language) {
-        (0, _) => None,
-        (1, Language::En) => Some("One export is expected.".to_owned()),
-        (1, Language::De) => Some("Ein Export wird erwartet.".to_owned()),
-        (count, Language::En) => Some(format!("{count} exports are expected.")),
-        (count, Language::De) => Some(format!("{count} Exporte werden erwartet.")),
+    match count {
+        0 => None,
+        1 => Some(language.text("page.next.one_export").to_owned()),
+        _ => Some(language.filled("page.next.exports", &[("count", &count)])),
     }
 }

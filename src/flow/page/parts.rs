@@ -3,12 +3,11 @@
 use jiff::Timestamp;
 use serde::Serialize;
 
-use super::words::{Both, say};
 use crate::flow::Facts;
 use crate::flow::facts::{SourceState, TriggerFacts};
 use crate::flow::health::{BLIP, has_lasted};
 use crate::flow::trigger::PortState;
-use crate::record::Language;
+use crate::language::Language;
 
 /// One part on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -25,73 +24,57 @@ pub struct PartShown {
 
 /// All parts; a short fault that clears itself does not count, as in the complaints.
 pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<PartShown> {
+    let is_only = facts.sources.len() == 1;
     let sources = facts.sources.iter().enumerate().map(|(place, source)| {
-        let name = match (facts.sources.len(), language) {
-            (1, _) => say(language, ("Export folder", "Exportordner")).to_owned(),
-            (_, Language::En) => format!("Export folder {place}"),
-            (_, Language::De) => format!("Exportordner {place}"),
+        let name = match is_only {
+            true => language.text("page.part.folder").to_owned(),
+            false => language.filled("page.part.folder_numbered", &[("number", &place)]),
         };
-        let (word, health, why) = source_state(&source.state);
-        PartShown { name, word: say(language, word), health, why: why.cloned() }
+        let (state, health, why) = source_state(&source.state);
+        let word = language.word("page.part.folder_state", state);
+        PartShown { name, word, health, why: why.cloned() }
     });
     let stores = facts.stores.iter().map(|(store, facts)| {
-        let fault = facts.fault.as_ref();
-        let (word, health) = match fault {
-            None => (("takes records", "nimmt an"), "good"),
-            Some(_) if !has_lasted(facts.since, now, BLIP) => {
-                (("is tried again", "neuer Versuch"), "wait")
-            }
-            Some(_) => (("accepts no records", "nimmt nichts an"), "bad"),
+        let health = match &facts.fault {
+            None => "good",
+            Some(_) if !has_lasted(facts.since, now, BLIP) => "wait",
+            Some(_) => "bad",
         };
-        let (name, word) = (store_name(store, language), say(language, word));
-        PartShown { name, word, health, why: fault.cloned() }
+        let name = language.word("page.part.store", store).to_owned();
+        let word = language.word("page.part.store_state", health);
+        PartShown { name, word, health, why: facts.fault.clone() }
     });
     let ports = facts.triggers.iter().map(|(port, facts)| port_shown(port, facts, language));
     sources.chain(ports).chain(stores).collect()
 }
 
-fn source_state(state: &SourceState) -> (Both, &'static str, Option<&String>) {
+fn source_state(state: &SourceState) -> (&'static str, &'static str, Option<&String>) {
     match state {
-        SourceState::NotLooked => (("not looked at yet", "noch nicht angesehen"), "wait", None),
-        SourceState::Watched => (("watched", "wird beobachtet"), "good", None),
-        SourceState::OutOfReach(why) => (("out of reach", "nicht erreichbar"), "bad", Some(why)),
-        SourceState::NotMounted(why) => {
-            (("not mounted", "Freigabe nicht eingehängt"), "bad", Some(why))
-        }
-        SourceState::Taken => {
-            (("used by another station", "wird von einer anderen Station bearbeitet"), "bad", None)
-        }
-        SourceState::Stalled => (("does not answer", "antwortet nicht"), "bad", None),
+        SourceState::NotLooked => ("not_looked", "wait", None),
+        SourceState::Watched => ("watched", "good", None),
+        SourceState::OutOfReach(why) => ("out_of_reach", "bad", Some(why)),
+        SourceState::NotMounted(why) => ("not_mounted", "bad", Some(why)),
+        SourceState::Taken => ("taken", "bad", None),
+        SourceState::Stalled => ("stalled", "bad", None),
     }
 }
 
-fn store_name(store: &str, language: Language) -> String {
-    let both = match store {
-        "folder" => ("Records", "Messakten"),
-        "copy" => ("Second record folder", "Zweiter Aktenordner"),
-        "gdt" => ("Practice software", "Praxissoftware"),
-        other => return other.to_owned(),
-    };
-    say(language, both).to_owned()
-}
-
 fn port_shown(port: &str, facts: &TriggerFacts, language: Language) -> PartShown {
-    let name = match port {
-        "serial" => ("Button (serial port)", "Knopf (serielle Schnittstelle)"),
-        "usb" => ("Button (USB)", "Knopf (USB)"),
-        "keys" => ("Button (keyboard)", "Knopf (Tastatur)"),
-        _ => ("Reader", "Lesegerät"),
+    let name = language.find(&format!("page.part.port.{port}"));
+    let health = match facts.state {
+        PortState::Open => "good",
+        PortState::NotLooked | PortState::Settling => "wait",
+        PortState::Absent
+        | PortState::Busy
+        | PortState::Denied
+        | PortState::Failed
+        | PortState::Stuck
+        | PortState::Hung => "bad",
     };
-    let (word, health) = match facts.state {
-        PortState::Open => (("ready", "bereit"), "good"),
-        PortState::NotLooked | PortState::Settling => (("opening", "wird geöffnet"), "wait"),
-        PortState::Absent => (("not there", "nicht vorhanden"), "bad"),
-        PortState::Busy => (("used by another program", "von anderem Programm belegt"), "bad"),
-        PortState::Denied => (("no permission", "kein Zugriff"), "bad"),
-        PortState::Failed => (("does not work", "arbeitet nicht"), "bad"),
-        PortState::Stuck => (("contact sticks", "Kontakt klemmt"), "bad"),
-        PortState::Hung => (("driver hangs", "Treiber hängt"), "bad"),
-    };
-    let (name, word) = (say(language, name).to_owned(), say(language, word));
-    PartShown { name, word, health, why: facts.why.clone() }
+    PartShown {
+        name: name.unwrap_or_else(|| language.text("page.part.port.reader")).to_owned(),
+        word: language.word("page.part.port_state", facts.state.word()),
+        health,
+        why: facts.why.clone(),
+    }
 }

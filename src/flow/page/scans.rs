@@ -6,12 +6,12 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::reasons::{Advice, of_held, of_refused};
-use super::words::say;
 use super::{PatientShown, distinct};
 use crate::flow::account::{Delivered, Whole};
 use crate::flow::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
 use crate::flow::{DeliveryState, ScanState, capture};
-use crate::record::{Language, RecordSummary, shown};
+use crate::language::Language;
+use crate::record::{RecordSummary, shown};
 
 /// One scan.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -87,34 +87,30 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         Place::Held => Some(of_held(code, language)),
         _ => None,
     });
+    let state = match place {
+        Place::Refused => "refused",
+        Place::Held => "held",
+        Place::Closed => "closed",
+        Place::Withdrawing => "withdrawing",
+        Place::Waiting => "spooled",
+        Place::Unassigned => "unassigned",
+        Place::Somebodys => "delivered",
+    };
     let word = match place {
-        Place::Refused => ("Refused", "Abgelehnt"),
-        Place::Held => ("Held", "Zurückgehalten"),
-        Place::Closed => match whole.summary.closed.as_deref() {
-            Some("superseded") => ("Scanned again", "Neu gescannt"),
-            Some("let-go") => ("Refused, and its bytes removed", "Abgelehnt, Daten gelöscht"),
-            _ => ("Given up", "Aufgegeben"),
-        },
-        Place::Withdrawing => ("Being taken back", "Wird zurückgenommen"),
-        Place::Waiting => ("On its way", "Unterwegs"),
-        Place::Unassigned => ("No patient", "Ohne Patient"),
-        Place::Somebodys => ("Stored", "Gespeichert"),
+        Place::Closed => {
+            let why = whole.summary.closed.as_deref().unwrap_or_default();
+            let word = language.find(&format!("page.scan.closed.{why}"));
+            word.unwrap_or_else(|| language.text("page.scan.closed.given-up"))
+        }
+        _ => language.word("page.scan", state),
     };
     let acts = acts(place, code.as_deref(), whole);
     let unmeasured = told.unmeasured.as_deref().filter(|_| place == Place::Held);
     ScanShown {
         scan: whole.scan.clone(),
         at: whole.summary.first_seen,
-        state: match place {
-            Place::Refused => "refused",
-            Place::Held => "held",
-            Place::Closed => "closed",
-            Place::Withdrawing => "withdrawing",
-            Place::Waiting => "spooled",
-            Place::Unassigned => "unassigned",
-            Place::Somebodys => "delivered",
-        },
-        word: say(language, word),
+        state,
+        word,
         code,
         advice,
         patients: patients(whole),
@@ -129,8 +125,8 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
 
 /// Why there is no picture of a held scan.
 fn no_preview(code: &str, language: Language) -> String {
-    let none = ("There is no picture of its legs.", "Von seinen Beinen gibt es kein Bild.");
-    format!("{} {} [{code}]", say(language, none), of_refused(code, language).what)
+    let none = language.text("page.scan.no_picture");
+    format!("{none} {} [{code}]", of_refused(code, language).what)
 }
 
 /// A refusal or a missing decision takes precedence over anything else that is in progress.

@@ -8,8 +8,8 @@ use jiff::civil::DateTime;
 use super::line::{WriteFault, message};
 use super::rules::{AttachmentFields, GdtRules};
 use super::words;
+use crate::language::Language;
 use crate::leg::{Level, Side};
-use crate::record::Language;
 use crate::record::rounding::cm_words;
 use crate::record::schema::{LandmarkFigures, LegFigures, Record};
 

@@ -11,10 +11,13 @@ mod pictures;
 mod surfaces;
 mod tables;
 
+use std::fmt::Display;
+
 use super::Figure;
+use crate::language::Language;
 use crate::leg::Side;
+use crate::record::Record;
 use crate::record::schema::LegFigures;
-use crate::record::{Language, Record};
 
 /// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]
@@ -213,12 +216,12 @@ impl Content {
         let notes = report.notes();
         Content {
             language,
-            title: report.say("Leg measurement", "Beinvermessung"),
+            title: report.text("report.title"),
             patient: report.patient(),
             taken: report.taken(),
             facts: report.facts(),
-            origin: report.say("Origin of this record", "Woher dies stammt"),
-            key: report.say("Girths at D, C, B1 and B (cm)", "Umfänge bei D, C, B1 und B (cm)"),
+            origin: report.text("report.origin"),
+            key: report.text("report.main_girths"),
             levels: report.levels(),
             tables: report.tables(),
             surfaces: report.surfaces(),
@@ -238,8 +241,22 @@ struct Report<'a> {
 }
 
 impl Report<'_> {
-    fn say(&self, english: &str, german: &str) -> String {
-        self.language.pick(english, german).to_owned()
+    fn text(&self, key: &'static str) -> String {
+        self.language.text(key).to_owned()
+    }
+
+    fn filled(&self, key: &'static str, words: &[(&str, &dyn Display)]) -> String {
+        self.language.filled(key, words)
+    }
+
+    /// The name of a leg.
+    fn leg(&self, side: Side) -> &'static str {
+        self.language.word("leg", side.word())
+    }
+
+    /// The name of a leg as a heading.
+    fn leg_heading(&self, side: Side) -> String {
+        self.language.word("leg.heading", side.word()).to_owned()
     }
 
     /// The figures of both legs in the order of [`Side::FROM_FRONT`].
@@ -258,9 +275,9 @@ impl Report<'_> {
     /// Why a leg is not in the record.
     fn no_leg(&self, side: Side) -> &'static str {
         if self.is_found("leg-not-measured", side, None) {
-            self.language.pick("leg not measured", "Bein nicht vermessen")
+            self.language.text("report.missing.leg_not_measured")
         } else {
-            self.language.pick("leg not in the scan", "Bein nicht im Scan")
+            self.language.text("report.missing.leg_not_in_scan")
         }
     }
 }

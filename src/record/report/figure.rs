@@ -1,6 +1,6 @@
 //! A figure as shown in the report: rounded, in words, with its uncertainty.
 
-use crate::record::Language;
+use crate::language::Language;
 use crate::record::rounding::{
     cm, cm_margin, cm_words, ml_margin, number, signed, tenths_words, whole_ml,
 };

@@ -9,9 +9,10 @@ use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
 use super::{Content, VIEWER};
+use crate::language::Language;
+use crate::record::Record;
 use crate::record::picture::figures::Figure;
 use crate::record::picture::svg;
-use crate::record::{Language, Record};
 
 /// The style sheet of the page.
 const STYLE: &str = include_str!("report.css");

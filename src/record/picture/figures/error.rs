@@ -5,12 +5,12 @@ use super::LEVELS;
 use super::plot::{
     Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
 };
-use super::words::Words;
+use crate::language::Language;
 use crate::leg::Side;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::schema::LegFigures;
 use crate::record::shape::SurfaceGridFigures;
-use crate::record::{Language, Record, rounding};
+use crate::record::{Record, rounding};
 
 /// Width and height, px.
 const SIZE: [f64; 2] = [720.0, 520.0];
@@ -28,7 +28,7 @@ const SCALE_MM: f64 = 1.0;
 const STEPS: f64 = 4.0;
 
 /// The figure; `None` for a record without shapes.
-pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Option<Picture> {
+pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let surfaces = || record.legs.iter().filter_map(|leg| leg.shape.as_ref()?.surface.as_ref());
     surfaces().next()?;
     let heights = surfaces().flat_map(heights);
@@ -42,24 +42,26 @@ pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Opti
         };
         let frame = Frame { x: Scale { range, px }, y };
         let title = [f64::midpoint(px[0], px[1]), 20.0];
-        marks.push(heading(title, Anchor::Middle, Ink::of(side), says.side(side)));
+        let leg = language.word("leg", side.word());
+        marks.push(heading(title, Anchor::Middle, Ink::of(side), leg));
         marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
-        marks.extend(around(&frame, says));
-        marks.extend(map(record.leg(side), &frame, says));
+        marks.extend(around(&frame, language));
+        marks.extend(map(record.leg(side), &frame, language));
     }
-    marks.push(words([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, says.height_cm));
-    marks.extend(legend(language, says));
-    Some(Picture { title: says.error.to_owned(), size: SIZE, marks })
+    let height = language.text("picture.height_cm");
+    marks.push(words([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, height));
+    marks.extend(legend(language));
+    Some(Picture { title: language.text("picture.error").to_owned(), size: SIZE, marks })
 }
 
 /// The names of the directions below a map.
-fn around(frame: &Frame, says: &Words) -> Vec<Mark> {
+fn around(frame: &Frame, language: Language) -> Vec<Mark> {
     let names = [
-        (-180.0, says.back),
-        (-90.0, says.medial),
-        (0.0, says.front),
-        (90.0, says.lateral),
-        (180.0, says.back),
+        (-180.0, language.text("picture.back")),
+        (-90.0, language.text("picture.medial")),
+        (0.0, language.text("picture.front")),
+        (90.0, language.text("picture.lateral")),
+        (180.0, language.text("picture.back")),
     ];
     let name = |(angle, name): (f64, &str)| {
         let at = [frame.x.at(angle), ROWS_PX[1] + LINE];
@@ -78,12 +80,13 @@ fn heights(surface: &SurfaceGridFigures) -> Vec<f64> {
     points.chunks(surface.columns.max(1)).map(mean).collect()
 }
 
-fn map(leg: Option<&LegFigures>, frame: &Frame, says: &Words) -> Vec<Mark> {
+fn map(leg: Option<&LegFigures>, frame: &Frame, language: Language) -> Vec<Mark> {
     let surface = leg.and_then(|leg| leg.shape.as_ref()?.surface.as_ref());
     let Some((leg, surface)) = leg.zip(surface) else {
         let at =
             [f64::midpoint(frame.x.px[0], frame.x.px[1]), f64::midpoint(ROWS_PX[0], ROWS_PX[1])];
-        return vec![words(at, Anchor::Middle, TEXT, Ink::Muted, says.no_surface)];
+        let none = language.text("picture.no_surface");
+        return vec![words(at, Anchor::Middle, TEXT, Ink::Muted, none)];
     };
     let mut marks = cells(surface, frame);
     let named = LEVELS.map(|level| {
@@ -145,7 +148,7 @@ fn ink(step: Option<i64>) -> Ink {
     step.map_or(Ink::Unseen, |step| Ink::Off(step as f64 / STEPS))
 }
 
-fn legend(language: Language, says: &Words) -> Vec<Mark> {
+fn legend(language: Language) -> Vec<Mark> {
     const BOX: [f64; 2] = [34.0, 12.0];
     let (left, top) = (150.0, ROWS_PX[1] + 38.0);
     let mut marks = Vec::new();
@@ -166,10 +169,10 @@ fn legend(language: Language, says: &Words) -> Vec<Mark> {
         vec![[left, top], [end, top], [end, top + BOX[1]], [left, top + BOX[1]], [left, top]];
     marks.push(lines(vec![frame], Ink::Muted, 0.75));
     let below = [f64::midpoint(left, end), top + BOX[1] + 2.0 * LINE];
-    marks.push(words(below, Anchor::Middle, SMALL, Ink::Text, says.outside_mm));
+    marks.push(words(below, Anchor::Middle, SMALL, Ink::Text, language.text("picture.outside_mm")));
     marks.push(area(vec![box_at(end + 24.0)], Ink::Unseen));
     let at = [end + 30.0 + BOX[0], top + BOX[1] - 2.0];
-    marks.push(words(at, Anchor::Start, SMALL, Ink::Text, says.unseen));
+    marks.push(words(at, Anchor::Start, SMALL, Ink::Text, language.text("picture.unseen")));
     marks
 }
 

@@ -3,12 +3,12 @@
 
 use super::LEVELS;
 use super::plot::{Frame, SMALL, Scale, TEXT, heading, lines, range, words};
-use super::words::Words;
+use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::picture::{Anchor, Ink, Mark, Picture};
 use crate::record::schema::SectionFigures;
 use crate::record::shape::OutlineFigures;
-use crate::record::{Language, Record, rounding};
+use crate::record::{Record, rounding};
 
 /// Width, px.
 const WIDTH: f64 = 720.0;
@@ -26,7 +26,7 @@ const HALF: f64 = WIDTH / 2.0;
 const CHART_X: [f64; 2] = [44.0, 340.0];
 
 /// The figure; `None` for a record without outlines.
-pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Option<Picture> {
+pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let sections = record.legs.iter().flat_map(|leg| &leg.sections);
     sections.filter_map(|section| section.outline.as_ref()).next()?;
     let mut marks = Vec::new();
@@ -34,22 +34,24 @@ pub(super) fn picture(record: &Record, language: Language, says: &Words) -> Opti
         let left = half as f64 * HALF;
         let ink = Ink::of(side);
         let title = [left + CHART_X[0], 18.0];
-        marks.push(heading(title, Anchor::Start, ink, says.side(side)));
-        marks.push(words([left + 4.0, 36.0], Anchor::Start, SMALL, Ink::Muted, says.radius_mm));
+        marks.push(heading(title, Anchor::Start, ink, language.word("leg", side.word())));
+        let radius = language.text("picture.radius_mm");
+        marks.push(words([left + 4.0, 36.0], Anchor::Start, SMALL, Ink::Muted, radius));
         for (row, level) in LEVELS.into_iter().enumerate() {
             let section = record
                 .leg(side)
                 .and_then(|leg| leg.sections.iter().find(|at| at.level == level.name()));
             let at = [left, TOP + row as f64 * ROW];
-            marks.extend(cell(section, side, level, at, language, says));
+            marks.extend(cell(section, side, level, at, language));
         }
     }
     let y = TOP + LEVELS.len() as f64 * ROW + 10.0;
     marks.push(dots(vec![[CHART_X[0], y - 4.0]], 2.0));
-    marks.push(words([CHART_X[0] + 10.0, y], Anchor::Start, TEXT, Ink::Text, says.points));
+    let points = language.text("picture.points");
+    marks.push(words([CHART_X[0] + 10.0, y], Anchor::Start, TEXT, Ink::Text, points));
     marks.push(lines(vec![vec![[200.0, y - 4.0], [226.0, y - 4.0]]], Ink::Text, 1.5));
-    marks.push(words([234.0, y], Anchor::Start, TEXT, Ink::Text, says.fitted));
-    Some(Picture { title: says.fit.to_owned(), size: [WIDTH, y + 14.0], marks })
+    marks.push(words([234.0, y], Anchor::Start, TEXT, Ink::Text, language.text("picture.fitted")));
+    Some(Picture { title: language.text("picture.fit").to_owned(), size: [WIDTH, y + 14.0], marks })
 }
 
 fn cell(
@@ -58,24 +60,28 @@ fn cell(
     level: Level,
     [left, top]: [f64; 2],
     language: Language,
-    says: &Words,
 ) -> Vec<Mark> {
     let title = [left + CHART_X[0], top + 12.0];
     let mut marks = vec![heading(title, Anchor::Start, Ink::Text, level.name())];
     let there = section.and_then(|section| Some((section, section.outline.as_ref()?)));
     let Some((section, outline)) = there else {
         let at = [left + f64::midpoint(CHART_X[0], CHART_X[1]), top + ROW / 2.0];
-        marks.push(words(at, Anchor::Middle, TEXT, Ink::Muted, says.absent));
+        marks.push(words(at, Anchor::Middle, TEXT, Ink::Muted, language.text("picture.absent")));
         return marks;
     };
     let rms = format!("rms {} mm", rounding::number(section.rms_mm, 2, language));
     let end = [left + CHART_X[1], top + 12.0];
     marks.push(words(end, Anchor::End, SMALL, Ink::Muted, rms));
-    marks.extend(chart(outline, side, [left, top], says));
+    marks.extend(chart(outline, side, [left, top], language));
     marks
 }
 
-fn chart(outline: &OutlineFigures, side: Side, [left, top]: [f64; 2], says: &Words) -> Vec<Mark> {
+fn chart(
+    outline: &OutlineFigures,
+    side: Side,
+    [left, top]: [f64; 2],
+    language: Language,
+) -> Vec<Mark> {
     let radii = outline.radius_mm.iter().chain(&outline.scan_radius_mm);
     let Some(range) = range(radii.copied(), 10.0) else { return Vec::new() };
     let frame = Frame {
@@ -84,12 +90,13 @@ fn chart(outline: &OutlineFigures, side: Side, [left, top]: [f64; 2], says: &Wor
     };
     let step = if range[1] - range[0] > 30.0 { 20.0 } else { 10.0 };
     let mut marks = frame.rows(step, |mm| format!("{mm:.0}"));
-    marks.extend(frame.columns(90.0, |angle| match angle as i64 {
-        -90 => says.medial.to_owned(),
-        0 => says.front.to_owned(),
-        90 => says.lateral.to_owned(),
-        _ => says.back.to_owned(),
-    }));
+    let direction = |angle: f64| match angle as i64 {
+        -90 => language.text("picture.medial"),
+        0 => language.text("picture.front"),
+        90 => language.text("picture.lateral"),
+        _ => language.text("picture.back"),
+    };
+    marks.extend(frame.columns(90.0, |angle| direction(angle).to_owned()));
     let scan = outline.scan_angle_deg.iter().zip(&outline.scan_radius_mm);
     marks.push(dots(scan.map(|(angle, radius)| frame.at([*angle, *radius])).collect(), 1.75));
     let count = outline.radius_mm.len();

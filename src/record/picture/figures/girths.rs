@@ -3,11 +3,11 @@
 use super::plot::{
     Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
 };
-use super::words::Words;
+use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::schema::LegFigures;
-use crate::record::{Language, Record, rounding};
+use crate::record::{Record, rounding};
 
 /// Width and height, px.
 const SIZE: [f64; 2] = [720.0, 560.0];
@@ -46,10 +46,10 @@ struct Place<'a> {
 }
 
 /// The figure; `None` if no section was measured.
-pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Option<Picture> {
+pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let legs = || Side::FROM_FRONT.into_iter().filter_map(|side| Some((side, record.leg(side)?)));
     let frame = frame(legs().map(|(_, leg)| leg))?;
-    let mut marks = titles(words_);
+    let mut marks = titles(language);
     marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
     marks.extend(frame.columns(50.0, |mm| format!("{:.0}", mm / 10.0)));
     for (side, leg) in legs() {
@@ -57,7 +57,7 @@ pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Op
     }
     marks.extend(legs().flat_map(|(side, leg)| extremes(side, leg, &frame)));
     marks.extend(levels(record, &frame, language));
-    marks.extend(feet(record, language, words_));
+    marks.extend(feet(record, language));
     if let Some(slopes) = slope_frame(legs().map(|(_, leg)| leg), &frame) {
         let [low, high] = slopes.x.range;
         let step = if high - low > SLOPES_WIDE { 1.0 } else { 0.5 };
@@ -70,16 +70,18 @@ pub(super) fn picture(record: &Record, language: Language, words_: &Words) -> Op
         }
         marks.extend(steepest(record, &slopes));
     }
-    marks.extend(legend(words_));
-    Some(Picture { title: words_.girths.to_owned(), size: SIZE, marks })
+    marks.extend(legend(language));
+    Some(Picture { title: language.text("picture.girths").to_owned(), size: SIZE, marks })
 }
 
-fn titles(words_: &Words) -> Vec<Mark> {
+fn titles(language: Language) -> Vec<Mark> {
     let above = ROWS_PX[0] - 12.0;
+    let [girth, slope] = ["picture.girth_cm", "picture.slope"].map(|key| language.text(key));
+    let height = language.text("picture.height_cm");
     vec![
-        heading([GIRTHS_PX[0], above], Anchor::Start, Ink::Text, words_.girth_cm),
-        heading([SLOPES_PX[0], above], Anchor::Start, Ink::Text, words_.slope),
-        words([4.0, above - 18.0], Anchor::Start, SMALL, Ink::Muted, words_.height_cm),
+        heading([GIRTHS_PX[0], above], Anchor::Start, Ink::Text, girth),
+        heading([SLOPES_PX[0], above], Anchor::Start, Ink::Text, slope),
+        words([4.0, above - 18.0], Anchor::Start, SMALL, Ink::Muted, height),
     ]
 }
 
@@ -231,7 +233,7 @@ fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
 }
 
 /// The girths of the feet as text, placed high up where no leg is that thin. They are not on the curve.
-fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
+fn feet(record: &Record, language: Language) -> Vec<Mark> {
     let line = |(row, side): (usize, Side)| {
         let leg = record.leg(side)?;
         let is_foot = |name: &str| Level::ALL.iter().any(|l| *l < Level::B && l.name() == name);
@@ -241,7 +243,7 @@ fn feet(record: &Record, language: Language, words_: &Words) -> Vec<Mark> {
         let girths: Vec<String> = girths
             .map(|(about, name, mm)| format!("{about}{name} {}", rounding::cm_words(mm, language)))
             .collect();
-        let text = format!("{}: {}", words_.side(side), girths.join(", "));
+        let text = format!("{}: {}", language.word("leg", side.word()), girths.join(", "));
         let at = [GIRTHS_PX[0] + 8.0, ROWS_PX[0] + 18.0 + row as f64 * LINE];
         (!girths.is_empty()).then(|| words(at, Anchor::Start, SMALL, Ink::of(side), text))
     };
@@ -347,18 +349,19 @@ fn steepest_of(leg: &LegFigures) -> Option<[f64; 2]> {
     Some([slope, height_mm])
 }
 
-fn legend(words_: &Words) -> Vec<Mark> {
+fn legend(language: Language) -> Vec<Mark> {
     let y = SIZE[1] - 14.0;
     let mut marks = Vec::new();
     for (side, x) in Side::FROM_FRONT.into_iter().zip([56.0, 176.0]) {
         marks.push(line(side, [Some([x, y - 4.0]), Some([x + 26.0, y - 4.0])].into_iter()));
-        marks.push(words([x + 34.0, y], Anchor::Start, TEXT, Ink::Text, words_.side(side)));
+        let leg = language.word("leg", side.word());
+        marks.push(words([x + 34.0, y], Anchor::Start, TEXT, Ink::Text, leg));
     }
     let shapes = [
-        (300.0, triangle([300.0, y - 4.0], 5.0, true), words_.peak),
-        (390.0, triangle([390.0, y - 4.0], 5.0, false), words_.valley),
-        (480.0, diamond([480.0, y - 4.0], 5.0), words_.steepest),
-        (600.0, round([600.0, y - 4.0], 4.0), words_.proportion),
+        (300.0, triangle([300.0, y - 4.0], 5.0, true), language.text("picture.peak")),
+        (390.0, triangle([390.0, y - 4.0], 5.0, false), language.text("picture.valley")),
+        (480.0, diamond([480.0, y - 4.0], 5.0), language.text("picture.steepest")),
+        (600.0, round([600.0, y - 4.0], 4.0), language.text("picture.proportion")),
     ];
     for (index, (x, shape, word)) in shapes.into_iter().enumerate() {
         let fill = if index == 3 { Ink::Paper } else { Ink::Muted };

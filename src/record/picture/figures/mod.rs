@@ -6,12 +6,11 @@ mod girths;
 mod plot;
 mod sections;
 mod views;
-mod words;
 
-use self::words::Words;
 use super::Picture;
+use crate::language::Language;
 use crate::leg::Level;
-use crate::record::{Language, Record};
+use crate::record::Record;
 
 /// A figure and its file name.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,13 +23,12 @@ pub struct Figure {
 
 /// All figures for which the record has data, in reading order.
 pub fn all(record: &Record, language: Language) -> Vec<Figure> {
-    let words = Words::of(language);
     let figures = [
-        ("views", views::picture(record, language, words)),
-        ("girths", girths::picture(record, language, words)),
-        ("sections", sections::picture(record, language, words)),
-        ("fit", fit::picture(record, language, words)),
-        ("error", error::picture(record, language, words)),
+        ("views", views::picture(record, language)),
+        ("girths", girths::picture(record, language)),
+        ("sections", sections::picture(record, language)),
+        ("fit", fit::picture(record, language)),
+        ("error", error::picture(record, language)),
     ];
     let there = |(name, picture): (&'static str, Option<Picture>)| {
         picture.map(|picture| Figure { name, picture })
@@ -41,7 +39,7 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
 /// The legs and their girths in one drawing, if they are among a record's figures.
 pub fn overview(figures: &[Figure], language: Language) -> Picture {
     let parts = figures.iter().filter(|figure| OVERVIEW.contains(&figure.name));
-    let title = Words::of(language).views.to_owned();
+    let title = language.text("picture.views").to_owned();
     let nothing = Picture { title, size: [0.0, 0.0], marks: Vec::new() };
     parts.map(|figure| figure.picture.clone()).fold(nothing, Picture::above)
 }

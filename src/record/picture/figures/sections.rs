@@ -4,12 +4,12 @@
 
 use super::LEVELS;
 use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
-use super::words::Words;
+use crate::language::Language;
 use crate::leg::{Level, Side};
+use crate::record::Record;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::schema::{FeatureFigures, LegFigures};
 use crate::record::shape::OutlineFigures;
-use crate::record::{Language, Record};
 
 /// Width, px.
 const WIDTH: f64 = 720.0;
@@ -36,29 +36,32 @@ const CHART_X: [f64; 2] = [200.0, 346.0];
 const ASIDE: f64 = 11.0;
 
 /// The figure; `None` for a record without outlines.
-pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Picture> {
+pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let outlines = record.legs.iter().flat_map(|leg| LEVELS.map(|level| outline(leg, level)));
     let outlines: Vec<&OutlineFigures> = outlines.flatten().collect();
     let radii = outlines.iter().flat_map(|outline| outline.radius_mm.iter().copied());
     let [_, largest_mm] = range(radii, 1.0)?;
     let curvatures = outlines.iter().flat_map(|outline| outline.curvature_per_mm.iter());
     let range = range(curvatures.map(|per_mm| per_mm * 1000.0).chain([0.0]), 20.0)?;
-    let sheet = Sheet { px_per_mm: RADIUS / largest_mm, per_metre: range, says };
+    let sheet = Sheet { px_per_mm: RADIUS / largest_mm, per_metre: range, language };
     let mut marks = Vec::new();
     for (half, side) in Side::FROM_FRONT.into_iter().enumerate() {
         let left = half as f64 * HALF;
         let ink = Ink::of(side);
-        marks.push(heading([left + OUTLINE_X, 20.0], Anchor::Middle, ink, says.side(side)));
-        marks.push(words([left + 8.0, 36.0], Anchor::Start, SMALL, Ink::Muted, says.from_feet));
+        let leg = language.word("leg", side.word());
+        marks.push(heading([left + OUTLINE_X, 20.0], Anchor::Middle, ink, leg));
+        let from_feet = language.text("picture.from_feet");
+        marks.push(words([left + 8.0, 36.0], Anchor::Start, SMALL, Ink::Muted, from_feet));
         let middle = f64::midpoint(CHART_X[0], CHART_X[1]);
-        marks.push(heading([left + middle, 20.0], Anchor::Middle, Ink::Text, says.curvature));
+        let curvature = language.text("picture.curvature");
+        marks.push(heading([left + middle, 20.0], Anchor::Middle, Ink::Text, curvature));
         for (row, level) in LEVELS.into_iter().enumerate() {
             let at = [left, TOP + row as f64 * ROW];
             marks.extend(sheet.cell(record.leg(side), side, level, at));
         }
     }
     let size = [WIDTH, TOP + LEVELS.len() as f64 * ROW];
-    Some(Picture { title: says.sections.to_owned(), size, marks })
+    Some(Picture { title: language.text("picture.sections").to_owned(), size, marks })
 }
 
 fn outline(leg: &LegFigures, level: Level) -> Option<&OutlineFigures> {
@@ -67,14 +70,14 @@ fn outline(leg: &LegFigures, level: Level) -> Option<&OutlineFigures> {
 }
 
 /// The values that all cells share.
-struct Sheet<'a> {
+struct Sheet {
     px_per_mm: f64,
     /// Range of the curvature, 1/m.
     per_metre: [f64; 2],
-    says: &'a Words,
+    language: Language,
 }
 
-impl Sheet<'_> {
+impl Sheet {
     /// One level of one leg.
     fn cell(&self, leg: Option<&LegFigures>, side: Side, level: Level, at: [f64; 2]) -> Vec<Mark> {
         let [left, top] = at;
@@ -82,7 +85,8 @@ impl Sheet<'_> {
         let mut marks =
             vec![heading([left + 8.0, top + 18.0], Anchor::Start, Ink::Text, level.name())];
         let Some((leg, outline)) = leg.and_then(|leg| Some((leg, outline(leg, level)?))) else {
-            marks.push(words(middle, Anchor::Middle, TEXT, Ink::Muted, self.says.absent));
+            let absent = self.language.text("picture.absent");
+            marks.push(words(middle, Anchor::Middle, TEXT, Ink::Muted, absent));
             return marks;
         };
         let features: Vec<&FeatureFigures> =
@@ -148,7 +152,8 @@ impl Sheet<'_> {
         marks.extend(frame.columns(90.0, |_| String::new()));
         // Below the names of the valleys.
         let below = frame.y.px[0] + LINE + SMALL;
-        let names = [(-90.0, self.says.medial), (0.0, self.says.front), (90.0, self.says.lateral)];
+        let names = ["picture.medial", "picture.front", "picture.lateral"];
+        let names = [-90.0, 0.0, 90.0].into_iter().zip(names.map(|key| self.language.text(key)));
         marks.extend(names.map(|(angle, name)| {
             words([frame.x.at(angle), below], Anchor::Middle, SMALL, Ink::Muted, name)
         }));

@@ -4,12 +4,12 @@
 use nalgebra::{Point3, Vector3};
 
 use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
-use super::words::Words;
+use crate::language::Language;
 use crate::leg::Side;
+use crate::record::Record;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::schema::LegFigures;
 use crate::record::shape::{OutlineFigures, ShapeFigures};
-use crate::record::{Language, Record};
 
 /// Width, px.
 const WIDTH: f64 = 720.0;
@@ -74,17 +74,17 @@ impl From {
         Vector3::z().cross(&self.towards())
     }
 
-    fn name(self, says: &Words) -> &'static str {
+    fn name(self, language: Language) -> &'static str {
         match self {
-            From::Front => says.front,
-            From::Back => says.back,
-            From::Outside(_) => says.outer_side,
+            From::Front => language.text("picture.front"),
+            From::Back => language.text("picture.back"),
+            From::Outside(_) => language.text("picture.outer_side"),
         }
     }
 }
 
 /// The figure; `None` for a record without shapes.
-pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Picture> {
+pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let legs: Vec<Drawn> =
         Side::FROM_FRONT.into_iter().filter_map(|side| Drawn::of(record, side)).collect();
     let views: Vec<(From, [f64; 2])> =
@@ -104,15 +104,16 @@ pub(super) fn picture(record: &Record, _: Language, says: &Words) -> Option<Pict
         let view = View { from, left: left + MARGIN - low_mm * px_per_mm, floor, px_per_mm };
         let right = left + 2.0 * MARGIN + (high_mm - low_mm) * px_per_mm;
         let title = [f64::midpoint(left, right), 18.0];
-        marks.push(heading(title, Anchor::Middle, Ink::Text, from.name(says)));
+        marks.push(heading(title, Anchor::Middle, Ink::Text, from.name(language)));
         for leg in legs.iter().filter(|leg| from.shows(leg.side)) {
             marks.extend(view.leg(leg));
-            marks.extend(view.below(leg, says));
+            marks.extend(view.below(leg, language));
         }
         marks.extend(view.names(&legs, [left, right]));
         left = right;
     }
-    Some(Picture { title: says.views.to_owned(), size: [WIDTH, floor + BOTTOM], marks })
+    let title = language.text("picture.views").to_owned();
+    Some(Picture { title, size: [WIDTH, floor + BOTTOM], marks })
 }
 
 impl<'a> Drawn<'a> {
@@ -227,11 +228,11 @@ impl View {
     }
 
     /// The side of the leg, as text below its foot.
-    fn below(&self, leg: &Drawn, says: &Words) -> Option<Mark> {
+    fn below(&self, leg: &Drawn, language: Language) -> Option<Mark> {
         let [left, right] = extent(std::slice::from_ref(leg), self.from)?;
         let x = self.left + f64::midpoint(left, right) * self.px_per_mm;
         let at = [x, self.floor + 20.0];
-        Some(heading(at, Anchor::Middle, Ink::of(leg.side), says.side(leg.side)))
+        Some(heading(at, Anchor::Middle, Ink::of(leg.side), language.word("leg", leg.side.word())))
     }
 
     /// The names of the levels: on the left for the leg on the left of the view, else on the right.

@@ -3,10 +3,9 @@
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
-use super::super::words;
 use super::{Fact, Report, Section};
 use crate::record::rounding::cm_words;
-use crate::record::shown;
+use crate::record::{AcquiredFrom, SourceKind, shown};
 
 /// How many digits of a scan's hash distinguish it from all others of a clinic.
 const HASH_DIGITS: usize = 16;
@@ -15,7 +14,7 @@ impl Report<'_> {
     pub(super) fn patient(&self) -> String {
         match &self.record.patient {
             Some(patient) => shown::id(&patient.id),
-            None => self.say("not assigned", "nicht zugeordnet"),
+            None => self.text("report.fact.not_assigned"),
         }
     }
 
@@ -27,56 +26,76 @@ impl Report<'_> {
     fn time(&self) -> String {
         match &self.record.acquired {
             Some(acquired) => self.utc(acquired.at),
-            None => self.say("time of the scan unknown", "Zeit des Scans unbekannt"),
+            None => self.text("report.fact.time_unknown"),
         }
     }
 
     /// Date and time in the format of the language.
     fn utc(&self, at: Timestamp) -> String {
-        let format = self.language.pick("%-d %B %Y, %H:%M UTC", "%d.%m.%Y, %H:%M UTC");
-        at.to_zoned(TimeZone::UTC).strftime(format).to_string()
+        at.to_zoned(TimeZone::UTC).strftime(self.language.text("report.time")).to_string()
     }
 
     pub(super) fn facts(&self) -> Vec<Fact> {
         let record = self.record;
         let fact = |name: String, value: String| Fact { name, value };
-        let mut facts = vec![fact(self.say("Patient", "Patient"), self.patient())];
-        facts.extend(self.sources().map(|by| fact(self.say("Named by", "Benannt durch"), by)));
-        facts.push(fact(self.say("Scan taken", "Scan vom"), self.time_and_source()));
-        let station = record.station.as_deref().map_or_else(
-            || self.say("none (measured by hand)", "keine (von Hand vermessen)"),
-            shown::id,
-        );
-        facts.push(fact(self.say("Station", "Station"), station));
-        facts.extend(self.heights().map(|heights| fact(self.say("Body", "Körper"), heights)));
+        let mut facts = vec![fact(self.text("report.fact.patient"), self.patient())];
+        facts.extend(self.sources().map(|by| fact(self.text("report.fact.named_by"), by)));
+        facts.push(fact(self.text("report.fact.taken"), self.time_and_source()));
+        let station = record
+            .station
+            .as_deref()
+            .map_or_else(|| self.text("report.fact.no_station"), shown::id);
+        facts.push(fact(self.text("report.fact.station"), station));
+        facts.extend(self.heights().map(|heights| fact(self.text("report.fact.body"), heights)));
         let hash: String = record.scan.sha256.chars().take(HASH_DIGITS).collect();
-        facts.push(fact(self.say("Scan", "Scan"), self.scan(&shown::id(&hash))));
+        facts.push(fact(self.text("report.fact.scan"), self.scan(&shown::id(&hash))));
         let program = format!("gaiter {}", shown::id(&record.made_by.gaiter));
-        facts.push(fact(self.say("Program", "Programm"), program));
-        facts.push(fact(self.say("Revision", "Revision"), record.revision.to_string()));
+        facts.push(fact(self.text("report.fact.program"), program));
+        facts.push(fact(self.text("report.fact.revision"), record.revision.to_string()));
         facts
     }
 
     /// All sources that named the patient.
     fn sources(&self) -> Option<String> {
         let patient = self.record.patient.as_ref()?;
-        let words = patient.sources.iter().map(|source| words::source(source.kind, self.language));
+        let words = patient.sources.iter().map(|source| self.source(source.kind));
         let words = words.collect::<Vec<_>>().join(", ");
         (!words.is_empty()).then_some(words)
     }
 
     fn time_and_source(&self) -> String {
         let from = self.record.acquired.as_ref().map(|acquired| acquired.from);
-        let from = from.map(|from| format!(" ({})", words::time_from(from, self.language)));
+        let from = from.map(|from| format!(" ({})", self.time_from(from)));
         self.time() + &from.unwrap_or_default()
+    }
+
+    /// The source that named the patient, in words.
+    fn source(&self, kind: SourceKind) -> &'static str {
+        self.language.text(match kind {
+            SourceKind::FileName => "report.source.file_name",
+            SourceKind::Sidecar => "report.source.sidecar",
+            SourceKind::Operator => "report.source.operator",
+            SourceKind::Reader => "report.source.reader",
+            SourceKind::Order => "report.source.order",
+            SourceKind::Record => "report.source.record",
+        })
+    }
+
+    /// The source of a time of acquisition, in words.
+    fn time_from(&self, from: AcquiredFrom) -> &'static str {
+        self.language.text(match from {
+            AcquiredFrom::Press => "report.time_from.press",
+            AcquiredFrom::FileTime => "report.time_from.file_time",
+            AcquiredFrom::Unknown => "report.time_from.unknown",
+        })
     }
 
     /// Heights of the body, if the scan holds more than a single leg.
     fn heights(&self) -> Option<String> {
         let body = &self.record.body;
-        let told = |name: String, mm: f64| format!("{name} {} cm", cm_words(mm, self.language));
-        let stature = body.stature_mm.map(|mm| told(self.say("stature", "Körpergröße"), mm));
-        let crotch = body.crotch_height_mm.map(|mm| told(self.say("crotch at", "Schritthöhe"), mm));
+        let told = |key, mm| self.filled(key, &[("cm", &cm_words(mm, self.language))]);
+        let stature = body.stature_mm.map(|mm| told("report.fact.stature", mm));
+        let crotch = body.crotch_height_mm.map(|mm| told("report.fact.crotch", mm));
         let words = [stature, crotch].into_iter().flatten().collect::<Vec<_>>().join(", ");
         (!words.is_empty()).then_some(words)
     }
@@ -84,52 +103,34 @@ impl Report<'_> {
     fn scan(&self, hash: &str) -> String {
         let scan = &self.record.scan;
         let (format, unit) = (shown::id(&scan.format), shown::id(&scan.unit));
-        let unit_from = match scan.unit_inferred {
-            true => self.say("found", "erkannt"),
-            false => self.say("declared", "vorgegeben"),
+        let from = match scan.unit_inferred {
+            true => self.text("report.fact.unit_found"),
+            false => self.text("report.fact.unit_declared"),
         };
-        let [points, unit_word] = [self.say("points", "Punkte"), self.say("unit", "Einheit")];
-        format!("{hash}… ({format}, {} {points}, {unit_word} {unit}, {unit_from})", scan.points)
+        self.filled(
+            "report.fact.scan_is",
+            &[
+                ("hash", &hash),
+                ("format", &format),
+                ("points", &scan.points),
+                ("unit", &unit),
+                ("from", &from),
+            ],
+        )
     }
 
     pub(super) fn legend(&self) -> Section {
         let entries = [
-            self.say(
-                "Girth: what a tape laid around the leg reads, without tension.",
-                "Umfang: was ein Maßband ohne Zug um das Bein anzeigt.",
-            ),
-            self.say(
-                "Length: from the floor along the skin of the inner side up to the level. “h” before \
-                 a figure: vertical height above the floor, where the length is not known.",
-                "Länge: vom Boden an der Innenseite entlang der Haut bis zum Messpunkt. „h“ vor \
-                 einer Zahl: senkrechte Höhe über dem Boden, wo die Länge nicht bekannt ist.",
-            ),
-            self.say(
-                "±: two standard errors, rounded up; about 95 of 100 repeated scans lie within. ± ?: \
-                 it cannot be judged.",
-                "±: zwei Standardfehler, aufgerundet; etwa 95 von 100 wiederholten Scans liegen \
-                 darin. ± ?: nicht zu beurteilen.",
-            ),
-            self.say(
-                "~ (≈ in pictures): estimated by the body's proportions, not measured. ?: there is a doubt; see the \
-                 notes.",
-                "~ (in Bildern ≈): aus den Proportionen des Körpers geschätzt, nicht gemessen. ?: es gibt einen \
-                 Zweifel; siehe Hinweise.",
-            ),
-            self.say(
-                "Difference: left minus right, of the exact figures; in bold where it is larger than \
-                 its own uncertainty.",
-                "Differenz: links minus rechts, aus den genauen Zahlen; fett, wo sie größer ist als \
-                 ihre eigene Unsicherheit.",
-            ),
-            self.say(
-                "Left and right are the patient's own. Whatever is drawn from the front shows the \
-                 right leg on the left.",
-                "Links und rechts sind die Seiten des Patienten. In allem, was von vorn gezeichnet \
-                 ist, steht das rechte Bein links.",
-            ),
+            "report.legend.girth",
+            "report.legend.length",
+            "report.legend.margin",
+            "report.legend.marks",
+            "report.legend.difference",
+            "report.legend.sides",
         ];
-        let title = self.say("How to read this", "So ist es zu lesen");
-        Section { title, entries: entries.into() }
+        Section {
+            title: self.text("report.legend.title"),
+            entries: entries.map(|key| self.text(key)).into(),
+        }
     }
 }

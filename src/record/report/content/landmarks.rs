@@ -1,7 +1,6 @@
 //! Every figure of the levels in mm.
 
-use super::super::words;
-use super::super::words::findings::short;
+use super::super::words::{short, told};
 use super::{Figure, Report, Table, TableRow};
 use crate::leg::{Level, Side};
 use crate::record::schema::{EstimateFigures, LandmarkFigures};
@@ -10,45 +9,40 @@ impl Report<'_> {
     /// Every figure of the levels, with the digits of `record.json`.
     pub(super) fn landmarks(&self) -> Table {
         let columns = [
-            ("Level", "Messpunkt"),
-            ("Height", "Höhe"),
-            ("Its standard error", "Standardfehler"),
-            ("Along the axis", "Entlang der Achse"),
-            ("Along the skin", "Entlang der Haut"),
-            ("Girth by tape", "Umfang mit Band"),
-            ("Its standard error", "Standardfehler"),
-            ("Girth along the skin", "Umfang der Haut"),
-            ("Found by", "Gefunden durch"),
-            ("Doubts", "Zweifel"),
+            "report.landmarks.column.level",
+            "report.landmarks.column.height",
+            "report.landmarks.column.height_error",
+            "report.landmarks.column.along_axis",
+            "report.landmarks.column.along_skin",
+            "report.landmarks.column.girth_tape",
+            "report.landmarks.column.girth_error",
+            "report.landmarks.column.girth_skin",
+            "report.landmarks.column.found_by",
+            "report.landmarks.column.doubts",
         ];
         let rows = Side::FROM_FRONT.into_iter().flat_map(|side| self.landmarks_of(side)).collect();
         Table {
-            title: self.say("All levels as recorded (mm)", "Alle Messpunkte wie im Datensatz (mm)"),
-            explanation: Some(self.say(
-                "The exact digits of record.json, with one standard error, not two. Heights are \
-                 vertical above the floor.",
-                "Ziffer für Ziffer wie in record.json, mit einem Standardfehler, nicht zweien. Höhen \
-                 sind senkrecht über dem Boden.",
-            )),
-            columns: columns.map(|(english, german)| self.say(english, german)).into(),
+            title: self.text("report.landmarks.title"),
+            explanation: Some(self.text("report.landmarks.explanation")),
+            columns: columns.map(|column| self.text(column)).into(),
             rows,
         }
     }
 
     fn landmarks_of(&self, side: Side) -> Vec<TableRow> {
         let Some(leg) = self.record.leg(side) else { return Vec::new() };
-        let head = |level: Level, about: &str| {
-            format!("{}, {}{about}", level.name(), words::leg(side, self.language))
+        let head = |row: &'static str, level: Level| {
+            self.filled(row, &[("level", &level.name()), ("leg", &self.leg(side))])
         };
-        let estimated = self.say(", estimated", ", geschätzt");
         let row =
             |level: Level| match (leg.landmarks.get(level.name()), leg.estimates.get(level.name()))
             {
-                (Some(found), _) => {
-                    Some(TableRow { head: head(level, ""), figures: self.found_in_mm(found) })
-                }
+                (Some(found), _) => Some(TableRow {
+                    head: head("report.landmarks.row", level),
+                    figures: self.found_in_mm(found),
+                }),
                 (None, Some(of)) => Some(TableRow {
-                    head: head(level, &estimated),
+                    head: head("report.landmarks.row_estimated", level),
                     figures: self.estimate_in_mm(of),
                 }),
                 (None, None) => None,
@@ -65,7 +59,7 @@ impl Report<'_> {
             self.digits(Some(of.girth_tape_mm)),
             self.digits(of.girth_sd_mm),
             self.digits(Some(of.girth_contour_mm)),
-            Figure::plain(words::statements::told(of.rule.as_ref(), &of.by, self.language).0),
+            Figure::plain(told(of.rule.as_ref(), &of.by, self.language).0),
             self.doubts_in_words(&of.doubts),
         ]
     }
@@ -79,7 +73,7 @@ impl Report<'_> {
             self.digits(Some(of.girth_tape_mm)),
             self.digits(of.girth_sd_mm),
             self.digits(None),
-            Figure::plain(words::statements::told(of.rule.as_ref(), &of.by, self.language).0),
+            Figure::plain(told(of.rule.as_ref(), &of.by, self.language).0),
             self.doubts_in_words(&of.doubts),
         ]
     }
@@ -88,13 +82,13 @@ impl Report<'_> {
     fn digits(&self, mm: Option<f64>) -> Figure {
         match mm {
             Some(mm) => Figure::plain(format!("{mm:?}")),
-            None => Figure::missing(self.language.pick("not known", "nicht bekannt")),
+            None => Figure::missing(self.language.text("report.missing.not_known")),
         }
     }
 
     fn doubts_in_words(&self, codes: &[String]) -> Figure {
         match codes {
-            [] => Figure::plain(self.say("none", "keine")),
+            [] => Figure::plain(self.text("report.landmarks.no_doubts")),
             codes => {
                 let words: Vec<String> =
                     codes.iter().map(|code| short(code, self.language)).collect();

@@ -1,7 +1,6 @@
 //! Girths and lengths at the levels, and the differences between the legs there.
 
-use super::super::words;
-use super::super::words::findings::short;
+use super::super::words::short;
 use super::{Figure, LevelColumns, LevelFigures, LevelRow, Levels, Report};
 use crate::leg::{Level, Side};
 use crate::record::report::Mark;
@@ -12,22 +11,16 @@ impl Report<'_> {
         let (shown, others): (Vec<_>, Vec<_>) =
             Level::ALL.into_iter().rev().partition(|level| self.record.has_row(*level));
         let names: Vec<&str> = others.iter().map(|level| level.name()).collect();
-        let left_out = (!names.is_empty()).then(|| {
-            let words = self.say(
-                "Not seen in this scan, and not measured on either leg:",
-                "In diesem Scan nicht zu sehen und an keinem Bein gemessen:",
-            );
-            format!("{words} {}.", names.join(", "))
-        });
+        let left_out = (!names.is_empty())
+            .then(|| self.filled("report.levels.left_out", &[("levels", &names.join(", "))]));
         Levels {
-            title: self.say("Measures", "Maße"),
+            title: self.text("report.levels.title"),
             columns: LevelColumns {
-                level: self.say("Level", "Messpunkt"),
-                legs: Side::FROM_FRONT
-                    .map(|side| words::leg_heading(side, self.language).to_owned()),
-                girth: self.say("Girth (cm)", "Umfang (cm)"),
-                length: self.say("Length (cm)", "Länge (cm)"),
-                difference: self.say("Girth, left − right (cm)", "Umfang, links − rechts (cm)"),
+                level: self.text("report.levels.level"),
+                legs: Side::FROM_FRONT.map(|side| self.leg_heading(side)),
+                girth: self.text("report.levels.girth"),
+                length: self.text("report.levels.length"),
+                difference: self.text("report.levels.difference"),
             },
             rows: shown.into_iter().map(|level| self.row(level)).collect(),
             left_out,
@@ -38,7 +31,7 @@ impl Report<'_> {
     fn row(&self, level: Level) -> LevelRow {
         LevelRow {
             level: level.name().to_owned(),
-            place: words::place(level, self.language).to_owned(),
+            place: self.language.word("level", level.name()).to_owned(),
             is_sought: Level::SOUGHT.contains(&level),
             legs: Side::FROM_FRONT.map(|side| self.level(side, level)),
             difference: self.difference(level),
@@ -83,7 +76,7 @@ impl Report<'_> {
     }
 
     fn on_the_foot(&self) -> &'static str {
-        self.language.pick("on the foot", "am Fuß")
+        self.language.text("report.missing.on_foot")
     }
 
     fn short(&self, doubts: &[String]) -> Vec<String> {
@@ -94,11 +87,11 @@ impl Report<'_> {
     fn no_level(&self, side: Side, level: &str) -> &'static str {
         let (absent, implausible) = ("level-absent", "level-implausible");
         if self.is_found(absent, side, Some(level)) {
-            self.language.pick("not on this leg", "an diesem Bein nicht vorhanden")
+            self.language.text("report.missing.level_absent")
         } else if self.is_found(implausible, side, Some(level)) {
-            self.language.pick("not plausible", "nicht plausibel")
+            self.language.text("report.missing.level_implausible")
         } else {
-            self.language.pick("not seen", "nicht zu sehen")
+            self.language.text("report.missing.level_not_seen")
         }
     }
 
@@ -108,11 +101,9 @@ impl Report<'_> {
         match of_level.next() {
             Some(at) => Figure::cm_difference(at.girth_tape_mm, at.girth_sd_mm, self.language),
             None if self.is_estimated_only(level) => {
-                Figure::missing(self.language.pick("only estimated", "nur geschätzt"))
+                Figure::missing(self.language.text("report.missing.only_estimated"))
             }
-            None => {
-                Figure::missing(self.language.pick("not on both legs", "nicht an beiden Beinen"))
-            }
+            None => Figure::missing(self.language.text("report.missing.not_on_both")),
         }
     }
 

@@ -1,7 +1,6 @@
 //! Doubts and findings in plain words.
 
-use super::super::words::findings::{self, Plain};
-use super::super::words::{self, statements};
+use super::super::words::{self, Plain};
 use super::{Note, Report, Section, Weight};
 use crate::leg::Side;
 use crate::leg::finding::Severity;
@@ -16,7 +15,7 @@ impl Report<'_> {
         let mut entries = grouped(found.chain(doubts));
         // Notes of one weight keep the order of the stages.
         entries.sort_by_key(|note| note.weight);
-        Section { title: self.say("Notes", "Hinweise"), entries }
+        Section { title: self.text("report.notes.title"), entries }
     }
 
     pub(super) fn summary(&self, notes: &[Note]) -> String {
@@ -28,7 +27,7 @@ impl Report<'_> {
         };
         let words: Vec<String> = weights.into_iter().filter_map(words).collect();
         if words.is_empty() {
-            return self.say("No doubts and no findings", "Keine Zweifel und keine Hinweise");
+            return self.text("report.notes.none");
         }
         words.join(" · ")
     }
@@ -40,8 +39,8 @@ impl Report<'_> {
             _ => Weight::Warning,
         };
         let says = finding.says.as_ref();
-        let (message, is_told) = statements::told(says, &finding.message, self.language);
-        let plain = findings::plain(&finding.code, self.language);
+        let (message, is_told) = words::told(says, &finding.message, self.language);
+        let plain = words::plain(&finding.code, self.language);
         Note {
             code: finding.code.clone(),
             weight,
@@ -57,16 +56,16 @@ impl Report<'_> {
 
     fn weight_words(&self, weight: Weight) -> String {
         match weight {
-            Weight::Error => self.say("Serious", "Schwerwiegend"),
-            Weight::Warning => self.say("Check before use", "Vor Gebrauch ansehen"),
-            Weight::Info => self.say("Worth knowing", "Gut zu wissen"),
+            Weight::Error => self.text("report.notes.error"),
+            Weight::Warning => self.text("report.notes.warning"),
+            Weight::Info => self.text("report.notes.info"),
         }
     }
 
     /// The leg and level of a finding.
     fn place(&self, finding: &FindingNote) -> String {
         let side = Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()));
-        let leg = side.map(|side| words::leg(side, self.language).to_owned());
+        let leg = side.map(|side| self.leg(side).to_owned());
         [leg, finding.level.as_deref().map(shown::id)]
             .into_iter()
             .flatten()

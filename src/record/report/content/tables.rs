@@ -1,6 +1,5 @@
 //! Volumes, slices, feet, and requested heights.
 
-use super::super::words;
 use super::{Figure, Report, Table, TableRow};
 use crate::leg::Side;
 use crate::record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures};
@@ -16,31 +15,28 @@ impl Report<'_> {
 
     /// Headings of a table with one column per leg and these columns of differences.
     fn columns(&self, first: String, differences: &[String]) -> Vec<String> {
-        let legs = Side::FROM_FRONT.map(|side| words::leg_heading(side, self.language).to_owned());
+        let legs = Side::FROM_FRONT.map(|side| self.leg_heading(side));
         [first].into_iter().chain(legs).chain(differences.iter().cloned()).collect()
     }
 
     fn differences(&self) -> [String; 2] {
-        [
-            self.say("Left − right", "Links − rechts"),
-            self.say("in % of the smaller", "in % des kleineren"),
-        ]
+        [self.text("report.volumes.difference"), self.text("report.volumes.percent")]
     }
 
     fn volumes(&self) -> Table {
         let whole = self.record.differences.as_ref().and_then(|of| of.whole.as_ref());
         let whole_row = TableRow {
-            head: self.say("Whole leg", "Ganzes Bein"),
+            head: self.text("report.volumes.whole_leg"),
             figures: self.volume_row(|of| (of.whole_ml, of.sd_ml), whole),
         };
         let between = TableRow {
-            head: self.say("Between B and D", "Zwischen B und D"),
+            head: self.text("report.volumes.between"),
             figures: self.volume_row(|of| (of.b_to_d_ml, of.b_to_d_sd_ml), None),
         };
         Table {
-            title: self.say("Volumes (ml)", "Volumen (ml)"),
+            title: self.text("report.volumes.title"),
             explanation: Some(self.ranges()),
-            columns: self.columns(self.say("Part", "Abschnitt"), &self.differences()),
+            columns: self.columns(self.text("report.volumes.part"), &self.differences()),
             rows: vec![whole_row, between],
         }
     }
@@ -51,26 +47,21 @@ impl Report<'_> {
         let of_leg = |side: Side| {
             let volume = &self.record.leg(side)?.volume;
             let (from_mm, to_mm) = (volume.from_height_mm?, volume.to_height_mm?);
-            let leg = words::leg(side, self.language);
-            let to = self.say("to", "bis");
-            Some(format!("{leg} {} {to} {} cm", cm(from_mm), cm(to_mm)))
+            Some(self.filled(
+                "report.volumes.range_of_leg",
+                &[("leg", &self.leg(side)), ("from", &cm(from_mm)), ("to", &cm(to_mm))],
+            ))
         };
         let legs: Vec<String> = Side::FROM_FRONT.into_iter().filter_map(of_leg).collect();
-        let mut words = self.say(
-            "The whole leg goes from its lowest to its highest measured section",
-            "Das ganze Bein reicht vom untersten bis zum obersten gemessenen Schnitt",
-        );
-        if !legs.is_empty() {
-            words += &format!(" ({})", legs.join(", "));
-        }
-        words.push('.');
+        let ranges = match legs.as_slice() {
+            [] => self.text("report.volumes.range"),
+            legs => self.filled("report.volumes.ranges", &[("legs", &legs.join(", "))]),
+        };
         if self.record.differences.iter().any(|of| of.whole.is_some()) {
-            words += &self.say(
-                " The difference is taken over the range that both legs have.",
-                " Die Differenz gilt für den Bereich, den beide Beine haben.",
-            );
+            format!("{ranges} {}", self.text("report.volumes.common"))
+        } else {
+            ranges
         }
-        words
     }
 
     fn volume_row(
@@ -81,7 +72,7 @@ impl Report<'_> {
         let of_leg = |side: Side| match self.record.leg(side).map(|leg| figure(&leg.volume)) {
             Some((Some(ml), sd_ml)) => Figure::ml(ml, sd_ml, self.language),
             Some((None, _)) => {
-                Figure::missing(self.language.pick("not measured whole", "nicht ganz gemessen"))
+                Figure::missing(self.language.text("report.missing.volume_not_whole"))
             }
             None => Figure::missing(self.no_leg(side)),
         };
@@ -92,7 +83,7 @@ impl Report<'_> {
         match difference {
             Some(of) => Figure::ml_difference([of.ml, of.percent], of.sd_ml, self.language),
             None => {
-                let why = self.language.pick("not compared", "nicht verglichen");
+                let why = self.language.text("report.missing.not_compared");
                 [Figure::missing(why), Figure::missing(why)]
             }
         }
@@ -106,12 +97,9 @@ impl Report<'_> {
             figures: Side::FROM_FRONT.map(|side| self.girth_asked(side, index)).into(),
         };
         Some(Table {
-            title: self.say(
-                "Girths at heights that were asked for (cm)",
-                "Umfänge in gewünschten Höhen (cm)",
-            ),
+            title: self.text("report.asked.title"),
             explanation: None,
-            columns: self.columns(self.say("Height", "Höhe"), &[]),
+            columns: self.columns(self.text("report.asked.height"), &[]),
             rows: heights.iter().enumerate().map(row).collect(),
         })
     }
@@ -120,7 +108,7 @@ impl Report<'_> {
         let Some(leg) = self.record.leg(side) else { return Figure::missing(self.no_leg(side)) };
         let girth = leg.at.get(index).and_then(|at| Some((at, at.girth_tape_mm?)));
         let Some((at, girth_mm)) = girth else {
-            return Figure::missing(self.language.pick("not seen there", "dort nicht zu sehen"));
+            return Figure::missing(self.language.text("report.missing.height_not_seen"));
         };
         let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
         Figure::cm(girth_mm, at.girth_sd_mm, mark, self.language)
@@ -134,7 +122,7 @@ impl Report<'_> {
                 match foot {
                     Some(Some(foot)) => Figure::plain(cm_words(of(foot), self.language)),
                     Some(None) => {
-                        Figure::missing(self.language.pick("foot not seen", "Fuß nicht zu sehen"))
+                        Figure::missing(self.language.text("report.missing.foot_not_seen"))
                     }
                     None => Figure::missing(self.no_leg(side)),
                 }
@@ -144,12 +132,12 @@ impl Report<'_> {
                 figures: Side::FROM_FRONT.map(|side| figure(side, of)).into(),
             };
             Table {
-                title: self.say("Feet (cm)", "Füße (cm)"),
+                title: self.text("report.feet.title"),
                 explanation: None,
-                columns: self.columns(self.say("Measure", "Maß"), &[]),
+                columns: self.columns(self.text("report.feet.measure"), &[]),
                 rows: vec![
-                    row(self.say("Length", "Länge"), |foot| foot.length_mm),
-                    row(self.say("Breadth", "Breite"), |foot| foot.breadth_mm),
+                    row(self.text("report.feet.length"), |foot| foot.length_mm),
+                    row(self.text("report.feet.breadth"), |foot| foot.breadth_mm),
                 ],
             }
         })
@@ -171,12 +159,9 @@ impl Report<'_> {
             }
         };
         Some(Table {
-            title: self.say("Volumes of slices (ml)", "Volumen in Scheiben (ml)"),
-            explanation: Some(self.say(
-                "Slices across the leg's axis, along it from the floor.",
-                "Scheiben quer zur Achse des Beins, entlang der Achse vom Boden an.",
-            )),
-            columns: self.columns(self.say("From–to (cm)", "Von–bis (cm)"), &self.differences()),
+            title: self.text("report.slices.title"),
+            explanation: Some(self.text("report.slices.explanation")),
+            columns: self.columns(self.text("report.slices.from_to"), &self.differences()),
             rows: longest.iter().rev().map(row).collect(),
         })
     }
@@ -186,7 +171,7 @@ impl Report<'_> {
         let slice = leg.volume.slices.iter().find(|slice| slice.from_mm == at.from_mm);
         match slice.and_then(|slice| Some((slice.ml?, slice.sd_ml))) {
             Some((ml, sd_ml)) => Figure::ml(ml, sd_ml, self.language),
-            None => Figure::missing(self.language.pick("not seen whole", "nicht ganz zu sehen")),
+            None => Figure::missing(self.language.text("report.missing.slice_not_whole")),
         }
     }
 }

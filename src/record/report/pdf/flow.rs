@@ -6,7 +6,6 @@ use super::drawing;
 use super::sheet::{SIZE, Sheets};
 use super::tags::{ElementIndex, ROOT};
 use super::wrap::{Type, cut, lines};
-use crate::record::Language;
 use crate::record::picture::font::writable;
 use crate::record::picture::{Anchor, Ink, Picture};
 use crate::record::report::Content;
@@ -69,7 +68,7 @@ impl<'a> Flow<'a> {
         self.y = BODY[0];
         let page = self.sheets.current();
         let patient = writable(&self.content.patient);
-        let whole = self.content.language.pick("… (all of it on page 1)", "… (ganz auf Seite 1)");
+        let whole = self.content.language.text("report.cut_id");
         let patient = cut(&patient, 0.58 * WIDTH, BOLD_TYPE, whole);
         let taken = cut(&writable(&self.content.taken), 0.4 * WIDTH, SMALL_TYPE, "…");
         self.sheets.decorate(page, |pen| {
@@ -155,7 +154,8 @@ impl<'a> Flow<'a> {
         let count = self.sheets.pages.len();
         let language = self.content.language;
         for page in 0..count {
-            let number = page_number(language, page + 1, count);
+            let number =
+                language.filled("report.page_number", &[("page", &(page + 1)), ("count", &count)]);
             let title = writable(&self.content.title);
             self.sheets.decorate(page, |pen| {
                 pen.words(&title, [COLUMN[0], FOOT], Anchor::Start, SMALL_TYPE, Ink::Muted);
@@ -168,9 +168,4 @@ impl<'a> Flow<'a> {
 
 fn caption_height(title: &str, text: &str) -> f64 {
     CAPTION_GAP + Flow::height_of(title, BOLD_TYPE) + Flow::height_of(text, SMALL_TYPE)
-}
-
-fn page_number(language: Language, page: usize, count: usize) -> String {
-    let [page_word, of] = language.pick(["Page", "of"], ["Seite", "von"]);
-    format!("{page_word} {page} {of} {count}")
 }

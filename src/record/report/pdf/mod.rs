@@ -15,8 +15,9 @@ use thiserror::Error;
 
 use self::flow::Flow;
 use super::Content;
+use crate::language::Language;
+use crate::record::Record;
 use crate::record::picture::figures::Figure;
-use crate::record::{Language, Record};
 
 /// Why there is no PDF.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]

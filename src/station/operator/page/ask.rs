@@ -12,8 +12,8 @@ use tokio::task::spawn_blocking;
 
 use super::endpoint::HttpEndpoint;
 use super::{assets, guard};
-use crate::flow::page::{of_fault, words};
-use crate::record::Language;
+use crate::flow::page::of_fault;
+use crate::language::Language;
 use crate::station::operator::control::answer;
 use crate::station::operator::control::protocol::{self, Answer, FaultKind};
 
@@ -74,15 +74,7 @@ fn refusal(endpoint: &HttpEndpoint, headers: &HeaderMap) -> Option<Response> {
     }
     let token = endpoint.desk.token();
     if !token.is_some_and(|token| token.is_shown_in(headers)) {
-        let why = match endpoint.desk.core.config.language {
-            Language::En => {
-                "This link is no longer valid for decisions: run gaiter page for a new one."
-            }
-            Language::De => {
-                "Mit diesem Link kann nicht mehr entschieden werden: gaiter page zeigt \
-                             den richtigen."
-            }
-        };
+        let why = endpoint.desk.core.config.language.text("page.link_expired");
         return Some(refused(StatusCode::UNAUTHORIZED, "token", why));
     }
     let kind = headers.get(header::CONTENT_TYPE).and_then(|kind| kind.to_str().ok());
@@ -127,7 +119,7 @@ fn said(answered: Answer, verb: &str, language: Language) -> Response {
             refused(status, &fault.code, sentence)
         }
         _ => {
-            let sentence = words::done(verb, language).unwrap_or_default().to_owned();
+            let sentence = language.word("page.done", verb).to_owned();
             json(&Said { code: None, sentence })
         }
     }

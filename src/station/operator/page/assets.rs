@@ -8,9 +8,9 @@ use axum::response::Html;
 use axum::routing::get;
 
 use super::endpoint::HttpEndpoint;
-use crate::flow::page::words::{LABELS, label, say};
+use crate::language::Language;
 use crate::record::report::VIEWER;
-use crate::record::{Language, sha256};
+use crate::record::sha256;
 use crate::station::operator::http::listeners::Way;
 
 const PAGE: &str = include_str!("page.html");
@@ -48,7 +48,7 @@ pub fn version(language: Language) -> String {
 
 /// The labels as an object for the script. `<` is escaped because it could end the enclosing element.
 fn labels(language: Language) -> String {
-    let pairs = LABELS.iter().map(|(key, both)| format!("{key:?}:{:?}", say(language, *both)));
+    let pairs = language.table("page.label").map(|(key, text)| format!("{key:?}:{text:?}"));
     format!("{{{}}}", pairs.collect::<Vec<_>>().join(",")).replace('<', "\\u003c")
 }
 
@@ -60,10 +60,10 @@ fn fill(template: &str, language: Language, way: Way) -> String {
         let (key, rest) = part.split_once("}}").unwrap_or((part, ""));
         match key {
             "page" => text += &version(language),
-            "language" => text += say(language, ("en", "de")),
+            "language" => text += language.tag(),
             "way" => text += way.word(),
             "labels" => text += &labels(language),
-            key => text += label(key, language).unwrap_or_default(),
+            key => text += language.word("page.label", key),
         }
         text += rest;
     }
@@ -85,12 +85,13 @@ mod tests {
         let used: Vec<&str> = keys(PAGE).into_iter().chain(keys(KIOSK)).chain(of_script).collect();
         assert!(used.len() > 20, "{used:?}");
         for key in used.iter().filter(|key| !own.contains(key)) {
-            assert!(label(key, Language::En).is_some(), "{key} has no words");
+            let label = Language::En.find(&format!("page.label.{key}"));
+            assert!(label.is_some(), "{key} has no words");
         }
         // The labels of decisions about a scan, and of its files, are found by their own names.
         let acts = ["assign", "give_up", "release", "retry", "unassign"];
         let files = ["legs.svg", "record.json", "report.html", "report.pdf"];
-        for (key, _) in LABELS {
+        for (key, _) in Language::En.table("page.label") {
             let by_name = acts.contains(&key) || files.contains(&key);
             let by_script = SCRIPT.contains(&format!("{key:?}"));
             assert!(by_name || by_script || used.contains(&key), "{key} is not used");
@@ -99,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_page_is_filled_with_words_of_its_language() {
-        for language in [Language::En, Language::De] {
+        for language in Language::ALL {
             for template in [PAGE, KIOSK] {
                 let page = fill(template, language, Way::Local);
                 assert!(!page.contains("{{"), "{page}");
@@ -112,10 +113,10 @@ mod tests {
 
     #[test]
     fn labels_are_json_in_which_no_element_ends() {
-        for language in [Language::En, Language::De] {
+        for language in Language::ALL {
             let labels = labels(language);
             let object: serde_json::Value = serde_json::from_str(&labels).unwrap();
-            assert_eq!(object.as_object().unwrap().len(), LABELS.len());
+            assert_eq!(object.as_object().unwrap().len(), language.table("page.label").count());
             assert!(!labels.contains('<'));
         }
     }

@@ -122,9 +122,8 @@ function button(text, key, on, isMain) {
 }
 
 // Words with ids in the places of their braces; each id is set apart from the words around it.
-function phrase(words, ...ids) {
-  const [first, ...rest] = words.split("{}");
-  return [first, ...rest.flatMap((part, at) => [make("bdi", {}, ids[at] ?? ""), part])];
+function phrase(words, ids) {
+  return words.split(/\{(\w+)\}/).map((part, at) => (at % 2 ? make("bdi", {}, ids[part] ?? "") : part));
 }
 
 const verb = (key) => label(key).replace(/ …$/, "");
@@ -133,16 +132,16 @@ const verb = (key) => label(key).replace(/ …$/, "");
 function act(key, scan, isMain) {
   const send = (patient) => ask({ ask: key, scan: scan.scan, patient: patient || undefined });
   const [patient] = scan.patients.length === 1 ? scan.patients : [];
-  const named = (words, plain) => (patient === undefined ? label(plain) : phrase(label(words), patient));
+  const named = (words, plain) => (patient === undefined ? label(plain) : phrase(label(words), { patient }));
   const asks = {
     retry: () => decide({ ask: key, scan: scan.scan }),
     assign: () => question({ title: verb(key), hint: label("assign_hint"), wantsId: true, send }),
     release: () => question({
-      title: patient === undefined ? verb(key) : phrase(label("release_to"), patient),
+      title: patient === undefined ? verb(key) : phrase(label("release_to"), { patient }),
       hint: named("release_to_hint", "release_hint"), yes: verb(key), send,
     }),
     unassign: () => question({
-      title: patient === undefined ? verb(key) : phrase(label("unassign_from"), patient),
+      title: patient === undefined ? verb(key) : phrase(label("unassign_from"), { patient }),
       hint: named("unassign_from_hint", "unassign_hint"), yes: verb(key), send,
     }),
     give_up: () => question({ title: verb(key), hint: label("give_up_hint"), yes: verb(key), send }),
@@ -154,9 +153,9 @@ function act(key, scan, isMain) {
 function candidate(scan, { id, shown }) {
   const send = () => ask({ ask: "assign", scan: scan.scan, patient: id });
   const on = () => question({
-    title: phrase(label("give"), shown), hint: phrase(label("give_hint"), shown), yes: verb("assign"), send,
+    title: phrase(label("give"), { patient: shown }), hint: phrase(label("give_hint"), { patient: shown }), yes: verb("assign"), send,
   });
-  return button(phrase(label("give"), shown), `give ${id} ${scan.scan}`, on, true);
+  return button(phrase(label("give"), { patient: shown }), `give ${id} ${scan.scan}`, on, true);
 }
 
 // Names the next patient; one who is named and was not scanned is replaced after a question.
@@ -174,7 +173,7 @@ function nameNext(next) {
 // The patient of a refused scan is named to be scanned again.
 function scanAgain(scan, { id, shown }) {
   const on = () => question({
-    title: phrase(label("scan_again_of"), shown), hint: phrase(label("scan_again_hint"), shown),
+    title: phrase(label("scan_again_of"), { patient: shown }), hint: phrase(label("scan_again_hint"), { patient: shown }),
     yes: verb("scan_again"), send: () => nameAs(id),
   });
   return button(label("scan_again"), `scan_again ${scan.scan}`, on, true);
@@ -183,7 +182,7 @@ function scanAgain(scan, { id, shown }) {
 function replace(next, patient) {
   const named = next.who.map(({ shown }) => shown).join(", ") || label("another");
   question({
-    title: label("replace"), hint: phrase(label("replace_hint"), named, patient), yes: label("replace"),
+    title: label("replace"), hint: phrase(label("replace_hint"), { named, patient }), yes: label("replace"),
     send: () => ask({ ask: "name_next", patient, replace: true }),
   });
 }

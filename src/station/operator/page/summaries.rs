@@ -9,7 +9,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use crate::flow::page::{FILES, Told};
-use crate::record::{Language, Record, RecordSummary};
+use crate::language::Language;
+use crate::record::{Record, RecordSummary};
 use crate::store::revision;
 
 /// A summary is read again after this time: a report may have been made since.
