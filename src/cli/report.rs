@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
-use crate::record::schema::SCHEMA;
+use crate::record::schema::{FindingNote, SCHEMA};
 use crate::record::{FilesFault, Record, RecordFault, RecordFile, SUMS, report_files};
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
@@ -97,6 +97,9 @@ enum Fault {
         shown(.0.display())
     )]
     RecordFolder(PathBuf),
+    /// A file of the report's name is there.
+    #[error("{} is there already; nothing was replaced: --force replaces it", shown(.0.display()))]
+    There(PathBuf),
     /// The report cannot be created.
     #[error("the report cannot be made: {0}")]
     Files(#[from] FilesFault),
@@ -120,7 +123,7 @@ impl Fault {
             | Fault::OtherSchema { .. }
             | Fault::Changed { .. }
             | Fault::Impossible { .. } => Exit::Unmeasurable,
-            Fault::RecordFolder(_) => Exit::Usage,
+            Fault::RecordFolder(_) | Fault::There(_) => Exit::Usage,
             Fault::Files(_) => Exit::Internal,
             Fault::Unreadable { .. } | Fault::Write { .. } => Exit::Io,
         }
@@ -140,15 +143,23 @@ fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
     tried(&args.out, fs::create_dir_all(&args.out))?;
     let place = |file: &RecordFile| {
         let path = args.out.join(&file.name);
-        tried(&path, put(&path, file)).map(|()| path)
+        match put(&path, file, args.force) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(Fault::There(path)),
+            put => tried(&path, put).map(|()| path),
+        }
     };
     files.iter().map(place).collect()
 }
 
-/// Replaces an earlier file of the same name. There is never half a report at that path.
-fn put(path: &Path, file: &RecordFile) -> io::Result<()> {
+/// Writes a file, in place of an earlier one only with `replace`. There is never half a report at that
+/// path.
+fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
     let beside = path.with_file_name(format!(".{}-{}", file.name, std::process::id()));
-    let put = durable::write_new(&beside, &file.bytes).and_then(|()| fs::rename(&beside, path));
+    let rename = || match replace {
+        true => fs::rename(&beside, path),
+        false => durable::rename_new(&beside, path),
+    };
+    let put = durable::write_new(&beside, &file.bytes).and_then(|()| rename());
     if put.is_err() {
         // A failure to remove the leftover adds nothing to the error above.
         let _ = fs::remove_file(&beside);
@@ -168,11 +179,18 @@ fn read(path: &Path) -> Result<Record, Fault> {
         return Err(Fault::OtherSchema { path, schema: record.schema });
     }
     let (folder, name) = (path.parent(), path.file_name().and_then(OsStr::to_str));
-    if let (Some(folder), Some(name)) = (folder, name) {
-        let vouched = sums::check_file(folder, name, &bytes);
-        let vouched =
-            vouched.map_err(|source| Fault::Unreadable { path: folder.join(SUMS), source })?;
-        vouched.map_err(|source| Fault::Changed { path: path.clone(), source })?;
+    let is_vouched = match (folder, name) {
+        (Some(folder), Some(name)) => {
+            let vouched = sums::check_file(folder, name, &bytes);
+            let vouched =
+                vouched.map_err(|source| Fault::Unreadable { path: folder.join(SUMS), source })?;
+            vouched.map_err(|source| Fault::Changed { path: path.clone(), source })?
+        }
+        _ => false,
+    };
+    let mut record = record.checked().map_err(|source| Fault::Impossible { path, source })?;
+    if !is_vouched {
+        record.findings.insert(0, FindingNote::not_vouched());
     }
-    record.checked().map_err(|source| Fault::Impossible { path, source })
+    Ok(record)
 }

@@ -97,7 +97,7 @@ fn remedy(code: &str) -> &'static str {
              itself"
         }
         "journal-refuses" => "undo what was changed in journal.db, then restart",
-        _ => "look up this code in the README, then restart",
+        _ => "look up this code in /usr/share/doc/gaiter, then restart",
     }
 }
 
@@ -173,7 +173,7 @@ fn of_trigger(port: &str, trigger: &TriggerFacts, now: Timestamp) -> Option<Comp
     let since = ago(since, now);
     let (code, what, remedy) = match trigger.state {
         PortState::Absent => {
-            ("trigger-absent", "is not there", "plug it in; see the README for its port")
+            ("trigger-absent", "is not there", "plug it in; see the page on the booth for its port")
         }
         PortState::Busy => {
             ("trigger-busy", "belongs to another program", "end that program; see fuser -v PORT")

@@ -190,7 +190,7 @@ impl fmt::Display for Finding {
 }
 
 impl Finding {
-    /// The stable code used in records and the README's table.
+    /// The stable code used in records and docs/codes.md.
     pub fn code(&self) -> &'static str {
         match &self.what {
             What::LevelAbsent(_) => "level-absent",

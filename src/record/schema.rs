@@ -12,6 +12,7 @@ use super::provenance::{Acquired, Patient};
 use super::shape::{AxisFigures, OutlineFigures, ShapeFigures};
 use super::statement::Statement;
 use super::surface::SurfaceFigures;
+use crate::leg::finding::Severity;
 use crate::leg::{Level, Side};
 
 /// Name and number of this schema.
@@ -259,7 +260,7 @@ pub struct FeatureFigures {
 /// One finding.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FindingNote {
-    /// Stable code; the README's table explains what to do.
+    /// Stable code; docs/codes.md explains what to do.
     pub code: String,
     /// `info`, `warning` or `error`.
     pub severity: String,
@@ -272,4 +273,19 @@ pub struct FindingNote {
     /// The finding as data; missing in older records and for findings with an English text only.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub says: Option<Statement>,
+}
+
+impl FindingNote {
+    /// For a report of a record whose bytes nobody can check: without `SHA256SUMS` beside it, its figures
+    /// may be anybody's.
+    pub fn not_vouched() -> FindingNote {
+        FindingNote {
+            code: "not-vouched".to_owned(),
+            severity: Severity::Error.word().to_owned(),
+            leg: None,
+            level: None,
+            message: "no SHA256SUMS was beside the record".to_owned(),
+            says: Some(Statement { is: "not-vouched".to_owned(), figures: BTreeMap::new() }),
+        }
+    }
 }

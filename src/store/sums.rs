@@ -112,17 +112,20 @@ pub fn scan_name(folder: &Path, scan: &ScanId) -> io::Result<Option<String>> {
     Ok(scan_of(folder)?.filter(|(found, _)| found == scan).map(|(_, name)| name))
 }
 
-/// Checks bytes against the entry for this file in a folder's `SHA256SUMS`. Without sums, or without an
-/// entry for the file, any bytes pass.
+/// Checks bytes against the entry for this file in a folder's `SHA256SUMS`. Returns whether there is such
+/// an entry: without one, nothing is known about the bytes.
 ///
 /// # Errors
 /// Outer: the sums cannot be read now. Inner: the bytes differ, or the sums cannot be parsed.
-pub fn check_file(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<Result<(), SumsFault>> {
-    let Some(sums) = readable(fs::read(folder.join(SUMS)))? else { return Ok(Ok(())) };
+pub fn check_file(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<Result<bool, SumsFault>> {
+    let Some(sums) = readable(fs::read(folder.join(SUMS)))? else { return Ok(Ok(false)) };
     Ok(parse(&sums).and_then(|listed| {
-        let is_other = |(sum, listed): &(ScanId, String)| listed == name && *sum != scan_id(bytes);
-        let name = name.to_owned();
-        if listed.iter().any(is_other) { Err(SumsFault::Differs { name }) } else { Ok(()) }
+        let mut own = listed.iter().filter(|(_, listed)| listed == name).peekable();
+        let is_listed = own.peek().is_some();
+        match own.all(|(sum, _)| *sum == scan_id(bytes)) {
+            true => Ok(is_listed),
+            false => Err(SumsFault::Differs { name: name.to_owned() }),
+        }
     }))
 }
 

@@ -1,5 +1,6 @@
 // report.html in a real browser, opened from its file as a clinician opens it.
 
+import { createHash } from "node:crypto";
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
@@ -43,9 +44,13 @@ after(async () => {
 /** The page of a record in a language, as a file. */
 function report(name, of, language) {
   const place = join(folder, `${name}-${language}`);
-  mkdirSync(place, { recursive: true });
-  writeFileSync(join(place, "record.json"), JSON.stringify(of));
-  execFileSync(gaiter, ["report", place, "--language", language, "--out", place]);
+  const source = join(place, "record");
+  mkdirSync(source, { recursive: true });
+  const text = JSON.stringify(of);
+  writeFileSync(join(source, "record.json"), text);
+  const sum = createHash("sha256").update(text).digest("hex");
+  writeFileSync(join(source, "SHA256SUMS"), `${sum}  record.json\n`);
+  execFileSync(gaiter, ["report", source, "--language", language, "--out", place, "--force"]);
   return pathToFileURL(join(place, "report.html")).href;
 }
 

@@ -213,10 +213,11 @@ fn every_word_that_the_program_hands_out_has_its_text() {
     }
 }
 
-/// The codes in the first column of the README's table behind these words.
-fn of_readme(before: &str) -> Vec<String> {
-    let readme = include_str!("../../README.md");
-    let (_, table) = readme.split_once(before).unwrap();
+/// The codes in the first column of a page's table behind these words.
+fn of_table(before: &str) -> Vec<String> {
+    let pages =
+        [include_str!("../../docs/codes.md"), include_str!("../../docs/patients.md")].concat();
+    let (_, table) = pages.split_once(before).unwrap();
     let rows = table.lines().skip_while(|line| !line.starts_with("| `"));
     let rows = rows.take_while(|line| line.starts_with("| `"));
     let codes = rows.flat_map(|row| row.split('|').nth(1).unwrap().split('`').skip(1).step_by(2));
@@ -224,7 +225,7 @@ fn of_readme(before: &str) -> Vec<String> {
 }
 
 #[test]
-fn every_code_of_the_readme_has_its_texts_in_every_language() {
+fn every_code_of_the_documents_has_its_texts_in_every_language() {
     // A result for the practice software that waits, and one that was handed over: no scan is refused.
     let no_refusal = ["result-not-fetched", "result-handed-over"];
     for (before, table, parts, least) in [
@@ -232,7 +233,7 @@ fn every_code_of_the_readme_has_its_texts_in_every_language() {
         ("| held as |", "page.held", &["what", "next"], 9),
         ("Refusals, in `reason.json`", "page.refused", &["what", "next"], 35),
     ] {
-        let codes = of_readme(before);
+        let codes = of_table(before);
         assert!(codes.len() >= least, "only {codes:?}");
         let scans = codes.iter().filter(|code| !no_refusal.contains(&code.as_str()));
         let keys =

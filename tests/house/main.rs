@@ -1,7 +1,8 @@
-//! The rules of the house, the README, the languages, and the checker of the invariants itself.
+//! The rules of the house, the documents, the languages, and the checker of the invariants itself.
 
 mod circles;
+mod codes;
+mod docs;
 mod invariants;
 mod languages;
 mod layering;
-mod readme;

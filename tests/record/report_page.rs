@@ -316,14 +316,14 @@ fn the_report_of_a_record_read_back_is_that_of_its_folder_byte_for_byte() {
     let json = folder.join("record.json");
     for record in [folder_arg, json.to_str().unwrap()] {
         // The second time in the place of the first.
-        let made = gaiter(&["report", record, "--language", "de", "--out", out_arg]);
+        let made = gaiter(&["report", record, "--language", "de", "--out", out_arg, "--force"]);
         assert_eq!(code(&made), Some(0), "{}", stderr(&made));
         for name in ["report.html", "report.pdf"] {
             assert!(stdout(&made).contains(name));
             assert!(fs::read(out.join(name)).unwrap() == fs::read(folder.join(name)).unwrap());
         }
     }
-    let told = gaiter(&["report", folder_arg, "--out", out_arg, "--json"]);
+    let told = gaiter(&["report", folder_arg, "--out", out_arg, "--json", "--force"]);
     let told: serde_json::Value = serde_json::from_slice(&told.stdout).unwrap();
     let paths = ["report.html", "report.pdf"].map(|name| out.join(name).display().to_string());
     assert_eq!(told, serde_json::json!({ "files": paths }));

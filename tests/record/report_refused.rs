@@ -6,6 +6,7 @@
 use std::fs;
 use std::sync::LazyLock;
 
+use gaiter::language::Language;
 use gaiter::leg::Method;
 use gaiter::record::{Record, sha256};
 use serde_json::Value;
@@ -81,4 +82,33 @@ fn what_is_no_record_is_refused_with_the_code_of_its_kind() {
         assert!(stderr(&said).contains(name));
         assert!(!place.path().join("out").exists(), "{name}");
     }
+}
+
+#[test]
+fn a_report_of_a_lone_record_says_that_nothing_vouches_for_it_and_replaces_no_other() {
+    let place = tempfile::tempdir().unwrap();
+    let path = |name: &str| place.path().join(name).to_str().unwrap().to_owned();
+    let written = serde_json::to_vec(&*RECORD).unwrap();
+    fs::write(path("record.json"), &written).unwrap();
+    let report = |out: &str, more: &[&str]| {
+        let (record, out) = (path("record.json"), path(out));
+        let said =
+            gaiter(&[&["report", &record, "--out", &out, "--language", "de"], more].concat());
+        (code(&said), stderr(&said))
+    };
+    let page = |out: &str| fs::read_to_string(place.path().join(out).join("report.html")).unwrap();
+    let title = Language::De.text("finding.not-vouched.title");
+    assert_eq!(report("lone", &[]).0, Some(0));
+    assert!(page("lone").contains(title));
+
+    let sum = sha256(&written);
+    fs::write(path("SHA256SUMS"), format!("{sum}  record.json\n")).unwrap();
+    assert_eq!(report("vouched", &[]).0, Some(0));
+    assert!(!page("vouched").contains(title));
+    fs::write(path("SHA256SUMS"), format!("{sum}  other.json\n")).unwrap();
+    let (exit, said) = report("vouched", &[]);
+    assert_eq!(exit, Some(64), "{said}");
+    assert!(said.contains("--force") && !page("vouched").contains(title), "{said}");
+    assert_eq!(report("vouched", &["--force"]).0, Some(0));
+    assert!(page("vouched").contains(title), "the sums are those of another file");
 }

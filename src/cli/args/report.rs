@@ -18,6 +18,9 @@ pub struct ReportArgs {
     /// Folder for the report [default: the current folder]
     #[arg(long, value_name = "DIR", default_value = ".", hide_default_value = true)]
     pub out: PathBuf,
+    /// Replace a report that is there already
+    #[arg(long)]
+    pub force: bool,
     /// Print the paths of the files as one JSON object, for programs
     #[arg(long)]
     pub json: bool,

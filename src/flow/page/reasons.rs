@@ -1,4 +1,4 @@
-//! Codes → the situation and what to do, each in one sentence. The README's tables say the same in more
+//! Codes → the situation and what to do, each in one sentence. docs/codes.md and docs/patients.md say the same in more
 //! detail; an unknown code is shown as it is.
 
 use serde::Serialize;

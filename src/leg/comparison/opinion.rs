@@ -82,7 +82,7 @@ pub enum SecondOpinion {
 }
 
 impl SecondOpinion {
-    /// The stable code used in records and the README's table.
+    /// The stable code used in records and docs/codes.md.
     pub fn code(&self) -> &'static str {
         match self {
             SecondOpinion::Unreadable { .. } => "ord-unreadable",

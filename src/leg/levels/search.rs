@@ -1,5 +1,5 @@
 //! The search for levels on the girth curve: B, C and D at its valleys and peak, B1 at its largest
-//! slope (paper 1.2, fig. 3b and 3c; definitions in the README) or at a fixed height above B.
+//! slope (paper 1.2, fig. 3b and 3c; definitions in docs/record.md) or at a fixed height above B.
 //!
 //! Only the shape of the curve decides. A missing level is reported as absent; the usual position
 //! of a level has no influence.

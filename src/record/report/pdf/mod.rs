@@ -31,7 +31,7 @@ pub enum PdfFault {
 }
 
 impl PdfFault {
-    /// The stable code used in records and in the README's table.
+    /// The stable code used in records and docs/codes.md.
     pub fn code(&self) -> &'static str {
         match self {
             PdfFault::Font { .. } => "paper-not-made",

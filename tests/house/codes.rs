@@ -1,4 +1,4 @@
-//! The README tells what every code means that an operator can meet.
+//! The documents tell what every code means that an operator can meet.
 
 #![allow(clippy::unwrap_used)]
 
@@ -31,14 +31,26 @@ fn codes(source: &str) -> Vec<String> {
     quoted.filter(is_code).map(str::to_owned).collect()
 }
 
+/// The pages with tables of codes.
+fn pages() -> String {
+    [
+        include_str!("../../docs/codes.md"),
+        include_str!("../../docs/operate.md"),
+        include_str!("../../docs/patients.md"),
+        include_str!("../../docs/cli.md"),
+        include_str!("../../docs/record.md"),
+    ]
+    .concat()
+}
+
 #[test]
-fn every_code_stands_in_the_readme() {
-    let readme = include_str!("../../README.md");
+fn every_code_stands_in_the_documents() {
+    let pages = pages();
     let all: Vec<String> = SOURCES.iter().flat_map(|source| codes(source)).collect();
     assert!(all.len() > 20, "only {} codes were found: {all:?}", all.len());
     let not_codes = ["info", "warning", "error", "folder"];
     for code in all.iter().filter(|code| !not_codes.contains(&code.as_str())) {
-        assert!(readme.contains(&format!("`{code}`")), "the README does not explain `{code}`");
+        assert!(pages.contains(&format!("`{code}`")), "no page explains `{code}`");
     }
 }
 
@@ -67,17 +79,22 @@ fn events(folder: &Path, found: &mut BTreeSet<String>) {
 }
 
 #[test]
-fn every_log_event_stands_in_the_readme_and_no_other() {
+fn every_log_event_stands_in_its_table_and_no_other() {
     let mut made = BTreeSet::new();
     events(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut made);
     assert!(made.len() > 15, "only {} events were found: {made:?}", made.len());
-    let readme = include_str!("../../README.md");
-    let section = readme.split("\n## Log events\n").nth(1).unwrap().split("\n## ").next().unwrap();
+    let section = include_str!("../../docs/codes.md")
+        .split("\n## Log events\n")
+        .nth(1)
+        .unwrap()
+        .split("\n## ")
+        .next()
+        .unwrap();
     let rows = section.lines().filter(|line| line.starts_with("| `"));
     let named = rows.flat_map(|row| row.split('|').nth(1).unwrap().split('`').skip(1).step_by(2));
     let told: BTreeSet<String> = named.map(str::to_owned).collect();
     let missing: Vec<_> = made.difference(&told).collect();
-    assert!(missing.is_empty(), "the README does not explain {missing:?}");
+    assert!(missing.is_empty(), "docs/codes.md does not explain {missing:?}");
     let gone: Vec<_> = told.difference(&made).collect();
-    assert!(gone.is_empty(), "the README explains {gone:?}, which nothing logs");
+    assert!(gone.is_empty(), "docs/codes.md explains {gone:?}, which nothing logs");
 }
