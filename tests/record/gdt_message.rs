@@ -5,6 +5,7 @@
 
 use std::collections::BTreeMap;
 
+use gaiter::leg::What;
 use gaiter::record::Record;
 use gaiter::record::gdt::rules::{COUNTER_MOST, FileName};
 use gaiter::record::gdt::{
@@ -12,6 +13,7 @@ use gaiter::record::gdt::{
     result,
 };
 use gaiter::record::schema::{FindingNote, LandmarkFigures};
+use gaiter::record::statement::Statement;
 use jiff::civil::{DateTime, date};
 use proptest::prelude::*;
 use serde_json::json;
@@ -164,17 +166,24 @@ fn doubts_and_findings_are_told_and_what_is_only_information_is_not() {
     };
     record.findings = vec![note("warning", "D was not found"), note("info", "secret of the info")];
     let lines = checked(&result(&record, &rules(Charset::Ascii), noon(), &[]).unwrap());
-    let twice = ["Extremum nur schwach", "never-heard-of"].repeat(2);
+    let twice = ["Hebt sich kaum ab", "never-heard-of"].repeat(2);
     assert_eq!(contents(&lines, "8470"), twice);
     assert_eq!(
         contents(&lines, "6227"),
-        ["gaiter 0.1.0, Scan 01234567", "rechts: D was not found"]
+        ["gaiter 0.1.0, Scan 01234567", "rechts D: D was not found"]
     );
     assert_eq!(contents(&lines, "8411")[1], "Hoehe B links");
     // What the character set cannot write is told by its code.
     record.findings = vec![note("error", "5° – wrong")];
     let lines = checked(&result(&record, &rules(Charset::Cp437), noon(), &[]).unwrap());
-    assert_eq!(contents(&lines, "6227")[1], "rechts: level-absent");
+    assert_eq!(contents(&lines, "6227")[1], "rechts D: level-absent");
+    // A statement is told in German, with umlauts as far as there are any.
+    let mut said = note("warning", "the thighs touch from 702 mm on");
+    said.says = Statement::of_finding(&What::ThighsTouch { from_mm: 702.0 });
+    record.findings = vec![said];
+    let lines = checked(&result(&record, &rules(Charset::Ascii), noon(), &[]).unwrap());
+    let told = contents(&lines, "6227")[1..].join(" ");
+    assert!(told.starts_with("rechts D: Ab 702 mm Hoehe sind die Beine eins"), "{told}");
 }
 
 #[test]

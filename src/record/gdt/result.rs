@@ -11,7 +11,7 @@ use super::words;
 use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::rounding::cm_words;
-use crate::record::schema::{LandmarkFigures, LegFigures, Record};
+use crate::record::schema::{FindingNote, LandmarkFigures, LegFigures, Record};
 
 /// The kind of message for the result of an examination.
 const RESULT: u16 = 6310;
@@ -106,9 +106,9 @@ struct Block<'a> {
 
 impl Block<'_> {
     fn write(&self, fields: &mut Fields) {
-        let height = words::height(self.rules.charset);
+        let height = words::written("Höhe", self.rules.charset);
         let figures =
-            [("L", "Umfang", self.found.girth_tape_mm), ("H", height, self.found.height_mm)];
+            [("L", "Umfang", self.found.girth_tape_mm), ("H", &height, self.found.height_mm)];
         let letter = match self.side {
             Side::Left => "L",
             Side::Right => "R",
@@ -124,7 +124,9 @@ impl Block<'_> {
                 (8439, self.time.to_owned()),
             ]);
             let doubts = self.found.doubts.iter();
-            fields.extend(doubts.map(|code| (8470, words::doubt(code).to_owned())));
+            fields.extend(
+                doubts.map(|code| (8470, words::written(words::doubt(code), self.rules.charset))),
+            );
         }
     }
 }
@@ -142,14 +144,14 @@ fn table(record: &Record, rules: &GdtRules) -> Vec<String> {
         found.map_or("-".to_owned(), |found| in_cm(figure(found)))
     };
     let mut lines = vec![row("Messung [cm]", "links", "rechts")];
-    let height = words::height(rules.charset);
+    let height = words::written("Höhe", rules.charset);
     let girth: fn(&LandmarkFigures) -> f64 = |found| found.girth_tape_mm;
     let above: fn(&LandmarkFigures) -> f64 = |found| found.height_mm;
     for level in Level::ALL.map(Level::name) {
         if !legs.iter().any(|(leg, _)| leg.landmarks.contains_key(level)) {
             continue;
         }
-        for (name, figure) in [("Umfang", girth), (height, above)] {
+        for (name, figure) in [("Umfang", girth), (&height, above)] {
             let [left, right] = [Side::Left, Side::Right].map(|side| cell(level, side, figure));
             lines.push(row(&format!("{name} {level}"), &left, &right));
         }
@@ -167,16 +169,24 @@ fn comments(record: &Record, rules: &GdtRules) -> Vec<String> {
     let scan = record.scan.sha256.get(..8).unwrap_or_default();
     let mut lines = vec![format!("gaiter {}, Scan {scan}", record.made_by.gaiter)];
     for finding in record.findings.iter().filter(|finding| finding.severity != "info") {
-        let side = finding.leg.as_deref().map_or("", |leg| match leg {
-            "left" => "links: ",
-            _ => "rechts: ",
-        });
-        let told = format!("{side}{}", finding.message);
-        let can_be_written = wrapped(&told).iter().all(|line| rules.charset.encode(line).is_ok());
-        let told = if can_be_written { told } else { format!("{side}{}", finding.code) };
-        lines.extend(wrapped(&told));
+        let place = place(finding);
+        let german = finding.says.as_ref().and_then(|says| says.in_words(Language::De));
+        let message = german.unwrap_or_else(|| finding.message.clone());
+        let comment = words::written(&format!("{place}{message}"), rules.charset);
+        let can_be_written =
+            wrapped(&comment).iter().all(|line| rules.charset.encode(line).is_ok());
+        let comment = if can_be_written { comment } else { format!("{place}{}", finding.code) };
+        lines.extend(wrapped(&comment));
     }
     lines
+}
+
+/// The leg and level of a finding, before its message.
+fn place(finding: &FindingNote) -> String {
+    let side = Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()));
+    let parts: Vec<&str> =
+        side.map(words::side).into_iter().chain(finding.level.as_deref()).collect();
+    if parts.is_empty() { String::new() } else { format!("{}: ", parts.join(" ")) }
 }
 
 fn wrapped(text: &str) -> Vec<String> {

@@ -1,7 +1,7 @@
-//! The words of a result. They avoid umlauts where possible, so that every character set can write
-//! them.
+//! The words of a result, which are German like the format.
 
 use super::charset::Charset;
+use crate::language::Language;
 use crate::leg::Side;
 
 /// The side as it is written in names.
@@ -12,26 +12,27 @@ pub(super) const fn side(side: Side) -> &'static str {
     }
 }
 
-/// The height of a level above the floor.
-pub(super) fn height(charset: Charset) -> &'static str {
-    if charset == Charset::Ascii { "Hoehe" } else { "Höhe" }
+/// A German text as a character set can write it: 7 bit has no umlauts.
+pub(super) fn written(text: &str, charset: Charset) -> String {
+    if charset != Charset::Ascii {
+        return text.to_owned();
+    }
+    let spelled = [
+        ("ä", "ae"),
+        ("ö", "oe"),
+        ("ü", "ue"),
+        ("Ä", "Ae"),
+        ("Ö", "Oe"),
+        ("Ü", "Ue"),
+        ("ß", "ss"),
+        ("–", "-"),
+    ];
+    spelled.iter().fold(text.to_owned(), |text, (letter, as_ascii)| text.replace(letter, as_ascii))
 }
 
 /// A doubt in words by its code, or the code itself if there are no words for it.
 pub(super) fn doubt(code: &str) -> &str {
-    match code {
-        "shallow" => "Extremum nur schwach",
-        "flat" => "Umfang dort gleichbleibend, Lage unsicher",
-        "double" => "eine zweite Stelle ist ebenso gut",
-        "edge" => "am Rand des Messbereichs",
-        "gap" => "Haut dort nur teilweise gesehen",
-        "scatter" => "Punkte streuen dort: Stoff oder Bewegung",
-        "folds" => "Haut dort gefaltet",
-        "not-seen" => "Haut dort nicht gesehen",
-        "below-d" => "Knie unter D nach Proportion",
-        "sole-not-seen" => "Sohle nicht gesehen",
-        other => other,
-    }
+    Language::De.find(&format!("finding.{code}.title")).unwrap_or(code)
 }
 
 /// Wraps a text into lines of at most this many characters, at blanks if there are any.
@@ -56,6 +57,12 @@ pub(super) fn wrapped(text: &str, most: usize) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_seven_bits_spell_umlauts_out() {
+        assert_eq!(written("Höhe, Größe – Übergang", Charset::Ascii), "Hoehe, Groesse - Uebergang");
+        assert_eq!(written("Höhe", Charset::Cp437), "Höhe");
+    }
 
     #[test]
     fn a_text_is_parted_at_blanks_and_loses_nothing() {
