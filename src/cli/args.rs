@@ -136,6 +136,8 @@ pub enum Verb {
     Pause(AskArgs),
     /// Go on after `gaiter pause`
     Resume(AskArgs),
+    /// Print the JSON Schema of record.json
+    Schema,
     /// Print the completions for a shell
     Completions(CompletionsArgs),
     /// Print the manual page, or write a page for every verb into a folder

@@ -1,4 +1,5 @@
-//! `gaiter completions` and `gaiter man`: the command line for shells and as manual pages.
+//! `gaiter completions`, `gaiter man`, `gaiter schema`: the command line for shells and as manual pages,
+//! and the record for programs.
 
 use std::io::{self, Write};
 
@@ -6,6 +7,7 @@ use clap::{Command, CommandFactory};
 
 use super::args::{Args, CompletionsArgs, ManArgs};
 use super::{Exit, complain, shown};
+use crate::record::schema::json_schema;
 
 /// Prints the completions for a shell.
 pub fn completions(args: &CompletionsArgs) -> Exit {
@@ -31,6 +33,12 @@ pub fn man(args: &ManArgs) -> Exit {
             if error.kind() == io::ErrorKind::NotFound { Exit::NoFile } else { Exit::Io }
         }
     }
+}
+
+/// Prints the JSON Schema of records.
+pub fn schema() -> Exit {
+    let text = serde_json::to_vec_pretty(&json_schema()).map_err(io::Error::from);
+    ended("the schema", text.and_then(|text| write(&[text, vec![b'\n']].concat())))
 }
 
 /// The command line as users see it, without the verb that only the station calls.

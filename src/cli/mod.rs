@@ -61,6 +61,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Page(args) => act::page(&args),
         Verb::Pause(args) => act::pause(&args),
         Verb::Resume(args) => act::resume(&args),
+        Verb::Schema => manual::schema(),
         Verb::Completions(args) => manual::completions(&args),
         Verb::Man(args) => manual::man(&args),
     }

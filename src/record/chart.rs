@@ -1,6 +1,7 @@
 //! Figures that clinics chart for a swollen leg, as in `record.json`: volumes, girths at any height, and
 //! how the legs differ.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounding::{ml, mm, percent};
@@ -11,7 +12,7 @@ use crate::leg::comparison::volume::{LegVolume, Slice, Volume};
 use crate::leg::levels::at_height::AtHeight;
 
 /// Volumes of one leg.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
 pub struct VolumeFigures {
     /// From the lowest measured section to the highest, at the crotch; null if a section between them is
     /// open.
@@ -31,7 +32,7 @@ pub struct VolumeFigures {
 }
 
 /// The volume of a slice across the axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SliceFigures {
     /// Lower end, along the axis from the floor.
     pub from_mm: f64,
@@ -44,7 +45,7 @@ pub struct SliceFigures {
 }
 
 /// The girth at a requested height; null if it was not measured.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AtFigures {
     /// Requested vertical height of the section's centre above the floor.
     pub height_mm: f64,
@@ -61,7 +62,7 @@ pub struct AtFigures {
 }
 
 /// How the legs differ: left minus right everywhere.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct DifferenceFigures {
     /// Levels found on both legs, lowest first.
     pub levels: Vec<LevelDifferenceFigures>,
@@ -72,7 +73,7 @@ pub struct DifferenceFigures {
 }
 
 /// The difference at one level, left minus right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LevelDifferenceFigures {
     /// The level.
     pub level: String,
@@ -87,7 +88,7 @@ pub struct LevelDifferenceFigures {
 }
 
 /// The difference of two volumes between the same two distances along the axes, left minus right.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct VolumeDifferenceFigures {
     /// Lower end, along the axis from the floor.
     pub from_mm: f64,

@@ -1,6 +1,7 @@
 //! Where a record comes from: station, patient, time, scan. The station knows this, the leg does not.
 
 use jiff::Timestamp;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// The revision of a scan that is measured for the first time. Later results count on from here.
@@ -30,7 +31,7 @@ impl Provenance {
 }
 
 /// A patient's id and the sources that named it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Patient {
     /// The id, matching the configured pattern.
     pub id: String,
@@ -39,7 +40,7 @@ pub struct Patient {
 }
 
 /// One source of a patient id.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Source {
     /// The kind of source.
     pub kind: SourceKind,
@@ -49,7 +50,7 @@ pub struct Source {
 }
 
 /// How reliable a source of a patient's id is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Confidence {
     /// A device read or sent it, and it was bound to the press of this scan.
@@ -74,7 +75,7 @@ impl Source {
 }
 
 /// The kinds of sources of a patient id.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum SourceKind {
     /// The scan's file name, matched by the configured expression.
@@ -92,7 +93,7 @@ pub enum SourceKind {
 }
 
 /// A time of acquisition and its source.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct Acquired {
     /// UTC.
     pub at: Timestamp,
@@ -101,7 +102,7 @@ pub struct Acquired {
 }
 
 /// The source of a time of acquisition.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum AcquiredFrom {
     /// The press of the button.

@@ -5,6 +5,8 @@
 
 use std::collections::BTreeMap;
 
+use schemars::generate::SchemaSettings;
+use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
@@ -19,9 +21,10 @@ use crate::leg::{Level, Side};
 pub const SCHEMA: &str = "gaiter.leg-record/1";
 
 /// The result for one scan and patient.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Record {
-    /// [`SCHEMA`].
+    /// The name and number of this schema.
+    #[schemars(extend("const" = SCHEMA))]
     pub schema: String,
     /// 1, or more if the same scan was measured again.
     pub revision: u32,
@@ -45,6 +48,12 @@ pub struct Record {
     pub findings: Vec<FindingNote>,
 }
 
+/// The JSON Schema (draft 2020-12) of a record as this version writes it.
+pub fn json_schema() -> Schema {
+    let settings = SchemaSettings::draft2020_12().for_serialize();
+    settings.into_generator().into_root_schema_for::<Record>()
+}
+
 impl Record {
     /// The leg of a side, if it was measured.
     pub fn leg(&self, side: Side) -> Option<&LegFigures> {
@@ -61,7 +70,7 @@ impl Record {
 }
 
 /// Program and method that made a record.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct MadeBy {
     /// gaiter's version.
     pub gaiter: String,
@@ -70,9 +79,10 @@ pub struct MadeBy {
 }
 
 /// The file that was measured.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ScanFile {
     /// SHA-256 of its bytes, lower-case hexadecimal.
+    #[schemars(regex(pattern = r"^[0-9a-f]{64}$"))]
     pub sha256: String,
     /// The usual file ending of its format.
     pub format: String,
@@ -87,7 +97,7 @@ pub struct ScanFile {
 }
 
 /// Figures of the whole body.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct BodyFigures {
     /// Height of the highest point above the floor; null for a lone leg.
     pub stature_mm: Option<f64>,
@@ -96,15 +106,17 @@ pub struct BodyFigures {
     /// Direction of the toes in the export.
     pub facing_deg: f64,
     /// Source of the facing: `feet` or `declared`.
+    #[schemars(extend("enum" = ["feet", "declared"]))]
     pub facing_from: String,
     /// 4 × 4, row by row: from the export's coordinates to the body frame. Not rounded.
     pub from_export: [f64; 16],
 }
 
 /// Figures of one leg.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LegFigures {
     /// The patient's `left` or `right`.
+    #[schemars(extend("enum" = ["left", "right"]))]
     pub side: String,
     /// Angle between the leg's axis and the vertical.
     pub tilt_deg: f64,
@@ -139,7 +151,7 @@ pub struct LegFigures {
 }
 
 /// Figures of one level.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct LandmarkFigures {
     /// The rule by which it was found, in English.
     #[serde(default)]
@@ -167,7 +179,7 @@ pub struct LandmarkFigures {
 }
 
 /// Figures of one level that is estimated by proportion.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct EstimateFigures {
     /// The proportion by which it was estimated, in English.
     pub by: String,
@@ -189,7 +201,7 @@ pub struct EstimateFigures {
 }
 
 /// Figures of a foot.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FootFigures {
     /// From the heel to the longest toe, along the foot.
     pub length_mm: f64,
@@ -198,7 +210,7 @@ pub struct FootFigures {
 }
 
 /// The girth curve as columns of equal length; null if a section is open.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GirthColumns {
     /// Heights of the sections' centres.
     pub height_mm: Vec<Option<f64>>,
@@ -219,7 +231,7 @@ pub struct GirthColumns {
 }
 
 /// Figures of the section at a level.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SectionFigures {
     /// The level.
     pub level: String,
@@ -237,13 +249,14 @@ pub struct SectionFigures {
 }
 
 /// One feature point.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FeatureFigures {
     /// The level of its section.
     pub level: String,
     /// P1, P2, … around from the front towards lateral.
     pub label: String,
     /// `peak` or `valley`.
+    #[schemars(extend("enum" = ["peak", "valley"]))]
     pub kind: String,
     /// Angle around the section's centre: 0 front, 90 lateral.
     pub angle_deg: f64,
@@ -258,11 +271,12 @@ pub struct FeatureFigures {
 }
 
 /// One finding.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FindingNote {
     /// Stable code; docs/codes.md explains what to do.
     pub code: String,
     /// `info`, `warning` or `error`.
+    #[schemars(extend("enum" = ["info", "warning", "error"]))]
     pub severity: String,
     /// `left`, `right` or null.
     pub leg: Option<String>,

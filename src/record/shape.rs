@@ -1,9 +1,12 @@
 //! The shape of a leg in `record.json`, from which the pictures of reports and pages are drawn. It is
 //! coarser than what was measured. To measure, use the CAD files of the surface.
 
+use std::borrow::Cow;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use nalgebra::Point3;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -27,7 +30,7 @@ const ERROR_UNIT_MM: f64 = 0.01;
 const UNSEEN: i16 = i16::MIN;
 
 /// The leg's axis with the frame of its sections: unit vectors in the body frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct AxisFigures {
     /// Where the axis meets the floor.
     pub foot_mm: [f64; 3],
@@ -41,7 +44,7 @@ pub struct AxisFigures {
 
 /// The outline of the section at a level: a point lies at
 /// centre + radius · (cos angle · front + sin angle · lateral).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OutlineFigures {
     /// The section's centre, body frame.
     pub centre_mm: [f64; 3],
@@ -56,7 +59,7 @@ pub struct OutlineFigures {
 }
 
 /// A leg's shape in the body frame.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ShapeFigures {
     /// The measured skin.
     pub skin: GridFigures,
@@ -67,7 +70,7 @@ pub struct ShapeFigures {
 }
 
 /// Points in rows from the bottom up, at equal angles around the leg, −180° first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct GridFigures {
     /// Number of rows.
     pub rows: usize,
@@ -78,7 +81,7 @@ pub struct GridFigures {
 }
 
 /// A surface in rows from the bottom up, at equal angles around the leg, −180° first.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SurfaceGridFigures {
     /// Number of rows.
     pub rows: usize,
@@ -91,7 +94,7 @@ pub struct SurfaceGridFigures {
 }
 
 /// Points in no particular order.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CloudFigures {
     /// x, y, z of each in 0.1 mm.
     pub points: Packed,
@@ -140,6 +143,20 @@ impl Serialize for Packed {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let bytes: Vec<u8> = self.0.iter().flat_map(|number| number.to_le_bytes()).collect();
         serializer.serialize_str(&STANDARD.encode(bytes))
+    }
+}
+
+impl JsonSchema for Packed {
+    fn schema_name() -> Cow<'static, str> {
+        "Packed".into()
+    }
+
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({
+            "description": "16-bit integers, low byte first, as base64 (RFC 4648, section 4).",
+            "type": "string",
+            "contentEncoding": "base64"
+        })
     }
 }
 

@@ -3,6 +3,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounding;
@@ -21,7 +22,7 @@ use crate::leg::{LegFault, Level, Side, What};
 use crate::spline::tessellate::TessellationFault;
 
 /// A statement of a record.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Statement {
     /// The stable key of its text.
     pub is: String,
@@ -31,7 +32,7 @@ pub struct Statement {
 }
 
 /// A figure in a statement.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Figure {
     /// A number, to 10⁻⁶.

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounding::{cm2, degrees, mm, share};
@@ -12,7 +13,7 @@ use crate::leg::surface::nurbs::LegSurface;
 use crate::spline::DEGREE;
 
 /// The surface's extent and error.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SurfaceFigures {
     /// Number along and around the leg.
     pub control_points: [usize; 2],
@@ -41,7 +42,7 @@ pub struct SurfaceFigures {
 }
 
 /// Distances from the surface.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ErrorFigures {
     /// Area-weighted mean of |distance| / local radius.
     pub mean_relative: f64,
@@ -55,7 +56,7 @@ pub struct ErrorFigures {
 }
 
 /// The girth of the surface at a level.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct SurfaceGirth {
     /// Along the surface's own section.
     pub contour_mm: f64,
@@ -64,7 +65,7 @@ pub struct SurfaceGirth {
 }
 
 /// A hole of the scan that the surface bridges.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct HoleFigures {
     /// Height of its middle above the floor.
     pub height_mm: f64,

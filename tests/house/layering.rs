@@ -29,6 +29,7 @@ const PURE: [Rule; 7] = [
             "jiff",
             "nalgebra",
             "pdf_writer",
+            "schemars",
             "serde",
             "serde_json",
             "sha2",

@@ -4,6 +4,7 @@ mod figure_sides;
 mod figures;
 mod gdt_message;
 mod gdt_orders;
+mod json_schema;
 mod levels;
 mod report_content;
 mod report_page;
