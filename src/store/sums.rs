@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::io;
+use std::io::{self, Read};
 use std::ops::Range;
 use std::path::Path;
 
@@ -15,6 +15,9 @@ pub const SUMS: &str = "SHA256SUMS";
 
 /// The name, without its ending, of the scan's own bytes in a record folder.
 pub const SCAN: &str = "scan.";
+
+/// How much of a file is hashed at a time, bytes: large enough that the calls cost nothing.
+const PIECE_BYTES: usize = 64 * 1024;
 
 /// Why a folder is not the complete record of a scan.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -127,6 +130,35 @@ pub fn check_file(folder: &Path, name: &str, bytes: &[u8]) -> io::Result<Result<
             false => Err(SumsFault::Differs { name: name.to_owned() }),
         }
     }))
+}
+
+/// A line of `SHA256SUMS`, in the format of `sha256sum`.
+pub fn line(sum: &ScanId, name: &str) -> String {
+    format!("{sum}  {name}\n")
+}
+
+/// The sum that a folder lists for a file; `None` if it lists no such file, or none that can be parsed.
+///
+/// # Errors
+/// If the folder cannot be read now.
+pub fn sum_of(folder: &Path, name: &str) -> io::Result<Option<ScanId>> {
+    let listed = read(folder)?.unwrap_or_default();
+    Ok(listed.into_iter().find(|(_, listed)| listed == name).map(|(sum, _)| sum))
+}
+
+/// The SHA-256 of what is left of a file, read to its end in pieces.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn read_to_end(file: &mut impl Read) -> io::Result<ScanId> {
+    let mut digest = Sha256::new();
+    let mut piece = vec![0; PIECE_BYTES];
+    loop {
+        match file.read(&mut piece)? {
+            0 => return Ok(ScanId::of_digest(digest.finalize().into())),
+            read => digest.update(&piece[..read]),
+        }
+    }
 }
 
 /// The names that `SHA256SUMS` lists; empty if it cannot be parsed.

@@ -15,6 +15,7 @@ mod measure;
 mod names;
 mod orders;
 mod page;
+mod page_files;
 mod page_held;
 mod trigger_pty;
 mod watch;

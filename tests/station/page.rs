@@ -87,10 +87,9 @@ fn only_those_with_the_token_learn_whose_a_scan_is() {
     let scan = sha256(&bytes);
     let record = format!("/scan/{scan}/record.json");
     assert!(!site.get("/state", &[]).body.contains("4711"));
-    for file in ["record.json", "report.html", "report.pdf"] {
+    for file in ["record.json", "report.html", "report.pdf", "legs.svg", "left.step", "scan.obj"] {
         assert_eq!(site.get(&format!("/scan/{scan}/{file}"), &[]).status, 403, "{file}");
     }
-    assert_eq!(site.get(&format!("/scan/{scan}/legs.svg"), &[]).status, 200);
 
     let operator = site.operator();
     assert!(site.get("/state", &operator).body.contains("\"4711\""));
@@ -198,7 +197,7 @@ fn who_calls_the_station_by_another_name_is_not_answered() {
 }
 
 #[test]
-fn files_of_a_record_are_those_few_and_no_path_leads_elsewhere() {
+fn files_of_a_record_are_those_of_its_latest_revision_and_no_path_leads_elsewhere() {
     let booth = booth("[page]\npatient_ids = \"everyone\"\n");
     let daemon = booth.start();
     let site = Site::of(&booth, "local");
@@ -208,7 +207,6 @@ fn files_of_a_record_are_those_few_and_no_path_leads_elsewhere() {
     let scan = sha256(&bytes);
     assert_eq!(site.get(&format!("/scan/{scan}/record.json"), &[]).status, 200);
     let folder = record_of(&booth, "4711");
-    fs::write(folder.join("report.html"), "<title>r</title>").unwrap();
     let report = site.get(&format!("/scan/{scan}/report.html"), &[]);
     let policy = report.header("content-security-policy").unwrap();
     assert!(policy.starts_with("sandbox allow-scripts"), "{policy}");
@@ -216,12 +214,14 @@ fn files_of_a_record_are_those_few_and_no_path_leads_elsewhere() {
     // Of a record that was measured again the latest revision is opened.
     let later = format!("{}_r2", folder.display());
     fs::create_dir(&later).unwrap();
-    fs::write(format!("{later}/report.html"), "<title>r2</title>").unwrap();
+    let page = "<title>r2</title>";
+    fs::write(format!("{later}/report.html"), page).unwrap();
+    let sums = format!("{}  report.html\n", sha256(page.as_bytes()));
+    fs::write(format!("{later}/SHA256SUMS"), sums).unwrap();
     let report = site.get(&format!("/scan/{scan}/report.html"), &[]);
     assert!(report.body.contains("r2"), "{}", report.body);
     for path in [
         format!("/scan/{scan}/scan.obj"),
-        format!("/scan/{scan}/SHA256SUMS"),
         format!("/scan/{scan}/..%2f..%2fstation.toml"),
         format!("/scan/{scan}/%2e%2e"),
         format!("/scan/{}/record.json", &scan[..8]),

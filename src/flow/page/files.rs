@@ -1,16 +1,17 @@
-//! The files of a record that the page shows, and what a browser may do with each.
+//! The files of a record on the page: their order, and what a browser may do with each.
 
-/// A file of a record that the page shows.
-#[derive(Debug)]
-pub struct ShownFile {
-    /// Its name.
-    pub name: &'static str,
+/// The names that the page shows first, with words of their own. Previews hold these only.
+pub const FIRST: [&str; 4] = ["report.html", "report.pdf", "legs.svg", "record.json"];
+
+/// How a file of a record is served.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Served {
     /// Its media type.
     pub kind: &'static str,
     /// Its content security policy.
     pub policy: &'static str,
-    /// It identifies the patient.
-    pub names_patient: bool,
+    /// The browser opens it; it saves every other file.
+    pub opens: bool,
 }
 
 /// A drawing runs nothing and fetches nothing.
@@ -29,15 +30,56 @@ const DATA: &str = "default-src 'none'; frame-ancestors 'none'";
 const PAPER: &str = "default-src 'self'; style-src 'unsafe-inline'; script-src 'none'; \
                      frame-ancestors 'self'";
 
-/// The only files that are served.
-pub const FILES: [ShownFile; 4] = [
-    ShownFile {
-        name: "report.html",
-        kind: "text/html; charset=utf-8",
-        policy: REPORT,
-        names_patient: true,
-    },
-    ShownFile { name: "report.pdf", kind: "application/pdf", policy: PAPER, names_patient: true },
-    ShownFile { name: "legs.svg", kind: "image/svg+xml", policy: DRAWING, names_patient: false },
-    ShownFile { name: "record.json", kind: "application/json", policy: DATA, names_patient: true },
-];
+/// How a file of this name is served. A scan comes from the scanner, so it is bytes and nothing that a
+/// browser opens.
+pub fn served(name: &str) -> Served {
+    let opened = |kind, policy| Served { kind, policy, opens: true };
+    let saved = |kind| Served { kind, policy: DATA, opens: false };
+    match name {
+        "report.html" => return opened("text/html; charset=utf-8", REPORT),
+        "SHA256SUMS" => return opened("text/plain; charset=utf-8", DATA),
+        _ if name.starts_with("scan.") => return saved("application/octet-stream"),
+        _ => {}
+    }
+    match name.rsplit_once('.').map_or("", |(_, ending)| ending) {
+        "pdf" => opened("application/pdf", PAPER),
+        "svg" => opened("image/svg+xml", DRAWING),
+        "png" => opened("image/png", DATA),
+        "json" => opened("application/json", DATA),
+        "csv" => saved("text/csv; charset=utf-8"),
+        "step" => saved("model/step"),
+        "igs" => saved("model/iges"),
+        "stl" => saved("model/stl"),
+        "obj" => saved("model/obj"),
+        "glb" => saved("model/gltf-binary"),
+        _ => saved("application/octet-stream"),
+    }
+}
+
+/// The names of a record's files in the order in which the page shows them.
+pub fn in_order(mut names: Vec<String>) -> Vec<String> {
+    names.sort_by_key(|name| FIRST.iter().position(|first| first == name).unwrap_or(FIRST.len()));
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_that_a_scanner_wrote_is_opened_by_a_browser() {
+        for name in ["scan.obj", "scan.wrl", "scan.svg", "scan.html", "scanner.ord", "notes.html"] {
+            assert!(!served(name).opens, "{name}");
+        }
+        for name in FIRST {
+            assert!(served(name).opens, "{name}");
+        }
+    }
+
+    #[test]
+    fn the_report_is_first_and_what_has_no_word_of_its_own_keeps_its_order() {
+        let names = ["record.json", "left.step", "legs.svg", "SHA256SUMS", "report.html"];
+        let order = ["report.html", "legs.svg", "record.json", "left.step", "SHA256SUMS"];
+        assert_eq!(in_order(names.map(str::to_owned).into()), order);
+    }
+}

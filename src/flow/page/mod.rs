@@ -20,7 +20,6 @@ use super::facts::{Facts, IntakeState};
 use super::health::Complaint;
 use crate::language::Language;
 use crate::record::shown;
-pub use files::FILES;
 pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;

@@ -39,8 +39,8 @@ pub struct ScanShown {
     pub acts: Vec<&'static str>,
     /// Its measures, once its record was read; for a held scan, those of its preview.
     pub measures: Option<RecordSummary>,
-    /// The files of its record, or of its preview, that can be opened.
-    pub files: Vec<&'static str>,
+    /// The files of its record, or of its preview.
+    pub files: Vec<String>,
     /// Why a held scan has no preview.
     pub unmeasured: Option<String>,
 }
@@ -50,8 +50,8 @@ pub struct ScanShown {
 pub struct Told {
     /// Its measures.
     pub measures: Option<RecordSummary>,
-    /// Its files that can be opened.
-    pub files: Vec<&'static str>,
+    /// Its files.
+    pub files: Vec<String>,
     /// The code for why a held scan cannot be measured.
     pub unmeasured: Option<String>,
 }

@@ -28,6 +28,8 @@ pub struct Answer {
     pub status: u16,
     head: String,
     pub body: String,
+    /// The same before it was read as text.
+    pub bytes: Vec<u8>,
 }
 
 /// A stream of snapshots.
@@ -91,11 +93,15 @@ impl Site {
         headers: &[Header],
     ) -> Answer {
         let mut stream = self.send(method, path, host, body, headers);
-        let mut answer = String::new();
+        let mut answer = Vec::new();
         // A server that refuses a body closes before it has read all of it.
-        let _ = stream.read_to_string(&mut answer);
-        let (head, body) = answer.split_once("\r\n\r\n").unwrap_or_else(|| panic!("{answer:?}"));
-        Answer { status: status(head), head: head.to_owned(), body: body.to_owned() }
+        let _ = stream.read_to_end(&mut answer);
+        let end = answer.windows(4).position(|bytes| bytes == b"\r\n\r\n");
+        let end = end.unwrap_or_else(|| panic!("{:?}", String::from_utf8_lossy(&answer)));
+        let bytes = answer.split_off(end + 4);
+        let head = String::from_utf8(answer).unwrap();
+        let body = String::from_utf8_lossy(&bytes).into_owned();
+        Answer { status: status(&head), head, body, bytes }
     }
 
     fn send(

@@ -10,10 +10,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tokio::sync::Notify;
 
 use crate::flow::ScanId;
-use crate::flow::page::FILES;
+use crate::flow::page::files::FIRST;
 use crate::record::RecordFile;
 use crate::station::runtime::jitter;
 use crate::store::durable;
+use crate::store::sums::{self, SUMS};
 
 /// The folder's name in the state folder.
 const NAME: &str = "previews";
@@ -138,16 +139,20 @@ impl Previews {
     }
 }
 
-/// Writes the files that the page shows into a new folder.
+/// Writes the files that the page shows into a new folder, and their sums.
 fn write(folder: &Path, files: &[RecordFile]) -> io::Result<()> {
     durable::make_folder(folder)?;
-    let is_shown = |file: &&RecordFile| FILES.iter().any(|shown| shown.name == file.name);
-    for RecordFile { name, bytes } in files.iter().filter(is_shown) {
+    let write = |name: &str, bytes: &[u8]| {
         let mut new = OpenOptions::new();
         let new = new.write(true).create_new(true).mode(FILE_MODE);
-        new.open(folder.join(name))?.write_all(bytes)?;
+        new.open(folder.join(name))?.write_all(bytes)
+    };
+    let mut listed = String::new();
+    for RecordFile { name, bytes } in files.iter().filter(|file| FIRST.contains(&&*file.name)) {
+        write(name, bytes)?;
+        listed += &sums::line(&sums::scan_id(bytes), name);
     }
-    Ok(())
+    write(SUMS, listed.as_bytes())
 }
 
 /// Removes whatever is at this path, if anything.
@@ -191,7 +196,10 @@ mod tests {
         let previews = Previews::of(dir.path());
         previews.keep(&scan(1), &files()).unwrap();
         let Some(Preview::Made(folder)) = previews.get(&scan(1)) else { panic!("not made") };
-        assert_eq!(names(&folder), ["legs.svg", "record.json"]);
+        assert_eq!(names(&folder), [SUMS, "legs.svg", "record.json"]);
+        assert_eq!(sums::listed(&folder).unwrap(), ["legs.svg", "record.json"]);
+        let drawing = fs::read(folder.join("legs.svg")).unwrap();
+        assert_eq!(sums::check_file(&folder, "legs.svg", &drawing).unwrap(), Ok(true));
         for (path, mode) in [(folder.join("record.json"), 0o600), (folder, 0o700)] {
             assert_eq!(fs::metadata(path).unwrap().permissions().mode() & 0o777, mode);
         }

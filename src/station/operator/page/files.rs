@@ -1,62 +1,143 @@
 //! Files of a scan's record, from the folder that the journal names, its latest revision, or a held
-//! scan's preview; never from a path in a request.
+//! scan's preview; never from a path in a request. A file that is not what the record's `SHA256SUMS`
+//! lists is not handed out.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Seek};
 use std::path::Path;
 use std::sync::Arc;
 
+use axum::body::Body;
 use axum::extract::{Path as Asked, State};
-use axum::http::{HeaderMap, StatusCode, header};
+use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
+use hyper::body::Bytes;
+use rustix::fs::Mode;
+use tokio::sync::{Semaphore, mpsc};
 use tokio::task::spawn_blocking;
 
+use super::body::Pieces;
 use super::endpoint::HttpEndpoint;
 use super::snapshot;
 use crate::flow::ScanId;
-use crate::flow::page::FILES;
-use crate::store::revision;
+use crate::flow::page::files::served;
+use crate::station::share::stamped_file::{PIECE_BYTES, READ};
+use crate::store::{revision, sums};
 
-/// The largest file that is served, bytes: a report has under two million.
-const MOST: u64 = 32_000_000;
+/// Why a file is not served.
+enum NotServed {
+    /// The record has no such file, or cannot be read now.
+    Absent,
+    /// It was changed since the record was made.
+    Changed,
+}
 
-/// `/scan/ID/FILE`: 404 for a missing file, 403 for a file that this reader may not see.
+/// `/scan/ID/FILE`: 404 for a missing file, 403 for a reader who may not see whose scan it is, 409 for a
+/// file that was changed since the record was made.
 pub async fn file(
     State(endpoint): State<Arc<HttpEndpoint>>,
     Asked((scan, name)): Asked<(String, String)>,
+    method: Method,
     headers: HeaderMap,
 ) -> Response {
     let none = StatusCode::NOT_FOUND;
-    let Some(file) = FILES.iter().find(|file| file.name == name) else {
-        return none.into_response();
-    };
     let Ok(scan) = ScanId::parse(&scan) else { return none.into_response() };
-    if file.names_patient && !endpoint.shows_ids(&headers, None) {
-        let sentence = "this file names a patient: open the page with the link from gaiter page\n";
+    if !endpoint.shows_ids(&headers, None) {
+        let sentence = "records are a patient's: open the page with the link from gaiter page\n";
         return (StatusCode::FORBIDDEN, sentence).into_response();
     }
-    let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
+    let readers = Arc::clone(&endpoint.desk.readers);
+    let Ok(reader) = Arc::clone(&readers).try_acquire_owned() else {
         return (StatusCode::SERVICE_UNAVAILABLE, "the record store is busy\n").into_response();
     };
-    let read = spawn_blocking(move || {
+    let (of, named) = (scan.clone(), name.clone());
+    let opened = spawn_blocking(move || {
         let _reader = reader;
-        let whole = endpoint.desk.core.custody.journal().whole(&scan);
-        let whole =
-            whole.inspect_err(|error| endpoint.desk.core.check_corruption(error)).ok()??;
-        bytes(&revision::latest(&snapshot::folder(&endpoint.desk, &whole)?).join(file.name)).ok()
+        let whole = endpoint.desk.core.custody.journal().whole(&of);
+        let whole = whole.inspect_err(|error| endpoint.desk.core.check_corruption(error));
+        let whole = whole.ok().flatten().ok_or(NotServed::Absent)?;
+        let folder = snapshot::folder(&endpoint.desk, &whole).ok_or(NotServed::Absent)?;
+        open(&revision::latest(&folder), &named)
     });
-    match read.await {
-        Ok(Some(bytes)) => {
-            let kinds =
-                [(header::CONTENT_TYPE, file.kind), (header::CONTENT_SECURITY_POLICY, file.policy)];
-            (kinds, bytes).into_response()
+    match opened.await {
+        Ok(Ok((file, size))) => {
+            let body = match method {
+                Method::HEAD => Body::empty(),
+                _ => Body::new(pieces(file, readers)),
+            };
+            (headers_of(&name, &scan, size), body).into_response()
+        }
+        Ok(Err(NotServed::Changed)) => {
+            let sentence = "this file was changed since the record was made; compare it with \
+                            SHA256SUMS in the record's folder\n";
+            (StatusCode::CONFLICT, sentence).into_response()
         }
         _ => none.into_response(),
     }
 }
 
-fn bytes(path: &Path) -> io::Result<Vec<u8>> {
+/// Opens a file of a record, and reads its size. Blocks.
+fn open(folder: &Path, name: &str) -> Result<(File, u64), NotServed> {
+    let absent = |_| NotServed::Absent;
+    let listed = sums::sum_of(folder, name).map_err(absent)?;
+    if listed.is_none() && name != sums::SUMS {
+        return Err(NotServed::Absent);
+    }
+    let file = rustix::fs::open(folder.join(name), READ, Mode::empty());
+    let mut file = File::from(file.map_err(|_| NotServed::Absent)?);
+    let metadata = file.metadata().map_err(absent)?;
+    if !metadata.is_file() {
+        return Err(NotServed::Absent);
+    }
+    if let Some(listed) = listed {
+        if sums::read_to_end(&mut file).map_err(absent)? != listed {
+            return Err(NotServed::Changed);
+        }
+        file.rewind().map_err(absent)?;
+    }
+    Ok((file, metadata.len()))
+}
+
+/// What a browser is told about a file. A saved one gets the scan's id before its name, because files of
+/// several scans often lie in one folder of downloads.
+fn headers_of(name: &str, scan: &ScanId, size: u64) -> HeaderMap {
+    let served = served(name);
+    let saved = format!("attachment; filename=\"{}_{name}\"", scan.short());
+    let saved = (!served.opens).then_some(saved);
+    let values = [
+        (header::CONTENT_TYPE, Some(served.kind.to_owned())),
+        (header::CONTENT_SECURITY_POLICY, Some(served.policy.to_owned())),
+        (header::CONTENT_LENGTH, Some(size.to_string())),
+        (header::CONTENT_DISPOSITION, saved),
+    ];
+    let values = values.into_iter().filter_map(|(name, value)| Some((name, value?.parse().ok()?)));
+    values.collect()
+}
+
+/// Reads a file while it is sent. A slow client holds no reader; a file that shrinks breaks off.
+fn pieces(mut file: File, readers: Arc<Semaphore>) -> Pieces {
+    let (sender, pieces) = mpsc::channel(1);
+    tokio::spawn(async move {
+        loop {
+            let Ok(reader) = Arc::clone(&readers).acquire_owned().await else { return };
+            let read = spawn_blocking(move || {
+                let _reader = reader;
+                let piece = piece(&mut file);
+                (file, piece)
+            });
+            let Ok((same, piece)) = read.await else { return };
+            file = same;
+            let is_last = piece.as_ref().map_or(true, Bytes::is_empty);
+            if sender.send(piece).await.is_err() || is_last {
+                return;
+            }
+        }
+    });
+    Pieces(pieces)
+}
+
+fn piece(file: &mut File) -> io::Result<Bytes> {
     let mut bytes = Vec::new();
-    File::open(path)?.take(MOST).read_to_end(&mut bytes)?;
-    Ok(bytes)
+    file.take(PIECE_BYTES).read_to_end(&mut bytes)?;
+    Ok(bytes.into())
 }

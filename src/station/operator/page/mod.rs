@@ -11,6 +11,7 @@
 
 mod ask;
 mod assets;
+mod body;
 pub mod desk;
 pub mod endpoint;
 mod feed;

@@ -122,26 +122,39 @@ function about(scan, canAct, ...more) {
   ].filter(Boolean);
 }
 
+// The files of a record: those with words of their own, the others behind one more click.
+const opened = new Set();
 function links(scan, showsIds) {
-  const files = scan.files.filter((file) => showsIds || file === "legs.svg");
-  const anchors = files.map((file) =>
-    make("a", { href: `/scan/${scan.scan}/${file}`, target: "_blank", rel: "noopener", "data-key": `${file} ${scan.scan}` }, label(file)));
-  if (showsIds && files.includes("record.json") && window.gaiterViewer) {
+  if (!showsIds || !scan.files.length) return null;
+  const anchor = (file) =>
+    make("a", { href: `/scan/${scan.scan}/${file}`, target: "_blank", rel: "noopener", "data-key": `${file} ${scan.scan}` }, label(file));
+  const anchors = scan.files.filter((file) => file in labels).map(anchor);
+  if (scan.files.includes("record.json") && window.gaiterViewer) {
     anchors.unshift(button(label("view"), `view ${scan.scan}`, () => view(scan)));
   }
-  return anchors.length ? make("p", { class: "links", "aria-label": label("files"), role: "group" }, anchors) : null;
+  const others = scan.files.filter((file) => !(file in labels)).map(anchor);
+  return make("div", { "aria-label": label("files"), role: "group" },
+    make("p", { class: "links" }, anchors), others.length ? otherFiles(scan, others) : null);
+}
+
+// A redraw leaves it as open as it was.
+function otherFiles(scan, anchors) {
+  const details = make("details", { open: opened.has(scan.scan) },
+    make("summary", { "data-key": `files ${scan.scan}` }, label("all_files")), make("p", { class: "links" }, anchors));
+  details.addEventListener("toggle", () => (details.open ? opened.add(scan.scan) : opened.delete(scan.scan)));
+  return details;
 }
 
 function scanCard(scan, canAct, showsIds) {
   if (!scan.measures) return make("article", { class: "card scan plain" }, make("div", { class: "about" }, about(scan, canAct)));
-  const drawing = scan.files.includes("legs.svg")
+  const drawing = showsIds && scan.files.includes("legs.svg")
     ? make("img", { class: "drawing", src: `/scan/${scan.scan}/legs.svg`, alt: label("drawing"), loading: "lazy" })
-    : make("p", { class: "quiet" }, label("no_measures"));
+    : null;
   const findings = scan.measures.findings
     ? make("p", { class: "quiet" }, `${scan.measures.findings} ${label("findings")}`)
     : null;
-  return make("article", { class: "card scan" },
-    make("div", {}, drawing),
+  return make("article", { class: drawing ? "card scan" : "card scan without" },
+    drawing ? make("div", {}, drawing) : null,
     make("div", { class: "about" }, about(scan, canAct, findings, links(scan, showsIds))),
     make("div", { class: "measures" }, measures(scan.measures)));
 }

@@ -1,10 +1,8 @@
 //! The snapshots as server-sent events: at once and at every change, with a beat in between that tells
 //! a browser that the station is alive. A stream ends with the station or with its reader.
 
-use std::convert::Infallible;
-use std::pin::Pin;
+use std::io;
 use std::sync::Arc;
-use std::task::{Context, Poll};
 use std::time::Duration;
 
 use axum::Extension;
@@ -12,10 +10,11 @@ use axum::body::Body;
 use axum::extract::{RawQuery, State};
 use axum::http::{HeaderMap, StatusCode, header};
 use axum::response::{IntoResponse, Response};
-use hyper::body::{Bytes, Frame};
+use hyper::body::Bytes;
 use tokio::sync::mpsc;
 use tokio::time::sleep;
 
+use super::body::Pieces;
 use super::endpoint::HttpEndpoint;
 use crate::station::operator::http::connections::Connection;
 
@@ -43,15 +42,15 @@ pub async fn stream(
         tell(&endpoint, shows_ids, &sender).await;
     });
     let kind = [(header::CONTENT_TYPE, "text/event-stream")];
-    (kind, Body::new(Events(events))).into_response()
+    (kind, Body::new(Pieces(events))).into_response()
 }
 
 /// Sends snapshots to a reader until it disconnects or the station stops.
-async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<String>) {
+async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<io::Result<Bytes>>) {
     let mut snapshots = endpoint.desk.feed.subscribe();
     let mut stop = endpoint.stop.clone();
     let mut last = None;
-    if sender.send(format!("retry: {RETRY_MS}\n\n")).await.is_err() {
+    if sender.send(Ok(format!("retry: {RETRY_MS}\n\n").into())).await.is_err() {
         return;
     }
     loop {
@@ -61,7 +60,7 @@ async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<St
             last = text;
             tokio::select! {
                 () = stop.requested() => return,
-                sent = sender.send(told) => if sent.is_err() { return },
+                sent = sender.send(Ok(told.into())) => if sent.is_err() { return },
             }
         }
         tokio::select! {
@@ -70,24 +69,8 @@ async fn tell(endpoint: &HttpEndpoint, shows_ids: bool, sender: &mpsc::Sender<St
             changed = snapshots.changed() => if changed.is_err() { return },
             () = sleep(BEAT) => {
                 // If this fails, the reader still has the last event to read.
-                let _ = sender.try_send("event: beat\ndata:\n\n".to_owned());
+                let _ = sender.try_send(Ok(Bytes::from_static(b"event: beat\ndata:\n\n")));
             }
         }
-    }
-}
-
-/// The events of one stream as the body of a response.
-struct Events(mpsc::Receiver<String>);
-
-impl hyper::body::Body for Events {
-    type Data = Bytes;
-    type Error = Infallible;
-
-    fn poll_frame(
-        mut self: Pin<&mut Self>,
-        context: &mut Context<'_>,
-    ) -> Poll<Option<Result<Frame<Bytes>, Infallible>>> {
-        let told = self.0.poll_recv(context);
-        told.map(|event| event.map(|event| Ok(Frame::data(Bytes::from(event)))))
     }
 }

@@ -8,10 +8,11 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::flow::page::{FILES, Told};
+use crate::flow::page::Told;
+use crate::flow::page::files::in_order;
 use crate::language::Language;
 use crate::record::{Record, RecordSummary};
-use crate::store::revision;
+use crate::store::{revision, sums};
 
 /// A summary is read again after this time: a report may have been made since.
 const FRESH: Duration = Duration::from_secs(60);
@@ -96,13 +97,19 @@ impl Summaries {
 /// What the record in this folder, or its latest revision, says. Blocks as long as the store does.
 pub fn read(folder: &Path, language: Language) -> Told {
     let folder = revision::latest(folder);
-    let is_there = |name: &&str| folder.join(name).is_file();
     let record = record(&folder.join("record.json"));
     Told {
         measures: record.map(|record| RecordSummary::of(&record, language)),
-        files: FILES.iter().map(|file| file.name).filter(is_there).collect(),
+        files: names(&folder),
         unmeasured: None,
     }
+}
+
+/// The names of the files of a record or preview, in the order in which the page shows them.
+fn names(folder: &Path) -> Vec<String> {
+    let listed = sums::listed(folder).unwrap_or_default();
+    let sums = (!listed.is_empty()).then(|| sums::SUMS.to_owned());
+    in_order(listed.into_iter().chain(sums).collect())
 }
 
 fn record(path: &Path) -> Option<Record> {
