@@ -89,9 +89,16 @@ pub fn complaints(
     complaints
 }
 
-/// What helps against the cause of an alarm. Most alarms stay until the station is restarted.
+/// What helps against the cause of an alarm. Those of the booth clear with the next good press or order;
+/// others stay until the station is restarted.
 fn remedy(code: &str) -> &'static str {
     match code {
+        "no-export" => "press the button and scan again",
+        "order-refused" => "order again, or name the patient: gaiter patient set",
+        "order-not-removed" => "let the station's user delete files in the folder of orders",
+        "orders-out-of-reach" => "mount the folder of orders; it is read again by itself",
+        "order-repeated" => "name the patient if this is a new scan of the same person",
+        "record-kept" => "gaiter scans lists it as withdrawing; restore or remove what was changed",
         "measuring-impaired" => {
             "see the log for what stops the measuring processes; scans wait, and the alarm clears \
              itself"

@@ -213,10 +213,46 @@ fn every_word_that_the_program_hands_out_has_its_text() {
     }
 }
 
+#[test]
+fn every_statement_of_a_record_has_its_text() {
+    let source = include_str!("../../src/record/statement.rs");
+    // Figures and files have names of one word or with underscores.
+    let key = Regex::new(r#""([a-z]+(?:-[a-z]+)+)""#).unwrap();
+    let keys: BTreeSet<&str> =
+        key.captures_iter(source).map(|found| found.get(1).unwrap().as_str()).collect();
+    assert!(keys.len() > 40, "only {keys:?}");
+    for key in keys {
+        for language in Language::ALL {
+            assert!(language.find(&format!("statement.{key}")).is_some(), "{language:?}, {key}");
+        }
+    }
+}
+
+#[test]
+fn every_store_of_the_configuration_has_its_text() {
+    let shipped: Table = include_str!("../../config/station.toml").parse().unwrap();
+    // Those that are off stand in comments.
+    let commented = Regex::new(r"(?m)^#? ?\[store\.([a-z_]+)\]").unwrap();
+    let names = commented.captures_iter(include_str!("../../config/station.toml"));
+    let names: BTreeSet<String> = names.map(|found| found[1].to_owned()).collect();
+    assert!(names.is_superset(&shipped["store"].as_table().unwrap().keys().cloned().collect()));
+    assert!(names.len() >= 3, "only {names:?}");
+    for name in names {
+        for language in Language::ALL {
+            let key = format!("page.part.store.{name}");
+            assert!(language.find(&key).is_some(), "{language:?}, {key}");
+        }
+    }
+}
+
 /// The codes in the first column of a page's table behind these words.
 fn of_table(before: &str) -> Vec<String> {
-    let pages =
-        [include_str!("../../docs/codes.md"), include_str!("../../docs/patients.md")].concat();
+    let pages = [
+        include_str!("../../docs/codes.md"),
+        include_str!("../../docs/patients.md"),
+        include_str!("../../docs/operate.md"),
+    ]
+    .concat();
     let (_, table) = pages.split_once(before).unwrap();
     let rows = table.lines().skip_while(|line| !line.starts_with("| `"));
     let rows = rows.take_while(|line| line.starts_with("| `"));
@@ -232,10 +268,13 @@ fn every_code_of_the_documents_has_its_texts_in_every_language() {
         ("under `findings` and `doubts`:", "finding", &["title", "meaning", "action"][..], 30),
         ("| held as |", "page.held", &["what", "next"], 9),
         ("Refusals, in `reason.json`", "page.refused", &["what", "next"], 35),
+        ("## When it is not ready", "page.complaint", &["what", "next"], 20),
     ] {
         let codes = of_table(before);
         assert!(codes.len() >= least, "only {codes:?}");
         let scans = codes.iter().filter(|code| !no_refusal.contains(&code.as_str()));
+        // All ports share the texts of `trigger-any`.
+        let scans = scans.filter(|code| !code.starts_with("trigger-"));
         let keys =
             scans.flat_map(|code| parts.iter().map(move |part| format!("{table}.{code}.{part}")));
         for key in keys {

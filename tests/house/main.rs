@@ -6,3 +6,4 @@ mod docs;
 mod invariants;
 mod languages;
 mod layering;
+mod lists;
