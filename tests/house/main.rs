@@ -2,6 +2,7 @@
 
 mod circles;
 mod codes;
+mod commands;
 mod docs;
 mod invariants;
 mod languages;
