@@ -1,5 +1,6 @@
 //! Looks and takes, step by step as the intake makes them, so that anything may happen in between:
-//! composed as in `station/intake.rs`, `station/take.rs` and `station/custody.rs`.
+//! composed as in `station/intake.rs`, `station/intake/ingest.rs` and
+//! `station/custody.rs`.
 
 #![allow(clippy::large_enum_variant)]
 use std::collections::{BTreeMap, VecDeque};
