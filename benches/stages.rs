@@ -1,4 +1,4 @@
-//! How long each stage of an extraction takes, with tobj's own reading time beside it:
+//! How long each stage of an extraction takes, and how long tobj alone takes to read the scan:
 //! `cargo bench --bench stages`.
 
 use std::io::Read;

@@ -1,11 +1,15 @@
 //! What the station costs and how fast it is: `cargo bench --bench station`.
 //!
-//! Idle: share of a core and memory over a minute. The way of a scan from its last byte to its
-//! record, against quiet time and extraction, alone and among 20 000 files that are known, and what it
-//! costs in CPU. A backlog
-//! of 500 scans. All on the real program with folders below `TMPDIR`. What a port of the booth costs
-//! and how soon a press is seen. With a word behind `--` (idle, way, crowd, backlog, trigger) only
-//! that part.
+//! It measures, with the real program and folders below `TMPDIR`:
+//!
+//! - idle: share of a core and memory over a minute;
+//! - way: the time of a scan from its last byte to its record, beside quiet time and extraction, and
+//!   what it costs in CPU;
+//! - crowd: the same among 20 000 known files;
+//! - backlog: 500 scans;
+//! - trigger: what a port of the booth costs and how soon a press is seen.
+//!
+//! With one of these words after `--`, it measures only that part.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic, clippy::print_stdout)]
 

@@ -2,10 +2,10 @@
 
     pip install numpy scipy geomdl && python3 benches/peer/surface_peers.py
 
-Prints one line a method: control points along x around, mean relative error in percent and largest
-error in mm by the metric of tests/support/src/metric.rs, tangent kink across the seam in degrees, best
-time of some runs. The clamped peers are given three columns more around, which is what a periodic
-surface has after export. Same leg as tests/support/src/test_leg.rs.
+Prints one line per method: control points along x around; mean relative error in percent and largest
+error in mm by the metric of tests/support/src/geometry/metric.rs; tangent kink across the seam in
+degrees; best time of some runs. The clamped peers get three more columns around, as a periodic surface
+has after export. The leg is that of tests/support/src/geometry/test_leg.rs.
 """
 
 import math

@@ -2,8 +2,8 @@
 
     python3 benches/peer/trimesh_extract.py SCAN.obj > legs.json
 
-Written as a competent user of trimesh would write it for an OBJ with y up. README.md beside this
-says what it does and does not do.
+Written as a competent user of trimesh would write it for an OBJ with y up. README.md in this folder
+says what it does and what it does not do.
 """
 
 import json

@@ -1,11 +1,11 @@
-//! What every decoder is held to, whatever bytes it gets.
+//! What every decoder must guarantee for any bytes.
 
 #[path = "../../src/scan/mod.rs"]
 pub mod scan;
 
 use scan::{Format, ScanFault, completeness, read};
 
-/// Decodes the bytes and checks the invariants of what comes of them.
+/// Decodes the bytes and checks the invariants of the result.
 pub fn held(bytes: &[u8], format: Format) {
     let complete = completeness(bytes, format);
     match read(bytes, format) {

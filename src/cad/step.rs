@@ -2,8 +2,8 @@
 //! end, in millimetres.
 //!
 //! Under AP214 the tube's file has 33 instances besides the control points, the minimum that is
-//! complete under the schema with units and a product (nurbs.md 7.1; OpenCASCADE reads nothing from
-//! a face without a product). The edges are the surface's own end rows and its seam, so they lie on
+//! complete under the schema with units and a product (OpenCASCADE reads nothing from a face
+//! without a product). The edges are the surface's own end rows and its seam, so they lie on
 //! it exactly.
 
 mod boundary;

@@ -29,8 +29,8 @@ pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
 
 /// Measures both legs from a body scan.
 ///
-/// gaiter stands beside a body scanner. It takes every scan the scanner exports and puts girths and
-/// heights at B, B1, C and D, a surface and a report of both legs into the patient's folder.
+/// gaiter runs beside a body scanner. It takes every scan that the scanner exports, and writes girths
+/// and heights at B, B1, C and D, a surface and a report of both legs to the patient's folder.
 #[derive(Debug, Parser)]
 #[command(name = "gaiter", version, after_help = EXIT_CODES)]
 pub struct Args {
@@ -45,31 +45,30 @@ const EXIT_CODES: &str = "Exit codes: 0 done, 64 wrong command line, 65 a scan c
 /// The verbs of gaiter.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
-    /// Show the whole station at work with a simulated scanner; needs nothing
+    /// Show a whole station at work with a simulated scanner; needs no configuration
     ///
     /// Starts a real station in the new folder ./demo, lets a simulated scanner export a few scans
-    /// into it, and shows the measures and where the records lie. Takes less than a minute.
+    /// into it, and shows the measures and where the records are. Takes less than a minute.
     Demo(DemoArgs),
-    /// Run the station: wait for scans and put records into the store
+    /// Run the station: wait for scans and write records to the stores
     ///
-    /// Runs until it is stopped (Ctrl-C or SIGTERM). It is usually started by the system; check the
-    /// configuration with `gaiter check` first.
+    /// Runs until it is stopped (Ctrl-C or SIGTERM). Usually systemd starts it. Check the configuration
+    /// with `gaiter check` first.
     Run(RunArgs),
     /// Measure scan files now, without a station
     ///
-    /// Prints a table of both legs for every scan, and for several scans a summary with a row for
-    /// each. For a folder, measures all scans in it in the order of their names, without hidden
-    /// files.
+    /// Prints a table of both legs for each scan, and for several scans a summary with one row each.
+    /// For a folder, measures all scans in it except hidden files, in the order of their names.
     Extract(ExtractArgs),
-    /// Measure the scans of a record store again, with today's method
+    /// Measure the scans of a record store again, with the current method
     ///
-    /// If the result differs from the record, writes a new revision next to it, in a folder of the
-    /// same name with _r2, _r3 …; never touches the old one. Prints at the end what changed and by
-    /// how much. A station may run at the same time. A second run adds nothing.
+    /// If the result differs from the record, writes a new revision beside it, in a folder of the same
+    /// name with _r2, _r3 …; never changes the old one. Prints at the end what changed and by how
+    /// much. A station may run at the same time. A second run adds nothing.
     Reextract(ReextractArgs),
-    /// Write the report of a record again, in either language
+    /// Write the report of a record again, in English or German
     ///
-    /// Uses record.json alone; the scan is not needed, and nothing is measured. The record is not
+    /// Uses only record.json; the scan is not needed, and nothing is measured. The record is not
     /// changed, because its folder's SHA256SUMS would then be wrong.
     Report(ReportArgs),
     /// Measure one scan on standard input; the station runs this itself
@@ -77,70 +76,75 @@ pub enum Verb {
     Measure(MeasureArgs),
     /// Check the configuration and the folders it names
     ///
-    /// Names every fault in the configuration file at once, with its line and a hint. When the
-    /// file has none, tries the folders: that exports can be read and that records can be written.
+    /// Names all faults in the configuration file at once, each with its line and a hint. If the file
+    /// has none, tries the folders: whether exports can be read and records can be written. Run it as
+    /// the station's user.
     Check(CheckArgs),
     /// Show the state of the running station: ready, or what is wrong and what to do
     ///
-    /// Ends with 0 when the station is ready and with 74 when it is not. Names no patient and no
-    /// file. Run it as root or as the station's user.
+    /// Exits with 0 when the station is ready and with 74 when it is not, or when no station runs.
+    /// Shows no patient's id and no file name. Run it as root or as the station's user.
     Status(StatusArgs),
-    /// List the station's scans, the newest first
+    /// List the station's scans, newest first
     ///
-    /// Names no patient and no file; `gaiter show ID` does.
+    /// Shows no patient's id and no file name; `gaiter show ID` shows the id.
     Scans(ScansArgs),
-    /// Show one scan with its deliveries, the patient's id included
+    /// Show one scan with its deliveries and the patient's id
     ///
-    /// Shows the patient's id and the record's folder, which are needed to decide about a scan:
-    /// make sure that nobody else can see the screen.
+    /// For a held scan, also shows the patients it may belong to and the folder with pictures of its
+    /// legs. Make sure that nobody else can see the screen.
     Show(OneArgs),
     /// Explain in one sentence why a file or a scan is where it is
     Explain(ExplainArgs),
     /// Try a refused scan again, or a waiting one at once
     ///
-    /// For a scan in quarantine, once the cause is fixed: for example after a change of the
-    /// configuration or with a new version of gaiter.
+    /// For a refused scan, once the cause is fixed: for example after a change of the configuration or
+    /// with a new version of gaiter.
     Retry(OneArgs),
-    /// Deliver a held scan to the patient it arrived for
+    /// Deliver a held scan to the patient it came in for
     ///
-    /// A scan is held if the same bytes arrived for a second patient. Look at it first, with
-    /// `gaiter show ID`: one of the two patients has the wrong legs.
+    /// A scan is held when it is not certain whose it is, or when nobody pressed the button for it.
+    /// Look at it first: `gaiter show ID` shows why it is held and whose it may be. If it did not come
+    /// in for exactly one patient, use `gaiter assign ID`.
     Release(OneArgs),
-    /// Assign a scan that came in without a patient to a patient
+    /// Assign an unassigned or held scan to a patient
     ///
     /// Asks for the patient's id, or reads it from standard input. It is never an argument, because
     /// every user of the machine can read those.
     Assign(OneArgs),
     /// Take a scan back from its patient: its record goes to _unassigned and leaves the patient's folder
-    Unassign(OneArgs),
-    /// Mark a refused scan, or a held one that somebody already has, as needing no further decision
     ///
-    /// The station no longer asks about it. The configuration sets how long its bytes are kept;
-    /// until then it can still be tried again or assigned.
+    /// Notes that people put into the record's folder go with it. Delete results that the practice
+    /// software already has in that software.
+    Unassign(OneArgs),
+    /// Close a refused scan, or a held one that already belongs to a patient: it needs no decision
+    ///
+    /// The station no longer asks about it. `retention` in the configuration sets how long its
+    /// bytes are kept; until then it can still be tried again or assigned.
     GiveUp(OneArgs),
     /// Set, clear or show the patient of the next scan
     #[command(subcommand)]
     Patient(PatientVerb),
     /// Hand an order of the practice software (GDT 6302) to the running station
     ///
-    /// For practice software that starts a program with the order's file. The order names the patient
-    /// of the next scan. The file is only read: the practice software removes it.
+    /// For practice software that can start a program with the order's file. The order names the
+    /// patient of the next scan. gaiter only reads the file; the practice software removes it.
     GdtOrder(OrderArgs),
     /// Print the link to the operator's page, with the token; without the token the page is
     /// read-only
     ///
-    /// People with the link can decide about scans: open it on the machine itself, and do not send
-    /// it. The browser keeps the token.
+    /// Everybody who has the link can decide about scans. Open it on the station's machine, and do not
+    /// send it to anybody. The browser keeps the token.
     Page(AskArgs),
-    /// Take and deliver no scans until `gaiter resume`; also after a restart
+    /// Take in and deliver no scans until `gaiter resume`, not even after a restart
     Pause(AskArgs),
-    /// Go on after `gaiter pause`
+    /// Take in and deliver scans again after `gaiter pause`
     Resume(AskArgs),
     /// Print the JSON Schema of record.json
     Schema,
-    /// Print the completions for a shell
+    /// Print completions for a shell
     Completions(CompletionsArgs),
-    /// Print the manual page, or write a page for every verb into a folder
+    /// Print the manual page, or write a page for each verb to a folder
     Man(ManArgs),
 }
 
@@ -150,19 +154,19 @@ pub enum PatientVerb {
     /// Name the patient of the next scan
     ///
     /// Asks for the patient's id, or reads it from standard input. It is never an argument, because
-    /// every user of the machine can read those. It waits for the next press of the button, or
-    /// without a button for the next export; it is used once.
+    /// every user of the machine can read those. The name waits for the next press of the button, or
+    /// without a button for the next export. It is used once, and replaces a name that waits.
     Set(AskArgs),
-    /// Clear the named patient and the presses that still await their export
+    /// Drop the waiting name and the presses whose export has not come
     Clear(AskArgs),
-    /// Show the patient of the next scan
+    /// Show who is next and whose exports are expected; shows patients' ids
     Show(AskArgs),
 }
 
 /// `gaiter demo`
 #[derive(Debug, clap::Args)]
 pub struct DemoArgs {
-    /// Print the records as one JSON object at the end, for programs, and nothing else
+    /// Print only the records, as one JSON object at the end, for programs
     #[arg(long)]
     pub json: bool,
 }
@@ -201,10 +205,10 @@ pub struct ExtractArgs {
     /// folders of them
     #[arg(value_name = "SCAN", required = true)]
     pub scans: Vec<PathBuf>,
-    /// Look for scans in the folders within folders, too
+    /// Also look for scans in folders within folders
     #[arg(long)]
     pub recursive: bool,
-    /// Number of scans measured at a time [default: number of processors]
+    /// Number of scans to process at a time [default: number of processors]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
     /// Print one JSON record per scan and line, for programs
@@ -231,11 +235,10 @@ pub struct ExtractArgs {
         requires = "out"
     )]
     pub figures: Option<Vec<FigureFormat>>,
-    /// The language of the report, with --out [default: en]
+    /// The language of the report, with --out [default: en, or that of --config]
     #[arg(long, value_parser = of_words(LANGUAGES), requires = "out")]
     pub language: Option<Language>,
-    /// What the scan contains: a whole body, or one leg with its foot, whose side the scan does not
-    /// show
+    /// What the scan contains: a whole body, or one leg with its foot; the scan does not show its side
     #[arg(long, value_parser = of_words(SCOPES))]
     pub scope: Option<Scope>,
     /// The unit of the scan's coordinates; auto finds it from the height of the body
@@ -244,14 +247,14 @@ pub struct ExtractArgs {
     /// The axis of the scan that points up [default: y]
     #[arg(long, value_parser = of_words(UPS))]
     pub up: Option<Up>,
-    /// The axis of the scan the toes point along; auto finds it from the feet
+    /// The axis of the scan that the toes point along; auto finds it from the feet
     #[arg(long, value_parser = of_words(FACINGS), allow_hyphen_values = true)]
     pub facing: Option<FacingChoice>,
     /// Heights above the floor at which girths are also measured, in cm: --at 10,20,30.5
     #[arg(long, value_name = "CM,…", value_delimiter = ',', value_parser = height_mm)]
     pub at: Option<Vec<f64>>,
-    /// Take unit, up, facing, method and output from this configuration, unless an option overrides
-    /// them
+    /// Take scope, unit, up, facing, method, output and language from this configuration, unless an
+    /// option overrides them
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
 }

@@ -202,8 +202,8 @@ pub enum FitFault {
 /// Fits a spline to the data `(x[i], y[i])` with relative inverse variances `weights[i]`.
 ///
 /// Order and spacing of the data do not matter; a periodic basis wraps `x`. Gaps are bridged by the
-/// penalty, or by the ridge if there is no penalty. Source: nurbs.md 6.3, 6.6, 6.7 in one
-/// dimension; normal equations of The NURBS Book 9.4.
+/// penalty, or by the ridge if there is no penalty. Normal equations: The NURBS Book 9.4;
+/// generalised cross-validation: Craven, Wahba 1979.
 ///
 /// # Errors
 /// A [`FitFault`]: different lengths, data that are not finite or (clamped) outside the domain by

@@ -7,7 +7,7 @@ use super::basis::{Basis, Row};
 use super::penalty::roughness;
 use super::solve::{Singular, Skyline};
 
-/// The relative lambda that remains if nothing is to be smoothed; nurbs.md 6.6.
+/// The relative lambda that remains if nothing is to be smoothed.
 pub const RIDGE: f64 = 1e-12;
 
 /// The derivative whose square is penalised.
@@ -114,7 +114,7 @@ impl<'a> NormalEquations<'a> {
         Ok(Solution { lambda, coefficients, inverse, edf, rss })
     }
 
-    /// The fit with the smallest score RSS / (m − edf)²; lambda as in nurbs.md 6.7, in one dimension.
+    /// The fit with the smallest score RSS / (m − edf)² (Craven, Wahba 1979).
     pub fn best_by_gcv(&self) -> Result<Solution, Singular> {
         let data = self.weights.iter().filter(|weight| **weight > 0.0).count() as f64;
         let tried = |exponent: f64| {

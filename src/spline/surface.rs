@@ -166,7 +166,7 @@ impl Surface {
     /// The same surface with clamped knots around, for CAD: the knot vector around and the control
     /// points, row-major, `along().count()` rows of `around().count() + 3`. The last column equals
     /// the first. Exact: each column is the polar form at its three inner knots, which is
-    /// equivalent to knot insertion (Ramshaw 1989; nurbs.md 6.11).
+    /// equivalent to knot insertion (Ramshaw 1989).
     pub fn clamped_around(&self) -> (Vec<f64>, Vec<Point3<f64>>) {
         let columns = self.around.count();
         let (from, to) = self.around.domain();

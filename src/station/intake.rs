@@ -1,6 +1,6 @@
 //! The intake of one export folder: look, settle, take in, over and over.
 //!
-//! Everything that touches the folder runs in a thread that may hang (see `station::stall`). The worker
+//! Everything that touches the folder runs in a thread that may hang (see `station::share::stall`). The worker
 //! itself never blocks, so it can always stop, send its heartbeat and report that the share stalls.
 
 pub(in crate::station) mod export_locks;

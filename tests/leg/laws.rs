@@ -208,7 +208,7 @@ fn a_unit_that_makes_no_person_is_refused() {
 
 #[test]
 fn z_up_and_x_up_exports_measure_alike_when_declared_and_are_refused_when_not() {
-    // The same body with its front where DESIGN.md counts facing from: −y and −z.
+    // The same body with its front where `facing_deg` is counted from: −y and −z.
     let z_up = moved(|p| Point3::new(p.x, -p.z, p.y));
     let x_up = moved(|p| Point3::new(p.y, p.x, -p.z));
     for (scan, up) in [(z_up, Up::Z), (x_up, Up::X)] {

@@ -1,5 +1,5 @@
-//! The closed-form test leg of nurbs.md 1.1 as a mesh, through sections, girth curve, levels and
-//! surface, against the figures printed there.
+//! The closed-form test leg (`support::geometry::test_leg`) as a mesh, through sections, girth curve,
+//! levels and surface, against its reference figures.
 
 #![allow(clippy::unwrap_used)]
 
@@ -182,7 +182,7 @@ fn surface_by(method: &SurfaceMethod) -> LegSurface {
 #[test]
 fn the_surface_of_the_whole_leg_meets_the_limits_of_the_reference() {
     let found = surface_by(&SurfaceMethod::default());
-    // nurbs.md, acceptance limits: clean test leg, the larger net.
+    // The limits of the reference for the clean test leg and the larger net.
     let [relative, _, max_mm] = true_error(&found);
     assert!(relative <= 0.000_05 && max_mm <= 0.15, "{relative} {max_mm}");
     assert!(found.to_points.mean_relative <= 0.000_05, "{:?}", found.to_points);

@@ -76,7 +76,7 @@ fn outliers_cost_next_to_nothing_and_lose_all_their_weight() {
 #[test]
 fn without_noise_the_knots_say_how_near_the_surface_comes() {
     let exact = cloud(100_000, Faults { sigma_mm: 0.0, outliers: 0.0 }, 7).points;
-    // nurbs.md section 4: .0270 mm with equal spans, .0089 mm with knots from an exact grid.
+    // The reference: .0270 mm with equal spans, .0089 mm with knots from an exact grid.
     for (knots, mean_mm) in [(Knots::Adaptive, 0.0125), (Knots::Polished, 0.0089)] {
         let [mean, rms, max, percent] = error_of(&fitted(&exact, [30, 24], knots));
         println!("{knots:?}: mean {mean:.4} rms {rms:.4} max {max:.3} mm, {percent:.4} %");

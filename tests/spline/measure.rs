@@ -150,7 +150,7 @@ fn the_test_leg_has_the_published_area_volume_and_girths() {
     let data = GridData { along: &along, around: &around, points: &points };
     let bases = (Basis::uniform_clamped(0.0, 1.0, 128), Basis::uniform_periodic(0.0, 1.0, 128));
     let surface = fit_grid(&data, bases.0.unwrap(), bases.1.unwrap()).unwrap().surface;
-    // nurbs.md 1.1, to the digits given.
+    // The reference, to the digits given.
     assert!((surface.area_mm2() - 307_913.62).abs() < 0.01, "{}", surface.area_mm2());
     assert!((surface.volume_mm3() - 9_784_676.35).abs() < 0.05, "{}", surface.volume_mm3());
     for (z, girth) in [(0.0, 264.895), (200.0, 282.160), (430.0, 370.213), (800.0, 525.744)] {

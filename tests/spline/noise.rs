@@ -1,4 +1,4 @@
-//! Fits of noisy grids (nurbs.md 4).
+//! Fits of noisy grids.
 #![allow(clippy::unwrap_used)]
 
 use gaiter::spline::{

@@ -84,7 +84,7 @@ fn a_coefficient_without_data_is_reported_as_singular() {
 
 #[test]
 fn data_that_leave_a_sawtooth_free_are_singular_up_to_rounding() {
-    // An even number of data at the middles of uniform periodic intervals: nurbs.md 6.5.
+    // An even number of data at the middles of uniform periodic intervals.
     let basis = Basis::uniform_periodic(0.0, 12.0, 12).unwrap();
     let mut gram = Skyline::zero(&basis);
     (0..12).for_each(|i| gram.add_square(&basis.row(f64::from(i) + 0.5), 1.0));

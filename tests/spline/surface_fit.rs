@@ -1,4 +1,4 @@
-//! The plain tensor-product fit against the published figures of the test leg (nurbs.md 1 and 3).
+//! The plain tensor-product fit against the reference figures of the test leg.
 #![allow(clippy::unwrap_used)]
 
 use gaiter::spline::{Basis, FitFault, GridData, Surface, SurfaceFit, fit_grid};

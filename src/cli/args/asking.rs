@@ -12,7 +12,7 @@ use crate::station::operator::control::protocol::{DIGITS_LEAST, LIST_MOST};
 /// The options of every verb that queries a running station.
 #[derive(Debug, Clone, clap::Args)]
 pub struct AskArgs {
-    /// The configuration of the station that is asked
+    /// The configuration of the station to query
     #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG)]
     pub config: PathBuf,
     /// Print the answer as JSON, for programs
@@ -23,7 +23,7 @@ pub struct AskArgs {
 /// `gaiter status`
 #[derive(Debug, clap::Args)]
 pub struct StatusArgs {
-    /// Keep showing it, updated every second, until Ctrl-C; with --json one object per line
+    /// Keep showing the state, updated every second, until Ctrl-C; with --json one object per line
     #[arg(long)]
     pub watch: bool,
     /// The station to query, and the output format.
@@ -37,7 +37,7 @@ pub struct ScansArgs {
     /// Only scans in this state: spooled (waiting for a record), held (waiting for a decision)
     #[arg(long, value_parser = filter())]
     pub state: Option<Filter>,
-    /// The most scans to list
+    /// The largest number of scans to list
     #[arg(long, value_name = "N", default_value_t = 20,
           value_parser = clap::value_parser!(u32).range(1..=i64::from(LIST_MOST)))]
     pub limit: u32,
@@ -60,7 +60,7 @@ pub struct OneArgs {
 /// `gaiter explain`
 #[derive(Debug, clap::Args)]
 pub struct ExplainArgs {
-    /// A file in an export folder, or a scan by the first digits of its id, at least four
+    /// A file in an export folder, or a scan: the first digits of its id, at least four
     #[arg(value_name = "FILE|ID")]
     pub what: OsString,
     /// The station to query, and the output format.

@@ -20,17 +20,17 @@ pub struct ReextractArgs {
     /// files. Without it: the default method, and the description in each record
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
-    /// Number of scans measured at a time [default: number of processors]
+    /// Number of scans to process at a time [default: number of processors]
     #[arg(long, value_name = "N")]
     pub jobs: Option<NonZeroUsize>,
-    /// Also write a revision if all figures are the same but the record lacks something that an
-    /// older gaiter did not write
+    /// Also write a revision if all figures are the same but the record lacks keys that an older gaiter
+    /// did not write
     #[arg(long)]
     pub complete: bool,
     /// Only show what would change; write nothing
     #[arg(long)]
     pub dry_run: bool,
-    /// Name records by their folders, which reveal the patient, instead of by their scans
+    /// Name records by their folders, which show the patient, instead of by their scans
     #[arg(long)]
     pub names: bool,
     /// Print one JSON object per record and line, for programs

@@ -18,7 +18,7 @@ pub struct ReportArgs {
     /// Folder for the report [default: the current folder]
     #[arg(long, value_name = "DIR", default_value = ".", hide_default_value = true)]
     pub out: PathBuf,
-    /// Replace a report that is there already
+    /// Replace a report that already exists
     #[arg(long)]
     pub force: bool,
     /// Print the paths of the files as one JSON object, for programs

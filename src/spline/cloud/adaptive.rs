@@ -1,4 +1,4 @@
-//! The surface through a cloud of points, with knots chosen automatically: nurbs.md 6.4, 6.10.
+//! The surface through a cloud of points, with knots chosen automatically as for a grid (`knots`).
 //!
 //! Arbitrarily placed points do not show how a line along or around bends. So a first, smoothed fit
 //! with many uniform knots is sampled on a grid; the knots are chosen for that grid, and then the

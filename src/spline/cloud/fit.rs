@@ -1,9 +1,9 @@
 //! Robust smoothing fit of a surface to a cloud of points around a tube along z.
 //!
 //! u is the height: the control points' z are the Greville abscissae, so that S_z = u everywhere
-//! and curves of constant u are the plane sections; x and y are fitted (nurbs.md 6.2). Minimises Σ
+//! and curves of constant u are the plane sections; x and y are fitted. Minimises Σ
 //! w |S − P|² + λu ∬ |S_uuu|² + λv ∬ |S_vvv|². Outliers lose their weight over several rounds,
-//! first some of it, then all (nurbs.md 6.8).
+//! first some of it, then all (`cloud/weights`).
 
 use nalgebra::Point3;
 

@@ -1,4 +1,4 @@
-//! The middle line of a tube of points along z; nurbs.md 6.1.
+//! The middle line of a tube of points along z.
 
 use std::f64::consts::{PI, TAU};
 

@@ -3,7 +3,7 @@
 //! The penalty is λu Ru ⊗ Mv + λv Mu ⊗ Rv, where R is the roughness and M the Gram matrix over the
 //! domain. Generalised eigenvectors of (R, M) make it diagonal and, if points are spread evenly,
 //! the data's own matrix too. Then a fit with any pair of lambdas takes only a division, and so do
-//! its degrees of freedom and its residual; nurbs.md 6.7, 6.8.
+//! its degrees of freedom and its residual.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 

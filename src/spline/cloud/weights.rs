@@ -2,12 +2,12 @@
 //!
 //! Small residuals have weight 1. Tukey's biweights (`robust`), which decrease from zero on, would
 //! reduce the weight of every point of a bump that the surface cannot quite follow, and so flatten
-//! it further: on the test leg of nurbs.md 1.1 they increase the mean error by 2 % and the largest
+//! it further: on the closed-form test leg they increase the mean error by 2 % and the largest
 //! by 10 %.
 
 use crate::spline::robust::MAD_TO_SD;
 
-/// Residuals up to this many standard deviations keep full weight; Huber's constant, nurbs.md 6.8.
+/// Residuals up to this many standard deviations keep full weight: the limit of Huber's weights.
 const NEAR: f64 = 2.5;
 
 /// Residuals beyond this many standard deviations have no weight in the end.

@@ -6,8 +6,8 @@ use crate::spline::fit::FitFault;
 
 /// The parameter of each column of closed sections, 0 for the first, below 1, ascending: the share
 /// of the section's length up to the column, measured along the chords (including the closing one)
-/// and averaged over the sections. `points` are row-major, rows of `columns`. Source: nurbs.md 6.2;
-/// The NURBS Book, equations 9.5 and 9.8.
+/// and averaged over the sections. `points` are row-major, rows of `columns`. Source: The
+/// NURBS Book, equations 9.5 and 9.8.
 ///
 /// # Errors
 /// [`FitFault::NoGrid`] unless there are complete rows, [`FitFault::NotFinite`],

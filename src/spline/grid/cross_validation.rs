@@ -2,7 +2,8 @@
 //!
 //! With A, B the basis matrices of the rows and columns, the fit is C = (AᵀA + λa Ra)⁻¹ Aᵀ P B (BᵀB +
 //! λb Rb)⁻¹. Generalised eigenvectors make AᵀA the identity and Ra diagonal, so that for any pair of
-//! lambdas the fit, its degrees of freedom and its residual take only divisions. Source: nurbs.md 6.7.
+//! lambdas the fit, its degrees of freedom and its residual take only divisions.
+//! Source of the score: Craven, Wahba 1979.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -12,11 +13,11 @@ use crate::spline::normal::RIDGE;
 use crate::spline::penalty::roughness;
 use crate::spline::solve::Singular;
 
-/// Added to the diagonal of a Gram matrix, relative to its mean; nurbs.md 6.7.
+/// Added to the diagonal of a Gram matrix, relative to its mean.
 const GRAM_RIDGE: f64 = 1e-11;
 
 /// Range of the exponents of ten of the lambdas that are tried, relative to the median roughness,
-/// and their number; nurbs.md 6.7.
+/// and their number.
 const SEARCH: [f64; 2] = [-7.0, 4.0];
 const TRIED: usize = 25;
 

@@ -74,7 +74,7 @@ pub struct SurfaceFit {
 /// The ridge, 1e-12 of the data's trace on the third derivative, keeps control points determined where
 /// there are no data. If all data of a row have a z that is an affine function of u (planar sections, u
 /// from their height), the control points' z are that function of the Greville abscissae, and the
-/// surface's own sections at constant u are planar too. Source: nurbs.md 6.2, 6.6.
+/// surface's own sections at constant u are planar too. Normal equations: The NURBS Book 9.4.
 ///
 /// # Errors
 /// A [`FitFault`]: points that do not form a grid, data that are not finite, u outside the domain,

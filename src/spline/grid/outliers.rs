@@ -3,8 +3,8 @@
 //! A point is judged by the difference of its residual from its neighbours' residuals: where a
 //! surface is too stiff for a malleolus, all residuals are large but similar. The reference fit
 //! always uses the same equations: points that stand out are moved towards the surface and fitted
-//! again, first with Huber's weights, which work from any start, then with Tukey's. Source:
-//! nurbs.md 6.8; the neighbours and the last step are our own.
+//! again, first with Huber's weights, which work from any start, then with Tukey's
+//! (Huber, Robust Statistics, 1981); the neighbours and the last step are our own.
 
 use nalgebra::{Point3, Vector3};
 
@@ -21,7 +21,7 @@ const HUBER: f64 = 1.5;
 /// The minimum standard deviation, as a share of the grid's extent: the size of rounding errors.
 const LEAST_SCALE: f64 = 1e-12;
 
-/// Maximum number of rounds with each of the weightings; nurbs.md 6.8.
+/// Maximum number of rounds with each of the weightings.
 const ROUNDS_MAX: usize = 30;
 
 /// Points that move by less than this share of a standard deviation have converged.

@@ -3,13 +3,13 @@
 //!
 //! A cubic spline's error on a span of length h grows with h⁴ times the fourth derivative f⁗, so
 //! the best density of breakpoints is proportional to |f⁗|^(1/4) (de Boor, A Practical Guide to
-//! Splines, chapter XII). Source of the steps and constants: nurbs.md 6.4.
+//! Splines, chapter XII). `tests/spline/knots.rs` compares the result with reference figures.
 
 use super::profiles::{Domain, Profiles};
 use crate::spline::fit::FitFault;
 use crate::spline::least_squares::LeastSquares;
 
-/// Spans of the fine fit per position, and their maximum; nurbs.md 6.4.
+/// Spans of the fine fit per position, and their maximum.
 const FINE_SHARE: f64 = 0.7;
 const FINE_MOST: usize = 80;
 
@@ -21,8 +21,7 @@ const FLOOR: f64 = 0.35;
 const SMOOTHING: [(isize, f64); 5] =
     [(-2, 1.0 / 9.0), (-1, 2.0 / 9.0), (0, 3.0 / 9.0), (1, 2.0 / 9.0), (2, 1.0 / 9.0)];
 
-/// The lambda of the fine fit (see [`LeastSquares::new`]), whose data have no noise, or none left;
-/// nurbs.md 6.4.
+/// The lambda of the fine fit (see [`LeastSquares::new`]), whose data have no noise, or none left.
 const FINE_LAMBDA: f64 = 1e-9;
 
 /// The equal spans of the fine fit for this number of positions.

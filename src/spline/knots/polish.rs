@@ -3,7 +3,7 @@
 //! The unknowns are the logarithms of the changes of the spans, so that breakpoints never cross,
 //! and, for a closed domain without marks, a shift of all of them. The coefficients are not
 //! unknowns: for each set of breakpoints the least-squares fit determines them (Golub, Pereyra
-//! 1973). Source: nurbs.md 6.10.
+//! 1973).
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -14,7 +14,7 @@ use crate::spline::least_squares::LeastSquares;
 use crate::spline::normal::RIDGE;
 
 /// Maximum change of the logarithm of a span's length, before the spans are scaled to fill their
-/// range again; nurbs.md 6.10.
+/// range again.
 const REACH: f64 = 1.2;
 
 /// Maximum shift of all breakpoints, as a share of the mean span.

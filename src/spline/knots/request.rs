@@ -8,9 +8,9 @@ use crate::spline::fit::FitFault;
 pub enum Knots {
     /// At equal distances.
     Uniform,
-    /// Denser where the data bend more (nurbs.md 6.4).
+    /// Denser where the data bend more (`knots/adaptive`).
     Adaptive,
-    /// Adaptive, then moved to minimise the residual (nurbs.md 6.10).
+    /// Adaptive, then moved to minimise the residual (`knots/polish`).
     Polished,
 }
 

@@ -2,7 +2,7 @@
 //!
 //! An order names its patient at most once. It is noted as heard before it is heard, and removed
 //! afterwards. So after any interruption, no old order is heard again while another patient stands in
-//! the booth. [`crate::flow::order_news`] decides which file is a new order. An order that cannot be
+//! the booth. [`crate::flow::orders::news`] decides which file is a new order. An order that cannot be
 //! read is set aside with its reason and reported to the operator.
 
 mod aside;

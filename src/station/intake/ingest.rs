@@ -275,7 +275,7 @@ fn refuse_unread(core: &Core, settled: &Settled) -> Result<(), CustodyFault> {
     let mut state = settled.path.as_os_str().as_bytes().to_vec();
     state.extend(format!("\0{:?}", settled.stamp).bytes());
     let code = "scan-too-large";
-    let message = format!("the file has {size} bytes, scanner.max_scan_bytes allows {limit}");
+    let message = format!("the file has {size} bytes, scanner.max_scan allows {limit}");
     let reason = Reason::new(code, message.clone(), Stage::Intake, Timestamp::now());
     let name = quarantine::unread(sums::scan_id(&state).short());
     core.custody.refuse_unread(&name, &reason)?;

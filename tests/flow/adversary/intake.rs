@@ -1,5 +1,6 @@
 //! Looks and takes, step by step as the intake makes them, so that anything may happen in between:
-//! composed as in `station/intake.rs`, `station/take.rs` and `station/custody.rs`.
+//! composed as in `station/intake.rs`, `station/intake/ingest.rs` and
+//! `station/custody.rs`.
 
 #![allow(clippy::large_enum_variant)]
 use std::collections::{BTreeMap, VecDeque};
@@ -206,7 +207,7 @@ impl Booth {
         }
     }
 
-    /// As `take::take`.
+    /// As `ingest::take`.
     fn take(&mut self, settled: &Settled, content: &Content) -> Result<(), Fault> {
         let says = self.beside(settled);
         self.admit(settled, content, says)?;
@@ -218,7 +219,7 @@ impl Booth {
         self.disk.sighted(&name, settled.stamp)
     }
 
-    /// As `take::admit`.
+    /// As `ingest::admit`.
     fn admit(&mut self, settled: &Settled, content: &Content, says: NameSays) -> Result<(), Fault> {
         let (scan, off, now) = (content.scan(), self.setup.off, self.clock());
         let Some(run) = &self.run else { return Err(Fault) };

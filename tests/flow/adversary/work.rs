@@ -1,5 +1,5 @@
-//! Measurements, what people decide afterwards, and first sights of names: composed as in `station/work.rs` and
-//! `station/custody`.
+//! Measurements, what people decide afterwards, and first sights of names: composed as in
+//! `station/delivery/work.rs` and `station/custody`.
 
 use std::time::Duration;
 

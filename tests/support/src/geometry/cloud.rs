@@ -1,4 +1,4 @@
-//! The cloud of nurbs.md 1.2: scattered points of the closed-form test leg, noisy, some outliers.
+//! The cloud of the reference: scattered points of the closed-form test leg, noisy, some outliers.
 
 // Each user takes its own part.
 

@@ -9,14 +9,14 @@ use nalgebra::{Point3, Vector3};
 
 use crate::geometry::test_leg;
 
-/// Height over 800 for the rows; mean chord lengths for the columns (nurbs.md 6.2).
+/// Height over 800 for the rows; mean chord lengths for the columns.
 pub fn parameters(points: &[Point3<f64>]) -> (Vec<f64>, Vec<f64>) {
     let rows = points.chunks_exact(test_leg::GRID_COLUMNS);
     let along = rows.map(|row| row[0].z / test_leg::HEIGHT_MM).collect();
     (along, mean_chord_parameters(points, test_leg::GRID_COLUMNS).unwrap())
 }
 
-/// The metric of nurbs.md 1.3: area-weighted mean, RMS and largest distance to the true leg in mm,
+/// The metric of the reference: area-weighted mean, RMS and largest distance to the true leg in mm,
 /// and the mean of distance over radius in percent. Parameters run over [0, 1] along and have period
 /// 1 around.
 pub fn true_error(surface: &Surface) -> [f64; 4] {

@@ -1,4 +1,7 @@
-//! The closed-form test leg of nurbs.md 1.1: an infinitely smooth leg whose every figure is known.
+//! The closed-form test leg: an infinitely smooth leg whose every figure is known. *The reference* in
+//! tests that use it is a set of figures for this leg that were computed without gaiter; the document
+//! they come from is not in this repository.
+//!
 //! Millimetres; theta counter-clockwise seen from above, 0 lateral, 90° anterior; z from 0 (above
 //! the foot) to 800 (top of the thigh).
 
@@ -42,7 +45,7 @@ pub fn radius_mm(theta_rad: f64, z_mm: f64) -> f64 {
         + 26.0 * sg(z, 590.0, 95.0);
     let oval = 1.0 + 0.05 * (2.0 * (theta_rad - 80.0_f64.to_radians())).cos() * sg(z, 120.0, 50.0)
         - 0.04 * (2.0 * theta_rad).cos() * g(z, 60.0, 60.0);
-    // Height in mm, direction in degrees, narrowness, height of the centre, width: nurbs.md 1.1.
+    // Height in mm, direction in degrees, narrowness, height of the centre, width.
     let bumps = [
         (9.0, 235.0, 3.5, 290.0, 55.0),
         (6.0, 305.0, 4.5, 318.0, 48.0),
@@ -81,7 +84,7 @@ pub fn outside_mm(point: &Point3<f64>) -> f64 {
     x.hypot(y) - radius_mm(y.atan2(x), point.z)
 }
 
-/// The clean samples of nurbs.md 1.2: 80 rows from the bottom, each of 72 points from 200° on.
+/// The clean samples of the reference: 80 rows from the bottom, each of 72 points from 200° on.
 pub fn grid() -> Vec<Point3<f64>> {
     let columns = |z: f64| (0..GRID_COLUMNS).map(move |j| (z, 200.0 + 5.0 * j as f64));
     let rows = (0..GRID_ROWS).map(|i| HEIGHT_MM * i as f64 / (GRID_ROWS - 1) as f64);
