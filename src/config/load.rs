@@ -107,7 +107,12 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     twice(reader, "scanner.export_dirs", &exports, |folder| folder.display().to_string());
     overlaps(reader, state_dir.as_ref(), &exports, store.as_ref(), copy.as_ref());
     let exchange = [("store.gdt.path", gdt_path), ("patient.orders.path", orders_path)];
-    exchange_apart(reader, &exchange, state_dir.as_ref(), &exports, store.as_ref());
+    let own = [
+        ("station.state_dir", state_dir.as_ref()),
+        ("store.folder.path", store.as_ref()),
+        ("store.copy.path", copy.as_ref()),
+    ];
+    exchange_apart(reader, &exchange, own, &exports);
     if let (Some(up), Some(facing)) = (&up, &facing)
         && faces_up_or_down(up.value, facing.value)
     {
@@ -276,11 +281,9 @@ fn overlaps(
 fn exchange_apart(
     reader: &mut Reader,
     exchange: &[(&'static str, Option<Found<PathBuf>>)],
-    state_dir: Option<&Found<PathBuf>>,
+    own: [(&'static str, Option<&Found<PathBuf>>); 3],
     exports: &[Found<PathBuf>],
-    store: Option<&Found<PathBuf>>,
 ) {
-    let own = [("station.state_dir", state_dir), ("store.folder.path", store)];
     let own = own.into_iter().filter_map(|(key, folder)| Some((key, folder?)));
     let others: Vec<Named> =
         own.chain(exports.iter().map(|export| ("scanner.export_dirs", export))).collect();

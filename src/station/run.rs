@@ -226,27 +226,13 @@ async fn first_looks(mut looked: mpsc::Receiver<()>) {
 fn reloaded(core: &Core, reload: Reload) -> Option<Box<Config>> {
     service::tell_reloading();
     let refused = match reload {
-        Ok(next) => {
-            let (now, then) = (&core.config.station, &next.station);
-            let is_same_station = now.state_dir == then.state_dir && now.id == then.id;
-            let confinement = core.board.facts().confinement;
-            let is_confined = match confinement {
-                Some(found) => found.suffices(next.measure.confine),
-                None => next.measure.confine == Confine::WherePossible,
-            };
-            match (is_same_station, is_confined) {
-                (true, true) => {
-                    info!(event = "configuration-reloaded");
-                    return Some(next);
-                }
-                (false, _) => "station.id and station.state_dir can only change with a restart",
-                (true, false) => {
-                    "measure.confine is \"required\", and this machine cannot confine processes: \
-                     gaiter check shows what is missing"
-                }
+        Ok(next) => match only_with_restart(core, &next) {
+            None => {
+                info!(event = "configuration-reloaded");
+                return Some(next);
             }
-            .to_owned()
-        }
+            Some(why) => why.to_owned(),
+        },
         Err(faults) => faults,
     };
     // The text may quote what is in the file, so it is not logged; operators can ask for it.
@@ -254,6 +240,27 @@ fn reloaded(core: &Core, reload: Reload) -> Option<Box<Config>> {
     core.board.note(|facts| facts.refused_reload = Some(refused));
     service::tell_ready();
     None
+}
+
+/// Why a running station cannot take this configuration over.
+fn only_with_restart(core: &Core, next: &Config) -> Option<&'static str> {
+    let (now, then) = (&core.config.station, &next.station);
+    let is_confined = match core.board.facts().confinement {
+        Some(found) => found.suffices(next.measure.confine),
+        None => next.measure.confine == Confine::WherePossible,
+    };
+    if now.state_dir != then.state_dir || now.id != then.id {
+        Some("station.id and station.state_dir can only change with a restart")
+    } else if core.config.log.format != next.log.format {
+        Some("log.format can only change with a restart")
+    } else if !is_confined {
+        Some(
+            "measure.confine is \"required\", and this machine cannot confine processes: \
+             gaiter check shows what is missing",
+        )
+    } else {
+        None
+    }
 }
 
 /// How often the service manager's watchdog is fed: at half its interval.

@@ -54,11 +54,14 @@ fn commands(first: &str) -> Vec<Command> {
             for part in line.split(['|', ';']).flat_map(|part| part.split("&&")) {
                 let words: Vec<&str> = part.split_whitespace().collect();
                 // `sudo -u gaiter gaiter check`, `RUST_LOG=debug gaiter run`
-                let is_prefix =
-                    |word: &&&str| **word != first || words.iter().filter(|w| *w == *word).count() > 1;
+                let is_prefix = |word: &&&str| {
+                    **word != first || words.iter().filter(|w| *w == *word).count() > 1
+                };
                 let skipped = match words.first() {
                     Some(&"sudo") => words.iter().rposition(|word| *word == first),
-                    Some(word) if word.contains('=') => words.iter().position(|word| *word == first),
+                    Some(word) if word.contains('=') => {
+                        words.iter().position(|word| *word == first)
+                    }
                     _ => Some(words.iter().take(1).take_while(is_prefix).count()),
                 };
                 let Some(skipped) = skipped else { continue };
@@ -94,6 +97,34 @@ fn tests_of(name: &str) -> Vec<String> {
         paths.extend(of_file);
     }
     paths
+}
+
+/// What the words behind the three marks of a block may be; `tests/pages` and `systemd/boot` say which they
+/// run.
+const KINDS: [&str; 10] = [
+    "sh clone",
+    "sh station",
+    "sh install",
+    "sh hardware",
+    "sh developer",
+    "text",
+    "toml",
+    "json",
+    "ini",
+    "udev",
+];
+
+#[test]
+fn every_block_says_what_it_is_and_so_whether_a_test_runs_it() {
+    let mut blocks = 0;
+    for (page, text) in pages() {
+        let marks = text.lines().map(str::trim_start).filter_map(|line| line.strip_prefix("```"));
+        for kind in marks.step_by(2) {
+            assert!(KINDS.contains(&kind), "{page}: {kind:?}");
+            blocks += 1;
+        }
+    }
+    assert!(blocks > 130, "only {blocks}");
 }
 
 #[test]

@@ -110,7 +110,8 @@ fn a_configuration_with_a_fault_is_refused_as_a_whole_and_the_old_one_holds() {
     manager.wait_for("READY=1");
     let good = fs::read_to_string(booth.path("station.toml")).unwrap();
     let moved = good.replace("/state\"", "/elsewhere\"");
-    for bad in [good.replace("quiet = ", "quite = "), moved] {
+    let in_json = format!("{good}[log]\nformat = \"json\"\n");
+    for bad in [good.replace("quiet = ", "quite = "), moved, in_json] {
         fs::write(booth.path("station.toml"), bad).unwrap();
         let refusals = booth.log().matches("configuration-refused").count();
         manager.signal(Signal::HUP);
