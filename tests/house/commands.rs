@@ -101,10 +101,11 @@ fn tests_of(name: &str) -> Vec<String> {
 
 /// What the words behind the three marks of a block may be; `tests/pages` and `systemd/boot` say which they
 /// run.
-const KINDS: [&str; 10] = [
+const KINDS: [&str; 11] = [
     "sh clone",
     "sh station",
     "sh install",
+    "sh package",
     "sh hardware",
     "sh developer",
     "text",
