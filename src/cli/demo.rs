@@ -34,6 +34,12 @@ const FOLDER: &str = "demo";
 /// Marks a folder as made by the demo, so that the next demo may clear it.
 const MARK: &str = ".made-by-gaiter-demo";
 
+/// The folders of a station.
+const PARTS: [&str; 3] = ["export", "state", "records"];
+
+/// All that a demo leaves in its folder.
+const OWN: [&str; 5] = ["export", "state", "records", "station.toml", MARK];
+
 /// If nothing happens for this long, the demo has failed.
 const PATIENCE: Duration = Duration::from_secs(45);
 
@@ -46,6 +52,9 @@ enum DemoFault {
     /// A folder named `demo` exists that no demo made.
     #[error("{} exists and is not of an earlier demo; move it away or work elsewhere", .0.display())]
     NotOurs(PathBuf),
+    /// Somebody put a file of their own into the folder of an earlier demo.
+    #[error("{} is not of the demo, which would replace its folder; move it away first", .0.display())]
+    Foreign(PathBuf),
     /// A file could not be read or written.
     #[error("{0}")]
     Io(#[from] io::Error),
@@ -83,7 +92,7 @@ pub fn demo(args: &DemoArgs) -> Exit {
 fn failed(fault: &DemoFault) -> Exit {
     complain(format_args!("gaiter demo: {fault}"));
     match fault {
-        DemoFault::NotOurs(_) | DemoFault::Io(_) => Exit::Io,
+        DemoFault::NotOurs(_) | DemoFault::Foreign(_) | DemoFault::Io(_) => Exit::Io,
         DemoFault::Station(_) | DemoFault::Unexpected(_) => Exit::Internal,
     }
 }
@@ -95,9 +104,15 @@ fn prepare(button: Option<&SimulatedButton>) -> Result<PathBuf, DemoFault> {
         if !folder.join(MARK).exists() {
             return Err(DemoFault::NotOurs(folder));
         }
+        for entry in fs::read_dir(&folder)? {
+            let entry = entry?;
+            if !OWN.iter().any(|own| entry.file_name() == *own) {
+                return Err(DemoFault::Foreign(entry.path()));
+            }
+        }
         fs::remove_dir_all(&folder)?;
     }
-    for part in ["export", "state", "records"] {
+    for part in PARTS {
         fs::create_dir_all(folder.join(part))?;
     }
     fs::write(folder.join(MARK), "")?;

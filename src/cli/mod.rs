@@ -125,7 +125,12 @@ pub fn explain_config(error: &ConfigError) -> Exit {
     match error {
         ConfigError::Unreadable { source, .. } => {
             complain(format_args!("gaiter: {}: {source}", shown(error)));
-            complain("  hint: name the configuration with --config FILE");
+            complain(match source.kind() {
+                io::ErrorKind::PermissionDenied => {
+                    "  hint: the station's user must be able to read it: chmod 644"
+                }
+                _ => "  hint: name the configuration with --config FILE",
+            });
         }
         ConfigError::Faults { faults, .. } => {
             faults.iter().for_each(complain);

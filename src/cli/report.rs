@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
-use crate::record::schema::{FindingNote, SCHEMA};
+use crate::record::schema::{FindingNote, NOT_VOUCHED, SCHEMA};
 use crate::record::{FilesFault, Record, RecordFault, RecordFile, SUMS, report_files};
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
@@ -65,7 +65,7 @@ enum Fault {
     /// The record, or the sums next to it, changed after it was written.
     #[error(
         "{}: cannot be trusted, because something in its folder changed after it was written: {}: \
-         use a copy, or measure the scan again with gaiter extract",
+         restore the folder from a backup, or measure the scan again with gaiter extract",
         shown(path.display()), shown(source)
     )]
     Changed {
@@ -133,6 +133,13 @@ impl Fault {
 /// Writes the report's files and returns their paths.
 fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
     let record = read(&args.record)?;
+    if record.findings.iter().any(|finding| finding.code == NOT_VOUCHED) {
+        complain(format_args!(
+            "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it; the report \
+             says so",
+            shown(args.record.display())
+        ));
+    }
     let files = report_files(&record, args.language)?;
     if args.out.join(SUMS).symlink_metadata().is_ok() {
         return Err(Fault::RecordFolder(args.out.clone()));

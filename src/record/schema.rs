@@ -289,17 +289,20 @@ pub struct FindingNote {
     pub says: Option<Statement>,
 }
 
+/// The code of a finding that only a report has: nobody can check the record's bytes.
+pub const NOT_VOUCHED: &str = "not-vouched";
+
 impl FindingNote {
     /// For a report of a record whose bytes nobody can check: without `SHA256SUMS` beside it, its figures
     /// may be anybody's.
     pub fn not_vouched() -> FindingNote {
         FindingNote {
-            code: "not-vouched".to_owned(),
+            code: NOT_VOUCHED.to_owned(),
             severity: Severity::Error.word().to_owned(),
             leg: None,
             level: None,
             message: "no SHA256SUMS was beside the record".to_owned(),
-            says: Some(Statement { is: "not-vouched".to_owned(), figures: BTreeMap::new() }),
+            says: Some(Statement { is: NOT_VOUCHED.to_owned(), figures: BTreeMap::new() }),
         }
     }
 }

@@ -115,6 +115,7 @@ fn recover<'a>(
         for store in begun {
             custody.journal().begun(store.name(), &store.place())?;
         }
+        custody.journal().filled()?;
         error!(event = "journal-rebuilt", why, adopted, quarantined);
         let message = format!("the journal was rebuilt: {why}");
         facts.alarms.insert("journal-rebuilt", Alarm { message, since: Timestamp::now() });

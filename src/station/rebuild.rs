@@ -29,7 +29,7 @@ pub struct Opened {
 const MISSING: &str = "it was missing or had been set aside while in use";
 
 /// Opens the journal. Begins a new one if it is corrupt, in which case it is set aside, or if it is
-/// missing although a station ran here before.
+/// missing although a station ran here before. One that an earlier start began and did not fill is filled.
 ///
 /// # Errors
 /// If neither is possible: a full disk, another version's journal.
@@ -37,16 +37,32 @@ pub fn open(path: &Path, stores: &[&str], first_start: bool) -> Result<Opened, S
     let fault = |source| StationError::Journal { path: path.to_owned(), source };
     let missing = !first_start && !path.exists();
     let why = match Journal::open(path) {
-        Ok(journal) if !missing => return Ok(Opened { journal, rebuilt: None }),
-        Ok(_) | Err(JournalError::Behind { .. }) if missing => MISSING.to_owned(),
+        Ok(journal) if !missing => return taken_over(journal, stores, first_start).map_err(fault),
+        Ok(_) => MISSING.to_owned(),
+        Err(JournalError::Behind { .. }) if missing => MISSING.to_owned(),
         Err(error) if error.is_ruin() => chain(&error),
         Err(error) => return Err(fault(error)),
-        Ok(journal) => return Ok(Opened { journal, rebuilt: None }),
     };
     let aside = set_aside(path).map_err(|source| StationError::SetAside { source })?;
     info!(event = "journal-set-aside", files = aside.len());
     let journal = Journal::open(path).map_err(fault)?;
     journal.begin_anew(stores, &why).map_err(fault)?;
+    Ok(Opened { journal, rebuilt: Some(why) })
+}
+
+/// The journal that is there. At the first start of a station there is nothing to fill it from.
+fn taken_over(
+    journal: Journal,
+    stores: &[&str],
+    first_start: bool,
+) -> Result<Opened, JournalError> {
+    let Some(why) = journal.to_fill()? else { return Ok(Opened { journal, rebuilt: None }) };
+    if first_start {
+        journal.filled()?;
+        return Ok(Opened { journal, rebuilt: None });
+    }
+    let why = if why.is_empty() { MISSING.to_owned() } else { why };
+    journal.begin_anew(stores, &why)?;
     Ok(Opened { journal, rebuilt: Some(why) })
 }
 

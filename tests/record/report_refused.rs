@@ -100,11 +100,14 @@ fn a_report_of_a_lone_record_says_that_nothing_vouches_for_it_and_replaces_no_ot
     let title = Language::De.text("finding.not-vouched.title");
     assert_eq!(report("lone", &[]).0, Some(0));
     assert!(page("lone").contains(title));
+    let head = |out: &str| page(out).split("</header>").next().unwrap().to_owned();
+    let warning = Language::De.text("report.title_not_vouched");
+    assert!(head("lone").contains(warning), "the warning stands above every figure");
 
     let sum = sha256(&written);
     fs::write(path("SHA256SUMS"), format!("{sum}  record.json\n")).unwrap();
     assert_eq!(report("vouched", &[]).0, Some(0));
-    assert!(!page("vouched").contains(title));
+    assert!(!page("vouched").contains(title) && !head("vouched").contains(warning));
     fs::write(path("SHA256SUMS"), format!("{sum}  other.json\n")).unwrap();
     let (exit, said) = report("vouched", &[]);
     assert_eq!(exit, Some(64), "{said}");

@@ -144,6 +144,12 @@ impl Field {
         fs::create_dir_all(&folder).unwrap();
         fs::write(folder.join("story"), self.story.lock().unwrap().join("\n")).unwrap();
         fs::write(folder.join("log"), self.booth.log()).unwrap();
+        // What the violations were read from, as far as the disk still gives it.
+        for name in ["journal.db", "journal.db-wal"] {
+            let _ = fs::copy(self.booth.path("state").join(name), folder.join(name));
+        }
+        let quarantined = support::names(&self.booth.path("state/quarantine")).join("\n");
+        fs::write(folder.join("quarantine"), quarantined).unwrap();
         folder
     }
 }

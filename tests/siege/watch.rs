@@ -24,9 +24,9 @@ const CONNECTED: Duration = Duration::from_millis(500);
 
 const PACE: Duration = Duration::from_secs(1);
 
-/// What is asked for, and the statuses that are answers.
+/// What is asked for, and the statuses that are answers: 503 says that the disk does not answer.
 pub const PAGES: [(&str, &[u16]); 3] =
-    [("/healthz", &[200, 503]), ("/", &[200]), ("/state", &[200])];
+    [("/healthz", &[200, 503]), ("/", &[200]), ("/state", &[200, 503])];
 
 /// An answer, or that there was none.
 #[derive(Debug, Clone, Copy)]

@@ -2,6 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+use std::fs;
+
+use gaiter::station::journal::Journal;
 use rusqlite::Connection;
 use rustix::process::{Pid, Signal, kill_process};
 use support::process;
@@ -32,6 +35,40 @@ fn a_sound_journal_that_refuses_a_scan_is_kept_and_the_scan_is_taken_later() {
     let aside = names(&booth.path("state")).into_iter().find(|name| name.contains("ruined"));
     assert_eq!(aside, None);
     booth.assert_settled(&[("4711", &coarse_body(1)), ("4712", &coarse_body(2))]);
+}
+
+/// A start that lost its journal and ended while it was filling the new one: before it said why the journal
+/// is new, or after that.
+#[test]
+fn a_journal_that_a_start_began_anew_and_did_not_fill_is_filled_by_the_next_one() {
+    for says_why in [false, true] {
+        let booth = Booth::new();
+        let daemon = booth.start();
+        booth.export("4711_a.obj", &coarse_body(1));
+        booth.export("4712_bad.obj", b"v 1 2 3\nv 4 5 6\n");
+        booth.wait_for_records(1);
+        booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
+        assert_eq!(daemon.stop().code(), Some(0));
+        let state = booth.path("state");
+        for name in names(&state).iter().filter(|name| name.starts_with("journal.db")) {
+            fs::remove_file(state.join(name)).unwrap();
+        }
+        fs::remove_file(state.join("history.head")).unwrap();
+        let journal = Journal::open(&state.join("journal.db")).unwrap();
+        if says_why {
+            journal.begin_anew(&["folder"], "a test").unwrap();
+        }
+        drop(journal);
+
+        let daemon = booth.start();
+        let count = |state: &str| booth.status()["scans"][state].as_u64();
+        booth.wait_for("the refused scan", || count("refused") == Some(1));
+        booth.wait_for("the delivered one", || count("delivered") == Some(1));
+        assert_eq!(daemon.stop().code(), Some(0));
+        booth.assert_settled(&[("4711", &coarse_body(1))]);
+        let known = Journal::open(&state.join("journal.db")).unwrap();
+        assert_eq!(known.to_fill().unwrap(), None);
+    }
 }
 
 #[test]

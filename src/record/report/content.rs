@@ -17,15 +17,17 @@ use super::Figure;
 use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
-use crate::record::schema::LegFigures;
+use crate::record::schema::{LegFigures, NOT_VOUCHED};
 
 /// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Content {
     /// The language of the texts.
     pub language: Language,
-    /// The kind of document.
+    /// The kind of document; whether its figures can be trusted, if not.
     pub title: String,
+    /// Whether something vouches for the figures.
+    pub is_vouched: bool,
     /// The patient's id with nothing hidden in it, or that there is none.
     pub patient: String,
     /// When and where the scan was taken, in one line, for the head of a page.
@@ -214,9 +216,12 @@ impl Content {
     pub fn of(record: &Record, language: Language) -> Content {
         let report = Report { record, language };
         let notes = report.notes();
+        let is_vouched = record.findings.iter().all(|finding| finding.code != NOT_VOUCHED);
+        let title = if is_vouched { "report.title" } else { "report.title_not_vouched" };
         Content {
             language,
-            title: report.text("report.title"),
+            title: report.text(title),
+            is_vouched,
             patient: report.patient(),
             taken: report.taken(),
             facts: report.facts(),

@@ -96,7 +96,7 @@ impl Custody {
             Ok(_) => return self.adopt(scan).map(Some),
             Err(error) => error,
         };
-        if !matches!(unreadable.kind(), ErrorKind::InvalidData | ErrorKind::NotFound) {
+        if !is_of_the_entry(&unreadable) {
             return io("reading an intake", Err(unreadable));
         }
         let message = format!("its intake.json cannot be read: {unreadable}");
@@ -114,8 +114,13 @@ impl Custody {
                 continue;
             }
             let reason = io("reading a reason", self.quarantine.reason(&scan))?;
-            let intake = self.quarantine.intake(&scan);
-            let (Some(reason), Ok(intake)) = (reason, intake) else { continue };
+            let intake = match self.quarantine.intake(&scan) {
+                Err(error) if !is_of_the_entry(&error) => {
+                    return io("reading an intake", Err(error));
+                }
+                intake => intake.ok(),
+            };
+            let Some((reason, intake)) = reason.zip(intake) else { continue };
             let row = ScanRow { state: ScanState::Spooled, ..row(&intake, &scan) };
             self.adopt_as(&intake, None, &row)?;
             self.journal.refused(&scan, &reason.code, &reason.message)?;
@@ -123,4 +128,9 @@ impl Custody {
         }
         Ok(adopted)
     }
+}
+
+/// Whether an entry itself cannot be read; any other error is the disk's and may pass.
+fn is_of_the_entry(error: &std::io::Error) -> bool {
+    matches!(error.kind(), ErrorKind::InvalidData | ErrorKind::NotFound)
 }

@@ -1,6 +1,6 @@
 //! What the station must remember about itself.
 
-use rusqlite::OptionalExtension;
+use rusqlite::{OptionalExtension, Transaction};
 use serde_json::json;
 
 use super::{Event, Journal, JournalError, cell, history};
@@ -12,13 +12,34 @@ const PAUSED: &str = "paused";
 /// Prefix for stores that are still to be searched for records that a rebuilt journal does not know.
 const TO_SEARCH: &str = "to-search:";
 
+/// Present from the creation of a journal until it was filled from the spool, the quarantine and the stores.
+/// The value says why it is new, '' if the start that created it ended before that was recorded.
+const TO_FILL: &str = "to-fill";
+
 /// Prefix for the place where each store was begun: from then on its mark must be found there.
 const BEGUN: &str = "begun:";
 
 /// The last readings of the clocks, and how far the wall clock is trusted.
 const TIME: &str = "time";
 
+/// Records that a journal was just created.
+pub(super) fn is_new(transaction: &Transaction<'_>) -> Result<(), JournalError> {
+    transaction.execute("INSERT INTO meta (name, value) VALUES (?1, '')", [TO_FILL])?;
+    Ok(())
+}
+
 impl Journal {
+    /// Why this journal is new, as long as it does not know what the state folder and the stores hold.
+    pub fn to_fill(&self) -> Result<Option<String>, JournalError> {
+        self.fact(TO_FILL)
+    }
+
+    /// Records that the journal knows what the state folder holds; stores may still be searched.
+    pub fn filled(&self) -> Result<(), JournalError> {
+        self.connection().execute("DELETE FROM meta WHERE name = ?1", [TO_FILL])?;
+        Ok(())
+    }
+
     /// How far the wall clock was last trusted.
     pub fn trusted_time(&self) -> Result<TrustedTime, JournalError> {
         match self.fact(TIME)? {
@@ -60,9 +81,14 @@ impl Journal {
         Ok(self.fact(&format!("{TO_SEARCH}{store}"))?.is_some())
     }
 
-    /// Records that this is a new journal, and why: every store is to be searched.
+    /// Records that this is a new journal, and why: it is to be filled, and every store searched.
     pub fn begin_anew(&self, stores: &[&str], why: &str) -> Result<(), JournalError> {
         self.change(|transaction| {
+            transaction.execute(
+                "INSERT INTO meta (name, value) VALUES (?1, ?2)
+                 ON CONFLICT (name) DO UPDATE SET value = excluded.value",
+                [TO_FILL, why],
+            )?;
             for store in stores {
                 transaction.execute(
                     "INSERT INTO meta (name, value) VALUES (?1, '') ON CONFLICT DO NOTHING",

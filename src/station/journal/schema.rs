@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use rusqlite::{Connection, Transaction, TransactionBehavior};
 
 use super::integrity::seal;
-use super::{JournalError, captures, history};
+use super::{JournalError, captures, history, meta};
 
 /// The schema this gaiter reads and writes, in `PRAGMA user_version`: one per step of [`STEPS`].
 pub(super) const KNOWN: i64 = STEPS.len() as i64;
@@ -153,6 +153,9 @@ pub fn establish(connection: &mut Connection) -> Result<(), JournalError> {
     check(&transaction, found)?;
     for step in &STEPS[done..] {
         step(&transaction)?;
+    }
+    if done == 0 {
+        meta::is_new(&transaction)?;
     }
     if done < STEPS.len() {
         transaction.pragma_update(None, "user_version", KNOWN)?;

@@ -11,7 +11,8 @@ use crate::record::report::{Figure, Mark};
 
 /// The patient, and when the scan was taken.
 pub(super) fn header(content: &Content) -> String {
-    let title = words("p", " class=\"kind\"", &content.title);
+    let class = if content.is_vouched { " class=\"kind\"" } else { " class=\"kind alarm\"" };
+    let title = words("p", class, &content.title);
     let patient = format!("<h1>{}</h1>", foreign(&content.patient));
     let taken = format!("<p class=\"taken\">{}</p>", foreign(&content.taken));
     element("header", "", &[title, patient, taken].join("\n"))
