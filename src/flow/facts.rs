@@ -97,6 +97,42 @@ pub struct StoreFacts {
     pub fault: Option<String>,
     /// Since when it is in this state.
     pub since: Timestamp,
+    /// A delivery met the fault. That the store can be reached does not disprove it.
+    #[serde(skip)]
+    pub is_of_delivery: bool,
+}
+
+/// What was done at a store, with the fault it met.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum StoreAttempt {
+    /// A look whether it can be reached.
+    Look(Option<String>),
+    /// A delivery.
+    Delivery(Option<String>),
+}
+
+impl StoreFacts {
+    /// The facts after an attempt. `is_awaited` says whether a record still waits for the store: until one is
+    /// delivered, or none waits, the fault of a delivery stays.
+    pub fn after(
+        before: Option<&StoreFacts>,
+        attempt: StoreAttempt,
+        is_awaited: bool,
+        now: Timestamp,
+    ) -> StoreFacts {
+        let was_of_delivery = before.is_some_and(|before| before.is_of_delivery);
+        let (fault, is_of_delivery) = match attempt {
+            StoreAttempt::Look(None) if was_of_delivery && is_awaited => {
+                (before.and_then(|before| before.fault.clone()), true)
+            }
+            StoreAttempt::Look(fault) => (fault, was_of_delivery),
+            StoreAttempt::Delivery(fault) => (fault, true),
+        };
+        let is_same = before.is_some_and(|before| before.fault.is_some() == fault.is_some());
+        let since = before.filter(|_| is_same).map_or(now, |before| before.since);
+        let is_of_delivery = is_of_delivery && fault.is_some();
+        StoreFacts { fault, since, is_of_delivery }
+    }
 }
 
 /// One port of the booth.

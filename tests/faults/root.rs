@@ -9,6 +9,7 @@ use std::path::PathBuf;
 use std::process::Command;
 
 use support::invariants::PutKind;
+use support::verb::stdout;
 use support::{Booth, coarse_body as coarse, names};
 
 /// A station that has delivered one scan, `4711_1.obj`, that still lies in the export folder.
@@ -95,13 +96,25 @@ pub struct Overlay(PathBuf);
 
 impl Overlay {
     pub fn mount(on: PathBuf) -> Option<Overlay> {
+        Overlay::of_size(on, "64m")
+    }
+
+    pub fn of_size(on: PathBuf, size: &str) -> Option<Overlay> {
         let mut command = Command::new("mount");
-        command.args(["-t", "tmpfs", "-o", "size=64m", "none"]).arg(&on);
+        command.args(["-t", "tmpfs", "-o", &format!("size={size}"), "none"]).arg(&on);
         if !command.status().is_ok_and(|status| status.success()) {
             println!("mounting needs root");
             return None;
         }
         Some(Overlay(on))
+    }
+}
+
+impl Overlay {
+    fn grow(&self, size: &str) {
+        let mut command = Command::new("mount");
+        command.args(["-o", &format!("remount,size={size}")]).arg(&self.0);
+        assert!(command.status().unwrap().success());
     }
 }
 
@@ -137,4 +150,26 @@ fn a_file_in_the_folder_s_place_is_an_outage() {
     booth.export("4711_2.obj", &coarse(2));
     booth.wait_for_records(2);
     settles(&booth, daemon, 2);
+}
+
+#[test]
+#[ignore = "needs root to mount, run by .ci/run"]
+fn a_record_folder_that_is_full_is_a_fault_however_often_it_is_reached() {
+    let booth = Booth::new();
+    let disk = Overlay::of_size(booth.path("records"), "200k").unwrap();
+    let daemon = booth.start();
+    booth.export("4711_1.obj", &coarse(1));
+    let is_reported = || {
+        let status = stdout(&booth.gaiter(&["status"]));
+        status.contains("[store-fault]") && status.contains("No space left on device")
+    };
+    booth.wait_for("the fault", is_reported);
+    let tried = "SELECT count(*) FROM deliveries WHERE attempts >= 4";
+    booth.wait_for_journal(tried, 1);
+    assert!(is_reported(), "{}", stdout(&booth.gaiter(&["status"])));
+    disk.grow("64m");
+    booth.wait_for_records(1);
+    booth.wait_for("the station", || !is_reported());
+    assert_eq!(daemon.stop().code(), Some(0));
+    booth.assert_settled(&[("4711", &coarse(1))]);
 }

@@ -80,7 +80,11 @@ fn a_record_without_a_patient_says_so() {
 
 #[test]
 fn a_scan_whose_store_is_away_waits_for_the_store_and_not_for_its_turn() {
-    let fault = StoreFacts { fault: Some("opening failed".to_owned()), since: at(0) };
+    let fault = StoreFacts {
+        fault: Some("opening failed".to_owned()),
+        since: at(0),
+        is_of_delivery: false,
+    };
     let stores = BTreeMap::from([("folder", fault)]);
     let said = explain(&whole(ScanState::Spooled, DeliveryState::Pending, 0), &stores, at(1));
     assert!(said.contains("waits for the store") && said.contains("opening failed"), "{said}");

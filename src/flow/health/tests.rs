@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use proptest::prelude::*;
 
 use super::*;
-use crate::flow::facts::{Alarm, StoreFacts, TriggerFacts, WaitingFile};
+use crate::flow::facts::{Alarm, StoreAttempt, StoreFacts, TriggerFacts, WaitingFile};
 use crate::flow::trigger::PortState;
 
 const OVERDUE: Duration = Duration::from_secs(600);
@@ -40,7 +40,8 @@ fn a_station_in_order_is_ready_before_its_first_look_too() {
 
 #[test]
 fn every_fault_has_its_code_and_something_to_do() {
-    let stored = StoreFacts { fault: Some("writing failed".into()), since: at(0) };
+    let stored =
+        StoreFacts { fault: Some("writing failed".into()), since: at(0), is_of_delivery: false };
     let alarm = Alarm { message: "the journal was rebuilt".into(), since: at(0) };
     let waiting = WaitingFile { why: String::new(), since: at(0), overdue: true };
     let cases: Vec<(&str, Facts)> = vec![
@@ -74,10 +75,32 @@ fn a_fault_that_passes_at_once_is_no_complaint() {
     let gone = source(SourceState::OutOfReach("timed out".into()));
     assert_eq!(codes(&gone, &EMPTY, at(4)), [""; 0]);
     assert_eq!(codes(&gone, &EMPTY, at(5)), ["source-out-of-reach"]);
-    let fault = StoreFacts { fault: Some("busy".into()), since: at(0) };
+    let fault = StoreFacts { fault: Some("busy".into()), since: at(0), is_of_delivery: false };
     let store = Facts { stores: BTreeMap::from([("folder", fault)]), ..facts() };
     assert_eq!(codes(&store, &EMPTY, at(4)), [""; 0]);
     assert_eq!(codes(&store, &EMPTY, at(5)), ["store-fault"]);
+}
+
+#[test]
+fn the_fault_of_a_delivery_stays_until_a_record_is_delivered_or_none_waits() {
+    let after = |before: &StoreFacts, attempt: StoreAttempt, is_awaited: bool, second: i64| {
+        StoreFacts::after(Some(before), attempt, is_awaited, at(second))
+    };
+    let well = StoreFacts::after(None, StoreAttempt::Look(None), true, at(0));
+    assert_eq!((well.fault.as_deref(), well.since), (None, at(0)));
+    let full = after(&well, StoreAttempt::Delivery(Some("full".into())), true, 10);
+    // The folder can be written, as long as the file is small.
+    let looked = after(&full, StoreAttempt::Look(None), true, 20);
+    assert_eq!((looked.fault.as_deref(), looked.since), (Some("full"), at(10)));
+    let away = after(&looked, StoreAttempt::Look(Some("away".into())), true, 30);
+    let back = after(&away, StoreAttempt::Look(None), true, 40);
+    assert_eq!((back.fault.as_deref(), back.since), (Some("away"), at(10)));
+    assert_eq!(after(&back, StoreAttempt::Look(None), false, 50).fault, None);
+    let delivered = after(&back, StoreAttempt::Delivery(None), true, 50);
+    assert_eq!((delivered.fault, delivered.since), (None, at(50)));
+    // What a look finds, a look disproves.
+    let away = after(&well, StoreAttempt::Look(Some("away".into())), true, 60);
+    assert_eq!(after(&away, StoreAttempt::Look(None), true, 70).fault, None);
 }
 
 #[test]

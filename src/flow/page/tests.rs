@@ -187,7 +187,10 @@ fn a_press_that_may_have_gone_unheard_is_told() {
 fn a_store_that_takes_nothing_is_tried_again_first_and_bad_when_that_lasts() {
     let mut facts = Facts::new(at(0), 1);
     let fault = Some("No space left".to_owned());
-    facts.stores.insert("folder", crate::flow::facts::StoreFacts { fault, since: at(0) });
+    facts.stores.insert(
+        "folder",
+        crate::flow::facts::StoreFacts { fault, since: at(0), is_of_delivery: false },
+    );
     let health = |second: i64| {
         let parts = parts::shown(&facts, at(second), Language::En);
         let store = parts.into_iter().find(|part| part.name == "Records").unwrap();

@@ -4,7 +4,7 @@ use jiff::Timestamp;
 use tracing::{info, warn};
 
 use super::store_search;
-use crate::flow::facts::StoreFacts;
+use crate::flow::facts::{StoreAttempt, StoreFacts};
 use crate::station::core::Core;
 use crate::station::journal::JournalError;
 use crate::store::{RecordStore, StoreFault};
@@ -13,7 +13,8 @@ use crate::store::{RecordStore, StoreFault};
 /// not searched yet is searched first, because its records must not be delivered again. Blocks.
 pub fn ask(core: &Core, name: &str) -> bool {
     let Some(store) = core.stores.named(name) else {
-        note(core, name, Some("it is no longer in the configuration".to_owned()));
+        let fault = "it is no longer in the configuration".to_owned();
+        note(core, name, StoreAttempt::Look(Some(fault)));
         return false;
     };
     let reached = begin(core, store).and_then(|()| {
@@ -28,7 +29,7 @@ pub fn ask(core: &Core, name: &str) -> bool {
         store_search::search(&core.custody, store).map_err(|fault| core.checked_text(&fault))
     });
     let in_reach = asked.is_ok();
-    note(core, name, asked.err());
+    note(core, name, StoreAttempt::Look(asked.err()));
     in_reach
 }
 
@@ -46,25 +47,29 @@ fn begin(core: &Core, store: &RecordStore) -> Result<(), String> {
     journal.begun(store.name(), &place).map_err(of_journal)
 }
 
-/// Notes the state of a store; without a fault it is in reach. Logs a change.
-pub fn note(core: &Core, name: &str, fault: Option<String>) {
+/// Notes what an attempt at a store came to. Logs a change.
+pub fn note(core: &Core, name: &str, attempt: StoreAttempt) {
     let Some(store) = core.stores.named(name).map(RecordStore::name) else { return };
-    let mut before = None;
+    let is_awaited = attempt == StoreAttempt::Look(None) && awaits(core, store);
+    let (mut before, mut after) = (None, None);
     core.board.note(|facts| {
         let known = facts.stores.get(store);
+        let next = StoreFacts::after(known, attempt, is_awaited, Timestamp::now());
         before = known.and_then(|known| known.fault.clone());
-        if known.is_none_or(|known| known.fault.is_some() != fault.is_some()) {
-            let since = Timestamp::now();
-            facts.stores.insert(store, StoreFacts { fault: fault.clone(), since });
-        } else if let Some(known) = facts.stores.get_mut(store) {
-            known.fault.clone_from(&fault);
-        }
+        after.clone_from(&next.fault);
+        facts.stores.insert(store, next);
     });
-    match (before, fault) {
+    match (before, after) {
         (None, Some(fault)) => warn!(event = "store-unavailable", store, fault),
         (Some(_), None) => info!(event = "store-in-reach", store),
         _ => {}
     }
+}
+
+/// Whether a record waits for the store; if the journal cannot say, one does. Blocks.
+fn awaits(core: &Core, store: &str) -> bool {
+    let pending = core.custody.journal().pending();
+    pending.map_or(true, |due| due.iter().any(|due| due.store == store))
 }
 
 /// Notes that a step at a store does not return. Returns whether that is new.
@@ -78,7 +83,7 @@ pub fn note_stalled(core: &Core, name: &str) -> bool {
     if known {
         return false;
     }
-    note(core, name, Some(STALLED.to_owned()));
+    note(core, name, StoreAttempt::Look(Some(STALLED.to_owned())));
     true
 }
 

@@ -8,7 +8,7 @@ use tracing::{info, warn};
 
 use super::measuring::{self, Outcome};
 use super::store_reach;
-use crate::flow::facts::Alarm;
+use crate::flow::facts::{Alarm, StoreAttempt};
 use crate::flow::lifecycle::HANDED_OVER;
 use crate::flow::outbox::Ended;
 use crate::flow::{Facts, ScanState, light};
@@ -110,7 +110,7 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
                 ending: &row.format,
             })
             .map_err(|fault| of_store(fault, row))?;
-        store_reach::note(core, &due.store, None);
+        store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
         core.custody.delivered(due, &receipt.folder)?;
         let state = core.custody.journal().scan(&due.scan)?.map(|row| row.state);
         if state == Some(ScanState::Delivered) {
@@ -199,7 +199,8 @@ fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
             (KEPT, misfit.to_string(), Ended::Kept)
         }
         Setback::StoreFailed { code, error } => {
-            store_reach::note(core, &due.store, Some(format!("{code}: {error}")));
+            let fault = StoreAttempt::Delivery(Some(format!("{code}: {error}")));
+            store_reach::note(core, &due.store, fault);
             (code, error, Ended::StoreFailed)
         }
         Setback::PutOff { code, error } => (code, error, Ended::PutOff),
