@@ -33,7 +33,7 @@ pub const DAY_HANDS: usize = 8;
 
 /// Only every so many-th call is struck where `GAITER_FAULTS` is "few"; the others in other runs, for
 /// `GAITER_FAULTS_SEED` says where to begin.
-const FEW: usize = 12;
+const FEW: usize = 15;
 
 /// A day takes seconds, so only every so many-th of its calls is struck, or each where `GAITER_FAULTS` is
 /// "all".
