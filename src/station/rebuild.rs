@@ -36,8 +36,9 @@ const MISSING: &str = "it was missing or had been set aside while in use";
 pub fn open(path: &Path, stores: &[&str], first_start: bool) -> Result<Opened, StationError> {
     let fault = |source| StationError::Journal { path: path.to_owned(), source };
     let missing = !first_start && !path.exists();
-    let why = match Journal::open(path) {
-        Ok(journal) if !missing => return taken_over(journal, stores, first_start).map_err(fault),
+    let opened = if missing { Journal::open_anew(path) } else { Journal::open(path) };
+    let why = match opened {
+        Ok(journal) if !missing => return taken_over(journal, stores).map_err(fault),
         Ok(_) => MISSING.to_owned(),
         Err(JournalError::Behind { .. }) if missing => MISSING.to_owned(),
         Err(error) if error.is_ruin() => chain(&error),
@@ -45,22 +46,14 @@ pub fn open(path: &Path, stores: &[&str], first_start: bool) -> Result<Opened, S
     };
     let aside = set_aside(path).map_err(|source| StationError::SetAside { source })?;
     info!(event = "journal-set-aside", files = aside.len());
-    let journal = Journal::open(path).map_err(fault)?;
+    let journal = Journal::open_anew(path).map_err(fault)?;
     journal.begin_anew(stores, &why).map_err(fault)?;
     Ok(Opened { journal, rebuilt: Some(why) })
 }
 
-/// The journal that is there. At the first start of a station there is nothing to fill it from.
-fn taken_over(
-    journal: Journal,
-    stores: &[&str],
-    first_start: bool,
-) -> Result<Opened, JournalError> {
+/// The journal that is there, to be filled if an earlier start did not come to that.
+fn taken_over(journal: Journal, stores: &[&str]) -> Result<Opened, JournalError> {
     let Some(why) = journal.to_fill()? else { return Ok(Opened { journal, rebuilt: None }) };
-    if first_start {
-        journal.filled()?;
-        return Ok(Opened { journal, rebuilt: None });
-    }
     let why = if why.is_empty() { MISSING.to_owned() } else { why };
     journal.begin_anew(stores, &why)?;
     Ok(Opened { journal, rebuilt: Some(why) })

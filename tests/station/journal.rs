@@ -54,7 +54,7 @@ fn a_journal_that_a_start_began_anew_and_did_not_fill_is_filled_by_the_next_one(
             fs::remove_file(state.join(name)).unwrap();
         }
         fs::remove_file(state.join("history.head")).unwrap();
-        let journal = Journal::open(&state.join("journal.db")).unwrap();
+        let journal = Journal::open_anew(&state.join("journal.db")).unwrap();
         if says_why {
             journal.begin_anew(&["folder"], "a test").unwrap();
         }

@@ -90,6 +90,18 @@ impl Journal {
     /// # Errors
     /// See [`JournalError`]; [`JournalError::is_ruin`] tells which ones a rebuild repairs.
     pub fn open(path: &Path) -> Result<Journal, JournalError> {
+        Journal::open_or_create(path, false)
+    }
+
+    /// As [`Journal::open`]; a journal that is created replaces one that was lost, and is to be filled.
+    ///
+    /// # Errors
+    /// As of [`Journal::open`].
+    pub fn open_anew(path: &Path) -> Result<Journal, JournalError> {
+        Journal::open_or_create(path, true)
+    }
+
+    fn open_or_create(path: &Path, is_anew: bool) -> Result<Journal, JournalError> {
         if let Err(error) = make_private(path) {
             warn!(event = "journal-not-private", %error);
         }
@@ -99,7 +111,7 @@ impl Journal {
         connection.pragma_update(None, "foreign_keys", true)?;
         integrity::check::pages(&connection)?;
         let head = HeadFile::open(path).map_err(JournalError::Head)?;
-        schema::establish(&mut connection)?;
+        schema::establish(&mut connection, is_anew)?;
         integrity::check::rows(&connection)?;
         integrity::check::head(&connection, &head)?;
         // Syncs the names of the journal and of its write-ahead log, which exists since the first read.

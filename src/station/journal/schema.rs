@@ -146,7 +146,7 @@ pub(super) const TABLES: [&str; 8] =
     ["scans", "deliveries", "sightings", "meta", "history", "captures", "looks", "orders"];
 
 /// Creates the tables in a new journal, and converts an older one to the current schema.
-pub fn establish(connection: &mut Connection) -> Result<(), JournalError> {
+pub fn establish(connection: &mut Connection, is_anew: bool) -> Result<(), JournalError> {
     let transaction = connection.transaction_with_behavior(TransactionBehavior::Immediate)?;
     let found: i64 = transaction.pragma_query_value(None, "user_version", |row| row.get(0))?;
     let done = steps_of(found)?;
@@ -154,7 +154,7 @@ pub fn establish(connection: &mut Connection) -> Result<(), JournalError> {
     for step in &STEPS[done..] {
         step(&transaction)?;
     }
-    if done == 0 {
+    if done == 0 && is_anew {
         meta::is_new(&transaction)?;
     }
     if done < STEPS.len() {
