@@ -60,11 +60,16 @@ impl Stores {
     /// # Errors
     /// See [`StoreFault`]; the next call tries again.
     pub fn open(&self, store: &RecordStore) -> Result<(), StoreFault> {
-        if !self.opened().contains(store.name()) {
+        if !self.is_open(store) {
             store.open()?;
             self.opened().insert(store.name());
         }
         Ok(())
+    }
+
+    /// Reports whether this run has opened a store.
+    pub fn is_open(&self, store: &RecordStore) -> bool {
+        self.opened().contains(store.name())
     }
 
     fn opened(&self) -> MutexGuard<'_, BTreeSet<&'static str>> {

@@ -5,6 +5,7 @@
 //! synced. So a folder under its final name is complete, and a receipt survives a power cut. Stations
 //! that share the store take turns in this last step, so a scan that two of them saw has one record.
 
+mod head;
 mod lock;
 mod owner;
 mod search;
@@ -41,6 +42,8 @@ pub struct FolderStore {
     /// remove what another is writing. A station id contains no dot, so no prefix is the beginning of
     /// another.
     staging: String,
+    /// The name of the file with the head of this station's history.
+    head: String,
     /// Its name in the journal.
     name: &'static str,
     /// Who may read its records.
@@ -51,7 +54,8 @@ impl FolderStore {
     /// The store with this name in the journal, at `root`, used by the station `station`, with records
     /// for `access`.
     pub fn new(name: &'static str, root: PathBuf, station: &str, access: Access) -> FolderStore {
-        FolderStore { root, staging: format!(".staging.{station}."), name, access }
+        let (staging, head) = (format!(".staging.{station}."), format!(".gaiter-head.{station}"));
+        FolderStore { root, staging, head, name, access }
     }
 
     /// Makes the store's folder. Only for a station's first start: later a missing folder means a share

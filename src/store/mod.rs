@@ -250,6 +250,29 @@ impl RecordStore {
         }
     }
 
+    /// The head of the station's history, as [`RecordStore::keep_head`] left it; `None` if there is none.
+    ///
+    /// # Errors
+    /// A transient fault if the store is out of reach.
+    pub fn kept_head(&self) -> Result<Option<String>, StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.kept_head(),
+            RecordStore::Gdt(_) => Ok(None),
+        }
+    }
+
+    /// Keeps the head of the station's history beside its records: a state folder that was put back from a
+    /// backup is older than that. The practice's software has no place for it.
+    ///
+    /// # Errors
+    /// A transient fault if the store is out of reach.
+    pub fn keep_head(&self, line: &str) -> Result<(), StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.keep_head(line),
+            RecordStore::Gdt(_) => Ok(()),
+        }
+    }
+
     /// The bytes of a scan, from its record for this patient; `None` if there is no such record.
     ///
     /// # Errors

@@ -122,6 +122,37 @@ fn a_record_put_back_from_a_backup_goes_to_whom_the_scan_was_given() {
     assert!(booth.log().contains("record-against-decision"), "{}", booth.log());
 }
 
+/// A backup of the state from before the scan, put back after it was assigned to another patient; or no
+/// backup at all, on a new machine with the old station's id.
+#[test]
+fn a_state_folder_older_than_the_records_gives_no_scan_to_a_second_patient() {
+    for has_backup in [true, false] {
+        let booth = Booth::new();
+        assert_eq!(start(&booth).stop().code(), Some(0));
+        copy(&booth.path("state"), &booth.path("backup"));
+        let daemon = start(&booth);
+        let scan = coarse_body(3);
+        booth.export("4711_a.obj", &scan);
+        booth.wait_for_records(1);
+        let id = &sha256(&scan)[..8];
+        said(&booth, &["unassign", id]);
+        at_rest(&booth, "the take-back", &["_unassigned"], &scan);
+        assign(&booth, id, "990815");
+        at_rest(&booth, "the assignment", &["990815"], &scan);
+        assert_eq!(daemon.stop().code(), Some(0));
+        fs::remove_dir_all(booth.path("state")).unwrap();
+        if has_backup {
+            copy(&booth.path("backup"), &booth.path("state"));
+        }
+        let daemon = start(&booth);
+        let held = || booth.journal("SELECT count(*) FROM deliveries WHERE state = 'held'");
+        booth.wait_for("the export to be held", || held() == Some(1));
+        at_rest(&booth, "the record where it was", &["990815"], &scan);
+        assert_eq!(daemon.stop().code(), Some(0));
+        assert!(booth.log().contains("journal-rebuilt"), "{}", booth.log());
+    }
+}
+
 /// The process that measures for a station; none while none does.
 fn measuring(daemon: &Daemon) -> Option<Pid> {
     let of = |process: &str| -> Option<Pid> {

@@ -10,27 +10,40 @@ use crate::station::journal::JournalError;
 use crate::store::{RecordStore, StoreFault};
 
 /// Checks whether a store is in reach, and notes it on the board. A store that a rebuilt journal has
-/// not searched yet is searched first, because its records must not be delivered again. Blocks.
+/// not searched yet is searched first, because its records must not be delivered again. The first look
+/// of a run finds a journal that is older than the store's records. Blocks.
 pub fn ask(core: &Core, name: &str) -> bool {
     let Some(store) = core.stores.named(name) else {
         let fault = "it is no longer in the configuration".to_owned();
         note(core, name, StoreAttempt::Look(Some(fault)));
         return false;
     };
-    let reached = begin(core, store).and_then(|()| {
-        let open = || core.stores.open(store);
-        store.reach().and_then(|()| open()).map_err(|fault| without_path(&fault))
-    });
-    let asked = reached.and_then(|()| {
-        let to_be_searched = core.custody.journal().is_to_be_searched(name);
-        if !to_be_searched.map_err(|error| core.checked_text(&error))? {
-            return Ok(());
-        }
-        store_search::search(&core.custody, store).map_err(|fault| core.checked_text(&fault))
-    });
+    let asked = begin(core, store)
+        .and_then(|()| store.reach().map_err(|fault| without_path(&fault)))
+        .and_then(|()| know(core, store))
+        .and_then(|()| core.stores.open(store).map_err(|fault| without_path(&fault)));
     let in_reach = asked.is_ok();
     note(core, name, StoreAttempt::Look(asked.err()));
     in_reach
+}
+
+/// Makes sure that the journal knows the store's records. One that is older than they are is set aside and
+/// rebuilt, which searches the store. Only the first look of a run checks that: two stations that were
+/// given the same id by mistake would otherwise rebuild their journals in turns.
+fn know(core: &Core, store: &RecordStore) -> Result<(), String> {
+    let journal = core.custody.journal();
+    let of_journal = |error: JournalError| core.checked_text(&error);
+    if journal.is_to_be_searched(store.name()).map_err(of_journal)? {
+        let searched = store_search::search(&core.custody, store);
+        return searched.map_err(|fault| core.checked_text(&fault));
+    }
+    if core.stores.is_open(store) {
+        return Ok(());
+    }
+    match store.kept_head().map_err(|fault| without_path(&fault))? {
+        Some(head) => journal.holds_head(&head).map_err(of_journal),
+        None => Ok(()),
+    }
 }
 
 /// Begins a store that the journal does not know at its place. A store that it knows must be found

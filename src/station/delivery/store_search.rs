@@ -43,6 +43,10 @@ pub fn search(custody: &Custody, store: &RecordStore) -> Result<(), SearchFault>
         };
         custody.found_against(record, store.name(), stored)?;
     }
+    // First the head: a store that keeps another journal's head would have this one rebuilt, too.
+    if let Some(head) = custody.journal().head_line()? {
+        store.keep_head(&head).map_err(SearchFault::Store)?;
+    }
     custody.journal().searched(store.name())?;
     info!(event = "store-searched", store = store.name(), records = records.len());
     Ok(())

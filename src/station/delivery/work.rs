@@ -100,6 +100,9 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
             return Ok(());
         }
         let store = core.stores.named(&due.store).ok_or_else(|| no_store(due))?;
+        if let Some(head) = core.custody.journal().head_line()? {
+            store.keep_head(&head).map_err(|fault| of_store(fault, row))?;
+        }
         let receipt = store
             .put(&Delivery {
                 scan: &due.scan,

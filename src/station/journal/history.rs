@@ -3,7 +3,8 @@
 //!
 //! Beside the journal, `history.head` repeats the newest row's number and hash. It is written after each
 //! commit and not synced, so it is never ahead of the original journal: a journal behind its head is an
-//! older copy that was put back.
+//! older copy that was put back. Each record folder keeps such a head too, in case the whole state folder
+//! is an older copy.
 
 use std::fs::{File, OpenOptions};
 use std::io;
@@ -124,6 +125,19 @@ pub(super) struct Head {
     pub hash: String,
 }
 
+impl Head {
+    /// As a line whose length never changes, so that it can be overwritten in place.
+    fn line(&self) -> String {
+        format!("{:>20} {}\n", self.seq, self.hash)
+    }
+
+    /// From the first line of a text; `None` if it is not a valid head.
+    fn read(text: &str) -> Option<Head> {
+        let (seq, hash) = text.lines().next()?.rsplit_once(' ')?;
+        Some(Head { seq: seq.trim().parse().ok()?, hash: hash.to_owned() })
+    }
+}
+
 /// Appends a row within a transaction.
 pub(super) fn append(
     transaction: &Transaction<'_>,
@@ -210,16 +224,12 @@ impl HeadFile {
     pub fn read(&self) -> io::Result<Option<Head>> {
         let mut text = [0; 128];
         let length = self.0.read_at(&mut text, 0)?;
-        let text = String::from_utf8_lossy(&text[..length]).into_owned();
-        let head = text.lines().next().and_then(|line| line.rsplit_once(' '));
-        Ok(head.and_then(|(seq, hash)| {
-            Some(Head { seq: seq.trim().parse().ok()?, hash: hash.to_owned() })
-        }))
+        Ok(Head::read(&String::from_utf8_lossy(&text[..length])))
     }
 
-    /// Overwrites the content with the newest row's number and hash; its length never changes.
+    /// Overwrites the content with the newest row's number and hash.
     pub fn write(&self, head: &Head) -> io::Result<()> {
-        self.0.write_all_at(format!("{:>20} {}\n", head.seq, head.hash).as_bytes(), 0)
+        self.0.write_all_at(head.line().as_bytes(), 0)
     }
 }
 
@@ -234,6 +244,25 @@ pub(super) fn is_behind(connection: &Connection, head: &Head) -> Result<bool, Jo
 }
 
 impl Journal {
+    /// The newest row, as a line for the stores; `None` in a journal without history.
+    pub fn head_line(&self) -> Result<Option<String>, JournalError> {
+        Ok(newest(&self.connection())?.map(|head| head.line()))
+    }
+
+    /// Checks that the journal holds the row that a line from a store names. A text that is not such a line
+    /// says nothing.
+    ///
+    /// # Errors
+    /// [`JournalError::Behind`] if it does not.
+    pub fn holds_head(&self, line: &str) -> Result<(), JournalError> {
+        match Head::read(line) {
+            Some(head) if is_behind(&self.connection(), &head)? => {
+                Err(JournalError::Behind { head: head.seq })
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// What happened to a scan, oldest first.
     pub fn history(&self, scan: &ScanId) -> Result<Vec<HistoryRow>, JournalError> {
         let connection = self.viewer();

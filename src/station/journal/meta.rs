@@ -12,8 +12,9 @@ const PAUSED: &str = "paused";
 /// Prefix for stores that are still to be searched for records that a rebuilt journal does not know.
 const TO_SEARCH: &str = "to-search:";
 
-/// Present from the creation of a journal until it was filled from the spool, the quarantine and the stores.
-/// The value says why it is new, '' if the start that created it ended before that was recorded.
+/// Present from the creation of a journal that replaces a lost one until it was filled from the spool and
+/// the quarantine. The value says why it is new, '' if the start that created it ended before that was
+/// recorded.
 const TO_FILL: &str = "to-fill";
 
 /// Prefix for the place where each store was begun: from then on its mark must be found there.
