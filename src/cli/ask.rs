@@ -3,8 +3,7 @@
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde::Serialize;
 use serde_json::json;
@@ -13,6 +12,7 @@ use super::args::AskArgs;
 use super::{Exit, complain, exit_of, explain_config, print, shown};
 use crate::config::{self, ConfigError, control_path};
 use crate::station::operator::control::protocol::{Answer, Fault, FaultKind, Request};
+use crate::store::polling::poll;
 
 /// The longest wait for an answer. The station's own time limits are shorter.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -20,9 +20,6 @@ const PATIENCE: Duration = Duration::from_secs(60);
 /// The longest wait for the socket during a reload. A reload takes less, because it does not rebuild the
 /// journal.
 const BETWEEN_SOCKETS: Duration = Duration::from_secs(5);
-
-/// The pause before the next attempt to connect.
-const AGAIN: Duration = Duration::from_millis(100);
 
 /// The longest answer that is read, bytes. The longest list of scans is far shorter.
 const ANSWER_MOST: u64 = 16 * 1024 * 1024;
@@ -140,23 +137,21 @@ pub fn ask(config: &Path, request: &Request) -> Result<Answer, AskFault> {
 /// Connects to the station's control socket. During a reload the socket is missing for a moment, so this
 /// tries again while the station's process lives.
 fn connect(state_dir: &Path, config: &Path) -> Result<UnixStream, AskFault> {
-    let deadline = Instant::now() + BETWEEN_SOCKETS;
-    loop {
-        let error = match UnixStream::connect(control_path(state_dir)) {
-            Ok(stream) => return Ok(stream),
-            Err(error) => error,
-        };
-        match error.kind() {
-            io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused => {}
-            io::ErrorKind::PermissionDenied => return Err(AskFault::Denied),
-            _ => return Err(AskFault::Io(error)),
-        }
-        if !process_lives(state_dir) || Instant::now() > deadline {
-            let (state_dir, config) = (state_dir.to_owned(), config.to_owned());
-            return Err(AskFault::NoStation { state_dir, config });
-        }
-        sleep(AGAIN);
-    }
+    let socket = control_path(state_dir);
+    let missing = |error: &io::Error| {
+        matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::ConnectionRefused)
+    };
+    let connected = poll(BETWEEN_SOCKETS, || match UnixStream::connect(&socket) {
+        Err(error) if missing(&error) && process_lives(state_dir) => None,
+        connected => Some(connected),
+    });
+    let no_station =
+        || AskFault::NoStation { state_dir: state_dir.to_owned(), config: config.to_owned() };
+    connected.ok_or_else(no_station)?.map_err(|error| match error.kind() {
+        io::ErrorKind::PermissionDenied => AskFault::Denied,
+        _ if missing(&error) => no_station(),
+        _ => AskFault::Io(error),
+    })
 }
 
 /// Reports whether the process that wrote the state folder's lock is alive, as far as `/proc` shows.

@@ -37,8 +37,8 @@ const MARK: &str = ".made-by-gaiter-demo";
 /// The folders of a station.
 const PARTS: [&str; 3] = ["export", "state", "records"];
 
-/// All that a demo leaves in its folder.
-const OWN: [&str; 5] = ["export", "state", "records", "station.toml", MARK];
+/// The files that a demo leaves beside them.
+const FILES: [&str; 2] = ["station.toml", MARK];
 
 /// If nothing happens for this long, the demo has failed.
 const PATIENCE: Duration = Duration::from_secs(45);
@@ -106,7 +106,7 @@ fn prepare(button: Option<&SimulatedButton>) -> Result<PathBuf, DemoFault> {
         }
         for entry in fs::read_dir(&folder)? {
             let entry = entry?;
-            if !OWN.iter().any(|own| entry.file_name() == *own) {
+            if !PARTS.iter().chain(&FILES).any(|own| entry.file_name() == *own) {
                 return Err(DemoFault::Foreign(entry.path()));
             }
         }

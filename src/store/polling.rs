@@ -1,4 +1,5 @@
-//! Waiting for a lock that another process is about to release. Neither locks of files nor shares notify.
+//! Waiting for what another process is about to do: release a lock, open its socket. Neither locks of files
+//! nor shares nor missing sockets notify.
 
 use std::thread::sleep;
 use std::time::{Duration, Instant};

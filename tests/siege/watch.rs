@@ -24,9 +24,10 @@ const CONNECTED: Duration = Duration::from_millis(500);
 
 const PACE: Duration = Duration::from_secs(1);
 
-/// What is asked for, and the statuses that are answers: 503 says that the disk does not answer.
+/// What is asked for, and the statuses that are answers: 503 says that the disk does not answer, or that the
+/// station changes over to its next generation.
 pub const PAGES: [(&str, &[u16]); 3] =
-    [("/healthz", &[200, 503]), ("/", &[200]), ("/state", &[200, 503])];
+    [("/healthz", &[200, 503]), ("/", &[200, 503]), ("/state", &[200, 503])];
 
 /// An answer, or that there was none.
 #[derive(Debug, Clone, Copy)]

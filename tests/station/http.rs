@@ -11,6 +11,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use rusqlite::Connection;
 use rustix::process::{Pid, Signal, kill_process};
 use support::Booth;
 
@@ -165,6 +166,28 @@ fn nobody_else_gets_the_port_while_the_station_reloads() {
     }
     is_over.store(true, Ordering::Relaxed);
     assert_eq!(thief.join().unwrap(), 0);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
+fn between_two_generations_monitors_and_browsers_are_told_so_at_once() {
+    let booth = booth("[status]\nlisten = \"127.0.0.1:0\"\n");
+    let daemon = booth.start();
+    let port = port(&booth);
+    booth.wait_for("the start", || page(port, "/healthz") == (200, "ready\n".to_owned()));
+    // The next generation waits for its journal while another program writes to it.
+    let journal = Connection::open(booth.path("state/journal.db")).unwrap();
+    journal.busy_timeout(Duration::from_secs(5)).unwrap();
+    journal.execute_batch("BEGIN IMMEDIATE").unwrap();
+    kill_process(Pid::from_raw(daemon.id().cast_signed()).unwrap(), Signal::HUP).unwrap();
+    let between = (503, "station-changes-over\n".to_owned());
+    booth.wait_for("the end of the first", || page(port, "/healthz") == between);
+    let (status, html) = page(port, "/");
+    assert_eq!(status, 503);
+    assert!(html.contains("This page comes back by itself."), "{html}");
+    assert_eq!(page(port, "/state"), between);
+    drop(journal);
+    booth.wait_for("the second", || page(port, "/healthz") == (200, "ready\n".to_owned()));
     assert_eq!(daemon.stop().code(), Some(0));
 }
 

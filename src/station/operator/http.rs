@@ -3,6 +3,7 @@
 //! others: a connection that waits for its own client makes room, monitors have their own places, and a
 //! request that arrives while a disk hangs gets an answer that says so.
 
+mod changeover;
 pub mod connections;
 pub mod listeners;
 pub mod shared_look;
@@ -85,23 +86,25 @@ async fn keep(desk: &Arc<Desk>, listeners: &Listeners, way: Way, mut stop: Stop)
     let core = &desk.core;
     let mut was_unavailable = false;
     while !stop.is_requested() {
-        match listeners.take(&core.config, way) {
+        match listeners.take(&core.config, way).await {
             Ok(Some((listener, address))) => {
-                info!(event = "http-listening", way = way.word(), port = address.port());
-                core.board.note(|facts| drop(facts.endpoints.remove(way.word())));
                 let (desk, asked) = (Arc::clone(desk), stop.clone());
                 let endpoint = spawn_blocking(move || {
                     HttpEndpoint::open(&desk, way, address, was_unavailable, asked)
                 });
                 // It does not panic.
                 let Ok(endpoint) = endpoint.await else { return };
-                serve(&endpoint, &listener, &mut stop).await;
+                listeners.end_changeover(way).await;
+                info!(event = "http-listening", way = way.word(), port = address.port());
+                core.board.note(|facts| drop(facts.endpoints.remove(way.word())));
+                serve(&endpoint, Arc::new(listener), listeners, &mut stop).await;
             }
             Ok(None) => {
                 core.board.note(|facts| drop(facts.endpoints.remove(way.word())));
                 stop.requested().await;
             }
             Err(error) => {
+                listeners.end_changeover(way).await;
                 if !std::mem::replace(&mut was_unavailable, true) {
                     warn!(event = "http-unavailable", way = way.word(), %error);
                 }
@@ -116,8 +119,14 @@ async fn keep(desk: &Arc<Desk>, listeners: &Listeners, way: Way, mut stop: Stop)
     }
 }
 
-/// Serves until a stop is requested. Requests in progress are still answered afterwards.
-async fn serve(endpoint: &Arc<HttpEndpoint>, listener: &TcpListener, stop: &mut Stop) {
+/// Serves until a stop is requested. Requests in progress are still answered afterwards, later ones by
+/// [`changeover`].
+async fn serve(
+    endpoint: &Arc<HttpEndpoint>,
+    listener: Arc<TcpListener>,
+    listeners: &Listeners,
+    stop: &mut Stop,
+) {
     let core = Arc::clone(&endpoint.desk.core);
     let monitors = Monitors { core, overview: Arc::default() };
     let monitors =
@@ -128,9 +137,26 @@ async fn serve(endpoint: &Arc<HttpEndpoint>, listener: &TcpListener, stop: &mut 
     };
     let pages = page::routes(endpoint, monitors).layer(from_fn_with_state(places, attended));
     let connections = Arc::new(Connections::default());
+    accept(&listener, &pages, &connections, stop).await;
+    let language = endpoint.desk.core.config.language;
+    listeners.begin_changeover(endpoint.way, |next| changeover::serve(listener, language, next));
+    // Clients that have just connected send their requests at once.
+    sleep(SAY_IT).await;
+    connections.close_idle();
+    // Decisions in progress must be complete before another generation begins.
+    let _ = timeout(HEAD_TIME, connections.all_are_served()).await;
+}
+
+/// Accepts connections until a stop is requested.
+async fn accept(
+    listener: &TcpListener,
+    pages: &Router,
+    connections: &Arc<Connections>,
+    stop: &mut Stop,
+) {
     loop {
         let accepted = tokio::select! {
-            () = stop.requested() => break,
+            () = stop.requested() => return,
             accepted = listener.accept() => accepted,
         };
         let Ok((stream, peer)) = accepted else {
@@ -143,11 +169,6 @@ async fn serve(endpoint: &Arc<HttpEndpoint>, listener: &TcpListener, stop: &mut 
             tokio::spawn(attend(stream, pages.clone(), connection, stop.clone()));
         }
     }
-    // Clients that have just connected send their requests at once.
-    sleep(SAY_IT).await;
-    connections.close_idle();
-    // Decisions in progress must be complete before another generation begins.
-    let _ = timeout(HEAD_TIME, connections.all_are_served()).await;
 }
 
 /// Serves one connection to its end.

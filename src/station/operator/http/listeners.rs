@@ -1,16 +1,18 @@
 //! The listeners of the endpoints. They belong to the process and outlive a reload: while workers
-//! change, clients wait in the kernel, and no other program on this machine can take the address.
+//! change, clients are told so, and no other program on this machine can take the address.
 
 use std::collections::BTreeMap;
 use std::io;
 use std::net::SocketAddr;
-use std::sync::{Mutex, OnceLock, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 
 use listenfd::ListenFd;
 use rustix::io::{FdFlags, fcntl_setfd};
 use tokio::net::TcpListener;
+use tokio::task::JoinHandle;
 
 use crate::config::Config;
+use crate::station::runtime::stop::{Stop, Stopper};
 
 /// The endpoint through which a client comes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,9 +33,19 @@ impl Way {
     }
 }
 
-/// The listeners that the station itself has opened.
+/// The listeners that the station itself has opened, and who answers at them between two generations.
 #[derive(Debug, Default)]
-pub struct Listeners(Mutex<BTreeMap<Way, Held>>);
+pub struct Listeners {
+    held: Mutex<BTreeMap<Way, Held>>,
+    changeovers: Mutex<BTreeMap<Way, Changeover>>,
+}
+
+/// The task that answers during a changeover.
+#[derive(Debug)]
+struct Changeover {
+    stopper: Stopper,
+    task: JoinHandle<()>,
+}
 
 #[derive(Debug)]
 struct Held {
@@ -47,14 +59,24 @@ impl Listeners {
     ///
     /// # Errors
     /// If the address is not available.
-    pub fn take(&self, config: &Config, way: Way) -> io::Result<Option<(TcpListener, SocketAddr)>> {
+    pub async fn take(
+        &self,
+        config: &Config,
+        way: Way,
+    ) -> io::Result<Option<(TcpListener, SocketAddr)>> {
         let wanted = match way {
             Way::Local => config.status.listen,
             Way::Network => config.page.network,
         };
         let listener = match given(config, way)? {
             Some(given) => Some(given),
-            None => self.held(way, wanted)?,
+            None => {
+                if !self.is_held(way, wanted) {
+                    // Another address may need the port of the last one.
+                    self.end_changeover(way).await;
+                }
+                self.held(way, wanted)?
+            }
         };
         let Some(listener) = listener else { return Ok(None) };
         listener.set_nonblocking(true)?;
@@ -63,13 +85,42 @@ impl Listeners {
         Ok(Some((listener, address)))
     }
 
+    /// Begins a changeover. `answers` runs until its request to stop.
+    pub fn begin_changeover<F>(&self, way: Way, answers: impl FnOnce(Stop) -> F)
+    where
+        F: Future<Output = ()> + Send + 'static,
+    {
+        let (stopper, stop) = Stopper::new();
+        let task = tokio::spawn(answers(stop));
+        self.changeovers().insert(way, Changeover { stopper, task });
+    }
+
+    /// Ends a changeover, if there is one. Its listener is closed on return.
+    pub async fn end_changeover(&self, way: Way) {
+        let ended = self.changeovers().remove(&way);
+        if let Some(Changeover { stopper, task }) = ended {
+            stopper.request();
+            // A panic has closed the listener, too.
+            let _ = task.await;
+        }
+    }
+
+    fn changeovers(&self) -> MutexGuard<'_, BTreeMap<Way, Changeover>> {
+        self.changeovers.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn is_held(&self, way: Way, wanted: Option<SocketAddr>) -> bool {
+        let all = self.held.lock().unwrap_or_else(PoisonError::into_inner);
+        wanted.is_some() && all.get(&way).map(|known| known.wanted) == wanted
+    }
+
     /// The listener at this address, opened if necessary; any other of this endpoint is closed.
     fn held(
         &self,
         way: Way,
         wanted: Option<SocketAddr>,
     ) -> io::Result<Option<std::net::TcpListener>> {
-        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut all = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(wanted) = wanted else {
             all.remove(&way);
             return Ok(None);

@@ -23,7 +23,7 @@ const KIOSK: &str = "kiosk";
 pub struct HttpEndpoint {
     /// The desk behind it.
     pub desk: Arc<Desk>,
-    pub(super) way: Way,
+    pub(in crate::station::operator) way: Way,
     pub(super) address: SocketAddr,
     pub(super) streams: Arc<Semaphore>,
     pub(super) state: Arc<SharedLook<Option<Texts>>>,
