@@ -5,8 +5,8 @@
 //! python3 tests/cad_read_back.py FOLDER
 //! ```
 //!
-//! `figures.json` holds, for each leg, the area of its surface and the volume between that and the
-//! planes at its ends. A mirror image of the right leg is among the legs, so that both hands are.
+//! `figures.json` holds, for each leg, the area of its surface, the volume between that and the planes
+//! at its ends, and the knots and control points that the exact files must give back. A mirror image of the right leg is among the legs, so that both hands are.
 
 #![allow(clippy::print_stdout)]
 
@@ -63,7 +63,11 @@ fn files(
         fs::write(folder.join(&file_name), bytes)?;
         written.insert((*word).to_owned(), file_name.into());
     }
+    let (around, net) = surface.clamped_around();
+    let net: Vec<[f64; 3]> = net.iter().map(|point| point.coords.into()).collect();
     Ok(serde_json::json!({
+        "knots": [surface.along().knots(), around],
+        "net_mm": net,
         "area_mm2": surface.area_mm2(),
         "volume_mm3": surface.volume_mm3().abs(),
         "control_points": [surface.along().count(), surface.around().count()],

@@ -6,6 +6,7 @@
 
 FOLDER holds the files and `figures.json` beside them. What must hold:
 
+    STEP, IGES    the knots and control points of our surface, as they were written
     STEP, tube    one B-spline face, valid, of our area; its normals outward: with lids on its ends
                   it encloses our volume, counted positive; nothing in the file is unresolved
     STEP, solid   one solid of three faces, valid, of our volume, counted positive
@@ -41,6 +42,10 @@ from OCP.TopoDS import TopoDS
 
 # The default accuracy of the integrals is off by 2e-5.
 EPS = 1e-9
+
+# How far an exact file's knots and control points may lie from ours, mm: the last digit of a leg's
+# coordinates as a 64-bit number, after the reader's own arithmetic.
+SAME = 1e-9
 
 # How far an exact file's area and volume may lie from ours, as a share.
 EXACT = 1e-6
@@ -92,6 +97,33 @@ def lidded_volume(shape, face):
     return -volume(shell) if turned else volume(shell)
 
 
+def is_ours(face, figures):
+    """Whether a face has the knots and control points of our surface. A file may swap u and v, so that
+    the normal points outwards."""
+    spline = BRepAdaptor_Surface(face).BSpline().Copy()
+    # The reader makes a closed tube periodic.
+    spline.SetUNotPeriodic()
+    spline.SetVNotPeriodic()
+    rows, columns = range(1, spline.NbUPoles() + 1), range(1, spline.NbVPoles() + 1)
+    net = numpy.array([[spline.Pole(i, j).Coord() for j in columns] for i in rows])
+    sequences = spline.UKnotSequence(), spline.VKnotSequence()
+    u, v = (numpy.array([k.Value(i) for i in range(k.Lower(), k.Upper() + 1)]) for k in sequences)
+    along, around = (numpy.array(knots) for knots in figures["knots"])
+    ours = numpy.array(figures["net_mm"])
+
+    def same(found, expected):
+        return found.shape == expected.shape and abs(found - expected).max() <= SAME
+
+    def same_knots(found, expected):
+        # The first and the last knot have no influence, and after being periodic they are others.
+        return same(found[1:-1], expected[1:-1])
+
+    for u, v, net in ((u, v, net), (v, u, net.swapaxes(0, 1))):
+        if same_knots(u, along) and same_knots(v, around) and same(net.reshape(-1, 3), ours):
+            return True
+    return False
+
+
 def kind(face):
     return BRepAdaptor_Surface(face).GetType()
 
@@ -135,6 +167,7 @@ def brep(path, figures, solid):
     faults.require(len(solids) == int(solid), f"{len(solids)} solids")
     if len(tubes) != 1 or len(solids) != int(solid):
         return ["not what it should hold"], faults
+    faults.require(is_ours(tubes[0], figures), "not our knots and control points")
     tolerance = max(BRep_Tool.Tolerance_s(edge) for edge in edges)
     faults.require(tolerance < 1e-3, f"edges lie {tolerance:.1e} mm off")
     said = [f"{len(faces)} face(s), {len(edges)} edges within {tolerance:.0e} mm"]

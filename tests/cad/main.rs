@@ -3,5 +3,4 @@
 mod iges;
 mod mesh;
 mod of_records;
-mod second_reader;
 mod step;

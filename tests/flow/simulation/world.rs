@@ -123,12 +123,13 @@ impl World {
             96 if self.chance.below(10) == 0 => self.crash(),
             _ => self.person(),
         }
-        for file in self.scanner.files.values() {
-            let carried = (file.bytes, file.patient.unwrap_or(0));
-            if file.bytes.length > 0 {
-                self.carried.insert(carried);
-            }
-        }
+        self.note_carried();
+    }
+
+    /// Whose names the files carry now.
+    fn note_carried(&mut self) {
+        let files = self.scanner.files.values().filter(|file| file.bytes.length > 0);
+        self.carried.extend(files.map(|file| (file.bytes, file.patient.unwrap_or(0))));
     }
 
     /// The people at the booth do the next thing.
@@ -285,6 +286,7 @@ impl World {
     /// The faults end; everything must come to rest by itself.
     pub fn rest(&mut self) {
         self.scanner.finish();
+        self.note_carried();
         self.scanner.in_reach = true;
         self.stores.iter_mut().for_each(|store| store.in_reach = true);
         for _ in 0..ROUNDS {
