@@ -9,7 +9,7 @@ use serde_json::json;
 
 use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
-use crate::record::schema::{FindingNote, NOT_VOUCHED, SCHEMA};
+use crate::record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
 use crate::record::{FilesFault, Record, RecordFault, RecordFile, SUMS, report_files};
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
@@ -182,7 +182,7 @@ fn read(path: &Path) -> Result<Record, Fault> {
     };
     let schema = |source| Fault::NoRecord { path: path.clone(), source };
     let record: Record = serde_json::from_slice(&bytes).map_err(schema)?;
-    if record.schema != SCHEMA {
+    if ![SCHEMA, OLDER_SCHEMA].contains(&record.schema.as_str()) {
         return Err(Fault::OtherSchema { path, schema: record.schema });
     }
     let (folder, name) = (path.parent(), path.file_name().and_then(OsStr::to_str));

@@ -212,6 +212,12 @@ pub enum What {
         /// `scanner.up`, as written or by default.
         up: String,
     },
+    /// An axis of the whole leg is chosen, but the tape does not lie square to one.
+    #[error("\"principal\" is an axis of the whole leg, but method.tape is {tape:?}")]
+    AxisOfNoLeg {
+        /// `method.tape`, as written or by default.
+        tape: String,
+    },
 }
 
 impl What {
@@ -291,6 +297,9 @@ impl What {
             What::NotGdt { hint, .. } => (*hint).into(),
             What::FacesUpOrDown { .. } => {
                 "choose a horizontal axis, or \"auto\" to find it from the feet".into()
+            }
+            What::AxisOfNoLeg { .. } => {
+                "set tape = \"leg\" for the published method, or axis = \"centroids\"".into()
             }
         };
         Some(hint)

@@ -11,7 +11,7 @@ use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::words::{
     ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES,
-    SURFACES, UNITS, UPS, Words, faces_up_or_down,
+    SURFACES, TAPES, UNITS, UPS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -20,7 +20,7 @@ use super::{
 use crate::cad::Output;
 use crate::flow::retention::Retention;
 use crate::leg::Method;
-use crate::leg::method::{B1, LevelChoices, SurfaceMethod};
+use crate::leg::method::{AxisFit, B1, LevelChoices, SurfaceMethod, Tape};
 
 /// Reads the text of a configuration.
 ///
@@ -86,7 +86,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let (orders_path, orders) = gdt::orders(reader);
     let trigger = trigger::config(reader);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
-    let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
+    let tape = tape(reader);
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
     let levels = level_choices(reader);
     let surface = surface_method(reader);
@@ -149,7 +149,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             fit: fit?.value,
             at_heights_mm: at.into_iter().map(|height| height.value).collect(),
             levels: levels?,
-            axis: axis?.value,
+            tape: tape?,
             surface: surface?,
         },
         output: output?,
@@ -197,6 +197,23 @@ fn surface_method(reader: &mut Reader) -> Option<SurfaceMethod> {
 
 fn spelt<T: PartialEq>(words: Words<T>, value: T) -> String {
     words.iter().filter(|(_, known)| *known == value).map(|(word, _)| *word).collect()
+}
+
+/// How the tape lies, and which axis the whole leg has, if it is square to that.
+fn tape(reader: &mut Reader) -> Option<Tape> {
+    use Absent::Default;
+    let tape = reader.text("method.tape", Default("shank"), parse::word(TAPES));
+    let axis = reader.text("method.axis", Default("centroids"), parse::word(AXES));
+    let (tape, axis) = (tape?, axis?);
+    match (tape.value, axis.value) {
+        (Tape::Leg(_), axis) => Some(Tape::Leg(axis)),
+        (tape, AxisFit::Centroids) => Some(tape),
+        (other, AxisFit::Principal) => {
+            let what = What::AxisOfNoLeg { tape: spelt(TAPES, other) };
+            reader.note(axis.at, "method.axis", what);
+            None
+        }
+    }
 }
 
 /// The keys of `[output]`.

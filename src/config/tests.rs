@@ -110,12 +110,19 @@ fn a_key_that_is_off_loads_once_its_line_is_taken_into_use() {
 #[test]
 fn every_word_of_the_method_loads_as_the_word_that_records_show() {
     for (fit, _) in FITS {
-        for (axis, _) in AXES {
-            let text = SHIPPED
-                .replace("\nfit = \"skin\"\n", &format!("\nfit = \"{fit}\"\n"))
-                .replace("\naxis = \"centroids\"\n", &format!("\naxis = \"{axis}\"\n"));
-            let method = load(&text).unwrap().method;
-            assert_eq!((method.fit.word(), method.axis.word()), (*fit, *axis));
-        }
+        let text = SHIPPED.replace("\nfit = \"skin\"\n", &format!("\nfit = \"{fit}\"\n"));
+        assert_eq!(load(&text).unwrap().method.fit.word(), *fit);
     }
+    let held = |tape: &str, axis: &str| {
+        let text = SHIPPED
+            .replace("\ntape = \"shank\"\n", &format!("\ntape = \"{tape}\"\n"))
+            .replace("\naxis = \"centroids\"\n", &format!("\naxis = \"{axis}\"\n"));
+        load(&text).map(|config| config.method.tape)
+    };
+    for (tape, _) in TAPES {
+        assert_eq!(held(tape, "centroids").unwrap().word(), *tape);
+    }
+    assert_eq!(held("leg", "principal").unwrap(), Tape::Leg(AxisFit::Principal));
+    let faults = held("shank", "principal").unwrap_err();
+    assert_eq!(faults[0].to_string().matches("method.tape is \"shank\"").count(), 1, "{faults:?}");
 }

@@ -10,7 +10,7 @@ use crate::flow::patient::check_digit::CheckDigit;
 use crate::language::Language;
 use crate::leg::Side;
 use crate::leg::method::{
-    Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Unit, UnitChoice, Up,
+    Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Tape, Unit, UnitChoice, Up,
 };
 use crate::record::FigureFormat;
 
@@ -113,6 +113,13 @@ pub const FACINGS: Words<FacingChoice> = &[
 /// `method.fit`
 pub const FITS: Words<SectionFit> =
     &[("skin", SectionFit::Skin), ("periodic", SectionFit::Periodic), ("paper", SectionFit::Paper)];
+
+/// `method.tape`; the axis of the whole leg is `method.axis`.
+pub const TAPES: Words<Tape> = &[
+    ("shank", Tape::Shank),
+    ("leg", Tape::Leg(AxisFit::Centroids)),
+    ("horizontal", Tape::Horizontal),
+];
 
 /// `method.axis`
 pub const AXES: Words<AxisFit> =

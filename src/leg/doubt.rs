@@ -48,6 +48,12 @@ pub enum Doubt {
     /// The sections at the level could not be measured; the curve bridges them.
     #[error("the skin there was not seen; the girth is bridged")]
     NotSeen,
+    /// The planes above the calf turn by more than a standing leg's.
+    #[error("the knee is bent by {bend_deg:.0} degrees: a tape lies differently there")]
+    KneeBent {
+        /// Angle between the axes of shank and thigh, degrees.
+        bend_deg: f64,
+    },
     /// The knee would lie below D.
     #[error("by its proportion the knee would lie below D, which is at {d_height_mm:.0} mm")]
     BelowD {
@@ -71,6 +77,7 @@ impl Doubt {
             Doubt::Scatter { .. } => "scatter",
             Doubt::Folds { .. } => "folds",
             Doubt::NotSeen => "not-seen",
+            Doubt::KneeBent { .. } => "knee-bent",
             Doubt::BelowD { .. } => "below-d",
             Doubt::SoleNotSeen => "sole-not-seen",
         }

@@ -10,7 +10,7 @@ use crate::leg::comparison::opinion::SecondOpinion;
 use crate::leg::frame::stance::FeetUnclear;
 use crate::leg::levels::at_height::NoGirth;
 use crate::leg::levels::extremum::Absence;
-use crate::leg::sections::axis::AxisFault;
+use crate::leg::sections::axis_fit::{AxisFault, NoThigh};
 use crate::leg::surface::nurbs::NoSurface;
 
 /// How much a finding matters.
@@ -91,6 +91,9 @@ pub enum What {
         /// Height of its highest skin, mm.
         end_mm: f64,
     },
+    /// The planes do not turn about the knee, because the thigh has no axis of its own.
+    #[error("{0}: sections above the knee are square to the shank")]
+    ThighAxisMissing(NoThigh),
     /// A doubt about a landmark.
     #[error("{0}")]
     Doubtful(Doubt),
@@ -200,6 +203,7 @@ impl Finding {
             What::ThighsTouch { .. } => "thighs-touch",
             What::Proportions { .. } => "proportions",
             What::LegCut { .. } => "leg-cut",
+            What::ThighAxisMissing(_) => "thigh-axis-missing",
             What::Doubtful(doubt) => doubt.code(),
             What::LegNotMeasured(_) => "leg-not-measured",
             What::NoSurface(_) => "no-surface",
@@ -225,6 +229,7 @@ impl Finding {
             | What::ThighsTouch { .. }
             | What::Proportions { .. }
             | What::LegCut { .. }
+            | What::ThighAxisMissing(_)
             | What::SurfaceShort { .. } => Severity::Warning,
             What::LevelImplausible { .. } | What::LegNotMeasured(_) | What::NoSurface(_) => {
                 Severity::Error

@@ -9,6 +9,7 @@ use crate::leg::levels::foot::Foot;
 use crate::leg::levels::girth::GirthCurve;
 use crate::leg::levels::landmark::{Estimate, Landmark};
 use crate::leg::sections::axis::LegAxis;
+use crate::leg::sections::axis_length::AxisLength;
 use crate::leg::sections::section::Section;
 use crate::leg::surface::nurbs::LegSurface;
 use crate::leg::surface::shape::{OnPlane, Shape};
@@ -20,6 +21,8 @@ pub struct LegReport {
     pub side: Side,
     /// The leg's axis and the frame of its sections.
     pub axis: LegAxis,
+    /// Distances along it, as records state them.
+    pub lengths: AxisLength,
     /// Levels found, lowest first; absent ones are not included.
     pub landmarks: Vec<Landmark>,
     /// Levels known only by proportion, lowest first.

@@ -17,8 +17,8 @@ pub struct Method {
     pub facing: FacingChoice,
     /// The source of the sections.
     pub fit: SectionFit,
-    /// The axis along which a leg is made upright.
-    pub axis: AxisFit,
+    /// How the tape lies around the leg.
+    pub tape: Tape,
     /// How the surface is fitted.
     pub surface: SurfaceMethod,
     /// Additional heights above the floor at which girths are wanted, mm, in the order of the report.
@@ -265,7 +265,31 @@ impl SectionFit {
     }
 }
 
-/// The line used as a leg's axis.
+/// The planes in which girths are measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Tape {
+    /// Square to the part of the leg that the tape goes around: to the shank up to the knee, to the thigh
+    /// above it, as a person holds a tape.
+    #[default]
+    Shank,
+    /// All square to one axis of the whole leg, as in the paper.
+    Leg(AxisFit),
+    /// All horizontal, as most scanners' software measures.
+    Horizontal,
+}
+
+impl Tape {
+    /// The word used in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Tape::Shank => "shank",
+            Tape::Leg(_) => "leg",
+            Tape::Horizontal => "horizontal",
+        }
+    }
+}
+
+/// The line used as the axis of a whole leg.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum AxisFit {
     /// Through the centroids of its sections between ankle and groin, all with equal weight.

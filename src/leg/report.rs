@@ -1,9 +1,9 @@
 //! The report of one leg: every stage of the paper in order, from the leg's skin to its surface.
 
+use super::doubt::Doubt;
 use super::finding::{Finding, LegFault, What};
 use super::level::Level;
 use super::measured::{LegReport, LevelSection};
-use super::method::AxisFit;
 use super::side::Side;
 use super::{Body, Method};
 use crate::leg::comparison::volume::leg_volume;
@@ -18,7 +18,8 @@ use crate::leg::levels::search::{Levels, levels};
 use crate::leg::levels::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
 use crate::leg::parting::crotch::Crotch;
 use crate::leg::parting::segment::Leg;
-use crate::leg::sections::axis::{axis, principal_axis};
+use crate::leg::sections::axis_fit::{self, FoundAxis};
+use crate::leg::sections::axis_length::AxisLength;
 use crate::leg::sections::equidistant::{Sections, sections};
 use crate::leg::sections::section::Section;
 use crate::leg::surface::nurbs::{LegSurface, Wanted, surface};
@@ -29,6 +30,9 @@ const SURFACE_MARGIN_MM: f64 = 20.0;
 
 /// The surface begins here if B is absent, as a share of stature: above the malleoli.
 const ANKLE_STATURE_SHARE: f64 = 0.06;
+
+/// Above this bend of the knee, degrees, levels above C are in doubt.
+const BEND_DOUBT_DEG: f64 = 45.0;
 
 /// The lowest section, as a share of stature: above the instep, below every malleolus.
 const LOWEST_STATURE_SHARE: f64 = 0.035;
@@ -44,13 +48,10 @@ pub fn leg_report(
     method: &Method,
 ) -> Result<(LegReport, Vec<Finding>), LegFault> {
     let (scale_mm, crotch_height_mm) = (body.scale_mm, crotch.height_mm);
-    let axis = match method.axis {
-        AxisFit::Centroids => axis(leg, scale_mm, crotch_height_mm)?,
-        AxisFit::Principal => principal_axis(leg, crotch_height_mm)?,
-    };
-    let up_mm = |height_mm: f64| height_mm / axis.direction.z;
     let end_mm = leg.cut_mm.unwrap_or(crotch_height_mm);
-    let span_mm = [up_mm(LOWEST_STATURE_SHARE * scale_mm), up_mm(end_mm)];
+    let FoundAxis { axis, no_thigh } = axis_fit::find(leg, scale_mm, end_mm, method.tape)?;
+    let span_mm = [LOWEST_STATURE_SHARE * scale_mm, end_mm];
+    let span_mm = span_mm.map(|height_mm| axis.along_at_height(height_mm));
     let sections = sections(leg, axis, span_mm, method.fit).ok_or(LegFault::TooFewPoints)?;
     let curve = girth_curve(&sections, scale_mm).ok_or_else(|| {
         let measured = sections.rows.iter().filter(|row| row.section.is_some()).count();
@@ -64,6 +65,9 @@ pub fn leg_report(
     let mut findings = Findings { side: leg.side, found: Vec::new() };
     if let (Some(end_mm), Some(_)) = (leg.cut_mm, body.stature_mm) {
         findings.add(None, What::LegCut { end_mm });
+    }
+    if let Some(why) = no_thigh {
+        findings.add(None, What::ThighAxisMissing(why));
     }
     findings.about_levels(&measures.levels);
     let found = measures.levels.found.into_iter();
@@ -97,13 +101,14 @@ pub fn leg_report(
     let planes: Vec<&Section> = at_levels.iter().map(|(_, section)| section).collect();
     let scan = on_planes(&sections.axis, leg, &planes);
     let level_sections = at_levels.into_iter().zip(scan).map(|((level, section), scan)| {
-        let features = features(&sections.axis, &section);
+        let features = features(&sections.axis.plane(section.along_mm), &section);
         LevelSection { level, section, scan, features }
     });
     let report = LegReport {
         side: leg.side,
         level_sections: level_sections.collect(),
         shape: Shape::of(leg, &sections, surface.as_ref()),
+        lengths: AxisLength::of(&sections, scale_mm, method.tape),
         axis: sections.axis,
         landmarks,
         estimates: measures.estimates,
@@ -138,8 +143,12 @@ fn measures(
     let ruler = Ruler { curve, near };
     let g = g(&ruler, crotch, choices.g_below_crotch_mm);
     levels.found.extend(g.clone().filter(|_| crotch.is_seen()));
+    let bend_deg = sections.axis.bend_deg();
     for landmark in &mut levels.found {
         landmark.surface_length_mm = surface_length_mm(sections, landmark.along_mm);
+        if landmark.level > Level::C && bend_deg > BEND_DOUBT_DEG {
+            landmark.doubts.push(Doubt::KneeBent { bend_deg });
+        }
     }
     let d = levels.found.iter().find(|landmark| landmark.level == Level::D);
     let mut estimates = knee_and_thigh(&ruler, crotch, choices.g_below_crotch_mm, d);

@@ -10,6 +10,7 @@ use crate::leg::comparison::difference::{
 };
 use crate::leg::comparison::volume::{LegVolume, Slice, Volume};
 use crate::leg::levels::at_height::AtHeight;
+use crate::leg::sections::axis_length::AxisLength;
 
 /// Volumes of one leg.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
@@ -131,11 +132,11 @@ pub fn volumes(leg: &LegVolume) -> VolumeFigures {
 }
 
 /// The girth at a height.
-pub fn at(at: &AtHeight) -> AtFigures {
+pub fn at(at: &AtHeight, lengths: &AxisLength) -> AtFigures {
     let girth = at.found.as_ref().ok();
     AtFigures {
         height_mm: mm(at.height_mm),
-        along_axis_mm: girth.map(|girth| mm(girth.along_mm)),
+        along_axis_mm: girth.map(|girth| mm(lengths.at(girth.along_mm))),
         girth_tape_mm: girth.map(|girth| mm(girth.girth_tape_mm)),
         girth_contour_mm: girth.map(|girth| mm(girth.girth_contour_mm)),
         girth_sd_mm: girth.and_then(|girth| known(girth.girth_sd_mm, mm)),

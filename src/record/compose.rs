@@ -14,8 +14,9 @@ use super::{chart, shape};
 use crate::leg::doubt::Doubt;
 use crate::leg::frame::body::FacingFrom;
 use crate::leg::levels::girth::GirthCurve;
-use crate::leg::method::{B1, SurfaceMethod, UnitChoice};
+use crate::leg::method::{B1, SurfaceMethod, Tape, UnitChoice};
 use crate::leg::sections::axis::LegAxis;
+use crate::leg::sections::axis_length::AxisLength;
 use crate::leg::{Estimate, Extraction, Finding, Landmark, LegReport, LevelSection, Method};
 
 /// Makes the record of an extraction.
@@ -49,7 +50,7 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             },
             from_export: std::array::from_fn(|i| body.from_export[(i / 4, i % 4)]),
         },
-        legs: extraction.legs.iter().map(leg).collect(),
+        legs: extraction.legs.iter().map(|report| leg(report, method.tape)).collect(),
         differences: extraction.differences.as_ref().map(chart::differences),
         findings: extraction.findings.iter().map(note).collect(),
     }
@@ -66,10 +67,14 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("up", method.up.word()),
         ("facing", method.facing.word()),
         ("fit", method.fit.word()),
-        ("axis", method.axis.word()),
+        ("tape", method.tape.word()),
     ];
-    let words = words.map(|(key, word)| (key.to_owned(), word.to_owned()));
-    let words = words.into_iter().chain(at_words(method));
+    let axis = match method.tape {
+        Tape::Leg(axis) => Some(("axis", axis.word())),
+        Tape::Shank | Tape::Horizontal => None,
+    };
+    let words = words.into_iter().chain(axis).map(|(key, word)| (key.to_owned(), word.to_owned()));
+    let words = words.chain(at_words(method));
     words.chain(level_words(method)).chain(surface_words(method)).collect()
 }
 
@@ -107,34 +112,38 @@ fn surface_words(method: &Method) -> [(String, String); 3] {
     ]
 }
 
-fn leg(report: &LegReport) -> LegFigures {
+fn leg(report: &LegReport, tape: Tape) -> LegFigures {
     let landmarks = report.landmarks.iter();
     LegFigures {
         side: report.side.word().to_owned(),
         tilt_deg: degrees(report.axis.tilt_deg()),
         axis: Some(shape::axis(&report.axis)),
-        landmarks: landmarks.map(|l| (l.level.name().to_owned(), landmark(l))).collect(),
+        axes: (tape == Tape::Shank).then(|| shape::axes(&report.axis)),
+        landmarks: landmarks.map(|l| (l.level.name().to_owned(), landmark(report, l))).collect(),
         estimates: estimates(report),
         foot: report.foot.map(|foot| FootFigures {
             length_mm: mm(foot.length_mm),
             breadth_mm: mm(foot.breadth_mm),
         }),
-        girth_curve: girth_columns(&report.girth_curve),
+        girth_curve: girth_columns(&report.girth_curve, &report.lengths),
         sections: report.level_sections.iter().map(|at| section(&report.axis, at)).collect(),
         features: report.level_sections.iter().flat_map(features).collect(),
         surface: surface(report),
         volume: chart::volumes(&report.volume),
-        at: report.at.iter().map(chart::at).collect(),
+        at: report.at.iter().map(|at| chart::at(at, &report.lengths)).collect(),
         shape: Some(shape::shape(report)),
     }
 }
 
-fn landmark(landmark: &Landmark) -> LandmarkFigures {
+fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
+    let own = report.level_sections.iter().find(|at| at.level == landmark.level);
+    let centre = own.map(|at| report.axis.at(at.section.along_mm, &at.section.centre));
     LandmarkFigures {
         by: landmark.by.to_string(),
         rule: Some(Statement::from(&landmark.by)),
         height_mm: mm(landmark.height_mm),
-        along_axis_mm: mm(landmark.along_mm),
+        along_axis_mm: mm(report.lengths.at(landmark.along_mm)),
+        centre_mm: centre.map(|centre| centre.coords.map(mm).into()),
         surface_length_mm: landmark.surface_length_mm.map(mm),
         girth_tape_mm: mm(landmark.girth_tape_mm),
         girth_contour_mm: mm(landmark.girth_contour_mm),
@@ -149,7 +158,7 @@ fn estimates(report: &LegReport) -> BTreeMap<String, EstimateFigures> {
         by: estimate.by.to_string(),
         rule: Some(Statement::from(&estimate.by)),
         height_mm: mm(estimate.height_mm),
-        along_axis_mm: mm(estimate.along_mm),
+        along_axis_mm: mm(report.lengths.at(estimate.along_mm)),
         girth_tape_mm: mm(estimate.girth_tape_mm),
         height_sd_mm: judged(estimate.height_sd_mm),
         girth_sd_mm: judged(estimate.girth_sd_mm),
@@ -167,7 +176,7 @@ fn codes(doubts: &[Doubt]) -> Vec<String> {
     doubts.iter().map(|doubt| doubt.code().to_owned()).collect()
 }
 
-fn girth_columns(curve: &GirthCurve) -> GirthColumns {
+fn girth_columns(curve: &GirthCurve, lengths: &AxisLength) -> GirthColumns {
     let column = |value: fn(f64, &crate::leg::sections::section::Girth) -> f64| {
         let cell = |row: &crate::leg::levels::girth::GirthRow| {
             row.measured.as_ref().map(|(height_mm, girth)| mm(value(*height_mm, girth)))
@@ -181,7 +190,7 @@ fn girth_columns(curve: &GirthCurve) -> GirthColumns {
     };
     GirthColumns {
         height_mm: column(|height_mm, _| height_mm),
-        along_axis_mm: curve.rows.iter().map(|row| mm(row.along_mm)).collect(),
+        along_axis_mm: curve.rows.iter().map(|row| mm(lengths.at(row.along_mm))).collect(),
         tape_mm: column(|_, girth| girth.tape_mm),
         contour_mm: column(|_, girth| girth.contour_mm),
         slope: curve.rows.iter().map(|row| slope(row.along_mm)).collect(),

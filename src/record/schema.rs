@@ -1,4 +1,4 @@
-//! The written form of the record: `record.json`, schema `gaiter.leg-record/1`.
+//! The written form of the record: `record.json`, schema `gaiter.leg-record/2`.
 //!
 //! Millimetres and degrees, in the body frame. Units are in the names. Fields may be added; the meaning
 //! of a field never changes without a new schema number.
@@ -11,14 +11,17 @@ use serde::{Deserialize, Serialize};
 
 use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
 use super::provenance::{Acquired, Patient};
-use super::shape::{AxisFigures, OutlineFigures, ShapeFigures};
+use super::shape::{AxesFigures, AxisFigures, OutlineFigures, ShapeFigures};
 use super::statement::Statement;
 use super::surface::SurfaceFigures;
 use crate::leg::finding::Severity;
 use crate::leg::{Level, Side};
 
 /// Name and number of this schema.
-pub const SCHEMA: &str = "gaiter.leg-record/1";
+pub const SCHEMA: &str = "gaiter.leg-record/2";
+
+/// The schema before: its girths are square to one axis of the whole leg. Such records are still read.
+pub const OLDER_SCHEMA: &str = "gaiter.leg-record/1";
 
 /// The result for one scan and patient.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -118,11 +121,15 @@ pub struct LegFigures {
     /// The patient's `left` or `right`.
     #[schemars(extend("enum" = ["left", "right"]))]
     pub side: String,
-    /// Angle between the leg's axis and the vertical.
+    /// Angle between the axis of the shank and the vertical; in schema 1, of the whole leg.
     pub tilt_deg: f64,
-    /// The axis; null in records of older versions.
+    /// The axis of the shank with the frame of its sections; in schema 1, of the whole leg. Null in
+    /// records of older versions.
     #[serde(default)]
     pub axis: Option<AxisFigures>,
+    /// The axes of shank and thigh; null in schema 1, and with another `tape` than `shank`.
+    #[serde(default)]
+    pub axes: Option<AxesFigures>,
     /// Levels found, by name; an absent level has no key.
     pub landmarks: BTreeMap<String, LandmarkFigures>,
     /// Levels estimated by a proportion only, by name. They are not landmarks.
@@ -163,6 +170,9 @@ pub struct LandmarkFigures {
     pub height_mm: f64,
     /// Distance along the leg's axis from the floor.
     pub along_axis_mm: f64,
+    /// The section's centre, body frame; null in schema 1 and on the foot.
+    #[serde(default)]
+    pub centre_mm: Option<[f64; 3]>,
     /// Length from the floor along the skin of the leg's medial side; null on the foot.
     #[serde(default)]
     pub surface_length_mm: Option<f64>,

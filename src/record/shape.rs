@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use nalgebra::Point3;
+use nalgebra::{Point3, Vector3};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -42,12 +42,39 @@ pub struct AxisFigures {
     pub lateral: [f64; 3],
 }
 
+/// The axes to which the sections of a leg are square.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AxesFigures {
+    /// Of the shank: up to 0.30 of the stature.
+    pub shank: LineFigures,
+    /// Of the thigh: from 0.38 of the stature on. Null if it was not seen; then all sections are square to
+    /// the shank.
+    pub thigh: Option<LineFigures>,
+    /// Angle between the two; null like `thigh`.
+    pub bend_deg: Option<f64>,
+}
+
+/// A line in the body frame.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct LineFigures {
+    /// A point on it.
+    pub through_mm: [f64; 3],
+    /// Unit vector along it, upwards.
+    pub direction: [f64; 3],
+}
+
 /// The outline of the section at a level: a point lies at
 /// centre + radius · (cos angle · front + sin angle · lateral).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct OutlineFigures {
     /// The section's centre, body frame.
     pub centre_mm: [f64; 3],
+    /// Unit vector in its plane to the front; null in schema 1, where it is that of the axis.
+    #[serde(default)]
+    pub front: Option<[f64; 3]>,
+    /// Unit vector in its plane to the lateral side; null like `front`.
+    #[serde(default)]
+    pub lateral: Option<[f64; 3]>,
     /// The fitted radius at −180°, −177°, … 177°.
     pub radius_mm: Vec<f64>,
     /// The curvature by which feature points are found, at the same angles, positive where convex.
@@ -172,22 +199,43 @@ impl<'de> Deserialize<'de> for Packed {
     }
 }
 
-/// A leg's axis.
+fn direction(at: &Vector3<f64>) -> [f64; 3] {
+    [at.x, at.y, at.z].map(unit)
+}
+
+/// The axis of a leg's shank, or of the whole leg.
 pub(super) fn axis(axis: &LegAxis) -> AxisFigures {
-    let direction = |at: &nalgebra::Vector3<f64>| [at.x, at.y, at.z].map(unit);
+    let foot = &axis.foot;
     AxisFigures {
-        foot_mm: axis.foot.coords.map(mm).into(),
-        direction: direction(&axis.direction),
-        front: direction(&axis.front),
-        lateral: direction(&axis.lateral),
+        foot_mm: foot.origin.coords.map(mm).into(),
+        direction: direction(&foot.normal),
+        front: direction(&foot.front),
+        lateral: direction(&foot.lateral),
+    }
+}
+
+/// The axes of shank and thigh.
+pub(super) fn axes(axis: &LegAxis) -> AxesFigures {
+    let line = |through: &Point3<f64>, along: &Vector3<f64>| LineFigures {
+        through_mm: through.coords.map(mm).into(),
+        direction: direction(along),
+    };
+    let thigh = axis.bend.as_ref().map(|bend| &bend.thigh);
+    AxesFigures {
+        shank: line(&axis.foot.origin, &axis.foot.normal),
+        thigh: thigh.map(|thigh| line(&thigh.through, &thigh.direction)),
+        bend_deg: axis.bend.as_ref().map(|bend| degrees(bend.angle_deg())),
     }
 }
 
 /// The outline of a level's section.
 pub(super) fn outline(leg: &LegAxis, at: &LevelSection) -> OutlineFigures {
     let section = &at.section;
+    let plane = leg.plane(section.along_mm);
     OutlineFigures {
-        centre_mm: leg.at(section.along_mm, &section.centre).coords.map(mm).into(),
+        centre_mm: plane.point(&section.centre).coords.map(mm).into(),
+        front: Some(direction(&plane.front)),
+        lateral: Some(direction(&plane.lateral)),
         radius_mm: radii(section, OUTLINE_ANGLES).into_iter().map(mm).collect(),
         curvature_per_mm: curvatures(section, OUTLINE_ANGLES).into_iter().map(per_mm).collect(),
         scan_angle_deg: at.scan.iter().map(|point| degrees(point.angle_deg)).collect(),

@@ -16,7 +16,7 @@ use crate::leg::frame::stance::FeetUnclear;
 use crate::leg::level::By;
 use crate::leg::levels::at_height::NoGirth;
 use crate::leg::levels::extremum::Absence;
-use crate::leg::sections::axis::{AxisFault, CENTROIDS_MIN, POINTS_MIN};
+use crate::leg::sections::axis_fit::{AxisFault, CENTROIDS_MIN, NoThigh, POINTS_MIN};
 use crate::leg::surface::nurbs::NoSurface;
 use crate::leg::{LegFault, Level, Side, What};
 use crate::spline::tessellate::TessellationFault;
@@ -130,6 +130,7 @@ impl Statement {
             What::Proportions { percent } => {
                 Statement::of("proportions").number("percent", *percent)
             }
+            What::ThighAxisMissing(why) => Statement::of("thigh-axis-missing").because(why.into()),
             What::LegCut { end_mm } => Statement::of("leg-cut").number("end_mm", *end_mm),
             What::Doubtful(doubt) => doubt.into(),
             What::LegNotMeasured(fault) => Statement::of("leg-not-measured").because(fault.into()),
@@ -209,6 +210,7 @@ impl From<&Doubt> for Statement {
             Doubt::Gap { gap_deg } => said.number("gap_deg", gap_deg),
             Doubt::Scatter { rms_mm } => said.number("rms_mm", rms_mm),
             Doubt::Folds { percent } => said.number("percent", percent),
+            Doubt::KneeBent { bend_deg } => said.number("bend_deg", bend_deg),
             Doubt::BelowD { d_height_mm } => said.number("d_height_mm", d_height_mm),
             Doubt::NotSeen | Doubt::SoleNotSeen => said,
         }
@@ -272,6 +274,17 @@ impl From<&LegFault> for Statement {
             LegFault::TooFewSections { measured, planes } => Statement::of("leg-too-few-sections")
                 .count("measured", measured)
                 .count("planes", planes),
+        }
+    }
+}
+
+impl From<&NoThigh> for Statement {
+    fn from(why: &NoThigh) -> Statement {
+        match *why {
+            NoThigh::NotSeen => Statement::of("thigh-not-seen"),
+            NoThigh::TooBent { bend_deg } => {
+                Statement::of("knee-bent-too-far").number("bend_deg", bend_deg)
+            }
         }
     }
 }

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 use std::sync::LazyLock;
 
 use gaiter::leg::frame::body::body;
-use gaiter::leg::method::{AxisFit, SectionFit};
+use gaiter::leg::method::{AxisFit, SectionFit, Tape};
 use gaiter::leg::parting::segment::{Leg, segment};
 use gaiter::leg::sections::axis::{LegAxis, principal_axis};
 use gaiter::leg::sections::equidistant::{Sections, sections};
@@ -20,7 +20,7 @@ use support::geometry::bodies::{export, obj, record_of, scan, truth};
 
 /// The paper's sections on an axis.
 fn paper(axis: AxisFit) -> Method {
-    Method { fit: SectionFit::Paper, axis, ..Method::default() }
+    Method { fit: SectionFit::Paper, tape: Tape::Leg(axis), ..Method::default() }
 }
 
 /// The body that the laws are tried on.

@@ -14,7 +14,7 @@ use gaiter::leg::frame::stance::FeetUnclear;
 use gaiter::leg::level::By;
 use gaiter::leg::levels::at_height::NoGirth;
 use gaiter::leg::levels::extremum::Absence;
-use gaiter::leg::sections::axis::AxisFault;
+use gaiter::leg::sections::axis_fit::{AxisFault, NoThigh};
 use gaiter::leg::surface::nurbs::NoSurface;
 use gaiter::leg::{Finding, LegFault, Level, Side, What};
 use gaiter::record::Record;
@@ -85,7 +85,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 31] = [
+const KEYWORDS: [[&str; 4]; 33] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -96,6 +96,7 @@ const KEYWORDS: [[&str; 4]; 31] = [
     ["scatter", "scatter", "streuen", "nicht eine Haut"],
     ["folds", "folded", "Falten", "Hautfalten"],
     ["not-seen", "Skin not", "Haut nicht", "nicht zu messen"],
+    ["knee-bent", "Knee bent", "Knie gebeugt", "so großem Winkel"],
     ["below-d", "below D", "unter D", "gefundenen D"],
     ["sole-not-seen", "Sole", "Sohle", "Sohle"],
     ["height-not-measured", "Height", "Höhe", "gewünschte Höhe"],
@@ -103,6 +104,7 @@ const KEYWORDS: [[&str; 4]; 31] = [
     ["no-faces", "without a mesh", "ohne Netz", "nur Punkte"],
     ["thighs-touch", "Thighs", "Oberschenkel", "berühren sich"],
     ["proportions", "proportions", "Proportionen", "Der Schritt liegt"],
+    ["thigh-axis-missing", "without an axis", "ohne Achse", "quer zum Unterschenkel"],
     ["leg-cut", "its top", "bis oben", "gewissen Höhe"],
     ["leg-not-measured", "Leg not measured", "nicht vermessen", "nicht zu vermessen"],
     ["no-surface", "No surface", "Keine Oberfläche", "zu wenig vom Bein"],
@@ -205,6 +207,7 @@ fn all() -> Vec<What> {
         Doubt::Scatter { rms_mm: 2.4 },
         Doubt::Folds { percent: 3.1 },
         Doubt::NotSeen,
+        Doubt::KneeBent { bend_deg: 52.0 },
         Doubt::BelowD { d_height_mm: 431.0 },
         Doubt::SoleNotSeen,
     ];
@@ -251,6 +254,8 @@ fn all() -> Vec<What> {
         What::NoFaces,
         What::ThighsTouch { from_mm: 702.0 },
         What::Proportions { percent: 41.0 },
+        What::ThighAxisMissing(NoThigh::NotSeen),
+        What::ThighAxisMissing(NoThigh::TooBent { bend_deg: 61.0 }),
         What::LegCut { end_mm: 512.0 },
         What::SurfaceShort {
             from_mm: 120.0,

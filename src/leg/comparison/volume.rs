@@ -1,12 +1,13 @@
-//! Leg volume from section areas. Sections are parallel planes across the leg's axis, so the volume
-//! between two of them is exactly the integral of the enclosed area over the distance along the axis.
+//! Leg volume from section areas. The volume between two planes across the leg's axis is the integral of
+//! the enclosed area over the distance along the axis, with a factor where the planes turn about the knee.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::leg::level::Level;
 use crate::leg::levels::girth::GirthCurve;
 use crate::leg::levels::landmark::Landmark;
-use crate::leg::sections::equidistant::Sections;
+use crate::leg::sections::axis::LegAxis;
+use crate::leg::sections::equidistant::{Row, Sections};
 use crate::leg::sections::section::{Curve, Section};
 
 /// Length of the slices that clinics chart, mm: tape measurements are taken every 4 cm from the floor.
@@ -109,6 +110,28 @@ pub fn leg_volume(sections: &Sections, curve: &GirthCurve, landmarks: &[Landmark
     }
 }
 
+/// How far the centre of each section moves across its plane per distance along the axis: 1 between
+/// parallel planes. Where planes turn, area times this is what they sweep (Pappus, Guldin).
+fn sweeps(axis: &LegAxis, run: &[&Section]) -> Vec<f64> {
+    if axis.bend.is_none() {
+        return vec![1.0; run.len()];
+    }
+    let centre = |index: usize| axis.at(run[index].along_mm, &run[index].centre);
+    let sweep = |index: usize| {
+        let [low, high] = [index.saturating_sub(1), (index + 1).min(run.len() - 1)];
+        let normal = axis.plane(run[index].along_mm).normal;
+        let along_mm = run[high].along_mm - run[low].along_mm;
+        if along_mm > 0.0 { normal.dot(&(centre(high) - centre(low))) / along_mm } else { 1.0 }
+    };
+    (0..run.len()).map(sweep).collect()
+}
+
+impl AreaRow {
+    fn swept(self, sweep: f64) -> AreaRow {
+        AreaRow { area_mm2: self.area_mm2.map(|area_mm2| area_mm2 * sweep), ..self }
+    }
+}
+
 impl AreaCurve {
     /// The areas of a leg's sections; `curve` provides the standard errors of their girths.
     pub fn of(sections: &Sections, curve: &GirthCurve) -> AreaCurve {
@@ -122,13 +145,13 @@ impl AreaCurve {
             AreaRow { along_mm, height_mm, area_mm2: [area_mm2, sd_mm2] }
         };
         let runs = sections.rows.split(|row| row.section.is_none());
-        let measured = |run: &[_]| -> Vec<AreaRow> {
-            let sections = run
-                .iter()
-                .filter_map(|row: &crate::leg::sections::equidistant::Row| row.section.as_ref());
-            sections.map(row).collect()
+        let measured = |run: &[Row]| -> Vec<AreaRow> {
+            let run: Vec<&Section> = run.iter().filter_map(|row| row.section.as_ref()).collect();
+            let rows = run.iter().map(|section| row(section)).zip(sweeps(&sections.axis, &run));
+            rows.map(|(row, sweep)| row.swept(sweep)).collect()
         };
-        AreaCurve { runs: runs.map(measured).filter(|run| !run.is_empty()).collect() }
+        let runs = runs.map(measured);
+        AreaCurve { runs: runs.filter(|run| !run.is_empty()).collect() }
     }
 
     /// The volume between two planes, mm along the axis; `None` if they are not a valid range, or

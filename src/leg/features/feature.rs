@@ -12,7 +12,7 @@ use nalgebra::{Point2, Point3};
 use super::circular_extrema::{Cap, Turn, standing_out};
 use super::harmonic::Harmonics;
 use super::{curvature, harmonic};
-use crate::leg::sections::axis::LegAxis;
+use crate::leg::sections::plane_frame::PlaneFrame;
 use crate::leg::sections::section::Section;
 
 /// Angles at which the curvature is taken.
@@ -63,8 +63,8 @@ pub struct Feature {
     pub prominence_per_mm: f64,
 }
 
-/// The feature points of a section, in order around it from the front: P1, P2, …
-pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
+/// The feature points of a section in its plane, in order around it from the front: P1, P2, …
+pub fn features(plane: &PlaneFrame, section: &Section) -> Vec<Feature> {
     let (curvatures, turns) = turns(section, &angles());
     let error = CurvatureError::of(section);
     let feature = |turn: Turn| {
@@ -75,7 +75,7 @@ pub fn features(axis: &LegAxis, section: &Section) -> Vec<Feature> {
         Feature {
             kind: if turn.is_peak { Kind::Peak } else { Kind::Valley },
             angle_deg: angle.to_degrees(),
-            position: section.point(axis, angle),
+            position: section.point(plane, angle),
             position_sd_mm: step_mm * error.middle_sd(&cap),
             curvature_per_mm: curvatures[turn.index],
             prominence_per_mm: turn.prominence,

@@ -15,6 +15,7 @@ use crate::leg::level::{By, Level};
 use crate::leg::method::SectionFit;
 use crate::leg::parting::segment::Leg;
 use crate::leg::sections::axis::LegAxis;
+use crate::leg::sections::plane_frame::PlaneFrame;
 use crate::leg::sections::equidistant::sections;
 use crate::leg::sections::gap::{GAP_MAX_DEG, largest_gap_deg};
 use crate::leg::sections::hull::Hull;
@@ -183,12 +184,13 @@ fn level(direction: &Vector2<f64>) -> Vector3<f64> {
 /// Y: the section that rises at 45° from the back edge of the heel over the instep.
 fn y(leg: &Leg, axis: &LegAxis, frame: &Frame, fit: SectionFit) -> Option<Landmark> {
     let (ahead, up) = (level(&frame.ahead), Vector3::z());
-    let tape = LegAxis {
-        foot: frame.on_floor(&Point2::origin()),
-        direction: Unit::new_normalize(up - ahead),
+    let foot = PlaneFrame {
+        origin: frame.on_floor(&Point2::origin()),
+        normal: Unit::new_normalize(up - ahead),
         front: Unit::new_normalize(up + ahead),
         lateral: Unit::new_normalize(level(&frame.lateral)),
     };
+    let tape = LegAxis { foot, bend: None };
     // The paper does not measure feet; its polynomial is for sections that are nearly round.
     let fit = if fit == SectionFit::Paper { SectionFit::Periodic } else { fit };
     let skin = sections(leg, tape, [-Y_REACH_MM, Y_REACH_MM], fit)?;

@@ -58,7 +58,7 @@ pub fn sections(
     let source = match fit {
         SectionFit::Skin => Source::Skin(Box::new(Skin::of(leg, &axis, from_mm, to_mm)?)),
         SectionFit::Periodic => {
-            Source::Crossings { lambda: plane::lambda(&axis, &axis.slices(leg, &along_mm)) }
+            Source::Crossings { lambda: plane::lambda(&axis, &along_mm, &axis.slices(leg, &along_mm)) }
         }
         SectionFit::Paper => Source::Pairs(Pairs::of(leg, &axis, [from_mm, to_mm])?),
     };
@@ -100,7 +100,7 @@ impl Sections {
             &Source::Crossings { lambda } => {
                 let slices = self.axis.slices(leg, along_mm);
                 let one = |(&along_mm, slice): (&f64, &Vec<Crossing>)| {
-                    let points = self.axis.points(slice);
+                    let points = self.axis.points(along_mm, slice);
                     plane::section(&self.axis, along_mm, &points, PlaneFit::Periodic { lambda })
                 };
                 along_mm.par_iter().zip(&slices).map(one).collect()

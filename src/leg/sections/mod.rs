@@ -2,11 +2,15 @@
 //! all together, [`plane`] and the paper's [`polynomial`] one by one.
 
 pub mod axis;
+pub mod axis_fit;
+pub mod axis_length;
+pub mod bend;
 pub mod equidistant;
 pub mod gap;
 pub(super) mod hull;
 pub(super) mod low_harmonics;
 pub mod plane;
+pub mod plane_frame;
 pub mod point_pairs;
 pub mod polynomial;
 pub mod section;

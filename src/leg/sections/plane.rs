@@ -11,8 +11,10 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Point2;
 use rayon::prelude::*;
 
-use super::axis::{LegAxis, outline_centroid};
+use super::axis::LegAxis;
+use super::axis_fit::outline_centroid;
 use super::gap::{GAP_MAX_DEG, largest_gap_deg};
+use super::plane_frame::PlaneFrame;
 use super::polynomial;
 use super::section::{Curve, Section, girth, r2};
 use super::slice::Crossing;
@@ -53,15 +55,15 @@ pub enum PlaneFit {
 /// Cross-validation assumes independent errors, but crossings of edges with a common mesh point
 /// share its error. So it only uses crossings without common points; the resulting factor is
 /// relative to the data and valid for all of them.
-pub fn lambda(axis: &LegAxis, slices: &[Vec<Crossing>]) -> f64 {
-    let one = |slice: &Vec<Crossing>| {
-        let points = axis.points(&independent(axis, slice));
+pub fn lambda(axis: &LegAxis, along_mm: &[f64], slices: &[Vec<Crossing>]) -> f64 {
+    let one = |(along_mm, slice): (&f64, &Vec<Crossing>)| {
+        let points = independent(&axis.plane(*along_mm), slice);
         let centre = outline_centroid(&points)?;
         let (angles, radii) = polar(&points, centre);
         let weights = vec![1.0; radii.len()];
         fit(&basis()?, &angles, &radii, &weights, Smoothing::Gcv).ok().map(|fit| fit.lambda)
     };
-    let mut found: Vec<f64> = slices.par_iter().step_by(SMOOTHING_STRIDE).filter_map(one).collect();
+    let mut found: Vec<f64> = along_mm.par_iter().zip(slices).step_by(SMOOTHING_STRIDE).filter_map(one).collect();
     found.sort_by(f64::total_cmp);
     found.get(found.len() / 2).copied().unwrap_or(0.0)
 }
@@ -71,21 +73,17 @@ fn basis() -> Option<Basis> {
     Basis::uniform_periodic(-PI, TAU, INTERVALS).ok()
 }
 
-/// Crossings without common mesh points, chosen greedily by position, so that the order in the file
+/// The crossings without common mesh points, as points of their plane, chosen greedily by position, so that the order in the file
 /// makes no difference.
-fn independent(axis: &LegAxis, slice: &[Crossing]) -> Vec<Crossing> {
-    let mut ordered = slice.to_vec();
-    let place = |crossing: &Crossing| axis.in_plane(&crossing.position);
-    ordered.sort_by(|a, b| {
-        let (a, b) = (place(a), place(b));
-        a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y))
-    });
+fn independent(plane: &PlaneFrame, slice: &[Crossing]) -> Vec<Point2<f64>> {
+    let place = |crossing: &Crossing| (plane.coordinates(&crossing.position), crossing.edge);
+    let mut ordered: Vec<_> = slice.iter().map(place).collect();
+    ordered.sort_by(|(a, _), (b, _)| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
     let mut used = BTreeSet::new();
-    ordered.retain(|crossing| {
-        let [from, to] = crossing.edge;
-        !used.contains(&from) && !used.contains(&to) && used.insert(from) && used.insert(to)
+    ordered.retain(|(_, [from, to])| {
+        !used.contains(from) && !used.contains(to) && used.insert(*from) && used.insert(*to)
     });
-    ordered
+    ordered.into_iter().map(|(point, _)| point).collect()
 }
 
 /// Angles and radii of points about a centre.

@@ -35,8 +35,8 @@ impl Pairs {
     /// planes, so that each plane has points nearby even if the scanner puts its points in rows.
     pub fn of(leg: &Leg, axis: &LegAxis, [from_mm, to_mm]: [f64; 2]) -> Option<Pairs> {
         let place = |point: &Point3<f64>| {
-            let in_plane = axis.in_plane(point);
-            Point3::new(in_plane.x, in_plane.y, axis.along(point))
+            let (along_mm, in_plane) = axis.place(point);
+            Point3::new(in_plane.x, in_plane.y, along_mm)
         };
         let mut points: Vec<Point3<f64>> = leg.mesh.points().iter().map(place).collect();
         points.sort_by(|p, q| {
@@ -112,12 +112,7 @@ mod tests {
     }
 
     fn upright(side: Side) -> LegAxis {
-        LegAxis {
-            foot: Point3::origin(),
-            direction: Vector3::z_axis(),
-            front: -Vector3::y_axis(),
-            lateral: if side == Side::Left { Vector3::x_axis() } else { -Vector3::x_axis() },
-        }
+        LegAxis::straight(Point3::origin(), &Vector3::z(), side)
     }
 
     /// Points in golden-angle turns on a tube up to 200 mm: evenly spread, none directly above another.

@@ -5,8 +5,8 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::{Point2, Point3, Vector2};
 
-use super::axis::LegAxis;
 use super::hull::Hull;
+use super::plane_frame::PlaneFrame;
 use super::polynomial::Polynomial;
 use crate::spline::{Basis, Row};
 
@@ -57,9 +57,9 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// The skin's point at an angle, in the body frame.
-    pub fn point(&self, axis: &LegAxis, angle: f64) -> Point3<f64> {
-        axis.at(self.along_mm, &(self.centre + self.curve.point(angle).coords))
+    /// The skin's point at an angle, in the body frame; `plane` is the section's.
+    pub fn point(&self, plane: &PlaneFrame, angle: f64) -> Point3<f64> {
+        plane.point(&(self.centre + self.curve.point(angle).coords))
     }
 }
 
@@ -126,9 +126,9 @@ impl Curve {
 }
 
 impl Section {
-    /// The skin's point at an angle, in the body frame.
-    pub fn point(&self, axis: &LegAxis, angle: f64) -> Point3<f64> {
-        axis.at(self.along_mm, &(self.centre + self.curve.point(angle).coords))
+    /// The skin's point at an angle, in the body frame; `plane` is the section's.
+    pub fn point(&self, plane: &PlaneFrame, angle: f64) -> Point3<f64> {
+        plane.point(&(self.centre + self.curve.point(angle).coords))
     }
 }
 

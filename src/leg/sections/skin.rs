@@ -11,7 +11,8 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 
 use nalgebra::Point2;
 
-use super::axis::{LegAxis, outline_centroid};
+use super::axis::LegAxis;
+use super::axis_fit::outline_centroid;
 use super::gap::{GAP_MAX_DEG, largest_gap_deg};
 use super::low_harmonics::{Left, Waves};
 use super::section::{Curve, Outline, Section, Spokes, r2};
@@ -88,9 +89,9 @@ impl Skin {
             |along_mm: f64| Point2::new(middle[0].value(along_mm), middle[1].value(along_mm));
         let mut points: Vec<SkinPoint> = Vec::new();
         for point in leg.mesh.points() {
-            let along_mm = axis.along(point);
+            let (along_mm, in_plane) = axis.place(point);
             if (from_mm..=to_mm).contains(&along_mm) {
-                let arm = axis.in_plane(point) - place(along_mm);
+                let arm = in_plane - place(along_mm);
                 let (angle, radius_mm) = (arm.y.atan2(arm.x), arm.norm());
                 points.push(SkinPoint { along_mm, angle, radius_mm, residual_mm: 0.0 });
             }
@@ -236,7 +237,7 @@ fn middle(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<[Spline
     let slices = axis.slices(leg, &along);
     let centroids = along.iter().zip(&slices);
     let centroids: Vec<(f64, Point2<f64>)> = centroids
-        .filter_map(|(along, slice)| Some((*along, outline_centroid(&axis.points(slice))?)))
+        .filter_map(|(along, slice)| Some((*along, outline_centroid(&axis.points(*along, slice))?)))
         .collect();
     let intervals = ((to_mm - from_mm) / MIDDLE_INTERVAL_MM).ceil() as usize;
     let basis = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;

@@ -117,10 +117,21 @@ impl Mesh {
     /// each edge once, in the order of the edges' indices; for a point cloud the projections of the
     /// points near each plane, in their order. `offsets` must ascend.
     pub fn slices(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
-        if self.triangles.is_empty() {
-            return self.slabs(direction, offsets);
-        }
         let heights: Vec<f64> = self.points.iter().map(|p| direction.dot(&p.coords)).collect();
+        self.slices_at(&heights, offsets, |_| *direction)
+    }
+
+    /// As [`Mesh::slices`], with planes that need not be parallel: `heights` is, for each point, the
+    /// offset of the plane in which it lies, and `normal` that of the plane with an offset.
+    pub fn slices_at(
+        &self,
+        heights: &[f64],
+        offsets: &[f64],
+        normal: impl Fn(f64) -> Unit<Vector3<f64>>,
+    ) -> Vec<Vec<Crossing>> {
+        if self.triangles.is_empty() {
+            return self.slabs(heights, offsets, normal);
+        }
         // An edge packed into one number, the smaller index in the high bits, which halves the
         // sorting time.
         let mut edges: Vec<Vec<u64>> = vec![Vec::new(); offsets.len()];
@@ -145,11 +156,12 @@ impl Mesh {
             }
         }
         let crossing = |offset: f64, mut edges: Vec<u64>| {
+            let normal = normal(offset);
             edges.sort_unstable();
             edges.dedup();
             let at = |edge: u64| {
                 let edge = [(edge >> 32) as u32, edge as u32];
-                let position = self.crossing(edge, &heights, direction, offset);
+                let position = self.crossing(edge, heights, &normal, offset);
                 Crossing { edge, position }
             };
             edges.into_iter().map(at).collect()
@@ -158,15 +170,20 @@ impl Mesh {
     }
 
     /// The points of a cloud near each plane, projected onto it.
-    fn slabs(&self, direction: &Unit<Vector3<f64>>, offsets: &[f64]) -> Vec<Vec<Crossing>> {
+    fn slabs(
+        &self,
+        heights: &[f64],
+        offsets: &[f64],
+        normal: impl Fn(f64) -> Unit<Vector3<f64>>,
+    ) -> Vec<Vec<Crossing>> {
+        let normals: Vec<_> = offsets.iter().map(|offset| normal(*offset)).collect();
         let mut slices = vec![Vec::new(); offsets.len()];
-        for (point, index) in self.points.iter().zip(0..) {
-            let height = direction.dot(&point.coords);
+        for ((point, &height), index) in self.points.iter().zip(heights).zip(0..) {
             let first = offsets.partition_point(|&offset| offset < height - self.slab_half_mm);
-            let near = offsets[first..].iter();
-            let near = near.take_while(|&&offset| offset <= height + self.slab_half_mm);
-            for (offset, slice) in near.zip(&mut slices[first..]) {
-                let position = point + direction.into_inner() * (offset - height);
+            let near = offsets[first..].iter().zip(&normals[first..]);
+            let near = near.take_while(|(offset, _)| **offset <= height + self.slab_half_mm);
+            for ((offset, normal), slice) in near.zip(&mut slices[first..]) {
+                let position = point + normal.into_inner() * (offset - height);
                 slice.push(Crossing { edge: [index, index], position });
             }
         }
@@ -178,7 +195,7 @@ impl Mesh {
         &self,
         [from, to]: [u32; 2],
         heights: &[f64],
-        direction: &Unit<Vector3<f64>>,
+        normal: &Unit<Vector3<f64>>,
         offset: f64,
     ) -> Point3<f64> {
         let (from, to) = (from as usize, to as usize);
@@ -192,7 +209,7 @@ impl Mesh {
         }
         let rise = t * (1.0 - t) / 2.0 * edge.dot(&(n1 - n0));
         let outward = (n0 + n1).normalize();
-        let in_plane = outward - direction.into_inner() * direction.dot(&outward);
+        let in_plane = outward - normal.into_inner() * normal.dot(&outward);
         chord_point + in_plane * rise
     }
 }

@@ -32,9 +32,9 @@ impl<'a> Unrolled<'a> {
     /// skin, so each represents the same area.
     pub fn points(&self, leg: &Leg, from_mm: f64, to_mm: f64) -> Vec<Place> {
         let place = |point: &Point3<f64>| {
-            let along_mm = self.axis.along(point);
+            let (along_mm, in_plane) = self.axis.place(point);
             (from_mm..=to_mm).contains(&along_mm).then(|| {
-                let arm = self.axis.in_plane(point) - self.nearest(along_mm).centre;
+                let arm = in_plane - self.nearest(along_mm).centre;
                 let angle = arm.y.atan2(arm.x);
                 let at = (along_mm, self.columns.column(along_mm, angle));
                 Place { point: *point, at, angle, radius_mm: arm.norm(), area: 1.0 }
@@ -48,11 +48,12 @@ impl<'a> Unrolled<'a> {
         let Unrolled { axis, columns, .. } = *self;
         sections.iter().flat_map(move |section| {
             let column = columns.at(section.along_mm);
+            let plane = axis.plane(section.along_mm);
             (0..CHECK_ANGLES).map(move |index| {
                 let angle = -PI + TAU * (index as f64 + 0.5) / CHECK_ANGLES as f64;
                 let [radius_mm, slope, _] = section.curve.derivatives(angle);
                 let arm = Vector2::new(angle.cos(), angle.sin()) * radius_mm;
-                let point = axis.at(section.along_mm, &(section.centre + arm));
+                let point = plane.point(&(section.centre + arm));
                 let at = (section.along_mm, column(angle));
                 Place { point, at, angle, radius_mm, area: radius_mm.hypot(slope) }
             })

@@ -96,14 +96,14 @@ mod tests {
 
     use super::*;
     use crate::leg::sections::axis::LegAxis;
+    use crate::leg::side::Side;
     use crate::spline::{Basis, GridData, fit_grid};
 
     const RADIUS_MM: f64 = 50.0;
     const LENGTH_MM: f64 = 190.0;
 
     fn axis() -> LegAxis {
-        let (foot, direction) = (Point3::origin(), Vector3::z_axis());
-        LegAxis { foot, direction, front: -Vector3::y_axis(), lateral: Vector3::x_axis() }
+        LegAxis::straight(Point3::origin(), &Vector3::z(), Side::Left)
     }
 
     fn place(along_mm: f64, angle: f64, radius_mm: f64) -> Place {

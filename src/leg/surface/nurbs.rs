@@ -16,10 +16,11 @@ use crate::leg::method::{SurfaceFrom, SurfaceMethod};
 use crate::leg::parting::segment::Leg;
 use crate::leg::sections::axis::LegAxis;
 use crate::leg::sections::equidistant::Sections;
+use crate::leg::sections::plane_frame::PlaneFrame;
 use crate::leg::sections::section::{Outline, Section};
 use crate::spline::{
     CloudData, CloudMethod, DEGREE, FitFault, GridData, GridDomain, GridMethod, GridSmoothing,
-    KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid_by,
+    KnotsUsed, Surface, SurfaceFit, fit_cloud, fit_grid, fit_grid_by,
 };
 
 /// Default distance between the rows of control points, mm.
@@ -43,6 +44,9 @@ const FOLD_PLACES: [usize; 2] = [96, 48];
 
 /// Points further than this from their section are not its skin, mm, and fill no hole.
 const STRAY_MM: f64 = 6.0;
+
+/// Grid places per control point of a surface that is bent: its error is then far below that of the fit.
+const BENT_PLACES: usize = 3;
 
 /// Points this far beyond the ends still show that the skin at the ends was seen, mm.
 const BEYOND_MM: f64 = 20.0;
@@ -156,6 +160,7 @@ pub fn surface(
     if method.from == SurfaceFrom::Points {
         surface = through_points(axis, &points, &surface)?;
     }
+    let surface = with_plane_ends(axis, &surface)?;
     if let Some(height_mm) = fold(&unrolled, &surface) {
         return Err(NoSurface::Folded { height_mm });
     }
@@ -214,16 +219,51 @@ fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Su
     let (low, high) = like.along().domain();
     let on_it = || points.iter().filter(|place| (low..=high).contains(&place.at.0));
     let upright = on_it().map(|place| {
-        let across = axis.in_plane(&place.point);
-        Point3::new(across.x, across.y, place.at.0)
+        let (along_mm, across) = axis.place(&place.point);
+        Point3::new(across.x, across.y, along_mm)
     });
     let (upright, around): (Vec<_>, Vec<f64>) =
         upright.zip(on_it().map(|place| place.at.1)).unzip();
     let data = CloudData { points: &upright, around: &around };
     let [basis_along, basis_around] = [like.along(), like.around()].map(Clone::clone);
     let fit = fit_cloud(&data, basis_along, basis_around, &CloudMethod::default())?.surface;
+    if axis.bend.is_some() {
+        return bent(axis, &fit);
+    }
     let net = fit.control_points().iter().map(|point| axis.at(point.z, &point.xy())).collect();
     Ok(Surface::new(fit.along().clone(), fit.around().clone(), net)?)
+}
+
+/// A surface of the straightened leg as one of the leg itself, in the same bases: through a grid of its
+/// points, because bending does not keep splines.
+fn bent(axis: &LegAxis, straight: &Surface) -> Result<Surface, FitFault> {
+    let (low, high) = straight.along().domain();
+    let rows = BENT_PLACES * straight.along().count();
+    let columns = BENT_PLACES * straight.around().count();
+    let along: Vec<f64> =
+        (0..=rows).map(|i| low + (high - low) * i as f64 / rows as f64).collect();
+    let around: Vec<f64> = (0..columns).map(|j| TAU * j as f64 / columns as f64 - PI).collect();
+    let place = |u: f64, v: f64| axis.at(u, &straight.point(u, v).xy());
+    let points: Vec<Point3<f64>> =
+        along.iter().flat_map(|u| around.iter().map(move |v| place(*u, *v))).collect();
+    let data = GridData { along: &along, around: &around, points: &points };
+    Ok(fit_grid(&data, straight.along().clone(), straight.around().clone())?.surface)
+}
+
+/// The surface with the control points of its ends moved into their planes, so that its ends are plane
+/// where the planes turn, too.
+fn with_plane_ends(axis: &LegAxis, surface: &Surface) -> Result<Surface, FitFault> {
+    let (low, high) = surface.along().domain();
+    let columns = surface.around().count();
+    let mut net = surface.control_points().to_vec();
+    let last = net.len() - columns;
+    for (row, along_mm) in [(0..columns, low), (last..net.len(), high)] {
+        let plane = axis.plane(along_mm);
+        for point in &mut net[row] {
+            *point -= plane.normal.into_inner() * plane.above(point);
+        }
+    }
+    Ok(Surface::new(surface.along().clone(), surface.around().clone(), net)?)
 }
 
 /// The height of the lowest fold of a surface, mm, where its outside faces the middle of the leg.
@@ -231,8 +271,8 @@ fn through_points(axis: &LegAxis, points: &[Place], like: &Surface) -> Result<Su
 fn fold(unrolled: &Unrolled, surface: &Surface) -> Option<f64> {
     let (low, high) = surface.along().domain();
     // The front and lateral directions turn counter-clockwise about the axis, so u × v points inward.
-    let LegAxis { front, lateral, direction, .. } = unrolled.axis;
-    let outward = -front.cross(lateral).dot(direction).signum();
+    let PlaneFrame { normal, front, lateral, .. } = unrolled.axis.foot;
+    let outward = -front.cross(&lateral).dot(&normal).signum();
     let [rows, columns] = FOLD_PLACES;
     let places = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
     let mut heights = places.filter_map(|(i, j)| {
@@ -293,6 +333,7 @@ mod tests {
 
     use super::*;
     use crate::leg::sections::section::Curve;
+    use crate::leg::side::Side;
     use crate::spline::{Basis, fit_grid};
 
     /// A tube of 50 mm radius whose columns run backwards if `swing` is more than 0.5.
@@ -314,9 +355,7 @@ mod tests {
 
     #[test]
     fn a_fold_is_found_with_its_height_and_none_where_columns_only_lie_closer() {
-        let ahead = -Vector3::y_axis();
-        let (foot, direction, lateral) = (Point3::origin(), Vector3::z_axis(), Vector3::x_axis());
-        let axis = LegAxis { foot, direction, front: ahead, lateral };
+        let axis = LegAxis::straight(Point3::origin(), &Vector3::z(), Side::Left);
         let basis = Basis::uniform_periodic(-PI, TAU, 8).unwrap();
         let round = |along_mm: f64| Outline {
             along_mm,

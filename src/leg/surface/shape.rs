@@ -53,7 +53,8 @@ impl Shape {
     pub fn of(leg: &Leg, sections: &Sections, surface: Option<&LegSurface>) -> Shape {
         let rows = sections.rows.iter().step_by(ROWS_APART);
         let ring = |section: &Section| {
-            (0..COLUMNS).map(|j| section.point(&sections.axis, error_map::angle(j))).collect()
+            let plane = sections.axis.plane(section.along_mm);
+            (0..COLUMNS).map(|j| section.point(&plane, error_map::angle(j))).collect()
         };
         let skin = rows.map(|row| row.section.as_ref().map(ring)).collect();
         let points = leg.mesh.points();
@@ -79,7 +80,7 @@ pub fn on_planes(axis: &LegAxis, leg: &Leg, sections: &[&Section]) -> Vec<Vec<On
     let along_mm: Vec<f64> = sections.iter().map(|section| section.along_mm).collect();
     let slices = axis.slices(leg, &along_mm);
     let of = |(section, slice): (&&Section, &Vec<crate::leg::sections::slice::Crossing>)| {
-        let on_plane = share(&axis.points(slice), SECTION_POINTS);
+        let on_plane = share(&axis.points(section.along_mm, slice), SECTION_POINTS);
         let mut points: Vec<OnPlane> = on_plane
             .iter()
             .map(|point| {

@@ -49,12 +49,7 @@ fn leg(side: Side, turn_deg: f64, hole: impl Fn(&Point3<f64>) -> bool) -> Leg {
 }
 
 fn measured(leg: &Leg) -> Option<FootReport> {
-    let axis = LegAxis {
-        foot: Point3::origin(),
-        direction: Vector3::z_axis(),
-        front: -Vector3::y_axis(),
-        lateral: Unit::new_normalize(Vector3::x() * leg.side.lateral_sign()),
-    };
+    let axis = LegAxis::straight(Point3::origin(), &Vector3::z(), leg.side);
     foot(leg, &axis, STATURE_MM, SectionFit::Skin)
 }
 

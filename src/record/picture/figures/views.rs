@@ -269,10 +269,11 @@ fn outlines(leg: &LegFigures) -> impl Iterator<Item = (&str, &OutlineFigures)> {
     leg.sections.iter().filter_map(|at| Some((at.level.as_str(), at.outline.as_ref()?)))
 }
 
-/// An outline in the body frame; `None` if the record does not contain the leg's axis.
+/// An outline in the body frame; `None` if the record contains neither its plane nor the leg's axis.
 fn ring(leg: &LegFigures, outline: &OutlineFigures) -> Option<Vec<Point3<f64>>> {
-    let axis = leg.axis.as_ref()?;
-    let (front, lateral) = (Vector3::from(axis.front), Vector3::from(axis.lateral));
+    let axis = leg.axis.as_ref();
+    let front = Vector3::from(outline.front.or(axis.map(|axis| axis.front))?);
+    let lateral = Vector3::from(outline.lateral.or(axis.map(|axis| axis.lateral))?);
     let count = outline.radius_mm.len();
     let point = |(index, radius): (usize, &f64)| {
         let (sin, cos) = (-180.0 + 360.0 * index as f64 / count as f64).to_radians().sin_cos();

@@ -45,10 +45,12 @@
   /** A section as a ring: its points, its centre and a thin tube to draw; or null. */
   function readRing(section, axis) {
     const { centre_mm: centre, radius_mm: radii } = section.outline;
-    const axes = isObject(axis) ? [axis.front, axis.lateral, axis.direction] : [];
-    if (!isName(section.level) || !isPoint(centre) || axes.length !== 3 || !axes.every(isPoint)) return null;
+    const own = isObject(axis) ? axis : {};
+    const [front, lateral] = [section.outline.front || own.front, section.outline.lateral || own.lateral];
+    if (!isName(section.level) || ![centre, front, lateral].every(isPoint)) return null;
     if (!Array.isArray(radii) || radii.length < 3 || radii.length > 720 || !radii.every(isPlace)) return null;
-    const [front, lateral, up] = axes;
+    const across = [0, 1, 2].map((k) => front[(k + 1) % 3] * lateral[(k + 2) % 3] - front[(k + 2) % 3] * lateral[(k + 1) % 3]);
+    const up = across.map((part) => part * Math.sign(across[2]));
     const at = (index, outMm, upMm) => {
       const angle = (2 * index / radii.length - 1) * Math.PI;
       const [forth, aside] = [Math.cos(angle), Math.sin(angle)].map((part) => part * (radii[index] + outMm));
@@ -71,8 +73,10 @@
     const landmarks = isObject(source.landmarks) ? Object.entries(source.landmarks) : [];
     for (const [level, landmark] of landmarks.slice(0, MOST_ITEMS)) {
       if (!isName(level) || !isObject(landmark) || !isPlace(landmark.girth_tape_mm)) continue;
-      const along = landmark.along_axis_mm;
-      if (!levels.has(level) && isPlace(along) && isPoint(foot) && isPoint(direction)) {
+      const [along, centre] = [landmark.along_axis_mm, landmark.centre_mm];
+      if (!levels.has(level) && isPoint(centre)) {
+        levels.set(level, { level, ring: null, place: centre });
+      } else if (!levels.has(level) && isPlace(along) && isPoint(foot) && isPoint(direction)) {
         levels.set(level, { level, ring: null, place: foot.map((f, k) => f + along * direction[k]) });
       }
       if (!levels.has(level)) continue;
