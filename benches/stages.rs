@@ -7,9 +7,9 @@ use divan::Bencher;
 use flate2::read::GzDecoder;
 use gaiter::leg::frame::body::{Body, body};
 use gaiter::leg::levels::girth::girth_curve;
-use gaiter::leg::method::{SectionFit, SurfaceMethod};
+use gaiter::leg::method::{SectionFit, SurfaceMethod, Tape};
 use gaiter::leg::parting::segment::{Leg, Legs, segment};
-use gaiter::leg::sections::axis;
+use gaiter::leg::sections::axis_fit;
 use gaiter::leg::sections::equidistant::{Sections, sections};
 use gaiter::leg::surface::nurbs;
 use gaiter::leg::surface::nurbs::Wanted;
@@ -45,7 +45,8 @@ fn left_leg() -> (Leg, f64, f64) {
 
 fn left_sections() -> (Leg, f64, Sections) {
     let (leg, stature_mm, crotch_height_mm) = left_leg();
-    let axis = axis::axis(&leg, stature_mm, crotch_height_mm).unwrap_or_else(|fault| stop(&fault));
+    let found = axis_fit::find(&leg, stature_mm, crotch_height_mm, Tape::Shank);
+    let axis = found.unwrap_or_else(|fault| stop(&fault)).axis;
     let sections = sections(&leg, axis, [60.0, crotch_height_mm], SectionFit::Skin)
         .unwrap_or_else(|| stop(&"no sections"));
     (leg, stature_mm, sections)
@@ -87,7 +88,7 @@ fn d_segmentation(bencher: Bencher) {
 #[divan::bench]
 fn e_axis_of_one_leg(bencher: Bencher) {
     let (leg, stature_mm, crotch_height_mm) = left_leg();
-    bencher.bench(|| axis::axis(&leg, stature_mm, crotch_height_mm));
+    bencher.bench(|| axis_fit::find(&leg, stature_mm, crotch_height_mm, Tape::Shank));
 }
 
 #[divan::bench]

@@ -122,15 +122,15 @@ fn at_same_heights(
     let body = body(&read(bytes, Format::Obj)?, method)?;
     let cut = segment(&body)?;
     let leg = cut.legs.get(before.side).as_ref().ok_or("the leg is gone")?;
-    let up_mm = |height_mm: f64| height_mm / after.axis.direction.z;
-    let span_mm = [up_mm(LOWEST_STATURE_SHARE * body.scale_mm), up_mm(cut.crotch.height_mm)];
+    let span_mm = [LOWEST_STATURE_SHARE * body.scale_mm, cut.crotch.height_mm];
+    let span_mm = span_mm.map(|height_mm| after.axis.along_at_height(height_mm));
     let sections = sections(leg, after.axis.clone(), span_mm, SectionFit::Skin);
     let sections = sections.ok_or("no sections")?;
     let along_mm: Vec<f64> = before.level_sections.iter().map(|at| at.section.along_mm).collect();
     let levels = before.level_sections.iter().zip(sections.at(leg, &along_mm));
     let measured = levels.filter_map(|(at, section)| {
         let section = section?;
-        let features = features(&sections.axis, &section);
+        let features = features(&sections.axis.plane(section.along_mm), &section);
         Some(LevelSection { level: at.level, section, scan: Vec::new(), features })
     });
     Ok(measured.collect())

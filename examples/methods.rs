@@ -16,7 +16,7 @@ use std::path::Path;
 
 use degraded::{mean_edge, noisy, thinned};
 use gaiter::leg::Method;
-use gaiter::leg::method::{AxisFit, SectionFit, Unit};
+use gaiter::leg::method::{AxisFit, SectionFit, Tape, Unit};
 use gaiter::scan::{Format, Scan, read};
 use rayon::prelude::*;
 use support::geometry::wavefront::obj;
@@ -24,11 +24,13 @@ use tally::Tally;
 use truth::{Case, cases};
 
 /// The methods that are compared.
-const METHODS: [(&str, SectionFit, AxisFit); 4] = [
-    ("skin", SectionFit::Skin, AxisFit::Centroids),
-    ("periodic", SectionFit::Periodic, AxisFit::Centroids),
-    ("paper's sections, our axis", SectionFit::Paper, AxisFit::Centroids),
-    ("paper", SectionFit::Paper, AxisFit::Principal),
+const METHODS: [(&str, SectionFit, Tape); 6] = [
+    ("skin", SectionFit::Skin, Tape::Shank),
+    ("skin, whole leg", SectionFit::Skin, Tape::Leg(AxisFit::Centroids)),
+    ("skin, horizontal", SectionFit::Skin, Tape::Horizontal),
+    ("periodic", SectionFit::Periodic, Tape::Shank),
+    ("paper's sections, our planes", SectionFit::Paper, Tape::Shank),
+    ("paper", SectionFit::Paper, Tape::Leg(AxisFit::Principal)),
 ];
 
 /// Standard deviations of the noise, mm. Scanners have 0.5 to 1.5.
@@ -63,8 +65,8 @@ fn is_clean(case: &Case) -> bool {
     case.truth["defects"].as_object().is_some_and(|defects| defects.is_empty())
 }
 
-fn method(case: &Case, (_, fit, axis): (&str, SectionFit, AxisFit)) -> Method {
-    Method { up: case.up, fit, axis, ..Method::default() }
+fn method(case: &Case, (_, fit, tape): (&str, SectionFit, Tape)) -> Method {
+    Method { up: case.up, fit, tape, ..Method::default() }
 }
 
 /// All scans by all methods.

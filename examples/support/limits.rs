@@ -3,6 +3,7 @@
 use std::fmt;
 
 use gaiter::leg::{Extraction, Landmark, LegReport, Level, Side};
+use nalgebra::Vector3;
 use serde_json::Value;
 
 use super::curve::Curve;
@@ -134,8 +135,15 @@ impl Limits {
             found(leg, Level::B1).and_then(|b1| Profile::of(truth, "slope").at(b1.height_mm));
         let largest = truth["landmarks"]["B1"]["slope"].as_f64();
         self.slope_share.extend(slope.zip(largest).map(|(slope, largest)| slope / largest));
-        self.tilt_deg.extend(truth["tilt_deg"].as_f64().map(|tilt| leg.axis.tilt_deg() - tilt));
+        self.tilt_deg.extend(off_deg(truth, leg));
     }
+}
+
+/// Angle between the true axis of the shank and the one found, degrees.
+fn off_deg(truth: &Value, leg: &LegReport) -> Option<f64> {
+    let direction = truth["shank"]["direction"].as_array()?;
+    let [x, y, z] = [0, 1, 2].map(|axis| direction.get(axis).and_then(Value::as_f64));
+    Some(leg.axis.foot.normal.angle(&Vector3::new(x?, y?, z?)).to_degrees())
 }
 
 fn claim([girth, height]: &mut [Claims; 2], landmark: &Landmark, [girth_mm, height_mm]: [f64; 2]) {

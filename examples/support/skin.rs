@@ -138,7 +138,7 @@ impl Skin {
             let arm = arm(like, axis, &point, along_mm);
             let angle = arm.y.atan2(arm.x);
             if like.closest(&point, along_mm, angle).distance_mm < OWN_MM {
-                let across = axis.in_plane(&point);
+                let across = axis.place(&point).1;
                 upright.push(Point3::new(across.x, across.y, along_mm));
                 around.push(angle);
             }
@@ -174,6 +174,6 @@ fn skin_bytes(path: &Path) -> io::Result<Vec<u8>> {
 fn arm(surface: &Surface, axis: &LegAxis, point: &Point3<f64>, along_mm: f64) -> Vector2<f64> {
     let v: Vec<f64> = (0..MIDDLE_PLACES).map(|i| TAU * i as f64 / MIDDLE_PLACES as f64).collect();
     let ring = surface.grid(&[along_mm], &v);
-    let sum: Vector2<f64> = ring.iter().map(|on_ring| axis.in_plane(on_ring).coords).sum();
-    axis.in_plane(point) - Point2::from(sum / MIDDLE_PLACES as f64)
+    let sum: Vector2<f64> = ring.iter().map(|on_ring| axis.place(on_ring).1.coords).sum();
+    axis.place(point).1 - Point2::from(sum / MIDDLE_PLACES as f64)
 }

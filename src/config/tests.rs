@@ -5,7 +5,8 @@ use toml::de::DeTable;
 use super::Config;
 use super::load::{config, load};
 use super::reader::{Absent, Key, Reader};
-use super::words::{AXES, FITS};
+use super::words::{FITS, TAPES};
+use crate::leg::method::{AxisFit, Tape};
 
 const SHIPPED: &str = include_str!("../../config/station.toml");
 

@@ -6,14 +6,14 @@ use std::f64::consts::{PI, TAU};
 
 use gaiter::leg::features::feature::features;
 use gaiter::leg::method::{SectionFit, SurfaceMethod};
-use gaiter::leg::sections::axis::{AxisFault, axis, principal_axis};
+use gaiter::leg::sections::axis_fit::AxisFault;
 use gaiter::leg::sections::section::Section;
 use gaiter::leg::side::Side;
 use gaiter::leg::surface::nurbs::{Wanted, surface};
 use nalgebra::{Point3, Vector3};
 use support::geometry::solids::{
-    CHORDS_MM, CROTCH_MM, REGULAR_MM, SCATTERED_MM, STATURE_MM, Tube, all, contour_mm, curve_of,
-    ellipse, near, off_deg, tape_mm,
+    CHORDS_MM, CROTCH_MM, REGULAR_MM, SCATTERED_MM, STATURE_MM, Tube, all, axis, contour_mm,
+    curve_of, ellipse, near, off_deg, principal_axis, tape_mm,
 };
 
 const FITS: [SectionFit; 3] = [SectionFit::Skin, SectionFit::Periodic, SectionFit::Paper];
@@ -64,7 +64,12 @@ fn the_girth_curve_of_a_cylinder_is_level_and_it_has_no_feature() {
         near(curve.tape(along)[1], 0.0, 1e-4, "slope");
     }
     for section in all(&sections) {
-        assert_eq!(features(&sections.axis, section), [], "{} mm", section.along_mm);
+        assert_eq!(
+            features(&sections.axis.plane(section.along_mm), section),
+            [],
+            "{} mm",
+            section.along_mm
+        );
     }
 }
 
@@ -194,11 +199,11 @@ fn the_axis_of_a_tilted_tube_is_found_with_its_foot_and_its_heights() {
             let tube = Tube { side, foot, direction: tilt, is_scattered: true, ..Tube::of(radius) };
             let sections = tube.sections(SectionFit::Periodic);
             let axis = &sections.axis;
-            let off_deg = axis.direction.angle(&tilt).to_degrees();
+            let off_deg = axis.foot.normal.angle(&tilt).to_degrees();
             assert!(off_deg < 0.05, "{side:?} {tilt}: {off_deg}° off");
             near(axis.tilt_deg(), tilt.angle(&Vector3::z()).to_degrees(), 0.05, "tilt");
-            assert!((axis.foot - foot).norm() < 0.2, "{}", axis.foot);
-            assert!(axis.front.y < -0.9 && axis.lateral.x * side.lateral_sign() > 0.9);
+            assert!((axis.foot.origin - foot).norm() < 0.2, "{}", axis.foot.origin);
+            assert!(axis.foot.front.y < -0.9 && axis.foot.lateral.x * side.lateral_sign() > 0.9);
             let upright = tilt.normalize().z;
             for section in all(&sections) {
                 near(section.height_mm, section.along_mm * upright, 0.1, "height");
@@ -215,14 +220,15 @@ fn the_principal_axis_of_an_even_tube_is_its_own_and_points_up() {
         let foot = Point3::new(90.0, -20.0, 0.0);
         let leg = Tube { side, foot, is_scattered: true, ..Tube::of(&oval) }.leg();
         let axis = principal_axis(&leg, CROTCH_MM).unwrap();
-        assert!(axis.direction.z > 0.0 && axis.tilt_deg() < 0.1, "{}", axis.tilt_deg());
-        assert!((axis.foot - foot).norm() < 0.5, "{}", axis.foot);
-        assert!(axis.front.y < -0.99 && axis.lateral.x * side.lateral_sign() > 0.99);
+        assert!(axis.foot.normal.z > 0.0 && axis.tilt_deg() < 0.1, "{}", axis.tilt_deg());
+        assert!((axis.foot.origin - foot).norm() < 0.5, "{}", axis.foot.origin);
+        assert!(axis.foot.front.y < -0.99 && axis.foot.lateral.x * side.lateral_sign() > 0.99);
     }
     // The horizontal cut at the crotch, oblique to a leaning leg, turns it a little.
     let direction = Vector3::new(0.14, -0.08, 1.0);
     let leg = Tube { direction, ..Tube::of(&oval) }.leg();
-    let off_deg = principal_axis(&leg, CROTCH_MM).unwrap().direction.angle(&direction).to_degrees();
+    let off_deg =
+        principal_axis(&leg, CROTCH_MM).unwrap().foot.normal.angle(&direction).to_degrees();
     assert!(off_deg < 0.5, "{off_deg}° off");
 }
 
@@ -235,7 +241,7 @@ fn the_principal_axis_leans_towards_what_was_seen_and_that_of_centroids_does_not
     let principal = principal_axis(&leg, CROTCH_MM).unwrap();
     let centroids = axis(&leg, STATURE_MM, CROTCH_MM).unwrap();
     // Towards the front, −y.
-    assert!(principal.direction.y < -0.015, "{}", principal.direction.y);
+    assert!(principal.foot.normal.y < -0.015, "{}", principal.foot.normal.y);
     assert!(principal.tilt_deg() > 4.0 * centroids.tilt_deg(), "{}", centroids.tilt_deg());
 }
 
@@ -260,7 +266,7 @@ fn the_axis_goes_through_the_centroid_of_the_area_inside_not_of_the_hull() {
     let area = integral(&|t| radius(t).powi(2) / 2.0);
     let ahead = integral(&|t| radius(t).powi(3) * t.cos() / 3.0) / area;
     let aside = integral(&|t| radius(t).powi(3) * t.sin() / 3.0) / area;
-    let foot = Tube::of(&shape).sections(SectionFit::Periodic).axis.foot;
+    let foot = Tube::of(&shape).sections(SectionFit::Periodic).axis.foot.origin;
     near(foot.y, -ahead, 0.05, "front");
     near(foot.x, aside, 0.05, "lateral");
 }

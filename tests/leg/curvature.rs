@@ -16,7 +16,7 @@ fn an_ellipse_is_most_curved_at_its_tips_and_least_at_its_sides() {
     let shape = ellipse(long, short);
     let sections = Tube::of(&shape).sections(SectionFit::Periodic);
     for section in all(&sections) {
-        let found = features(&sections.axis, section);
+        let found = features(&sections.axis.plane(section.along_mm), section);
         let (tip, side) = (long / short.powi(2), short / long.powi(2));
         let expected = [
             (Kind::Peak, 0.0, tip),
@@ -67,7 +67,7 @@ fn a_superposed_cosine_has_as_many_peaks_and_valleys_as_waves_and_they_are_where
             near(section.girth.contour_mm, contour, REGULAR_MM, "contour");
             near(section.girth.tape_mm, tape, REGULAR_MM, "tape");
             assert!(section.r2 > 0.9999, "R² {}", section.r2);
-            let found = features(&sections.axis, section);
+            let found = features(&sections.axis.plane(section.along_mm), section);
             check_features(&found, &expected, 0.02 * (peak - valley));
             for feature in &found {
                 near(
@@ -91,7 +91,7 @@ fn left_and_right_legs_that_mirror_each_other_have_the_same_labels_and_angles() 
         let sections =
             Tube { side, foot, direction, ..Tube::of(&shape) }.sections(SectionFit::Periodic);
         let section = all(&sections)[60].clone();
-        features(&sections.axis, &section)
+        features(&sections.axis.plane(section.along_mm), &section)
     };
     let (left, right) = (on(Side::Left), on(Side::Right));
     assert!(left.len() >= 4, "{left:?}");

@@ -7,9 +7,9 @@ use std::f64::consts::{PI, TAU};
 
 use gaiter::leg::features::feature::{Feature, Kind, features};
 use gaiter::leg::method::SectionFit;
-use gaiter::leg::sections::axis::LegAxis;
+use gaiter::leg::sections::plane_frame::PlaneFrame;
 use gaiter::leg::sections::section::{Curve, Section, girth};
-use gaiter::leg::{Level, Method, extract};
+use gaiter::leg::{Level, Method, Side, extract};
 use gaiter::scan::Format;
 use gaiter::spline::{Basis, Smoothing, fit};
 use nalgebra::{Point2, Point3, Vector3};
@@ -18,14 +18,9 @@ use support::geometry::bodies;
 use support::geometry::noise::{Fate, quantile, roughened};
 use support::geometry::solids::{Tube, all, ellipse, near, off_deg};
 
-/// An upright axis through the origin.
-fn axis() -> LegAxis {
-    LegAxis {
-        foot: Point3::origin(),
-        direction: Vector3::z_axis(),
-        front: -Vector3::y_axis(),
-        lateral: Vector3::x_axis(),
-    }
+/// The floor, across a leg that stands upright.
+fn plane() -> PlaneFrame {
+    PlaneFrame::new(Point3::origin(), &Vector3::z(), Side::Left)
 }
 
 /// A section of this radius, mm over radians, known without error.
@@ -51,7 +46,7 @@ fn section(radius: impl Fn(f64) -> f64) -> Section {
 }
 
 fn found(radius: impl Fn(f64) -> f64) -> Vec<Feature> {
-    features(&axis(), &section(radius))
+    features(&plane(), &section(radius))
 }
 
 /// The radius of |x / a|ⁿ + |y / b|ⁿ = 1, x to the front.
@@ -142,14 +137,15 @@ fn noise_alone_makes_no_point() {
         let tube = Tube { noise_mm, is_scattered: true, columns: 48, ..Tube::of(radius) };
         let sections = tube.sections(SectionFit::Skin);
         for section in all(&sections) {
-            let found = features(&sections.axis, section);
+            let found = features(&sections.axis.plane(section.along_mm), section);
             assert_eq!(found.len(), count, "{noise_mm} mm, at {} mm", section.along_mm);
         }
     }
     // A plane's own crossings are few: what noise makes of them must be told from their residuals.
     let tube = Tube { noise_mm: 1.0, is_scattered: true, columns: 48, ..Tube::of(&ellipse) };
     let sections = tube.sections(SectionFit::Periodic);
-    let more = |section: &&Section| features(&sections.axis, section).len() > 4;
+    let more =
+        |section: &&Section| features(&sections.axis.plane(section.along_mm), section).len() > 4;
     let invented = all(&sections).into_iter().filter(more).count();
     assert!(invented * 50 <= sections.rows.len(), "{invented} sections have invented points");
 }
@@ -170,8 +166,8 @@ fn the_standard_error_tells_how_far_noise_moves_a_point() {
     for seed in 2..=4 {
         let noisy = sections(1.0, seed);
         for (before, after) in all(&exact).into_iter().zip(all(&noisy)) {
-            let [from, to] =
-                [(&exact, before), (&noisy, after)].map(|(s, at)| features(&s.axis, at));
+            let [from, to] = [(&exact, before), (&noisy, after)]
+                .map(|(s, at)| features(&s.axis.plane(at.along_mm), at));
             fate.add(before, &from, &to);
         }
     }
@@ -215,7 +211,7 @@ proptest! {
             let wave = |(n, (size, at)): (usize, &(f64, f64))| size * ((n + 2) as f64 * (angle - at)).cos();
             50.0 + waves.iter().enumerate().map(wave).sum::<f64>()
         });
-        let features = features(&axis(), &section);
+        let features = features(&plane(), &section);
         let order: Vec<f64> = features.iter().map(|f| f.angle_deg.rem_euclid(360.0)).collect();
         prop_assert!(order.is_sorted(), "{order:?}");
         let mean = TAU / section.girth.contour_mm;
@@ -226,7 +222,7 @@ proptest! {
             prop_assert_eq!(above > 0.0, feature.kind == Kind::Peak);
             prop_assert!(above.abs() >= feature.prominence_per_mm);
             prop_assert!(feature.prominence_per_mm >= 0.25 * mean);
-            let skin = section.point(&axis(), feature.angle_deg.to_radians());
+            let skin = section.point(&plane(), feature.angle_deg.to_radians());
             prop_assert!((feature.position - skin).norm() < 1e-9);
         }
     }

@@ -323,7 +323,7 @@ fn from_export_brings_a_point_of_the_export_to_where_the_surface_is() {
                 .map(|i| surface.surface.point(along, TAU * f64::from(i) / 24.0 - PI).coords)
                 .collect();
             let middle = Point3::from(ring.iter().sum::<Vector3<f64>>() / 24.0);
-            let arm = leg.axis.in_plane(point) - leg.axis.in_plane(&middle);
+            let arm = leg.axis.place(point).1 - leg.axis.place(&middle).1;
             let foot = surface.surface.closest(point, along, arm.y.atan2(arm.x));
             assert!(foot.distance_mm < 1.0, "{point} is {} mm off", foot.distance_mm);
             count += 1;

@@ -51,12 +51,7 @@ fn leg(columns: usize, ring_mm: f64) -> Leg {
 
 /// The sections at whole heights, as the printed figures are.
 fn horizontal(leg: &Leg, fit: SectionFit) -> Sections {
-    let axis = LegAxis {
-        foot: Point3::origin(),
-        direction: Vector3::z_axis(),
-        front: -Vector3::y_axis(),
-        lateral: -Vector3::x_axis(),
-    };
+    let axis = LegAxis::straight(Point3::origin(), &Vector3::z(), Side::Right);
     sections(leg, axis, [40.0, test_leg::HEIGHT_MM], fit).unwrap()
 }
 

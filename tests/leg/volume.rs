@@ -215,7 +215,7 @@ fn enclosed_ml(mesh: &Mesh, axis: &LegAxis, span_mm: [f64; 2]) -> [f64; 2] {
     for triangle in mesh.triangles() {
         let corners = triangle.map(|corner| mesh.points()[corner as usize]);
         // The other leg, and hands, are further than that.
-        if corners.iter().any(|corner| axis.in_plane(corner).coords.norm() > 130.0) {
+        if corners.iter().any(|corner| axis.place(corner).1.coords.norm() > 130.0) {
             continue;
         }
         let polygon = clipped(corners, axis, span_mm);
@@ -226,8 +226,8 @@ fn enclosed_ml(mesh: &Mesh, axis: &LegAxis, span_mm: [f64; 2]) -> [f64; 2] {
         for pair in polygon[1..].windows(2) {
             let part = [polygon[0], pair[0], pair[1]];
             let normal = (part[1] - part[0]).cross(&(part[2] - part[0])) / 2.0;
-            let front = part.iter().map(|p| axis.in_plane(p).x).sum::<f64>() / 3.0;
-            flat += front * axis.front.dot(&normal);
+            let front = part.iter().map(|p| axis.place(p).1.x).sum::<f64>() / 3.0;
+            flat += front * axis.foot.front.dot(&normal);
             area += normal.norm();
         }
         let sagitta = |i: usize, j: usize| {
@@ -242,8 +242,7 @@ fn enclosed_ml(mesh: &Mesh, axis: &LegAxis, span_mm: [f64; 2]) -> [f64; 2] {
 #[test]
 fn a_tube_s_mesh_holds_its_closed_form_with_the_rise_of_its_skin() {
     let leg = Tube::of(&|_, _| 50.0).leg();
-    let axis =
-        gaiter::leg::sections::axis::axis(&leg, solids::STATURE_MM, solids::CROTCH_MM).unwrap();
+    let axis = solids::axis(&leg, solids::STATURE_MM, solids::CROTCH_MM).unwrap();
     let [flat, curved] = enclosed_ml(&leg.mesh, &axis, SPAN_MM);
     let expected = PI * 2.5 * (SPAN_MM[1] - SPAN_MM[0]);
     near_share(curved.abs(), expected, 1e-5, "with the rise");

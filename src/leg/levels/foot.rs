@@ -15,10 +15,10 @@ use crate::leg::level::{By, Level};
 use crate::leg::method::SectionFit;
 use crate::leg::parting::segment::Leg;
 use crate::leg::sections::axis::LegAxis;
-use crate::leg::sections::plane_frame::PlaneFrame;
 use crate::leg::sections::equidistant::sections;
 use crate::leg::sections::gap::{GAP_MAX_DEG, largest_gap_deg};
 use crate::leg::sections::hull::Hull;
+use crate::leg::sections::plane_frame::PlaneFrame;
 use crate::leg::sections::section::Section;
 
 /// The foot's outline is taken below this height, as a share of stature: under the malleoli.

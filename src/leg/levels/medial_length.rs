@@ -13,9 +13,7 @@ const MEDIAL: f64 = -FRAC_PI_2;
 /// beside the foot there. `None` outside the measured sections.
 pub(in crate::leg) fn surface_length_mm(sections: &Sections, along_mm: f64) -> Option<f64> {
     let measured = sections.rows.iter().filter_map(|row| row.section.as_ref());
-    let point = |section: &Section| {
-        section.point(&sections.axis.plane(section.along_mm), MEDIAL)
-    };
+    let point = |section: &Section| section.point(&sections.axis.plane(section.along_mm), MEDIAL);
     let mut below = measured.clone().next().filter(|section| section.along_mm <= along_mm)?;
     let mut length_mm = point(below).z;
     for section in measured.skip(1) {

@@ -4,6 +4,8 @@
 //! up to 3.6° towards the better visible side. A line through the centroids of sections, all with
 //! equal weight, does not depend on how densely the skin was sampled.
 
+use std::f64::consts::TAU;
+
 use nalgebra::{Matrix3, Point2, Point3, SymmetricEigen, Unit, Vector2, Vector3};
 
 use super::axis::LegAxis;
@@ -66,6 +68,12 @@ const MIDDLE_STATURE_SHARE: [f64; 2] = [0.28, 0.40];
 
 /// Length of the pieces of the middle's curve, mm.
 const MIDDLE_INTERVAL_MM: f64 = 60.0;
+
+/// Longest piece of an outline that is straight, radians: 7.5°, some edges of a usual export.
+const PIECE: f64 = TAU / 48.0;
+
+/// The centroid moves the middle, and with it the angles and radii: after three rounds by nothing.
+const MIDDLE_ROUNDS: usize = 3;
 
 /// Why a leg has no axis.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -255,18 +263,39 @@ fn standing(line: Line) -> Result<Line, AxisFault> {
 }
 
 /// Centroid of the area inside an outline given as unordered points, ordered by their angle about
-/// the middle of their hull; a gap is closed by its chord.
+/// its middle. Across a gap the radius goes from one edge to the other: a chord would pull the centroid
+/// of a shank whose inner side was not seen aside by millimetres.
 pub fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
-    let middle = Hull::of(points)?.centroid();
+    let mut middle = Hull::of(points)?.centroid();
+    for _ in 0..MIDDLE_ROUNDS {
+        middle = centroid_about(points, middle)?;
+    }
+    Some(middle)
+}
+
+/// The centroid, for angles and radii about a point inside.
+fn centroid_about(points: &[Point2<f64>], middle: Point2<f64>) -> Option<Point2<f64>> {
     let arms = points.iter().map(|p| p - middle);
-    let mut outline: Vec<_> = arms.map(|arm| (arm.y.atan2(arm.x), arm)).collect();
+    let mut outline: Vec<(f64, f64)> = arms.map(|arm| (arm.y.atan2(arm.x), arm.norm())).collect();
     outline.sort_by(|p, q| p.0.total_cmp(&q.0));
-    let next = outline.iter().cycle().skip(1);
+    let last = *outline.last()?;
     let (mut moment, mut twice_area) = (Vector2::zeros(), 0.0);
-    for ((_, p), (_, q)) in outline.iter().zip(next) {
-        let cross = p.perp(q);
-        moment += (p + q) * cross;
-        twice_area += cross;
+    let mut from = (last.0 - TAU, last.1);
+    for to in outline.into_iter() {
+        let turn = to.0 - from.0;
+        let pieces = (turn / PIECE).ceil().max(1.0);
+        let at = |piece: f64| {
+            let share = piece / pieces;
+            let (angle, radius) = (from.0 + share * turn, from.1 + share * (to.1 - from.1));
+            Vector2::new(radius * angle.cos(), radius * angle.sin())
+        };
+        for piece in 0..pieces as usize {
+            let [p, q] = [piece, piece + 1].map(|piece| at(piece as f64));
+            let cross = p.perp(&q);
+            moment += (p + q) * cross;
+            twice_area += cross;
+        }
+        from = to;
     }
     (twice_area > 0.0).then(|| middle + moment / (3.0 * twice_area))
 }

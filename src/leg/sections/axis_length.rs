@@ -43,7 +43,8 @@ impl AxisLength {
     /// them.
     pub fn at(&self, along_mm: f64) -> f64 {
         let above = self.knots.partition_point(|[along, _]| *along < along_mm);
-        let (Some([low, from_mm]), high) = (self.knots[..above].last(), self.knots.get(above)) else {
+        let (Some([low, from_mm]), high) = (self.knots[..above].last(), self.knots.get(above))
+        else {
             return along_mm;
         };
         let slope = high.map_or(1.0, |[high, to_mm]| (to_mm - from_mm) / (high - low));

@@ -63,7 +63,8 @@ pub fn lambda(axis: &LegAxis, along_mm: &[f64], slices: &[Vec<Crossing>]) -> f64
         let weights = vec![1.0; radii.len()];
         fit(&basis()?, &angles, &radii, &weights, Smoothing::Gcv).ok().map(|fit| fit.lambda)
     };
-    let mut found: Vec<f64> = along_mm.par_iter().zip(slices).step_by(SMOOTHING_STRIDE).filter_map(one).collect();
+    let mut found: Vec<f64> =
+        along_mm.par_iter().zip(slices).step_by(SMOOTHING_STRIDE).filter_map(one).collect();
     found.sort_by(f64::total_cmp);
     found.get(found.len() / 2).copied().unwrap_or(0.0)
 }

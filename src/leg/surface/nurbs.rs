@@ -240,8 +240,7 @@ fn bent(axis: &LegAxis, straight: &Surface) -> Result<Surface, FitFault> {
     let (low, high) = straight.along().domain();
     let rows = BENT_PLACES * straight.along().count();
     let columns = BENT_PLACES * straight.around().count();
-    let along: Vec<f64> =
-        (0..=rows).map(|i| low + (high - low) * i as f64 / rows as f64).collect();
+    let along: Vec<f64> = (0..=rows).map(|i| low + (high - low) * i as f64 / rows as f64).collect();
     let around: Vec<f64> = (0..columns).map(|j| TAU * j as f64 / columns as f64 - PI).collect();
     let place = |u: f64, v: f64| axis.at(u, &straight.point(u, v).xy());
     let points: Vec<Point3<f64>> =

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Point3, Rotation3, Unit, Vector3};
+use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::{Foot, FootReport, LATERAL_SHARE, MEDIAL_SHARE, foot};
 use crate::leg::doubt::Doubt;

@@ -7,9 +7,10 @@
 use std::f64::consts::TAU;
 
 use gaiter::leg::levels::girth::{GirthCurve, girth_curve};
-use gaiter::leg::method::SectionFit;
+use gaiter::leg::method::{AxisFit, SectionFit, Tape};
 use gaiter::leg::parting::segment::Leg;
-use gaiter::leg::sections::axis::axis;
+use gaiter::leg::sections::axis::LegAxis;
+use gaiter::leg::sections::axis_fit::{self, AxisFault};
 use gaiter::leg::sections::equidistant::{Sections, sections};
 use gaiter::leg::sections::section::Section;
 use gaiter::leg::sections::slice::Mesh;
@@ -111,7 +112,7 @@ impl<'a> Tube<'a> {
     pub fn sections(&self, fit: SectionFit) -> Sections {
         let leg = self.leg();
         let axis = axis(&leg, STATURE_MM, CROTCH_MM).unwrap();
-        let span_mm = [40.0, CROTCH_MM / axis.direction.z];
+        let span_mm = [40.0, axis.along_at_height(CROTCH_MM)];
         sections(&leg, axis, span_mm, fit).unwrap()
     }
 }
@@ -162,6 +163,20 @@ pub fn near(found: f64, expected: f64, tolerance: f64, what: &str) {
 /// The girth curve over sections of a tube.
 pub fn curve_of(sections: &Sections) -> GirthCurve {
     girth_curve(sections, STATURE_MM).unwrap()
+}
+
+/// The one axis of a whole leg, through the centroids of its sections.
+pub fn axis(leg: &Leg, stature_mm: f64, crotch_mm: f64) -> Result<LegAxis, AxisFault> {
+    found(leg, stature_mm, crotch_mm, Tape::Leg(AxisFit::Centroids))
+}
+
+/// The paper's axis of a whole leg.
+pub fn principal_axis(leg: &Leg, crotch_mm: f64) -> Result<LegAxis, AxisFault> {
+    found(leg, STATURE_MM, crotch_mm, Tape::Leg(AxisFit::Principal))
+}
+
+fn found(leg: &Leg, stature_mm: f64, crotch_mm: f64, tape: Tape) -> Result<LegAxis, AxisFault> {
+    axis_fit::find(leg, stature_mm, crotch_mm, tape).map(|found| found.axis)
 }
 
 /// The radius of an ellipse whose long axis points to the front and the back.
