@@ -4,6 +4,7 @@ use super::doubt::Doubt;
 use super::finding::{Finding, LegFault, What};
 use super::level::Level;
 use super::measured::{LegReport, LevelSection};
+use super::method::Tape;
 use super::side::Side;
 use super::{Body, Method};
 use crate::leg::comparison::volume::leg_volume;
@@ -16,8 +17,10 @@ use crate::leg::levels::level_reading::Ruler;
 use crate::leg::levels::medial_length::surface_length_mm;
 use crate::leg::levels::search::{Levels, levels};
 use crate::leg::levels::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
+use crate::leg::levels::tilt;
 use crate::leg::parting::crotch::Crotch;
 use crate::leg::parting::segment::Leg;
+use crate::leg::sections::axis::LegAxis;
 use crate::leg::sections::axis_fit::{self, FoundAxis};
 use crate::leg::sections::axis_length::AxisLength;
 use crate::leg::sections::equidistant::{Sections, sections};
@@ -59,6 +62,8 @@ pub fn leg_report(
     })?;
     let near = |along_mm: f64| sections.nearest(along_mm);
     let mut measures = measures(leg, &sections, &curve, crotch, scale_mm, method);
+    let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
+    tilt::complete(across, &sections, &other_axes(leg, body, end_mm, method.tape));
     for landmark in &mut measures.levels.found {
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
@@ -119,6 +124,18 @@ pub fn leg_report(
         at,
     };
     Ok((report, findings.found))
+}
+
+/// The axes that a leg would have if the stature were smaller or larger by its standard error; none where
+/// they do not depend on it.
+fn other_axes(leg: &Leg, body: &Body, end_mm: f64, tape: Tape) -> Vec<LegAxis> {
+    let shares = match tape {
+        Tape::Shank => vec![1.0 - body.scale_sd_share, 1.0 + body.scale_sd_share],
+        Tape::Leg(_) | Tape::Horizontal => Vec::new(),
+    };
+    let found =
+        shares.into_iter().map(|share| axis_fit::find(leg, share * body.scale_mm, end_mm, tape));
+    found.filter_map(|found| Some(found.ok()?.axis)).collect()
 }
 
 /// The measurements at the levels of a leg.

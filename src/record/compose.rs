@@ -149,6 +149,7 @@ fn landmark(report: &LegReport, landmark: &Landmark) -> LandmarkFigures {
         girth_contour_mm: mm(landmark.girth_contour_mm),
         height_sd_mm: judged(landmark.height_sd_mm),
         girth_sd_mm: judged(landmark.girth_sd_mm),
+        girth_per_deg_mm: landmark.girth_per_deg_mm.map(mm),
         doubts: codes(&landmark.doubts),
     }
 }

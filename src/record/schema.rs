@@ -184,6 +184,9 @@ pub struct LandmarkFigures {
     pub height_sd_mm: Option<f64>,
     /// Standard error of the tape girth; null if unknown.
     pub girth_sd_mm: Option<f64>,
+    /// How much the tape girth changes at most per degree by which the tape is tilted; null if unknown.
+    #[serde(default)]
+    pub girth_per_deg_mm: Option<f64>,
     /// Codes of doubts.
     pub doubts: Vec<String>,
 }

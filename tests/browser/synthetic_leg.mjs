@@ -109,5 +109,5 @@ export function leg(side, errorMm = () => 0, { rows, columns } = { rows: 60, col
 
 /** A record of both legs, or of the legs given. */
 export function record(legs = [leg("left"), leg("right")]) {
-  return { schema: "gaiter.leg-record/1", legs, findings: [] };
+  return { schema: "gaiter.leg-record/2", legs, findings: [] };
 }

@@ -206,11 +206,12 @@ fn normals(mesh: &Mesh) -> Vec<Vector3<f64>> {
 /// The volume inside the mesh around an axis between two planes across it, mL: by the flat facets,
 /// and with the skin's rise over each of them.
 ///
-/// By the divergence theorem for the field (front coordinate, 0, 0), which has no flux through the
-/// planes. The rise over a facet is the quadratic that the normals at its corners describe: the sum
-/// of the sagittas e·Δn/8 of its edges, a third of it in the mean.
+/// By the divergence theorem for a field of divergence 1 without flux through the planes. The rise over a
+/// facet is the quadratic that the normals at its corners describe: the sum of the sagittas e·Δn/8 of its
+/// edges, a third of it in the mean.
 fn enclosed_ml(mesh: &Mesh, axis: &LegAxis, span_mm: [f64; 2]) -> [f64; 2] {
     let normals = normals(mesh);
+    let field = field(axis, span_mm);
     let [mut flat, mut rise] = [0.0; 2];
     for triangle in mesh.triangles() {
         let corners = triangle.map(|corner| mesh.points()[corner as usize]);
@@ -226,8 +227,8 @@ fn enclosed_ml(mesh: &Mesh, axis: &LegAxis, span_mm: [f64; 2]) -> [f64; 2] {
         for pair in polygon[1..].windows(2) {
             let part = [polygon[0], pair[0], pair[1]];
             let normal = (part[1] - part[0]).cross(&(part[2] - part[0])) / 2.0;
-            let front = part.iter().map(|p| axis.place(p).1.x).sum::<f64>() / 3.0;
-            flat += front * axis.foot.front.dot(&normal);
+            let middle = part.iter().map(|p| p.coords).sum::<Vector3<f64>>() / 3.0;
+            flat += field(&middle.into()).dot(&normal);
             area += normal.norm();
         }
         let sagitta = |i: usize, j: usize| {
@@ -237,6 +238,15 @@ fn enclosed_ml(mesh: &Mesh, axis: &LegAxis, span_mm: [f64; 2]) -> [f64; 2] {
         rise += area * (sagitta(0, 1) + sagitta(1, 2) + sagitta(2, 0)) / 3.0;
     }
     [flat / 1000.0, (flat + rise) / 1000.0]
+}
+
+/// A field of divergence 1 without flux through two planes across an axis: along a direction that lies in
+/// both.
+fn field(axis: &LegAxis, span_mm: [f64; 2]) -> impl Fn(&Point3<f64>) -> Vector3<f64> {
+    let [low, high] = span_mm.map(|along_mm| axis.plane(along_mm));
+    let meets = low.normal.cross(&high.normal);
+    let direction = meets.try_normalize(1e-9).unwrap_or(low.front.into_inner());
+    move |point: &Point3<f64>| direction * direction.dot(&(point - low.origin))
 }
 
 #[test]

@@ -55,7 +55,7 @@ fn record(legs: serde_json::Value) -> Record {
         })
         .collect();
     serde_json::from_value(json!({
-        "schema": "gaiter.leg-record/1", "revision": 1, "station": "booth-1",
+        "schema": "gaiter.leg-record/2", "revision": 1, "station": "booth-1",
         "patient": {"id": "4711", "sources": [{"kind": "order"}]}, "acquired": null,
         "made_by": {"gaiter": "0.1.0", "method": {}},
         "scan": {"sha256": "0123456789abcdef", "format": "obj", "unit": "cm",

@@ -123,7 +123,7 @@ mod tests {
             })
         };
         let record = json!({
-            "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
+            "schema": "gaiter.leg-record/2", "revision": 1, "station": null, "patient": null,
             "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
             "scan": {"sha256": "0", "format": "obj", "unit": "mm", "unit_inferred": false,
                      "points": 0, "triangles": 0},

@@ -75,7 +75,7 @@ mod tests {
     #[test]
     fn what_a_record_was_asked_for_is_asked_again() {
         let record = json!({
-            "schema": "gaiter.leg-record/1", "revision": 1, "station": null, "patient": null,
+            "schema": "gaiter.leg-record/2", "revision": 1, "station": null, "patient": null,
             "acquired": null,
             "made_by": {"gaiter": "0.1.0", "method": {
                 "scope": "right leg", "unit": "cm", "up": "z", "facing": "-x",

@@ -27,6 +27,12 @@ const TRUNK_SHARES: [f64; 4] = [0.57, 0.59, 0.61, 0.63];
 /// and a patient who stands on one leg moves that leg inwards.
 const BESIDE_TRUNK_MIN_MM: f64 = 40.0;
 
+/// Standard error of the stature by the crown, as a share: hair, a cap, a bent neck.
+const CROWN_SD_SHARE: f64 = 0.01;
+
+/// … and by the length of a foot, of which people's differ (ANSUR II: 0.152 ± 0.006).
+const FOOT_SD_SHARE: f64 = 0.04;
+
 /// A scan in the body frame.
 #[derive(Debug, Clone)]
 pub struct Body {
@@ -37,6 +43,8 @@ pub struct Body {
     /// The stature that search heights are relative to: the body's own, or one inferred from a lone
     /// leg's foot, mm.
     pub scale_mm: f64,
+    /// Standard error of `scale_mm`, as a share of it.
+    pub scale_sd_share: f64,
     /// Middle of each shank that is present, looking along −Z, mm.
     pub shanks: Sides<Option<Point2<f64>>>,
     /// Standard error of the floor's height, mm.
@@ -95,6 +103,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         mesh: moved(scan, &(to_body * to_mm), unit),
         stature_mm,
         scale_mm: stature_mm.unwrap_or(size.scale_mm),
+        scale_sd_share: if stature_mm.is_some() { CROWN_SD_SHARE } else { FOOT_SD_SHARE },
         shanks: Sides { left: sides.left.map(in_body), right: sides.right.map(in_body) },
         floor_sd_mm: stance.floor.sd_mm,
         facing_deg: facing.to_degrees(),

@@ -212,6 +212,7 @@ fn y(leg: &Leg, axis: &LegAxis, frame: &Frame, fit: SectionFit) -> Option<Landma
         girth_contour_mm: own.girth.contour_mm,
         height_sd_mm: (slope(|section| section.height_mm) * HEEL_SD_MM).abs(),
         girth_sd_mm: (girth_slope * HEEL_SD_MM).hypot(noise_mm),
+        girth_per_deg_mm: None,
         doubts: section_doubts(&own),
     })
 }

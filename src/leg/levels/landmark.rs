@@ -28,6 +28,8 @@ pub struct Landmark {
     pub height_sd_mm: f64,
     /// Standard error of the tape girth, mm.
     pub girth_sd_mm: f64,
+    /// How much the tape girth changes at most with a tilt of the tape, mm per degree; `None` if unknown.
+    pub girth_per_deg_mm: Option<f64>,
     /// What a reader must know before using it.
     pub doubts: Vec<Doubt>,
 }

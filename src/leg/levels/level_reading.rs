@@ -46,6 +46,7 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
             girth_contour_mm: self.curve.contour_mm(along_mm),
             height_sd_mm,
             girth_sd_mm,
+            girth_per_deg_mm: None,
             doubts: doubts(self.curve, along_mm, (self.near)(along_mm)),
         })
     }

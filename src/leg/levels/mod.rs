@@ -10,3 +10,4 @@ pub(super) mod level_reading;
 pub(super) mod medial_length;
 pub mod search;
 pub(super) mod thigh;
+pub(super) mod tilt;

@@ -69,7 +69,11 @@ const MIDDLE_STATURE_SHARE: [f64; 2] = [0.28, 0.40];
 /// Length of the pieces of the middle's curve, mm.
 const MIDDLE_INTERVAL_MM: f64 = 60.0;
 
-/// Longest piece of an outline that is straight, radians: 7.5°, some edges of a usual export.
+/// Between neighbouring points of an outline up to this far apart, radians, it is straight: 20°, several
+/// edges of a usual export.
+const GAP: f64 = TAU / 18.0;
+
+/// Across a wider gap it has pieces of this length, radians.
 const PIECE: f64 = TAU / 48.0;
 
 /// The centroid moves the middle, and with it the angles and radii: after three rounds by nothing.
@@ -283,7 +287,7 @@ fn centroid_about(points: &[Point2<f64>], middle: Point2<f64>) -> Option<Point2<
     let mut from = (last.0 - TAU, last.1);
     for to in outline.into_iter() {
         let turn = to.0 - from.0;
-        let pieces = (turn / PIECE).ceil().max(1.0);
+        let pieces = if turn > GAP { (turn / PIECE).ceil() } else { 1.0 };
         let at = |piece: f64| {
             let share = piece / pieces;
             let (angle, radius) = (from.0 + share * turn, from.1 + share * (to.1 - from.1));

@@ -9,11 +9,12 @@
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
 use super::axis::LegAxis;
 use super::axis_fit::outline_centroid;
 use super::gap::{GAP_MAX_DEG, largest_gap_deg};
+use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
 use super::section::{Curve, Outline, Section, Spokes, r2};
 use crate::leg::parting::segment::Leg;
@@ -50,6 +51,16 @@ const SEEN_SPACINGS: f64 = 1.5;
 /// … or within this, mm, if that is more: sweeping scanners put their points in rows that are
 /// further apart than the points within a row.
 const SEEN_MIN_MM: f64 = 5.5;
+
+/// A tilt by which the dependence of a girth on its plane is found, degrees: a small one.
+const TILT_DEG: f64 = 1.0;
+
+/// The slope of the skin along the leg is taken over this distance to each side, mm: a tilt of 3° moves a
+/// calf's skin so far out of the plane.
+const TILT_REACH_MM: f64 = 3.0;
+
+/// Angles at which a tilted section is looked at.
+const TILT_ANGLES: usize = 180;
 
 /// The skin of one leg between two distances along its axis.
 #[derive(Debug, Clone)]
@@ -171,12 +182,42 @@ impl Skin {
         Some(fitted.zip(slow).map(|(fitted, slow)| fitted + slow).collect())
     }
 
+    /// How the tape girth changes where the plane is tilted so that its normal leans to the front, and to
+    /// the lateral side, mm per degree; `None` outside the skin.
+    pub fn girth_per_deg(&self, along_mm: f64) -> Option<[f64; 2]> {
+        let beside = [along_mm - TILT_REACH_MM, along_mm + TILT_REACH_MM];
+        let here = self.curve(self.coefficients(along_mm)?);
+        let [below, above] = beside.map(|along_mm| self.coefficients(along_mm));
+        let [below, above] = [self.curve(below?), self.curve(above?)];
+        let drift = (self.centre(beside[1]) - self.centre(beside[0])) / (2.0 * TILT_REACH_MM);
+        let point = |angle: f64| {
+            let slope = (above.radius(angle) - below.radius(angle)) / (2.0 * TILT_REACH_MM);
+            let direction = Vector2::new(angle.cos(), angle.sin());
+            (direction * here.radius(angle), direction * slope + drift)
+        };
+        let points: Vec<_> =
+            (0..TILT_ANGLES).map(|i| point(TAU * i as f64 / TILT_ANGLES as f64)).collect();
+        let girth_mm = |tilt: Vector2<f64>| {
+            let tilted = points.iter().map(|(arm, slope)| {
+                let rise_mm = -tilt.dot(arm);
+                let moved = arm + slope * rise_mm;
+                Point2::from(moved + tilt * (tilt.dot(&moved) / 2.0))
+            });
+            Some(Hull::of(&tilted.collect::<Vec<_>>())?.perimeter())
+        };
+        let [front, lateral] = [Vector2::x(), Vector2::y()].map(|direction| {
+            let tilt = direction * TILT_DEG.to_radians();
+            Some((girth_mm(tilt)? - girth_mm(-tilt)?) / (2.0 * TILT_DEG))
+        });
+        Some([front?, lateral?])
+    }
+
     fn curve(&self, coefficients: Vec<f64>) -> Curve {
         Curve::Periodic { coefficients, basis: self.fit.function.around().clone() }
     }
 
     /// The middle of the leg at a distance along the axis, (front, lateral) in mm from the axis.
-    fn centre(&self, along_mm: f64) -> Point2<f64> {
+    pub fn centre(&self, along_mm: f64) -> Point2<f64> {
         let [front, lateral] = self.middle.each_ref().map(|middle| middle.value(along_mm));
         Point2::new(front, lateral)
     }

@@ -100,7 +100,7 @@ impl Case {
 fn files(patient: Option<&str>, scan: &ScanId) -> Vec<RecordFile> {
     let patient = patient.map(|id| json!({"id": id, "sources": [{"kind": "order"}]}));
     let record = json!({
-        "schema": "gaiter.leg-record/1", "revision": 1, "station": "booth-1",
+        "schema": "gaiter.leg-record/2", "revision": 1, "station": "booth-1",
         "patient": patient,
         "acquired": {"at": "2026-11-21T09:14:00Z", "from": "press"},
         "made_by": {"gaiter": "0.1.0", "method": {}},
