@@ -155,10 +155,11 @@ fn the_json_record_is_one_line_with_every_key_of_the_contract() {
             ("girth_sd_mm", Judged),
             ("doubts", Words),
         ];
-        let landmark = [("girth_contour_mm", Number), ("surface_length_mm", Judged)];
+        let lengths = ["surface_length_mm", "girth_per_deg_mm"].map(|key| (key, Judged));
         for at in leg["landmarks"].as_object().unwrap().values() {
             assert_keys(at, "landmark", &place);
-            assert_keys(at, "landmark", &landmark);
+            assert_keys(at, "landmark", &[("girth_contour_mm", Number)]);
+            assert_keys(at, "landmark", &lengths);
         }
         let estimates = leg["estimates"].as_object().unwrap();
         assert!(estimates.keys().eq(["A", "E", "F"]), "{estimates:?}");
@@ -168,13 +169,15 @@ fn the_json_record_is_one_line_with_every_key_of_the_contract() {
         let columns = ["height_mm", "along_axis_mm", "tape_mm", "contour_mm"];
         assert_keys(curve, "girth_curve", &columns.map(|key| (key, Column)));
         assert_keys(curve, "girth_curve", &[("r2", Number)]);
-        let along: Vec<f64> = curve["along_axis_mm"]
-            .as_array()
-            .unwrap()
-            .iter()
-            .map(|at| at.as_f64().unwrap())
-            .collect();
-        assert!(along.windows(2).all(|pair| pair[1] - pair[0] <= 5.0 + 1e-9 && pair[1] > pair[0]));
+        // Planes are 5 mm apart; about the knee the centres of neighbours lie aside of each other.
+        for (column, most_mm) in [("height_mm", 5.1), ("along_axis_mm", 6.0)] {
+            let rows = curve[column].as_array().unwrap();
+            let steps = rows.windows(2).filter_map(|row| Some(row[1].as_f64()? - row[0].as_f64()?));
+            assert!(steps.into_iter().all(|step| (0.0..most_mm).contains(&step)), "{column}");
+        }
+        assert_keys(&leg["axes"], "axes", &[("bend_deg", Number)]);
+        let line = [("through_mm", Numbers(3)), ("direction", Numbers(3))];
+        ["shank", "thigh"].iter().for_each(|part| assert_keys(&leg["axes"][part], part, &line));
         let section = [("level", Text), ("height_mm", Number), ("r2", Number), ("rms_mm", Number)];
         for at in leg["sections"].as_array().unwrap() {
             assert_keys(at, "section", &section);

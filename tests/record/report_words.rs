@@ -24,19 +24,15 @@ use gaiter::record::statement::Statement;
 use gaiter::spline::tessellate::TessellationFault;
 use serde_json::json;
 
-const LANGUAGES: [Language; 2] = [Language::En, Language::De];
-
 /// A record of no leg with these findings, by code, message and statement.
 fn record(findings: &[(String, String, Option<Statement>)]) -> Record {
     let note = |(code, message, says): &(String, String, Option<Statement>)| FindingNote {
         says: says.clone(),
         code: code.clone(),
-        severity: "warning".to_owned(),
         leg: Some("left".to_owned()),
-        level: None,
         message: message.clone(),
+        ..FindingNote::not_vouched()
     };
-    let findings: Vec<FindingNote> = findings.iter().map(note).collect();
     let record = json!({
         "schema": "gaiter.leg-record/2", "revision": 1, "station": null, "patient": null,
         "acquired": null, "made_by": {"gaiter": "0.1.0", "method": {}},
@@ -44,7 +40,7 @@ fn record(findings: &[(String, String, Option<Statement>)]) -> Record {
                  "points": 0, "triangles": 0},
         "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
                  "facing_from": "feet", "from_export": vec![0.0; 16]},
-        "legs": [], "differences": null, "findings": findings,
+        "legs": [], "differences": null, "findings": findings.iter().map(note).collect::<Vec<_>>(),
     });
     serde_json::from_value(record).unwrap()
 }
@@ -73,7 +69,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
     assert!(codes.len() > 28, "only {codes:?}");
     for code in &codes {
         let record = record(&[(code.clone(), String::new(), None)]);
-        let notes = LANGUAGES.map(|language| Content::of(&record, language).notes.entries);
+        let notes = Language::ALL.map(|language| Content::of(&record, language).notes.entries);
         let [english, german] = notes.map(|notes| notes[0].clone());
         for note in [&english, &german] {
             assert!(note.meaning.is_some() && note.action.is_some(), "{code}: {note:?}");
@@ -127,7 +123,7 @@ fn the_words_of_a_code_are_its_own_and_of_no_other() {
     assert_eq!(known, codes());
     for [code, english, german, meaning] in KEYWORDS {
         let record = record(&[(code.to_owned(), String::new(), None)]);
-        let notes = LANGUAGES.map(|language| Content::of(&record, language).notes.entries);
+        let notes = Language::ALL.map(|language| Content::of(&record, language).notes.entries);
         let [in_english, in_german] = notes.each_ref().map(|notes| &notes[0]);
         assert!(in_english.title.contains(english), "{code}: {in_english:?}");
         assert!(in_german.title.contains(german), "{code}: {in_german:?}");
@@ -173,7 +169,7 @@ fn a_message_in_german_is_about_the_same_leg_and_measure() {
 #[test]
 fn a_code_of_a_later_version_is_told_by_its_message() {
     let record = record(&[("new-code".to_owned(), "something new".to_owned(), None)]);
-    for language in LANGUAGES {
+    for language in Language::ALL {
         let notes = Content::of(&record, language).notes;
         let [note] = &notes.entries[..] else { unreachable!("{notes:?}") };
         assert_eq!((note.title.as_str(), note.message.as_str()), ("new-code", "Something new."));
@@ -295,7 +291,7 @@ fn every_message_is_told_in_both_languages_with_all_its_figures() {
         let in_english = says.as_ref().and_then(|says| says.in_words(Language::En));
         assert_eq!(in_english.as_ref(), Some(&message));
         let record = record(&[(finding.code().to_owned(), message.clone(), says)]);
-        let [english, german] = LANGUAGES.map(|language| {
+        let [english, german] = Language::ALL.map(|language| {
             let notes = Content::of(&record, language).notes.entries;
             notes[0].clone()
         });
@@ -348,7 +344,7 @@ fn by_what_a_level_is_found_is_told_in_german() {
             "sections": [], "features": [], "surface": null,
         }]);
         let record: Record = serde_json::from_value(record).unwrap();
-        let told = LANGUAGES.map(|language| {
+        let told = Language::ALL.map(|language| {
             let table = Content::of(&record, language).landmarks;
             let column = table.rows[0].figures.len() - 2;
             table.rows[0].figures[column].value.clone()
@@ -397,7 +393,7 @@ fn a_figure_that_is_not_finite_leaves_the_english_words() {
 fn a_record_without_statements_is_told_in_its_english_words() {
     let message = What::ThighsTouch { from_mm: 702.0 }.to_string();
     let record = record(&[("thighs-touch".to_owned(), message.clone(), None)]);
-    let note = Content::of(&record, Language::De).notes.entries[0].clone();
+    let note = Content::of(&record, Language::De).notes.entries.swap_remove(0);
     assert!(note.is_message_english);
     assert!(note.message.to_lowercase().starts_with(&message.to_lowercase()), "{note:?}");
     assert!(note.meaning.unwrap().contains("berühren sich"));
