@@ -63,7 +63,8 @@ pub fn leg_report(
     let near = |along_mm: f64| sections.nearest(along_mm);
     let mut measures = measures(leg, &sections, &curve, crotch, scale_mm, method);
     let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
-    tilt::complete(across, &sections, &other_axes(leg, body, end_mm, method.tape));
+    let others = other_axes(leg, &sections.axis, body, end_mm, method.tape);
+    tilt::complete(across, &sections, &others);
     for landmark in &mut measures.levels.found {
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
@@ -128,14 +129,13 @@ pub fn leg_report(
 
 /// The axes that a leg would have if the stature were smaller or larger by its standard error; none where
 /// they do not depend on it.
-fn other_axes(leg: &Leg, body: &Body, end_mm: f64, tape: Tape) -> Vec<LegAxis> {
+fn other_axes(leg: &Leg, axis: &LegAxis, body: &Body, end_mm: f64, tape: Tape) -> Vec<LegAxis> {
     let shares = match tape {
         Tape::Shank => vec![1.0 - body.scale_sd_share, 1.0 + body.scale_sd_share],
         Tape::Leg(_) | Tape::Horizontal => Vec::new(),
     };
-    let found =
-        shares.into_iter().map(|share| axis_fit::find(leg, share * body.scale_mm, end_mm, tape));
-    found.filter_map(|found| Some(found.ok()?.axis)).collect()
+    let other = |share: f64| axis_fit::for_stature(leg, axis, share * body.scale_mm, end_mm);
+    shares.into_iter().filter_map(other).collect()
 }
 
 /// The measurements at the levels of a leg.

@@ -1,16 +1,14 @@
 //! Finds the axes of a leg.
 //!
-//! The paper uses the first principal component of the points ([`principal_axis`]), which leans by
+//! The paper uses the first principal component of the points (`principal_axis`), which leans by
 //! up to 3.6° towards the better visible side. A line through the centroids of sections, all with
 //! equal weight, does not depend on how densely the skin was sampled.
 
-use std::f64::consts::TAU;
-
-use nalgebra::{Matrix3, Point2, Point3, SymmetricEigen, Unit, Vector2, Vector3};
+use nalgebra::{Matrix3, Point3, SymmetricEigen, Unit, Vector3};
 
 use super::axis::LegAxis;
 use super::bend::{self, Bend, Line, Middle};
-use super::hull::Hull;
+use super::centroid::outline_centroid;
 use super::plane_frame::PlaneFrame;
 use crate::leg::method::{AxisFit, Tape};
 use crate::leg::parting::segment::Leg;
@@ -63,21 +61,12 @@ const TILT_MAX_DEG: f64 = 35.0;
 /// spacing there is 0.08 of the stature over 1.5 times the bend.
 const BEND_MAX_DEG: f64 = 55.0;
 
-/// The middle of the leg is looked at this far beyond the turn of the planes, as a share of stature.
-const MIDDLE_STATURE_SHARE: [f64; 2] = [0.28, 0.40];
+/// The middle of the leg is looked at over these shares of stature: beyond the turn of the planes, also
+/// if the stature is 4 % off.
+const MIDDLE_STATURE_SHARE: [f64; 2] = [0.265, 0.415];
 
 /// Length of the pieces of the middle's curve, mm.
 const MIDDLE_INTERVAL_MM: f64 = 60.0;
-
-/// Between neighbouring points of an outline up to this far apart, radians, it is straight: 20°, several
-/// edges of a usual export.
-const GAP: f64 = TAU / 18.0;
-
-/// Across a wider gap it has pieces of this length, radians.
-const PIECE: f64 = TAU / 48.0;
-
-/// The centroid moves the middle, and with it the angles and radii: after three rounds by nothing.
-const MIDDLE_ROUNDS: usize = 3;
 
 /// Why a leg has no axis.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
@@ -146,8 +135,7 @@ pub fn find(leg: &Leg, stature_mm: f64, top_mm: f64, tape: Tape) -> Result<Found
 
 /// The axis whose planes are square to the shank up to the knee, and to the thigh above it.
 fn shank_and_thigh(leg: &Leg, stature_mm: f64, top_mm: f64) -> Result<FoundAxis, AxisFault> {
-    let span_mm = SHANK_STATURE_SHARE.map(|share| share * stature_mm);
-    let shank = line(leg, span_mm, SPACING_MM, CENTROIDS_MIN)?;
+    let shank = line(leg, &shank_stretch(stature_mm))?;
     let axis = LegAxis::straight(shank.through, &shank.direction, leg.side);
     let (bend, no_thigh) = match thigh(leg, stature_mm, top_mm) {
         Ok((thigh, middle)) => {
@@ -163,42 +151,47 @@ fn shank_and_thigh(leg: &Leg, stature_mm: f64, top_mm: f64) -> Result<FoundAxis,
     Ok(FoundAxis { axis: LegAxis { bend, ..axis }, no_thigh })
 }
 
-/// The axis of the thigh, and the middle of the leg about the knee.
-fn thigh(leg: &Leg, stature_mm: f64, top_mm: f64) -> Result<(Line, Middle), NoThigh> {
+/// The axis of shank and thigh that a leg would have with another stature, which differs by a few percent:
+/// one round on from the one found. `None` if too little was seen there.
+pub fn for_stature(leg: &Leg, axis: &LegAxis, stature_mm: f64, top_mm: f64) -> Option<LegAxis> {
+    let shank = Line { through: axis.foot.origin, direction: axis.foot.normal };
+    let shank = next_line(leg, &shank, &shank_stretch(stature_mm)).ok()?;
+    let straight = LegAxis::straight(shank.through, &shank.direction, leg.side);
+    let Some(bend) = &axis.bend else { return Some(straight) };
+    let thigh = next_line(leg, &bend.thigh, &thigh_stretch(stature_mm, top_mm)).ok()?;
+    let bend = Bend::of(&straight.foot, thigh, bend.middle().clone(), stature_mm, leg.side);
+    Some(LegAxis { bend: Some(bend), ..straight })
+}
+
+fn shank_stretch(stature_mm: f64) -> Stretch {
+    let height_mm = SHANK_STATURE_SHARE.map(|share| share * stature_mm);
+    Stretch { height_mm, spacing_mm: SPACING_MM, least: CENTROIDS_MIN }
+}
+
+fn thigh_stretch(stature_mm: f64, top_mm: f64) -> Stretch {
     let [low, high] = THIGH_STATURE_SHARE.map(|share| share * stature_mm);
     let to_mm = high.min(top_mm - THIGH_BELOW_CROTCH_MM);
     let from_mm = low.min(to_mm - THIGH_LENGTH_MIN_MM);
-    let thigh = line(leg, [from_mm, to_mm], SPACING_MM, THIGH_CENTROIDS_MIN);
-    let thigh = thigh.map_err(|_| NoThigh::NotSeen)?;
+    Stretch { height_mm: [from_mm, to_mm], spacing_mm: SPACING_MM, least: THIGH_CENTROIDS_MIN }
+}
+
+/// The axis of the thigh, and the middle of the leg about the knee.
+fn thigh(leg: &Leg, stature_mm: f64, top_mm: f64) -> Result<(Line, Middle), NoThigh> {
+    let thigh = line(leg, &thigh_stretch(stature_mm, top_mm)).map_err(|_| NoThigh::NotSeen)?;
     Ok((thigh, middle(leg, stature_mm).ok_or(NoThigh::NotSeen)?))
 }
 
 /// The axis of the whole leg.
 fn leg_line(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<Line, AxisFault> {
-    let span_mm = [LEG_FROM_STATURE_SHARE * stature_mm, LEG_TO_CROTCH_SHARE * crotch_height_mm];
-    line(leg, span_mm, LEG_SPACING_MM, CENTROIDS_MIN)
+    let height_mm = [LEG_FROM_STATURE_SHARE * stature_mm, LEG_TO_CROTCH_SHARE * crotch_height_mm];
+    line(leg, &Stretch { height_mm, spacing_mm: LEG_SPACING_MM, least: CENTROIDS_MIN })
 }
 
 /// The line through the centroids of the sections square to it, where it is between two heights.
-fn line(
-    leg: &Leg,
-    [from_mm, to_mm]: [f64; 2],
-    spacing_mm: f64,
-    least: usize,
-) -> Result<Line, AxisFault> {
+fn line(leg: &Leg, along: &Stretch) -> Result<Line, AxisFault> {
     let mut line = Line { through: Point3::origin(), direction: Vector3::z_axis() };
     for _ in 0..ROUNDS_MAX {
-        let start = line.at_height(from_mm);
-        let plane = PlaneFrame::new(start, &line.direction, leg.side);
-        let length_mm = (to_mm - from_mm) / line.direction.z;
-        let count = (length_mm / spacing_mm).max(0.0) as usize + 1;
-        let planes: Vec<PlaneFrame> =
-            (0..count).map(|index| plane.raised(spacing_mm * index as f64)).collect();
-        let centroids = centroids(leg, &planes);
-        if centroids.len() < least {
-            return Err(AxisFault::TooFewSections { found: centroids.len() });
-        }
-        let next = standing(line_through(&centroids))?;
+        let next = next_line(leg, &line, along)?;
         let moved_deg = next.direction.angle(&line.direction).to_degrees();
         line = next;
         if moved_deg < STILL_DEG {
@@ -206,6 +199,30 @@ fn line(
         }
     }
     Ok(line)
+}
+
+/// A stretch of a leg, and how its axis is looked for.
+struct Stretch {
+    /// From this height to that, mm.
+    height_mm: [f64; 2],
+    spacing_mm: f64,
+    /// Fewer centroids than this are too few.
+    least: usize,
+}
+
+/// The line through the centroids of the sections square to a line, where that is between two heights.
+fn next_line(leg: &Leg, line: &Line, along: &Stretch) -> Result<Line, AxisFault> {
+    let Stretch { height_mm: [from_mm, to_mm], spacing_mm, least } = *along;
+    let plane = PlaneFrame::new(line.at_height(from_mm), &line.direction, leg.side);
+    let length_mm = (to_mm - from_mm) / line.direction.z;
+    let count = (length_mm / spacing_mm).max(0.0) as usize + 1;
+    let planes: Vec<PlaneFrame> =
+        (0..count).map(|index| plane.raised(spacing_mm * index as f64)).collect();
+    let centroids = centroids(leg, &planes);
+    if centroids.len() < least {
+        return Err(AxisFault::TooFewSections { found: centroids.len() });
+    }
+    standing(line_through(&centroids))
 }
 
 /// The centroids of the leg's sections in parallel planes, which ascend.
@@ -264,44 +281,6 @@ fn standing(line: Line) -> Result<Line, AxisFault> {
         return Err(AxisFault::Leaning { tilt_deg });
     }
     Ok(line)
-}
-
-/// Centroid of the area inside an outline given as unordered points, ordered by their angle about
-/// its middle. Across a gap the radius goes from one edge to the other: a chord would pull the centroid
-/// of a shank whose inner side was not seen aside by millimetres.
-pub fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
-    let mut middle = Hull::of(points)?.centroid();
-    for _ in 0..MIDDLE_ROUNDS {
-        middle = centroid_about(points, middle)?;
-    }
-    Some(middle)
-}
-
-/// The centroid, for angles and radii about a point inside.
-fn centroid_about(points: &[Point2<f64>], middle: Point2<f64>) -> Option<Point2<f64>> {
-    let arms = points.iter().map(|p| p - middle);
-    let mut outline: Vec<(f64, f64)> = arms.map(|arm| (arm.y.atan2(arm.x), arm.norm())).collect();
-    outline.sort_by(|p, q| p.0.total_cmp(&q.0));
-    let last = *outline.last()?;
-    let (mut moment, mut twice_area) = (Vector2::zeros(), 0.0);
-    let mut from = (last.0 - TAU, last.1);
-    for to in outline.into_iter() {
-        let turn = to.0 - from.0;
-        let pieces = if turn > GAP { (turn / PIECE).ceil() } else { 1.0 };
-        let at = |piece: f64| {
-            let share = piece / pieces;
-            let (angle, radius) = (from.0 + share * turn, from.1 + share * (to.1 - from.1));
-            Vector2::new(radius * angle.cos(), radius * angle.sin())
-        };
-        for piece in 0..pieces as usize {
-            let [p, q] = [piece, piece + 1].map(|piece| at(piece as f64));
-            let cross = p.perp(&q);
-            moment += (p + q) * cross;
-            twice_area += cross;
-        }
-        from = to;
-    }
-    (twice_area > 0.0).then(|| middle + moment / (3.0 * twice_area))
 }
 
 /// The least-squares line, upwards.

@@ -21,7 +21,10 @@ const TO_STATURE_SHARE: f64 = 0.38;
 const STEPS_MAX: usize = 60;
 
 /// The search ends when the plane passes the point by less than this, mm.
-const CLOSE_MM: f64 = 1e-9;
+const CLOSE_MM: f64 = 1e-6;
+
+/// Number of steps of the planes that narrow the search for the plane of a point.
+const SOME: usize = 32;
 
 /// A straight line with its direction upwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,6 +62,9 @@ pub struct Bend {
     slope: [f64; 2],
     /// The last plane that turns. Those above are parallel to it.
     top: PlaneFrame,
+    /// Some of the planes that turn, at equal shares, as normal and offset: they narrow the search for
+    /// the plane of a point.
+    some: Vec<(Vector3<f64>, f64)>,
 }
 
 impl Bend {
@@ -75,6 +81,7 @@ impl Bend {
             along_mm: [0.0; 2],
             slope: [1.0; 2],
             top: *foot,
+            some: Vec::new(),
         };
         let [low_mm, high_mm] = height_mm;
         bend.slope = [(low_mm, &shank), (high_mm, &thigh)]
@@ -82,12 +89,23 @@ impl Bend {
         bend.along_mm[0] = foot.above(&bend.middle_at(low_mm));
         bend.along_mm[1] = bend.along_of(1.0);
         bend.top = bend.turned(1.0);
+        let some = (0..=SOME).map(|index| {
+            let share = index as f64 / SOME as f64;
+            let normal = bend.normal(share);
+            (normal, normal.dot(&bend.middle_at(bend.height_of(share)).coords))
+        });
+        bend.some = some.collect();
         bend
     }
 
     /// Angle between the axes of shank and thigh, degrees.
     pub fn angle_deg(&self) -> f64 {
         self.shank.direction.angle(&self.thigh.direction).to_degrees()
+    }
+
+    /// The middle of the leg on which the planes stand.
+    pub fn middle(&self) -> &Middle {
+        &self.middle
     }
 
     /// Distance along the axis up to which all planes are square to the shank, mm.
@@ -101,7 +119,7 @@ impl Bend {
         if beyond_mm >= 0.0 {
             return self.top.raised(beyond_mm);
         }
-        let share = between_0_and_1(|share| self.along_of(share) - along_mm);
+        let share = root(|share| self.along_of(share) - along_mm, 0.0, 1.0);
         self.turned(share)
     }
 
@@ -126,10 +144,16 @@ impl Bend {
 
     /// The share of the turn at which a point lies.
     fn share_of(&self, point: &Point3<f64>) -> f64 {
-        between_0_and_1(|share| {
+        let below = |share: f64| {
             let middle = self.middle_at(self.height_of(share));
             -self.normal(share).dot(&(point - middle))
-        })
+        };
+        // The first plane above the point. At least the lowest one is below it.
+        let is_below =
+            |(normal, offset): &(Vector3<f64>, f64)| normal.dot(&point.coords) >= *offset;
+        let above = self.some.partition_point(is_below).clamp(1, SOME);
+        let [low, high] = [above - 1, above].map(|index| index as f64 / SOME as f64);
+        root(below, low, high)
     }
 
     /// Distance along the axis of the plane that stands at a height above the first one that turns, mm.
@@ -185,33 +209,32 @@ fn smoothstep(share: f64) -> f64 {
     share * share * (3.0 - 2.0 * share)
 }
 
-/// Where an ascending function is 0, between 0 and 1: by secants, and by halves where they are slow
-/// (the Illinois method).
-fn between_0_and_1(function: impl Fn(f64) -> f64) -> f64 {
-    let ([mut low, mut high], mut last) = ([0.0, 1.0], 0);
-    let [mut at_low, mut at_high] = [function(low), function(high)];
+/// Where an ascending function is 0 between two places; the nearer one if it is nowhere 0 between them. By
+/// secants, and by halves where they are slow (the Illinois method).
+fn root(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
+    let ([mut at_low, mut at_high], mut last) = ([function(low), function(high)], 0);
     if at_low >= 0.0 {
-        return 0.0;
+        return low;
     }
     if at_high <= 0.0 {
-        return 1.0;
+        return high;
     }
-    let mut share = 0.5;
+    let mut place = low;
     for _ in 0..STEPS_MAX {
-        share = (low * at_high - high * at_low) / (at_high - at_low);
-        let at = function(share);
+        place = (low * at_high - high * at_low) / (at_high - at_low);
+        let at = function(place);
         if at.abs() < CLOSE_MM {
             break;
         }
         if at < 0.0 {
-            (low, at_low) = (share, at);
+            (low, at_low) = (place, at);
             at_high /= if last == -1 { 2.0 } else { 1.0 };
             last = -1;
         } else {
-            (high, at_high) = (share, at);
+            (high, at_high) = (place, at);
             at_low /= if last == 1 { 2.0 } else { 1.0 };
             last = 1;
         }
     }
-    share
+    place
 }

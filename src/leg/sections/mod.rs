@@ -5,6 +5,7 @@ pub mod axis;
 pub mod axis_fit;
 pub mod axis_length;
 pub mod bend;
+pub(super) mod centroid;
 pub mod equidistant;
 pub mod gap;
 pub(super) mod hull;

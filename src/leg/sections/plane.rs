@@ -12,7 +12,7 @@ use nalgebra::Point2;
 use rayon::prelude::*;
 
 use super::axis::LegAxis;
-use super::axis_fit::outline_centroid;
+use super::centroid::outline_centroid;
 use super::gap::{GAP_MAX_DEG, largest_gap_deg};
 use super::plane_frame::PlaneFrame;
 use super::polynomial;

@@ -12,7 +12,7 @@ use std::f64::consts::{PI, SQRT_2, TAU};
 use nalgebra::{Point2, Vector2};
 
 use super::axis::LegAxis;
-use super::axis_fit::outline_centroid;
+use super::centroid::outline_centroid;
 use super::gap::{GAP_MAX_DEG, largest_gap_deg};
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
