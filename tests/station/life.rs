@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
+use std::io::ErrorKind;
 use std::os::unix::net::UnixDatagram;
 use std::path::Path;
 use std::process::{Child, Command};
@@ -33,7 +34,13 @@ impl Manager {
     /// What is told next.
     fn told(&self) -> Vec<String> {
         let mut message = [0; 512];
-        let length = self.socket.recv(&mut message).unwrap();
+        let length = loop {
+            match self.socket.recv(&mut message) {
+                // The machine, or this process, was stopped and goes on.
+                Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                received => break received.unwrap(),
+            }
+        };
         let message = String::from_utf8_lossy(&message[..length]).into_owned();
         message.lines().map(str::to_owned).collect()
     }
