@@ -85,6 +85,17 @@ pub enum What {
         /// Height of the crotch, percent of the stature.
         percent: f64,
     },
+    /// The skin at the crotch was not seen.
+    #[error(
+        "the skin at the crotch was not seen: its height, and with it G, is uncertain by {sd_mm:.0} mm"
+    )]
+    CrotchUncertain {
+        /// Standard error of the crotch's height, mm.
+        sd_mm: f64,
+    },
+    /// The scan shows nothing of the crotch.
+    #[error("the scan does not show the crotch: F and G are estimated from the stature")]
+    CrotchNotSeen,
     /// The leg ends below the crotch.
     #[error("the leg is seen up to {end_mm:.0} mm only: nothing was measured above")]
     LegCut {
@@ -202,6 +213,8 @@ impl Finding {
             What::NoFaces => "no-faces",
             What::ThighsTouch { .. } => "thighs-touch",
             What::Proportions { .. } => "proportions",
+            What::CrotchUncertain { .. } => "crotch-uncertain",
+            What::CrotchNotSeen => "crotch-not-seen",
             What::LegCut { .. } => "leg-cut",
             What::ThighAxisMissing(_) => "thigh-axis-missing",
             What::Doubtful(doubt) => doubt.code(),
@@ -228,6 +241,8 @@ impl Finding {
             | What::NoFaces
             | What::ThighsTouch { .. }
             | What::Proportions { .. }
+            | What::CrotchUncertain { .. }
+            | What::CrotchNotSeen
             | What::LegCut { .. }
             | What::ThighAxisMissing(_)
             | What::SurfaceShort { .. } => Severity::Warning,

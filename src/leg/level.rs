@@ -70,10 +70,12 @@ pub enum By {
     },
     /// A tape at 45° from the point where heel and floor meet, over the instep.
     HeelTape,
-    /// A share of the crotch's height.
-    CrotchShare {
+    /// The mean of a share of the stature and a distance above D; the share alone without D.
+    Knee {
         /// The share.
-        share: f64,
+        stature_share: f64,
+        /// The distance, mm; `None` without D.
+        above_d_mm: Option<f64>,
     },
     /// Halfway between two levels.
     Between(Level, Level),
@@ -94,7 +96,12 @@ impl fmt::Display for By {
             By::AboveB { distance_mm } => write!(f, "{distance_mm} mm above B"),
             By::BelowCrotch { distance_mm } => write!(f, "{distance_mm} mm below the crotch"),
             By::HeelTape => write!(f, "tape at 45 degrees from the back edge of the heel"),
-            By::CrotchShare { share } => write!(f, "{share} of the crotch's height"),
+            By::Knee { stature_share, above_d_mm: None } => {
+                write!(f, "{stature_share} of the stature")
+            }
+            By::Knee { stature_share, above_d_mm: Some(mm) } => {
+                write!(f, "mean of {stature_share} of the stature and {mm} mm above D")
+            }
             By::Between(low, high) => {
                 write!(f, "halfway between {} and {}", low.name(), high.name())
             }

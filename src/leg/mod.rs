@@ -159,14 +159,22 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
 /// this range.
 const CROTCH_USUAL_SHARE: [f64; 2] = [0.435, 0.535];
 
+/// A crotch with a larger standard error is a finding, mm: G, 50 mm below it, moves by as much.
+const CROTCH_SURE_SD_MM: f64 = 6.0;
+
 /// The findings about the body as a whole.
 fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
     let mut found = Vec::new();
     if let FacingFrom::Declared(unclear) = body.facing_from {
         found.push(What::FacingUnchecked(unclear));
     }
-    if let Some(from_mm) = crotch.touching_from_mm() {
+    if let Some(from_mm) = crotch.touching_from_mm {
         found.push(What::ThighsTouch { from_mm });
+    }
+    if body.stature_mm.is_some() && !crotch.is_seen() {
+        found.push(What::CrotchNotSeen);
+    } else if body.stature_mm.is_some() && crotch.sd_mm > CROTCH_SURE_SD_MM {
+        found.push(What::CrotchUncertain { sd_mm: crotch.sd_mm });
     }
     if let Some(stature_mm) = body.stature_mm.filter(|_| crotch.is_seen()) {
         let share = crotch.height_mm / stature_mm;

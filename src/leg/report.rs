@@ -16,7 +16,7 @@ use crate::leg::levels::landmark::{Estimate, Landmark};
 use crate::leg::levels::level_reading::Ruler;
 use crate::leg::levels::medial_length::surface_length_mm;
 use crate::leg::levels::search::{Levels, levels};
-use crate::leg::levels::thigh::{KNEE_CROTCH_SHARE, g, knee_and_thigh};
+use crate::leg::levels::thigh::{KNEE_STATURE_SHARE, g, knee_and_thigh};
 use crate::leg::levels::tilt;
 use crate::leg::parting::crotch::Crotch;
 use crate::leg::parting::segment::Leg;
@@ -50,8 +50,8 @@ pub fn leg_report(
     crotch: &Crotch,
     method: &Method,
 ) -> Result<(LegReport, Vec<Finding>), LegFault> {
-    let (scale_mm, crotch_height_mm) = (body.scale_mm, crotch.height_mm);
-    let end_mm = leg.cut_mm.unwrap_or(crotch_height_mm);
+    let scale_mm = body.scale_mm;
+    let end_mm = leg.cut_mm.unwrap_or(crotch.height_mm);
     let FoundAxis { axis, no_thigh } = axis_fit::find(leg, scale_mm, end_mm, method.tape)?;
     let span_mm = [LOWEST_STATURE_SHARE * scale_mm, end_mm];
     let span_mm = span_mm.map(|height_mm| axis.along_at_height(height_mm));
@@ -61,7 +61,7 @@ pub fn leg_report(
         LegFault::TooFewSections { measured, planes: sections.rows.len() }
     })?;
     let near = |along_mm: f64| sections.nearest(along_mm);
-    let mut measures = measures(leg, &sections, &curve, crotch, scale_mm, method);
+    let mut measures = measures(leg, &sections, &curve, crotch, body, method);
     let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
     let others = other_axes(leg, &sections.axis, body, end_mm, method.tape);
     tilt::complete(across, &sections, &others);
@@ -78,7 +78,7 @@ pub fn leg_report(
     findings.about_levels(&measures.levels);
     let found = measures.levels.found.into_iter();
     let landmarks: Vec<Landmark> = found.filter(Landmark::is_plausible).collect();
-    let wanted_mm = surface_heights_mm(&landmarks, scale_mm, crotch_height_mm);
+    let wanted_mm = surface_heights_mm(&landmarks, scale_mm);
     let found = landmarks.iter().map(|landmark| (landmark.level, landmark.along_mm));
     let estimated = measures.estimates.iter().map(|estimate| (estimate.level, estimate.along_mm));
     let levels = found.chain(estimated).filter(|(level, _)| *level >= Level::B);
@@ -151,9 +151,10 @@ fn measures(
     sections: &Sections,
     curve: &GirthCurve,
     crotch: &Crotch,
-    scale_mm: f64,
+    body: &Body,
     method: &Method,
 ) -> Measures {
+    let scale_mm = body.scale_mm;
     let near = |along_mm: f64| sections.nearest(along_mm);
     let choices = method.levels;
     let mut levels = levels(curve, scale_mm, crotch.height_mm, choices.b1, near);
@@ -168,7 +169,8 @@ fn measures(
         }
     }
     let d = levels.found.iter().find(|landmark| landmark.level == Level::D);
-    let mut estimates = knee_and_thigh(&ruler, crotch, choices.g_below_crotch_mm, d);
+    let stature_mm = [scale_mm, body.scale_sd_share * scale_mm];
+    let mut estimates = knee_and_thigh(&ruler, crotch, choices.g_below_crotch_mm, d, stature_mm);
     estimates.extend(g.filter(|_| !crotch.is_seen()).map(Estimate::from));
     let foot = foot(leg, &sections.axis, scale_mm, method.fit);
     let (figures, a, y) = foot.map_or((None, None, None), |foot| (Some(foot.foot), foot.a, foot.y));
@@ -181,10 +183,10 @@ fn measures(
 }
 
 /// The heights that the surface must cover, mm.
-fn surface_heights_mm(landmarks: &[Landmark], stature_mm: f64, crotch_height_mm: f64) -> [f64; 2] {
+fn surface_heights_mm(landmarks: &[Landmark], stature_mm: f64) -> [f64; 2] {
     let at = |level: Level| landmarks.iter().find(|l| l.level == level).map(|l| l.height_mm);
     let ankle_mm = ANKLE_STATURE_SHARE * stature_mm;
-    let knee_mm = KNEE_CROTCH_SHARE * crotch_height_mm;
+    let knee_mm = KNEE_STATURE_SHARE * stature_mm;
     [
         at(Level::B).map_or(ankle_mm, |height_mm| height_mm - SURFACE_MARGIN_MM),
         at(Level::D).map_or(knee_mm, |height_mm| height_mm + SURFACE_MARGIN_MM),

@@ -43,6 +43,8 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
         body: BodyFigures {
             stature_mm: body.stature_mm.map(mm),
             crotch_height_mm: crotch.is_seen().then(|| mm(crotch.height_mm)),
+            crotch_sd_mm: crotch.is_seen().then(|| mm(crotch.sd_mm.hypot(body.floor_sd_mm))),
+            crotch_from: Some(crotch.from.word().to_owned()),
             facing_deg: degrees(body.facing_deg),
             facing_from: match body.facing_from {
                 FacingFrom::Feet => "feet".to_owned(),

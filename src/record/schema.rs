@@ -106,6 +106,13 @@ pub struct BodyFigures {
     pub stature_mm: Option<f64>,
     /// Height of the crotch above the floor; null if it is not in the scan.
     pub crotch_height_mm: Option<f64>,
+    /// Standard error of the crotch's height, that of the floor included; null with it, and in schema 1.
+    #[serde(default)]
+    pub crotch_sd_mm: Option<f64>,
+    /// What shows the crotch, and so what G is measured from; null in schema 1.
+    #[serde(default)]
+    #[schemars(extend("enum" = ["saddle", "border", "grown-together", "thighs", "notch", "one-leg", "proportion", null]))]
+    pub crotch_from: Option<String>,
     /// Direction of the toes in the export.
     pub facing_deg: f64,
     /// Source of the facing: `feet` or `declared`.

@@ -131,6 +131,10 @@ impl Statement {
                 Statement::of("proportions").number("percent", *percent)
             }
             What::ThighAxisMissing(why) => Statement::of("thigh-axis-missing").because(why.into()),
+            What::CrotchUncertain { sd_mm } => {
+                Statement::of("crotch-uncertain").number("sd_mm", *sd_mm)
+            }
+            What::CrotchNotSeen => Statement::of("crotch-not-seen"),
             What::LegCut { end_mm } => Statement::of("leg-cut").number("end_mm", *end_mm),
             What::Doubtful(doubt) => doubt.into(),
             What::LegNotMeasured(fault) => Statement::of("leg-not-measured").because(fault.into()),
@@ -322,6 +326,9 @@ impl From<&LegsDiffer> for Statement {
     }
 }
 
+/// Rules that only older records hold. Their texts stay.
+pub const OLDER_RULES: [&str; 1] = ["crotch-share"];
+
 impl From<&By> for Statement {
     fn from(by: &By) -> Statement {
         match *by {
@@ -334,7 +341,12 @@ impl From<&By> for Statement {
                 Statement::of("below-crotch").number("distance_mm", distance_mm)
             }
             By::HeelTape => Statement::of("heel-tape"),
-            By::CrotchShare { share } => Statement::of("crotch-share").number("share", share),
+            By::Knee { stature_share, above_d_mm: None } => {
+                Statement::of("stature-share").number("share", stature_share)
+            }
+            By::Knee { stature_share, above_d_mm: Some(above_d_mm) } => Statement::of("knee")
+                .number("stature_share", stature_share)
+                .number("above_d_mm", above_d_mm),
             By::Between(low, high) => {
                 Statement::of("halfway").level("low", low).level("high", high)
             }

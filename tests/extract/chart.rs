@@ -56,7 +56,8 @@ fn heights_stand_in_the_table_the_record_and_the_csv_of_both_legs() {
     );
     assert!(lines[at + 1].trim_start().starts_with("@30.5"), "{lines:?}");
     assert_eq!(lines[at + 2].split_whitespace().collect::<Vec<_>>(), ["@120", "-", "-", "-", "-"]);
-    assert_eq!(lines.len(), at + 5, "two findings about 120 cm: {lines:?}");
+    let is_about_it = |line: &&&str| line.contains("[height-not-measured]");
+    assert_eq!(lines[at + 3..].iter().filter(is_about_it).count(), 2, "{lines:?}");
 
     let record = record(folder.path(), &[&asked[..], &["--out", "out"]].concat());
     for leg in record["legs"].as_array().unwrap() {

@@ -30,7 +30,12 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
         unit_inferred: false,
         from_export: Matrix4::identity(),
     };
-    let crotch = Crotch { height_mm: CROTCH_MM, sd_mm: 6.0, from: CrotchFrom::Thighs };
+    let crotch = Crotch {
+        height_mm: CROTCH_MM,
+        sd_mm: 6.0,
+        from: CrotchFrom::Saddle,
+        touching_from_mm: None,
+    };
     leg_report(&leg, &body, &crotch, method).unwrap()
 }
 
@@ -89,7 +94,7 @@ fn a_hole_at_g_is_a_doubt_about_it() {
 #[test]
 fn e_and_f_are_estimates_by_proportion_and_never_landmarks() {
     let (report, findings) = report(&Tube::of(&cone), &Method::default());
-    let (e_mm, g_mm) = (0.575 * CROTCH_MM, CROTCH_MM - 50.0);
+    let (e_mm, g_mm) = (0.277 * STATURE_MM, CROTCH_MM - 50.0);
     let f_mm = (e_mm + g_mm) / 2.0;
     for (level, height_mm) in [(Level::E, e_mm), (Level::F, f_mm)] {
         let estimate = estimated(&report, level);
@@ -100,9 +105,9 @@ fn e_and_f_are_estimates_by_proportion_and_never_landmarks() {
         assert!(findings.iter().all(|finding| finding.level != Some(level)), "{findings:?}");
     }
     let e = estimated(&report, Level::E);
-    assert_eq!(e.by, By::CrotchShare { share: 0.575 });
-    // ANSUR II: 0.014 of the crotch's height between people, and the crotch's own error.
-    assert!(e.height_sd_mm > 0.014 * CROTCH_MM && e.height_sd_mm < 0.018 * CROTCH_MM);
+    assert_eq!(e.by, By::Knee { stature_share: 0.277, above_d_mm: None });
+    // The spread of the share among people, and the stature's own error.
+    assert!((25.0..30.0).contains(&e.height_sd_mm), "{}", e.height_sd_mm);
     assert_eq!(estimated(&report, Level::F).by, By::Between(Level::E, Level::G));
 }
 
@@ -129,9 +134,12 @@ fn wave(_: f64, along: f64) -> f64 {
 }
 
 #[test]
-fn a_knee_that_would_lie_below_d_is_doubted() {
-    // D is at 520 mm, E would be at 414 mm.
+fn a_knee_that_would_lie_below_d_is_doubted_and_none_is_put_there() {
+    // D is at 520 mm; the stature and D together would put E lower.
     let (report, _) = report(&Tube::of(&wave), &Method::default());
+    let d_mm = found(&report, Level::D).height_mm;
+    assert!((0.277 * STATURE_MM + d_mm + 45.0) / 2.0 < d_mm, "{d_mm}");
+    near(estimated(&report, Level::E).height_mm, d_mm, 0.01, "height of E");
     for level in [Level::E, Level::F] {
         let codes: Vec<&str> =
             estimated(&report, level).doubts.iter().map(|doubt| doubt.code()).collect();

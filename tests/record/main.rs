@@ -6,6 +6,7 @@ mod gdt_message;
 mod gdt_orders;
 mod json_schema;
 mod levels;
+mod older_records;
 mod report_content;
 mod report_page;
 mod report_paper;

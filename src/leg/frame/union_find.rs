@@ -1,6 +1,7 @@
 //! Disjoint sets, for connected components.
 
 /// Disjoint sets of indices with path halving and union by size (Tarjan 1975).
+#[derive(Clone)]
 pub struct DisjointSets {
     parents: Vec<u32>,
     sizes: Vec<u32>,

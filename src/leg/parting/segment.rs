@@ -4,11 +4,13 @@
 //! floor. Thighs that touch are split along the neck between them. A leg that is missing or ends
 //! early does not prevent cutting the other.
 
-use nalgebra::Point2;
+use nalgebra::{Point2, Point3};
 
-use super::crotch::{Crotch, crotch, join};
+use super::crotch::Crotch;
+use super::crotch_search::{crotch, join};
 use super::footprint::Footprint;
 use super::leg_tracking::{Parting, Step, Track, follow, slices};
+use super::saddle::saddle;
 use crate::leg::frame::body::Body;
 use crate::leg::sections::slice::Mesh;
 use crate::leg::side::{Side, Sides};
@@ -179,7 +181,10 @@ fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentF
     let height_mm = up.steps.last().map_or(0.0, |step| step.height_mm);
     let crotch = match joined(up) {
         Some((steps, join)) => {
-            let found = crotch(mesh, steps, join, GROWTH_UP_MM, stature_mm);
+            let zone = Zone { track: up, margin_mm: GROWTH_UP_MM, top_mm: highest_mm };
+            let owner = |point: &Point3<f64>| zone.owner(&point.xy(), point.z);
+            let saddle = saddle(mesh, stature_mm, highest_mm, EDGE_MAX_MM, owner);
+            let found = crotch(mesh, steps, join, saddle, GROWTH_UP_MM, stature_mm);
             if found.height_mm < LEG_MIN_SHARE * stature_mm {
                 return Err(SegmentFault::JoinTooLow { height_mm: found.height_mm });
             }

@@ -20,6 +20,8 @@ pub struct Neck {
     back: Point2<f64>,
     /// Depth of the notch in front as a share of the outline's depth.
     pub notch_share: f64,
+    /// Distance from notch to notch, front to back, as a share of the outline's depth.
+    pub thickness_share: f64,
 }
 
 /// The reach of an outline to the front and to the back at one position across the body.
@@ -52,7 +54,9 @@ impl Neck {
             Point2::new(x_mm, y_mm.max(front_mm).min(back_mm))
         };
         let notch_share = front.map_or(0.0, |notch| (notch.depth_mm / depth_mm).clamp(0.0, 1.0));
-        Neck { front: at(&front, 1.0, front_mm), back: at(&back, -1.0, back_mm), notch_share }
+        let (front, back) = (at(&front, 1.0, front_mm), at(&back, -1.0, back_mm));
+        let thickness_share = ((back.y - front.y) / depth_mm).clamp(0.0, 1.0);
+        Neck { front, back, notch_share, thickness_share }
     }
 
     /// Whether a point lies to the left of the line, where the left leg is.

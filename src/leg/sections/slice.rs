@@ -76,6 +76,11 @@ impl Mesh {
         &self.triangles
     }
 
+    /// Unit normal of the skin at a point, of arbitrary sign; zero for a point cloud.
+    pub fn normal(&self, point: u32) -> Vector3<f64> {
+        self.normals.get(point as usize).copied().unwrap_or_default()
+    }
+
     /// The part below a height.
     pub fn below(&self, height_mm: f64) -> Mesh {
         self.part(|middle, _| middle.z < height_mm)
