@@ -207,7 +207,7 @@ mod tests {
 
     fn found(triangles: &[[Point3<f64>; 3]]) -> Option<Saddle> {
         let mut points: Vec<Point3<f64>> = Vec::new();
-        let mut index = std::collections::HashMap::new();
+        let mut index = std::collections::BTreeMap::new();
         let mut number = |p: Point3<f64>| {
             let key = [p.x, p.y, p.z].map(|value| (value * 1e6).round() as i64);
             *index.entry(key).or_insert_with(|| {
