@@ -7,6 +7,7 @@ use super::level::Level;
 use super::side::Side;
 use crate::leg::comparison::difference::LegsDiffer;
 use crate::leg::comparison::opinion::SecondOpinion;
+use crate::leg::frame::floor::FloorDoubt;
 use crate::leg::frame::stance::FeetUnclear;
 use crate::leg::levels::at_height::NoGirth;
 use crate::leg::levels::extremum::Absence;
@@ -61,6 +62,9 @@ pub enum What {
     /// The feet were not seen, so the declared facing is unchecked.
     #[error("left and right are known from the declared facing only: {0}")]
     FacingUnchecked(FeetUnclear),
+    /// The soles do not show the floor, from which heights are measured.
+    #[error(transparent)]
+    FloorUnclear(#[from] FloorDoubt),
     /// An OBJ file without any faces, so a cut cannot be detected.
     #[error(
         "the file holds points but no faces, and was measured from its points: was the export cut \
@@ -210,6 +214,7 @@ impl Finding {
             What::LevelAbsent(_) => "level-absent",
             What::LevelImplausible { .. } => "level-implausible",
             What::FacingUnchecked(_) => "facing-unchecked",
+            What::FloorUnclear(doubt) => doubt.code(),
             What::NoFaces => "no-faces",
             What::ThighsTouch { .. } => "thighs-touch",
             What::Proportions { .. } => "proportions",
@@ -238,6 +243,7 @@ impl Finding {
             | What::Doubtful(_)
             | What::HeightNotMeasured { .. }
             | What::FacingUnchecked(_)
+            | What::FloorUnclear(_)
             | What::NoFaces
             | What::ThighsTouch { .. }
             | What::Proportions { .. }

@@ -168,6 +168,7 @@ fn about_body(body: &Body, crotch: &Crotch) -> Vec<Finding> {
     if let FacingFrom::Declared(unclear) = body.facing_from {
         found.push(What::FacingUnchecked(unclear));
     }
+    found.extend(body.floor_doubt.map(What::FloorUnclear));
     if let Some(from_mm) = crotch.touching_from_mm {
         found.push(What::ThighsTouch { from_mm });
     }

@@ -12,6 +12,7 @@ use crate::language::{Language, fill};
 use crate::leg::comparison::difference::LegsDiffer;
 use crate::leg::comparison::opinion::{Measure, SecondOpinion};
 use crate::leg::doubt::Doubt;
+use crate::leg::frame::floor::FloorDoubt;
 use crate::leg::frame::stance::FeetUnclear;
 use crate::leg::level::By;
 use crate::leg::levels::at_height::NoGirth;
@@ -123,6 +124,10 @@ impl Statement {
                 Statement::of("level-implausible").number("girth_mm", *girth_mm)
             }
             What::FacingUnchecked(why) => Statement::of("facing-unchecked").because(why.into()),
+            What::FloorUnclear(FloorDoubt::Uneven { spread_mm }) => {
+                Statement::of("floor-uneven").number("spread_mm", *spread_mm)
+            }
+            What::FloorUnclear(FloorDoubt::NotTurning) => Statement::of("feet-cut"),
             What::NoFaces => Statement::of("no-faces"),
             What::ThighsTouch { from_mm } => {
                 Statement::of("thighs-touch").number("from_mm", *from_mm)

@@ -7,22 +7,17 @@ use std::fs;
 
 use gaiter::cad::{CadFault, End, EndNotPlane};
 use gaiter::language::Language;
-use gaiter::leg::comparison::difference::LegsDiffer;
-use gaiter::leg::comparison::opinion::{Measure, SecondOpinion};
 use gaiter::leg::doubt::Doubt;
-use gaiter::leg::frame::stance::FeetUnclear;
 use gaiter::leg::level::By;
-use gaiter::leg::levels::at_height::NoGirth;
-use gaiter::leg::levels::extremum::Absence;
-use gaiter::leg::sections::axis_fit::{AxisFault, NoThigh};
-use gaiter::leg::surface::nurbs::NoSurface;
-use gaiter::leg::{Finding, LegFault, Level, Side, What};
+use gaiter::leg::{Finding, Level, Side, What};
 use gaiter::record::Record;
 use gaiter::record::report::Content;
 use gaiter::record::schema::FindingNote;
 use gaiter::record::statement::Statement;
 use gaiter::spline::tessellate::TessellationFault;
 use serde_json::json;
+
+use crate::every_finding::all;
 
 /// A record of no leg with these findings, by code, message and statement.
 fn record(findings: &[(String, String, Option<Statement>)]) -> Record {
@@ -50,6 +45,7 @@ fn codes() -> BTreeSet<String> {
     let sources = [
         "src/leg/finding.rs",
         "src/leg/doubt.rs",
+        "src/leg/frame/floor.rs",
         "src/leg/comparison/opinion.rs",
         "src/cad/kind.rs",
         "src/record/report/pdf/mod.rs",
@@ -81,7 +77,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 35] = [
+const KEYWORDS: [[&str; 4]; 37] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -97,6 +93,8 @@ const KEYWORDS: [[&str; 4]; 35] = [
     ["sole-not-seen", "Sole", "Sohle", "Sohle"],
     ["height-not-measured", "Height", "Höhe", "gewünschte Höhe"],
     ["facing-unchecked", "not checked", "nicht geprüft", "Füße zeigen nicht"],
+    ["floor-uneven", "level", "eben", "waagerechten Ebene"],
+    ["feet-cut", "Sole not", "Fußrand", "Schuhe"],
     ["no-faces", "without a mesh", "ohne Netz", "nur Punkte"],
     ["thighs-touch", "Thighs", "Oberschenkel", "berühren sich"],
     ["proportions", "proportions", "Proportionen", "Der Schritt liegt"],
@@ -178,103 +176,6 @@ fn a_code_of_a_later_version_is_told_by_its_message() {
         assert_eq!(note.is_message_english, language == Language::De);
         assert_eq!((&note.meaning, &note.action), (&None, &None));
     }
-}
-
-/// Something of every kind, with figures that are told apart.
-fn all() -> Vec<What> {
-    let feet = [
-        FeetUnclear::NotSeen { points: 7 },
-        FeetUnclear::NoFoot { length_percent: 31.0, width_percent: 12.0 },
-        FeetUnclear::NoToes { ratio: 1.25 },
-        FeetUnclear::Apart { spread_deg: 95.0 },
-        FeetUnclear::NotSquare { off_deg: 62.0 },
-    ];
-    let absences = [
-        Absence::NoTurn,
-        Absence::BelowSearch { along_mm: 61.0 },
-        Absence::AboveSearch { along_mm: 402.0 },
-        Absence::Needs(Level::B),
-        Absence::Beyond(Level::D),
-    ];
-    let doubts = [
-        Doubt::Shallow { prominence_mm: 1.2 },
-        Doubt::Flat { height_sd_mm: 21.0 },
-        Doubt::Double { other_height_mm: 372.0 },
-        Doubt::Edge { end_mm: 8.0 },
-        Doubt::Gap { gap_deg: 39.0 },
-        Doubt::Scatter { rms_mm: 2.4 },
-        Doubt::Folds { percent: 3.1 },
-        Doubt::NotSeen,
-        Doubt::KneeBent { bend_deg: 52.0 },
-        Doubt::BelowD { d_height_mm: 431.0 },
-        Doubt::SoleNotSeen,
-    ];
-    let faults = [
-        LegFault::NotThere,
-        LegFault::Axis(AxisFault::TooFewSections { found: 3 }),
-        LegFault::Axis(AxisFault::TooFewPoints { found: 4 }),
-        LegFault::Axis(AxisFault::Leaning { tilt_deg: 41.0 }),
-        LegFault::TooFewPoints,
-        LegFault::TooFewSections { measured: 5, planes: 190 },
-    ];
-    let surfaces = [
-        NoSurface::TooFewRows { rows: 4, needed: 9, from_mm: 98.0, to_mm: 436.0 },
-        NoSurface::Folded { height_mm: 211.0 },
-        NoSurface::NothingSeen,
-    ];
-    let no_girths = [NoGirth::Outside { from_mm: 52.0, to_mm: 741.0 }, NoGirth::NotSeen];
-    let hole = |count| What::SurfaceHoles {
-        count,
-        length_mm: 45.0,
-        width_mm: 50.0,
-        height_mm: 492.0,
-        angle_deg: -160.0,
-    };
-    let differ = Side::BOTH.into_iter().flat_map(|larger| {
-        [
-            LegsDiffer::Girth { larger, by_mm: 46.0, sd_mm: 0.4 },
-            LegsDiffer::Volume { larger, by_ml: 337.0, percent: 12.5, sd_ml: 27.0 },
-        ]
-    });
-    let opinions = [
-        SecondOpinion::Ambiguous { files: 2 },
-        SecondOpinion::Unit { theirs_mm: 176.0, ours_mm: 1760.0, factor: 10.0 },
-        SecondOpinion::Sides { left_mm: 361.0, right_mm: 384.0 },
-    ];
-    let measures = [Measure::Stature, Measure::Calf, Measure::Ankle];
-    let disagrees = measures.map(|measure| SecondOpinion::Disagrees {
-        measure,
-        theirs_mm: 390.0,
-        ours_mm: 412.0,
-    });
-    let mut all = vec![
-        What::LevelImplausible { girth_mm: 1301.0 },
-        What::NoFaces,
-        What::ThighsTouch { from_mm: 702.0 },
-        What::Proportions { percent: 41.0 },
-        What::ThighAxisMissing(NoThigh::NotSeen),
-        What::ThighAxisMissing(NoThigh::TooBent { bend_deg: 61.0 }),
-        What::CrotchUncertain { sd_mm: 15.3 },
-        What::CrotchNotSeen,
-        What::LegCut { end_mm: 512.0 },
-        What::SurfaceShort {
-            from_mm: 120.0,
-            to_mm: 410.0,
-            wanted_from_mm: 98.0,
-            wanted_to_mm: 436.0,
-        },
-        hole(1),
-        hole(3),
-    ];
-    all.extend(feet.map(What::FacingUnchecked));
-    all.extend(absences.map(What::LevelAbsent));
-    all.extend(doubts.map(What::Doubtful));
-    all.extend(faults.map(What::LegNotMeasured));
-    all.extend(surfaces.map(What::NoSurface));
-    all.extend(no_girths.map(|why| What::HeightNotMeasured { height_mm: 305.0, why }));
-    all.extend(differ.map(What::LegsDiffer));
-    all.extend(opinions.into_iter().chain(disagrees).map(What::SecondOpinion));
-    all
 }
 
 /// The figures of a text, the decimal sign set aside.

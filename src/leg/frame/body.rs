@@ -5,6 +5,7 @@ use nalgebra::{Matrix4, Point2, Point3, Rotation3, Translation3, Vector2, Vector
 
 use super::body_fault::BodyFault;
 use super::components::without_fragments;
+use super::floor::FloorDoubt;
 use super::point_cloud;
 use super::stance::{FeetUnclear, Stance, stance};
 use super::unit_inference::{Size, extent, lone_leg, whole_body};
@@ -49,6 +50,8 @@ pub struct Body {
     pub shanks: Sides<Option<Point2<f64>>>,
     /// Standard error of the floor's height, mm.
     pub floor_sd_mm: f64,
+    /// What speaks against the floor.
+    pub floor_doubt: Option<FloorDoubt>,
     /// Direction of the toes in the export: degrees about up, counter-clockwise from above.
     pub facing_deg: f64,
     /// The source of `facing_deg`.
@@ -106,6 +109,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         scale_sd_share: if stature_mm.is_some() { CROWN_SD_SHARE } else { FOOT_SD_SHARE },
         shanks: Sides { left: sides.left.map(in_body), right: sides.right.map(in_body) },
         floor_sd_mm: stance.floor.sd_mm,
+        floor_doubt: stance.floor.doubt,
         facing_deg: facing.to_degrees(),
         facing_from,
         unit,

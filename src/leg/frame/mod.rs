@@ -5,6 +5,7 @@ pub mod body;
 pub mod body_fault;
 pub(super) mod components;
 pub mod floor;
+pub(super) mod long_axis;
 pub(super) mod point_cloud;
 pub mod stance;
 pub(super) mod union_find;

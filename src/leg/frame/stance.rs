@@ -1,8 +1,9 @@
 //! The stance of a body: its shanks, its feet, the direction of the toes, and the floor.
 
-use nalgebra::{Point2, Rotation2, Vector2, Vector3};
+use nalgebra::{Point2, Vector2, Vector3};
 
 use super::floor::{Floor, floor};
+use super::long_axis::{LongAxis, long_axis};
 use crate::leg::parting::cluster::clusters;
 use crate::leg::sections::hull::Hull;
 use crate::leg::sections::slice::{Crossing, Mesh};
@@ -137,7 +138,11 @@ pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
     Ok(Stance {
         feet: feet_points.iter().zip(&shanks).map(middle).collect(),
         toes: toes(&shanks, &feet_points, stature_mm),
-        floor: floor(&feet_points).unwrap_or(Floor { height_mm: 0.0, sd_mm: f64::INFINITY }),
+        floor: floor(&feet_points).unwrap_or(Floor {
+            height_mm: 0.0,
+            sd_mm: f64::INFINITY,
+            doubt: None,
+        }),
         shanks,
     })
 }
@@ -246,32 +251,4 @@ fn toe_direction(
         return Err(FeetUnclear::NoToes { ratio });
     }
     Ok(if ahead > back { long } else { -long })
-}
-
-/// The long axis of points seen from above, and their extents.
-pub struct LongAxis {
-    /// Unit vector along it, of arbitrary sign.
-    pub direction: Vector2<f64>,
-    /// Extent along it, in the unit of the points.
-    pub length: f64,
-    /// Extent across it.
-    pub width: f64,
-}
-
-/// The first principal axis of points seen from above.
-pub fn long_axis(of: &[[f64; 3]]) -> LongAxis {
-    let points: Vec<Vector2<f64>> = of.iter().map(|p| Vector2::new(p[0], p[1])).collect();
-    let middle = points.iter().sum::<Vector2<f64>>() / points.len().max(1) as f64;
-    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
-    for d in points.iter().map(|p| p - middle) {
-        (xx, xy, yy) = (xx + d.x * d.x, xy + d.x * d.y, yy + d.y * d.y);
-    }
-    let direction = Rotation2::new((2.0 * xy).atan2(xx - yy) / 2.0) * Vector2::x();
-    let [length, width] = [direction, Vector2::new(-direction.y, direction.x)].map(|axis| {
-        let reach = points.iter().map(|p| p.dot(&axis));
-        let (low, high) = reach
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(r), high.max(r)));
-        high - low
-    });
-    LongAxis { direction, length, width }
 }

@@ -4,7 +4,7 @@
 use nalgebra::{Point3, Rotation3, Vector3};
 
 use super::body_fault::{BodyFault, STATURE_MM};
-use super::stance::long_axis;
+use super::long_axis::long_axis;
 use crate::leg::method::{Method, Unit, UnitChoice};
 use crate::scan::Scan;
 
