@@ -21,6 +21,18 @@ pub enum Doubt {
         /// Height of the other extremum's centre above the floor, mm.
         other_height_mm: f64,
     },
+    /// Another extremum of the same kind is as clear, and lies where people have the level too.
+    #[error("the girth turns in the same way at {other_height_mm:.0} mm: a fold or a swelling?")]
+    Several {
+        /// Height of the other extremum's centre above the floor, mm.
+        other_height_mm: f64,
+    },
+    /// People do not have the level there.
+    #[error("it lies at {percent:.0} % of the stature, where people do not have it")]
+    UnusualHeight {
+        /// Its distance from the floor, percent of the stature.
+        percent: f64,
+    },
     /// The extremum lies at an end of the searched range.
     #[error("the extremum lies {end_mm:.0} mm from the end of what was searched or seen")]
     Edge {
@@ -72,6 +84,8 @@ impl Doubt {
             Doubt::Shallow { .. } => "shallow",
             Doubt::Flat { .. } => "flat",
             Doubt::Double { .. } => "double",
+            Doubt::Several { .. } => "several",
+            Doubt::UnusualHeight { .. } => "unusual-height",
             Doubt::Edge { .. } => "edge",
             Doubt::Gap { .. } => "gap",
             Doubt::Scatter { .. } => "scatter",

@@ -215,6 +215,8 @@ impl From<&Doubt> for Statement {
             Doubt::Shallow { prominence_mm } => said.number("prominence_mm", prominence_mm),
             Doubt::Flat { height_sd_mm } => said.number("height_sd_mm", height_sd_mm),
             Doubt::Double { other_height_mm } => said.number("other_height_mm", other_height_mm),
+            Doubt::Several { other_height_mm } => said.number("other_height_mm", other_height_mm),
+            Doubt::UnusualHeight { percent } => said.number("percent", percent),
             Doubt::Edge { end_mm } => said.number("end_mm", end_mm),
             Doubt::Gap { gap_deg } => said.number("gap_deg", gap_deg),
             Doubt::Scatter { rms_mm } => said.number("rms_mm", rms_mm),

@@ -31,6 +31,8 @@ pub fn all() -> Vec<What> {
         Doubt::Shallow { prominence_mm: 1.2 },
         Doubt::Flat { height_sd_mm: 21.0 },
         Doubt::Double { other_height_mm: 372.0 },
+        Doubt::Several { other_height_mm: 395.0 },
+        Doubt::UnusualHeight { percent: 13.0 },
         Doubt::Edge { end_mm: 8.0 },
         Doubt::Gap { gap_deg: 39.0 },
         Doubt::Scatter { rms_mm: 2.4 },

@@ -77,12 +77,14 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 37] = [
+const KEYWORDS: [[&str; 4]; 39] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
     ["flat", "uncertain", "unsicher", "fast gleich"],
     ["double", "second", "zweite", "zweite Stelle"],
+    ["several", "Several turning", "Wendestellen", "Sockenrand"],
+    ["unusual-height", "Unusual", "Ungewöhnlich", "verdecken"],
     ["edge", "edge of the visible", "Rand", "vom Ende"],
     ["gap", "partly", "teilweise", "30°"],
     ["scatter", "scatter", "streuen", "nicht eine Haut"],

@@ -1,8 +1,8 @@
 //! The search for levels on the girth curve: B, C and D at its valleys and peak, B1 at its largest
 //! slope (paper 1.2, fig. 3b and 3c; definitions in docs/record.md) or at a fixed height above B.
 //!
-//! Only the shape of the curve decides. A missing level is reported as absent; the usual position
-//! of a level has no influence.
+//! The shape of the curve decides. Where it has several turning points, those count where people have
+//! the level; one elsewhere is taken with a doubt. A missing level is reported as absent.
 
 use super::extremum::{Absence, CLEAR_MM, Extrema, Peak};
 use super::girth::GirthCurve;
@@ -58,8 +58,9 @@ pub fn levels<'a>(
     let (from, to) = curve.domain();
     let from_mm = from.max(FROM_STATURE_SHARE * stature_mm);
     let to_mm = to.min(TO_CROTCH_SHARE * crotch_height_mm);
-    let Extrema { b, c, d } = Extrema::of(curve, from_mm, to_mm);
-    let search = Search { ruler: Ruler { curve, near: &near }, ends_mm: [from_mm, to_mm] };
+    let ends_mm = [from_mm, to_mm];
+    let Extrema { b, c, d } = Extrema::of(curve, stature_mm, ends_mm);
+    let search = Search { ruler: Ruler { curve, near: &near }, ends_mm, stature_mm };
     let turn = |level: Level, peak: Result<Peak, Absence>| {
         peak.and_then(|peak| search.extremum(level, &peak).ok_or(Absence::NoTurn))
     };
@@ -84,6 +85,7 @@ struct Search<'c, F> {
     ruler: Ruler<'c, F>,
     /// Start and end of the search, mm along the axis.
     ends_mm: [f64; 2],
+    stature_mm: f64,
 }
 
 impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
@@ -101,15 +103,19 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
 
     /// The doubts about an extremum from the shape of the curve.
     fn extremum_doubts(&self, peak: &Peak, [height_sd_mm, girth_sd_mm]: [f64; 2]) -> Vec<Doubt> {
-        let Peak { at, prominence_mm, rival_mm } = *peak;
+        let Peak { at, prominence_mm, rival_mm, other_mm, is_usual } = *peak;
         let shallow = prominence_mm < CLEAR_MM.max(CLEAR_SDS * girth_sd_mm);
         let end_mm = self.ends_mm.map(|end| (end - at.along_mm).abs()).into_iter();
         let end_mm = end_mm.fold(f64::INFINITY, f64::min);
-        let rival = rival_mm.and_then(|rival_mm| self.ruler.curve.height_mm(rival_mm));
+        let [rival, other] =
+            [rival_mm, other_mm].map(|along_mm| self.ruler.curve.height_mm(along_mm?));
+        let percent = 100.0 * at.along_mm / self.stature_mm;
         let all = [
             shallow.then_some(Doubt::Shallow { prominence_mm }),
             (height_sd_mm > FLAT_SD_MM).then_some(Doubt::Flat { height_sd_mm }),
             rival.map(|other_height_mm| Doubt::Double { other_height_mm }),
+            other.map(|other_height_mm| Doubt::Several { other_height_mm }),
+            (!is_usual).then_some(Doubt::UnusualHeight { percent }),
             (end_mm < EDGE_MM).then_some(Doubt::Edge { end_mm }),
         ];
         all.into_iter().flatten().collect()
