@@ -6,7 +6,7 @@ use super::normal::{Design, NormalEquations};
 
 /// Tukey's constant: residuals beyond this many standard deviations have no weight. 95 % efficiency
 /// with normal errors (Huber, Robust Statistics, 1981).
-const TUKEY: f64 = 4.685;
+pub(super) const TUKEY: f64 = 4.685;
 
 /// Factor from median absolute deviation to standard deviation, for normal errors.
 pub(super) const MAD_TO_SD: f64 = 1.4826;

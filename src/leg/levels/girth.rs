@@ -20,6 +20,9 @@ const ROWS_PER_INDEPENDENT: f64 = 2.0;
 /// error grows with the square of the gap.
 const FREE_GAP_DEG: f64 = 20.0;
 
+/// Sections within this distance show how well the curve follows them, mm.
+const MISFIT_REACH_MM: f64 = SPACING_MM;
+
 /// The curve begins here, as a share of stature: below, through heel and instep, the girth falls by
 /// 7 mm per mm of height, and a smooth curve that followed that would also be bent at the ankle.
 const FROM_STATURE_SHARE: f64 = 0.04;
@@ -116,7 +119,20 @@ impl GirthCurve {
         let far = |known: &&(f64, [f64; 3])| (known.0 - along_mm).abs();
         let nearest = self.known_sd.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
         let known = nearest.and_then(|(_, sd)| sd.get(derivative).copied());
-        known.unwrap_or_else(|| ROWS_PER_INDEPENDENT.sqrt() * self.tape.sd(along_mm, derivative))
+        let sd = known
+            .unwrap_or_else(|| ROWS_PER_INDEPENDENT.sqrt() * self.tape.sd(along_mm, derivative));
+        if derivative == 0 { sd.hypot(self.misfit_mm(along_mm)) } else { sd }
+    }
+
+    /// How far the measured sections about a distance along the axis lie from the curve, mm: more than
+    /// noise where the girth turns within a piece of the curve, as in a fold.
+    fn misfit_mm(&self, along_mm: f64) -> f64 {
+        let near =
+            self.rows.iter().filter(|row| (row.along_mm - along_mm).abs() <= MISFIT_REACH_MM);
+        let off =
+            near.filter_map(|row| Some(row.measured?.1.tape_mm - self.tape.value(row.along_mm)));
+        let (count, squares) = off.fold((0, 0.0), |(count, sum), off| (count + 1, sum + off * off));
+        if count > 0 { (squares / f64::from(count)).sqrt() } else { 0.0 }
     }
 
     /// Coefficient of determination of the tape curve over the measured sections.

@@ -10,6 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use super::equations::Equations;
 use super::function::Tensor;
 use super::kronecker::{Direction, best_by_gcv};
+use super::neighbours::Neighbours;
 use crate::spline::basis::{Basis, DEGREE, Row};
 use crate::spline::fit::FitFault;
 use crate::spline::robust::biweights;
@@ -107,6 +108,7 @@ pub fn fit_scatter(
     ];
     let rows: Vec<(Row, Row)> =
         data.u.iter().zip(data.v).map(|(u, v)| (along.row(*u), around.row(*v))).collect();
+    let neighbours = Neighbours::of(data, &grid.along, &grid.around);
     let mut weights = vec![1.0; found];
     let mut lambdas = [0, 1].map(|d: usize| FIRST_SMOOTHING * directions[d].unit());
     let mut equations = Equations::new(&rows, data.value, &weights, &directions);
@@ -114,7 +116,7 @@ pub fn fit_scatter(
     let mut edf = 0.0;
     for _ in 0..ROUNDS {
         let residuals = residuals(&rows, data.value, &coefficients);
-        weights = biweights(&residuals, least_scale);
+        weights = biweights(&neighbours.beside(&residuals, least_scale), least_scale);
         let (cells, seen) = grid.cells(data, &residuals, &weights, &coefficients, &directions);
         (lambdas, edf) = best_by_gcv(&directions[0], &directions[1], &cells, seen);
         equations = Equations::new(&rows, data.value, &weights, &directions);
@@ -184,7 +186,7 @@ impl Grid {
 }
 
 /// The interval of ascending breakpoints that contains `x`, or the nearest one.
-fn place(breakpoints: &[f64], x: f64) -> usize {
+pub(super) fn place(breakpoints: &[f64], x: f64) -> usize {
     let last = breakpoints.len() - 2;
     breakpoints.partition_point(|breakpoint| *breakpoint <= x).saturating_sub(1).min(last)
 }

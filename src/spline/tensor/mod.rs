@@ -5,12 +5,14 @@
 //! | `function` | [`Tensor`] |
 //! | `fit` | [`fit_scatter`]: robust, smoothing by cross-validation |
 //! | `equations` | the equations of the data, solved by conjugate gradients |
+//! | `neighbours` | what the residuals of neighbours share: ridges are no outliers |
 //! | `kronecker` | smoothing on a full grid of cells |
 
 mod equations;
 mod fit;
 mod function;
 mod kronecker;
+mod neighbours;
 
 pub use fit::{Scatter, TensorFit, fit_scatter};
 pub use function::Tensor;
