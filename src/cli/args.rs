@@ -14,10 +14,10 @@ use clap_complete::Shell;
 
 use crate::cad::FileKind;
 use crate::config::words::{
-    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, Words,
+    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, WINDINGS, Words,
 };
 use crate::language::Language;
-use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up};
+use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up, Winding};
 use crate::record::FigureFormat;
 use crate::station::measure::VERB;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
@@ -250,6 +250,9 @@ pub struct ExtractArgs {
     /// The axis of the scan that the toes point along; auto finds it from the feet
     #[arg(long, value_parser = of_words(FACINGS), allow_hyphen_values = true)]
     pub facing: Option<FacingChoice>,
+    /// Which way round the scan's triangles are wound [default: outward]
+    #[arg(long, value_parser = of_words(WINDINGS))]
+    pub winding: Option<Winding>,
     /// Heights above the floor at which girths are also measured, in cm: --at 10,20,30.5
     #[arg(long, value_name = "CM,…", value_delimiter = ',', value_parser = height_mm)]
     pub at: Option<Vec<f64>>,

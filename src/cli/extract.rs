@@ -135,6 +135,7 @@ impl Choices {
         method.unit = args.unit.unwrap_or(method.unit);
         method.up = args.up.unwrap_or(method.up);
         method.facing = args.facing.unwrap_or(method.facing);
+        method.winding = args.winding.unwrap_or(method.winding);
         method.at_heights_mm = args.at.clone().unwrap_or(method.at_heights_mm);
         if let Some(files) = &args.files {
             output.files = files.iter().copied().collect();

@@ -11,7 +11,7 @@ use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::words::{
     ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES,
-    SURFACES, TAPES, UNITS, UPS, Words, faces_up_or_down,
+    SURFACES, TAPES, UNITS, UPS, WINDINGS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -79,6 +79,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let unit = reader.text("scanner.unit", Default("auto"), parse::word(UNITS));
     let up = reader.text("scanner.up", Default("y"), parse::word(UPS));
     let facing = reader.text("scanner.facing", Default("auto"), parse::word(FACINGS));
+    let winding = reader.text("scanner.winding", Default("outward"), parse::word(WINDINGS));
     let example = Nothing("^(?<patient>P?[0-9]+)_");
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
@@ -146,6 +147,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
             unit: unit?.value,
             up: up?.value,
             facing: facing?.value,
+            winding: winding?.value,
             fit: fit?.value,
             at_heights_mm: at.into_iter().map(|height| height.value).collect(),
             levels: levels?,

@@ -11,6 +11,7 @@ use crate::language::Language;
 use crate::leg::Side;
 use crate::leg::method::{
     Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Tape, Unit, UnitChoice, Up,
+    Winding,
 };
 use crate::record::FigureFormat;
 
@@ -109,6 +110,9 @@ pub const FACINGS: Words<FacingChoice> = &[
     ("+z", FacingChoice::Declared(Axis::PlusZ)),
     ("-z", FacingChoice::Declared(Axis::MinusZ)),
 ];
+
+/// `scanner.winding`, `--winding`
+pub const WINDINGS: Words<Winding> = &[("outward", Winding::Outward), ("inward", Winding::Inward)];
 
 /// `method.fit`
 pub const FITS: Words<SectionFit> =

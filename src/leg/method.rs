@@ -15,6 +15,8 @@ pub struct Method {
     pub up: Up,
     /// The declared direction of the toes, if any.
     pub facing: FacingChoice,
+    /// Which way round the export's triangles are wound.
+    pub winding: Winding,
     /// The source of the sections.
     pub fit: SectionFit,
     /// How the tape lies around the leg.
@@ -25,6 +27,26 @@ pub struct Method {
     pub at_heights_mm: Vec<f64>,
     /// The chosen definitions of levels that have more than one.
     pub levels: LevelChoices,
+}
+
+/// Which way round triangles are wound: their corners run counter-clockwise as seen from …
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Winding {
+    /// … outside the body.
+    #[default]
+    Outward,
+    /// … inside it.
+    Inward,
+}
+
+impl Winding {
+    /// The word used in the configuration and in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Winding::Outward => "outward",
+            Winding::Inward => "inward",
+        }
+    }
 }
 
 /// How a leg's surface is fitted.

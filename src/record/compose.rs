@@ -68,6 +68,7 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("unit", unit),
         ("up", method.up.word()),
         ("facing", method.facing.word()),
+        ("winding", method.winding.word()),
         ("fit", method.fit.word()),
         ("tape", method.tape.word()),
     ];

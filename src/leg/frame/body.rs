@@ -6,9 +6,11 @@ use nalgebra::{Matrix4, Point2, Point3, Rotation3, Translation3, Vector2, Vector
 use super::body_fault::BodyFault;
 use super::components::without_fragments;
 use super::floor::FloorDoubt;
+use super::layers::unlinked_share;
 use super::point_cloud;
 use super::stance::{FeetUnclear, Stance, stance};
 use super::unit_inference::{Size, extent, lone_leg, whole_body};
+use super::winding;
 use crate::leg::method::{Axis, FacingChoice, Method, Scope, Unit, UnitChoice, Up};
 use crate::leg::parting::cluster::clusters;
 use crate::leg::parting::leg_tracking::{LINK_MM, slices};
@@ -33,6 +35,9 @@ const CROWN_SD_SHARE: f64 = 0.01;
 
 /// … and by the length of a foot, of which people's differ (ANSUR II: 0.152 ± 0.006).
 const FOOT_SD_SHARE: f64 = 0.04;
+
+/// Legs of which a larger share of points lies beside another skin are two skins, see [`unlinked_share`].
+const UNLINKED_MAX_SHARE: f64 = 0.4;
 
 /// A scan in the body frame.
 #[derive(Debug, Clone)]
@@ -94,6 +99,11 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         * Matrix4::new_scaling(unit.in_mm())
         * upright.to_homogeneous();
     let standing = moved(scan, &to_mm, unit);
+    winding::check(&standing, method.winding)?;
+    let unlinked_share = unlinked_share(&standing, size.scale_mm);
+    if unlinked_share > UNLINKED_MAX_SHARE {
+        return Err(BodyFault::Layers { percent: 100.0 * unlinked_share });
+    }
     let stance = stance(&standing, size.scale_mm)?;
     let (toes, facing_from) = facing(&stance, method.facing, &upright)?;
     let facing = toes.x.atan2(-toes.y);

@@ -77,6 +77,28 @@ pub enum BodyFault {
     /// The declared facing is the up axis.
     #[error("the declared facing is along the up axis")]
     FacingVertical,
+    /// The triangles turn inwards, and that was not declared.
+    #[error(
+        "the mesh is inside out: it is mirrored, so that left and right are exchanged, or only wound the \
+         other way round, and the scan does not show which; set `winding` after the check that its \
+         documentation describes"
+    )]
+    WoundInward,
+    /// The triangles turn outwards although they were declared to turn inwards.
+    #[error(
+        "the mesh is wound outwards, but `winding` says inward: was the scanner's export changed? check \
+         which leg is which, then set `winding`"
+    )]
+    WoundOutward,
+    /// Two skins beside each other.
+    #[error(
+        "there are two skins: {percent:.0} % of the legs' points lie close to another skin; is the body, or \
+         its mirror image, twice in the export, or is there a layer over it?"
+    )]
+    Layers {
+        /// Share of the legs' points with an unlinked neighbour, percent.
+        percent: f64,
+    },
     /// A single leg that stands under the middle of the trunk.
     #[error(
         "only one leg is seen, {off_mm:.0} mm beside the middle of the trunk: whether it is the left \
@@ -115,6 +137,9 @@ impl BodyFault {
             BodyFault::FacingUnclear(_) => "body-facing-unclear",
             BodyFault::FacingContradicted { .. } => "body-facing-contradicted",
             BodyFault::FacingVertical => "body-facing-vertical",
+            BodyFault::WoundInward => "body-wound-inward",
+            BodyFault::WoundOutward => "body-wound-outward",
+            BodyFault::Layers { .. } => "body-layers",
             BodyFault::SideUnclear { .. } => "body-side-unclear",
             BodyFault::NoPlausibleLeg { .. } => "body-no-plausible-leg",
             BodyFault::TwoLegs => "body-two-legs",

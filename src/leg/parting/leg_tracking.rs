@@ -20,6 +20,15 @@ const SHARED_MIN_SHARE: f64 = 0.1;
 /// a hand at the thigh the leg holds some 0.7; of a trunk reached by one leg alone, some 0.6.
 const OWN_MIN_SHARE: f64 = 0.65;
 
+/// A fold of skin, as of lymphoedema at the knee, hangs out by up to this, mm …
+const FOLD_GROWTH_MM: f64 = 40.0;
+
+/// … moves the middle of the leg by no more than this, mm; the middle of a trunk lies 80 mm aside …
+const FOLD_SHIFT_MM: f64 = 20.0;
+
+/// … and nearly all of it lies within that reach.
+const FOLD_MIN_SHARE: f64 = 0.95;
+
 /// A leg may be unseen in this many consecutive slices (a bandage, a strap, a row of holes) before
 /// it counts as ended.
 const UNSEEN_MAX: usize = 3;
@@ -140,11 +149,19 @@ fn share_out(
             continue;
         }
         let side = if shares.left >= shares.right { Side::Left } else { Side::Right };
-        if *shares.get(side) > OWN_MIN_SHARE {
+        let is_fold = || last.get(side).as_ref().is_some_and(|print| is_fold(print, &cluster));
+        if *shares.get(side) > OWN_MIN_SHARE || is_fold() {
             own.get_mut(side).extend(cluster);
         }
     }
     (own, neck)
+}
+
+/// Whether a cluster is a leg that has become wider on one or on all sides at once.
+fn is_fold(last: &Footprint, cluster: &[Point2<f64>]) -> bool {
+    let middle = Footprint::of(cluster).map(|print| print.middle);
+    middle.is_some_and(|middle| (middle - last.middle).norm() <= FOLD_SHIFT_MM)
+        && last.share_of(cluster, FOLD_GROWTH_MM) >= FOLD_MIN_SHARE
 }
 
 /// Smallest distance between the points of the two legs, mm; if the legs are too far apart to be

@@ -1,0 +1,157 @@
+//! Two skins in one export: a second shell, the mirror image of the first, or a layer over it.
+//!
+//! Neighbouring points of one skin are linked by a few edges. Where two skins run beside each other,
+//! points have neighbours that no short way along the edges leads to.
+
+use nalgebra::Point3;
+
+use crate::leg::sections::slice::Mesh;
+
+/// The legs, as shares of the stature: above the feet, below the crotch.
+const LEGS_SHARE: [f64; 2] = [0.05, 0.45];
+
+/// Points that are looked at: enough for a share to 0.02.
+const SAMPLES: usize = 2000;
+
+/// Neighbours in one skin are linked by at most this many edges.
+const LINKS_MAX: usize = 3;
+
+/// Two points closer than this share of an edge are one point that two shells have in common.
+const SAME_SHARE: f64 = 1e-3;
+
+/// The share of the legs' points that have an unlinked neighbour within the length of an edge; 0 for a
+/// point cloud. One skin has up to 0.1, where shells overlap and thighs touch; two have 0.7 or more.
+pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
+    let [low, high] = LEGS_SHARE.map(|share| share * stature_mm);
+    let legs = mesh.part(|middle, _| (low..high).contains(&middle.z));
+    let points = legs.points();
+    let Some(edge_mm) = edge_mm(&legs) else { return 0.0 };
+    let links = Links::of(points.len(), legs.triangles());
+    let mut by_height: Vec<u32> = (0..points.len() as u32).collect();
+    let height = |point: &u32| points[*point as usize].z;
+    by_height.sort_by(|p, q| height(p).total_cmp(&height(q)));
+    let stride = points.len().div_ceil(SAMPLES).max(1);
+    let samples = by_height.iter().step_by(stride);
+    let count = samples.clone().count();
+    let is_beside = |&&sample: &&u32| {
+        let place = points[sample as usize];
+        let first = by_height.partition_point(|point| height(point) < place.z - edge_mm);
+        let near = by_height[first..].iter().take_while(|point| height(point) <= place.z + edge_mm);
+        let is_near = |point: &&u32| {
+            let far_mm = (points[**point as usize] - place).norm();
+            (SAME_SHARE * edge_mm..edge_mm).contains(&far_mm)
+        };
+        let mut near = near.filter(is_near).peekable();
+        near.peek().is_some() && {
+            let linked = links.within(sample, LINKS_MAX);
+            near.any(|point| !linked.contains(point))
+        }
+    };
+    samples.filter(is_beside).count() as f64 / count.max(1) as f64
+}
+
+/// Median length of the edges, mm; `None` if there are none.
+fn edge_mm(mesh: &Mesh) -> Option<f64> {
+    let at = |point: u32| -> Point3<f64> { mesh.points()[point as usize] };
+    let mut lengths: Vec<f64> =
+        mesh.triangles().iter().map(|&[a, b, _]| (at(a) - at(b)).norm()).collect();
+    let middle = lengths.len() / 2;
+    (middle > 0).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
+}
+
+/// The points that share an edge with each point.
+struct Links {
+    /// Where the links of each point begin, and the end of the last.
+    starts: Vec<u32>,
+    ends: Vec<u32>,
+}
+
+impl Links {
+    fn of(points: usize, triangles: &[[u32; 3]]) -> Links {
+        let mut starts = vec![0; points + 1];
+        for corner in triangles.iter().flatten() {
+            starts[*corner as usize + 1] += 2;
+        }
+        for index in 0..points {
+            starts[index + 1] += starts[index];
+        }
+        let mut next = starts.clone();
+        let mut ends = vec![0; 6 * triangles.len()];
+        for &[a, b, c] in triangles {
+            for [from, to] in [[a, b], [a, c], [b, a], [b, c], [c, a], [c, b]] {
+                ends[next[from as usize] as usize] = to;
+                next[from as usize] += 1;
+            }
+        }
+        Links { starts, ends }
+    }
+
+    /// The points that up to `links_max` edges lead to.
+    fn within(&self, point: u32, links_max: usize) -> Vec<u32> {
+        let mut reached = vec![point];
+        let mut from = 0;
+        for _ in 0..links_max {
+            let to = reached.len();
+            for index in from..to {
+                let at = reached[index] as usize;
+                let [start, end] = [self.starts[at], self.starts[at + 1]].map(|i| i as usize);
+                for &next in &self.ends[start..end] {
+                    if !reached.contains(&next) {
+                        reached.push(next);
+                    }
+                }
+            }
+            from = to;
+        }
+        reached
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Tubes about the upright axis with these radii, 800 mm high, in triangles of about 6 mm.
+    fn tubes(radii_mm: &[f64]) -> Mesh {
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for &radius_mm in radii_mm {
+            let around = (std::f64::consts::TAU * radius_mm / 6.0) as u32;
+            let first = points.len() as u32;
+            for row in 0..134 {
+                for column in 0..around {
+                    let turn = std::f64::consts::TAU * f64::from(column) / f64::from(around);
+                    let (sin, cos) = turn.sin_cos();
+                    let z = 6.0 * f64::from(row);
+                    points.push(Point3::new(radius_mm * cos, radius_mm * sin, z));
+                    if row > 0 {
+                        let above = first + row * around + column;
+                        let beside = first + row * around + (column + 1) % around;
+                        triangles.push([above - around, beside - around, above]);
+                        triangles.push([beside - around, beside, above]);
+                    }
+                }
+            }
+        }
+        Mesh::new(points, triangles)
+    }
+
+    #[test]
+    fn one_skin_has_no_unlinked_neighbours_and_a_layer_over_it_has_them_nearly_everywhere() {
+        assert_eq!(unlinked_share(&tubes(&[50.0]), 1600.0), 0.0);
+        assert_eq!(unlinked_share(&tubes(&[50.0, 90.0]), 1600.0), 0.0);
+        for offset_mm in [1.0, 2.0, 3.0] {
+            let share = unlinked_share(&tubes(&[50.0, 50.0 + offset_mm]), 1600.0);
+            assert!(share > 0.8, "{offset_mm} mm: {share}");
+        }
+    }
+
+    #[test]
+    fn the_same_skin_twice_is_one_skin() {
+        assert!(unlinked_share(&tubes(&[50.0, 50.0]), 1600.0) < 0.01);
+    }
+
+    #[test]
+    fn a_point_cloud_has_no_links_to_miss() {
+        assert_eq!(unlinked_share(&Mesh::cloud(vec![Point3::origin(); 9], 1.0), 1600.0), 0.0);
+    }
+}
