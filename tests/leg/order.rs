@@ -22,6 +22,7 @@ fn report(tube: &Tube, method: &Method) -> (LegReport, Vec<Finding>) {
         stature_mm: Some(STATURE_MM),
         scale_mm: STATURE_MM,
         scale_sd_share: 0.01,
+        floor_doubt: None,
         floor_sd_mm: 0.0,
         shanks: Sides { left: Some(Point2::origin()), right: None },
         facing_deg: 0.0,

@@ -13,7 +13,7 @@ use nalgebra::{Point2, Vector2};
 
 use super::axis::LegAxis;
 use super::centroid::outline_centroid;
-use super::gap::{GAP_MAX_DEG, largest_gap_deg};
+use super::gap::largest_gap_deg;
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
 use super::section::{Curve, Outline, Section, Spokes, r2};
@@ -51,6 +51,17 @@ const SEEN_SPACINGS: f64 = 1.5;
 /// … or within this, mm, if that is more: sweeping scanners put their points in rows that are
 /// further apart than the points within a row.
 const SEEN_MIN_MM: f64 = 5.5;
+
+/// A section is not measured if a wider angle of its skin was not seen, degrees: less than half of the
+/// leg would say what the rest is.
+const SKIN_GAP_MAX_DEG: f64 = 150.0;
+
+/// Standard error of a girth across a gap, as a share of the girth per cube of the gap in radians: root
+/// mean square of bodies without the inner skin of 60, 80, 110 and 140° (docs/accuracy.md).
+const GAP_SD_SHARE: f64 = 0.003;
+
+/// The error of a bridged gap changes along the leg over this length, mm: the size of a muscle.
+const GAP_LENGTH_MM: f64 = 60.0;
 
 /// A tilt by which the dependence of a girth on its plane is found, degrees: a small one.
 const TILT_DEG: f64 = 1.0;
@@ -142,18 +153,20 @@ impl Skin {
     pub fn section(&self, axis: &LegAxis, along_mm: f64) -> Option<Section> {
         let near = self.near(&self.points, along_mm);
         let largest_gap_deg = self.largest_gap_deg(along_mm);
-        if largest_gap_deg > GAP_MAX_DEG {
+        if largest_gap_deg > SKIN_GAP_MAX_DEG {
             return None;
         }
         let coefficients = self.coefficients(along_mm)?;
         let centre = self.centre(along_mm);
         let (r2, rms_mm) = Skin::goodness(near, self.near(&self.outliers, along_mm));
-        let girth_sd = self.girth_sd(along_mm, near.len());
+        let girth = self.spokes.girth(&coefficients)?;
+        let gap_sd_mm = GAP_SD_SHARE * largest_gap_deg.to_radians().powi(3) * girth.tape_mm;
+        let girth_sd = self.girth_sd(along_mm, near.len(), gap_sd_mm);
         Some(Section {
             along_mm,
             height_mm: axis.at(along_mm, &centre).z,
             centre,
-            girth: self.spokes.girth(&coefficients)?,
+            girth,
             girth_sd: Some(girth_sd),
             wave_sd_mm: Some(self.waves.sd(along_mm).max(SQRT_2 * girth_sd[0] / TAU)),
             points: near.len(),
@@ -258,15 +271,17 @@ impl Skin {
     }
 
     /// Standard error of the girth and of its first two derivatives along the axis, mm: 2π times
-    /// that of the mean radius, adjusted to the local number of points.
-    fn girth_sd(&self, along_mm: f64, near: usize) -> [f64; 3] {
+    /// that of the mean radius, adjusted to the local number of points, and that of a bridged gap.
+    fn girth_sd(&self, along_mm: f64, near: usize, gap_sd_mm: f64) -> [f64; 3] {
         let here = near as f64 / (2.0 * self.reach_mm());
         let scarcity = (self.points_per_mm / here).sqrt();
         let sd = |order| {
             let fitted = scarcity * self.fit.mean_around_sd(along_mm, order);
             TAU * fitted.max(self.waves.mean_sd(along_mm, order))
         };
-        [sd(0).hypot(GIRTH_SD_MIN_MM), sd(1), sd(2)]
+        let over = |order| gap_sd_mm / GAP_LENGTH_MM.powi(order);
+        let [girth, slope, bend] = [0, 1, 2].map(|order| sd(order).hypot(over(order as i32)));
+        [girth.hypot(GIRTH_SD_MIN_MM), slope, bend]
     }
 }
 
