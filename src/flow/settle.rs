@@ -27,6 +27,9 @@ pub use memory::{Memory, Remembered};
 pub use sights::Sights;
 pub use wait::{Wait, Waiting};
 
+/// A last line end is waited for so many times as long as for a whole file.
+const LINE_END_QUIETS: u32 = 3;
+
 /// What one look at a folder found.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Look {
@@ -125,6 +128,8 @@ enum Next {
     Quiet,
     /// The rest of its content, or the end of the wait for it.
     Rest,
+    /// Its last line end, which some exporters never write.
+    LineEnd,
     /// The time of the next attempt to take it.
     Attempt(Duration),
     /// Nothing: it has been taken.
@@ -259,7 +264,7 @@ impl Settling {
                 companions: file.group.companions.clone(),
                 left_out: file.group.left_out,
                 is_shared: file.group.is_shared,
-                awaited: now.saturating_sub(file.unchanged_since) >= self.short_wait,
+                awaited: now.saturating_sub(file.unchanged_since) >= self.rest_wait(file.next),
                 writing: file.writing.clone(),
                 has_late_companion: file.has_late_companion,
             };
@@ -270,6 +275,14 @@ impl Settling {
 
     fn is_due(&self, file: &Watched, now: Duration) -> bool {
         self.due_at(file).is_some_and(|at| at <= now)
+    }
+
+    /// How long to wait for what a file lacks.
+    fn rest_wait(&self, next: Next) -> Duration {
+        match next {
+            Next::LineEnd => self.short_wait.min(LINE_END_QUIETS * self.quiet),
+            Next::Rest | Next::Quiet | Next::Attempt(_) | Next::Taken => self.short_wait,
+        }
     }
 
     /// When a file can be taken if it does not change before; `None` once it is taken, and while
@@ -286,7 +299,9 @@ impl Settling {
         };
         match file.next {
             Next::Quiet => Some(quiet),
-            Next::Rest => Some(quiet.max(file.unchanged_since + self.short_wait)),
+            Next::Rest | Next::LineEnd => {
+                Some(quiet.max(file.unchanged_since + self.rest_wait(file.next)))
+            }
             Next::Attempt(at) => Some(quiet.max(at)),
             Next::Taken => None,
         }
@@ -315,6 +330,11 @@ impl Settling {
     /// settled, or has been waited for long enough.
     pub fn cut_short(&mut self, settled: &Settled) {
         self.had_its_turn(settled, |file| file.next = Next::Rest);
+    }
+
+    /// Only the last line end is missing; it is offered again soon, to be taken as it is.
+    pub fn lacks_line_end(&mut self, settled: &Settled) {
+        self.had_its_turn(settled, |file| file.next = Next::LineEnd);
     }
 
     /// The file changed while it was being taken: its quiet time starts again at `now`.

@@ -51,6 +51,17 @@ pub enum Doubt {
         /// Root mean square distance of the points from the section, mm.
         rms_mm: f64,
     },
+    /// The level lies above a hem.
+    #[error(
+        "the skin steps out by {step_mm:.0} mm all around at {height_mm:.0} mm: is there cloth above, or does \
+         a fold hang over?"
+    )]
+    Cloth {
+        /// How far, mm.
+        step_mm: f64,
+        /// Height above the floor, mm.
+        height_mm: f64,
+    },
     /// The skin at the level is longer than a tape around it.
     #[error("the skin is {percent:.1} % longer than a tape around it: is it folded there?")]
     Folds {
@@ -89,6 +100,7 @@ impl Doubt {
             Doubt::Edge { .. } => "edge",
             Doubt::Gap { .. } => "gap",
             Doubt::Scatter { .. } => "scatter",
+            Doubt::Cloth { .. } => "cloth",
             Doubt::Folds { .. } => "folds",
             Doubt::NotSeen => "not-seen",
             Doubt::KneeBent { .. } => "knee-bent",

@@ -71,6 +71,9 @@ pub enum What {
          short, or the mesh left out?"
     )]
     NoFaces,
+    /// An OBJ mesh without its last line end.
+    #[error("the last line of the file has no line end: if a face is missing, it is the last one")]
+    NoLineEnd,
     /// The thighs touch below the crotch.
     #[error(
         "the legs are joined from {from_mm:.0} mm up: do the thighs touch, or is there cloth? They were \
@@ -216,6 +219,7 @@ impl Finding {
             What::FacingUnchecked(_) => "facing-unchecked",
             What::FloorUnclear(doubt) => doubt.code(),
             What::NoFaces => "no-faces",
+            What::NoLineEnd => "no-line-end",
             What::ThighsTouch { .. } => "thighs-touch",
             What::Proportions { .. } => "proportions",
             What::CrotchUncertain { .. } => "crotch-uncertain",
@@ -236,7 +240,7 @@ impl Finding {
     /// How much it matters.
     pub fn severity(&self) -> Severity {
         match &self.what {
-            What::LegsDiffer(_) | What::SurfaceHoles { .. } => Severity::Info,
+            What::LegsDiffer(_) | What::SurfaceHoles { .. } | What::NoLineEnd => Severity::Info,
             What::SecondOpinion(SecondOpinion::Sides { .. }) => Severity::Error,
             What::LevelAbsent(_)
             | What::SecondOpinion(_)

@@ -124,6 +124,9 @@ pub fn extract(bytes: &[u8], format: Format, method: &Method) -> Result<Extracti
     if scan.triangles.is_empty() && format == Format::Obj {
         findings.insert(0, Finding { side: None, level: None, what: What::NoFaces });
     }
+    if scan::lacks_line_end_only(bytes, format) {
+        findings.insert(0, Finding { side: None, level: None, what: What::NoLineEnd });
+    }
     let mut legs = Vec::new();
     for (side, report) in Side::BOTH.into_iter().zip(reports) {
         match report {

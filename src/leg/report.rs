@@ -24,6 +24,7 @@ use crate::leg::sections::axis::LegAxis;
 use crate::leg::sections::axis_fit::{self, FoundAxis};
 use crate::leg::sections::axis_length::AxisLength;
 use crate::leg::sections::equidistant::{Sections, sections};
+use crate::leg::sections::hem::Hem;
 use crate::leg::sections::section::Section;
 use crate::leg::surface::nurbs::{LegSurface, Wanted, surface};
 use crate::leg::surface::shape::{Shape, on_planes};
@@ -36,6 +37,12 @@ const ANKLE_STATURE_SHARE: f64 = 0.06;
 
 /// Above this bend of the knee, degrees, levels above C are in doubt.
 const BEND_DOUBT_DEG: f64 = 45.0;
+
+/// A hem changes sections up to this far below it, mm: two of the curve's pieces.
+const CLOTH_REACH_MM: f64 = 25.0;
+
+/// Below the crotch the thigh widens into the buttock within this length, mm.
+const GROIN_MM: f64 = 50.0;
 
 /// The lowest section, as a share of stature: above the instep, below every malleolus.
 const LOWEST_STATURE_SHARE: f64 = 0.035;
@@ -64,11 +71,19 @@ pub fn leg_report(
     let mut measures = measures(leg, &sections, &curve, crotch, body, method);
     let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
     let others = other_axes(leg, &sections.axis, body, end_mm, method.tape);
-    tilt::complete(across, &sections, &others);
+    tilt::complete(across, &sections, &curve, &others);
     for landmark in &mut measures.levels.found {
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
     let mut findings = Findings { side: leg.side, found: Vec::new() };
+    if let Some(doubt) = cloth(&sections, &curve, span_mm) {
+        findings.add(None, What::Doubtful(doubt.1));
+        let above = |along_mm: f64| along_mm > doubt.0 - CLOTH_REACH_MM;
+        let found = measures.levels.found.iter_mut().filter(|landmark| above(landmark.along_mm));
+        found.for_each(|landmark| landmark.doubts.push(doubt.1));
+        let estimates = measures.estimates.iter_mut().filter(|place| above(place.along_mm));
+        estimates.for_each(|estimate| estimate.doubts.push(doubt.1));
+    }
     if let (Some(end_mm), Some(_)) = (leg.cut_mm, body.stature_mm) {
         findings.add(None, What::LegCut { end_mm });
     }
@@ -125,6 +140,17 @@ pub fn leg_report(
         at,
     };
     Ok((report, findings.found))
+}
+
+/// Where cloth begins, along the axis in mm, and the doubt about all above it.
+fn cloth(
+    sections: &Sections,
+    curve: &GirthCurve,
+    [from_mm, to_mm]: [f64; 2],
+) -> Option<(f64, Doubt)> {
+    let Hem { along_mm, step_mm } = sections.hem([from_mm, to_mm - GROIN_MM])?;
+    let height_mm = curve.height_mm(along_mm)?;
+    Some((along_mm, Doubt::Cloth { step_mm, height_mm }))
 }
 
 /// The axes that a leg would have if the stature were smaller or larger by its standard error; none where

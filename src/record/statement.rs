@@ -129,6 +129,7 @@ impl Statement {
             }
             What::FloorUnclear(FloorDoubt::NotTurning) => Statement::of("feet-cut"),
             What::NoFaces => Statement::of("no-faces"),
+            What::NoLineEnd => Statement::of("no-line-end"),
             What::ThighsTouch { from_mm } => {
                 Statement::of("thighs-touch").number("from_mm", *from_mm)
             }
@@ -220,6 +221,9 @@ impl From<&Doubt> for Statement {
             Doubt::Edge { end_mm } => said.number("end_mm", end_mm),
             Doubt::Gap { gap_deg } => said.number("gap_deg", gap_deg),
             Doubt::Scatter { rms_mm } => said.number("rms_mm", rms_mm),
+            Doubt::Cloth { step_mm, height_mm } => {
+                said.number("step_mm", step_mm).number("height_mm", height_mm)
+            }
             Doubt::Folds { percent } => said.number("percent", percent),
             Doubt::KneeBent { bend_deg } => said.number("bend_deg", bend_deg),
             Doubt::BelowD { d_height_mm } => said.number("d_height_mm", d_height_mm),

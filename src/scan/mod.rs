@@ -41,7 +41,7 @@ pub use geometry::geometry;
 pub struct Scan {
     /// Points in the export's own unit and axes.
     pub points: Vec<Point3<f64>>,
-    /// Triangles as indices into `points`; their orientation is not significant.
+    /// Triangles as indices into `points`; which way round they are wound may be wrong.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -53,7 +53,10 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scan, ScanFault> {
     if let Some(fault) = misnamed(bytes, format) {
         return Err(fault);
     }
-    completeness(bytes, format)?;
+    match completeness(bytes, format) {
+        Err(_) if lacks_line_end_only(bytes, format) => {}
+        complete => complete?,
+    }
     let scan = match format {
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),
@@ -83,6 +86,12 @@ pub fn completeness(bytes: &[u8], format: Format) -> Result<(), ScanFault> {
         Format::Wrl => wrl::completeness(bytes),
         Format::Xyz => xyz::completeness(bytes),
     }
+}
+
+/// Whether a file ends without a line end but with a whole surface: an OBJ mesh whose last face joins the
+/// others, and whose points all belong to a face. Some exporters never write a last line end.
+pub fn lacks_line_end_only(bytes: &[u8], format: Format) -> bool {
+    format == Format::Obj && obj::lacks_line_end_only(bytes)
 }
 
 /// The fault if the content clearly has another format than the ending says.

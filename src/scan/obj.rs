@@ -62,6 +62,26 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
     text::refuse_open_line(bytes)
 }
 
+/// Whether only the line end is missing after the last face. If its last number was cut short, it names
+/// another point, which hardly shares an edge of another face with the corners before it.
+pub(super) fn lacks_line_end_only(bytes: &[u8]) -> bool {
+    if text::refuse_binary(bytes).is_err() || text::refuse_open_line(bytes).is_ok() {
+        return false;
+    }
+    let is_face = |last: &[u8]| keyword(last) == b"f" && text::words(last).count() > 3;
+    if !numbered(bytes).last().is_some_and(|(_, last)| is_face(last)) {
+        return false;
+    }
+    let Ok(statements) = Statements::of(text::without_mark(bytes)) else { return false };
+    let Some((&[first, second, last], others)) = statements.triangles.split_last() else {
+        return false;
+    };
+    let shares_edge = |other: &[u32; 3]| {
+        other.contains(&last) && (other.contains(&first) || other.contains(&second))
+    };
+    statements.unused() == 0 && others.iter().any(shares_edge)
+}
+
 fn unplaced(what: &str) -> ScanFault {
     ScanFault::Malformed { place: Place::Unknown, what: what.to_owned() }
 }

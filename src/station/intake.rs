@@ -314,6 +314,7 @@ impl Intake {
         match taken {
             Ok(Taken::Done) => self.settling.taken(&settled),
             Ok(Taken::CutShort) => self.settling.cut_short(&settled),
+            Ok(Taken::LineEnd) => self.settling.lacks_line_end(&settled),
             Ok(Taken::Changed) => self.settling.changed(&settled, now),
             Err(fault) => {
                 self.notes.failed(&fault);

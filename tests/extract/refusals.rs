@@ -246,7 +246,7 @@ fn legs_without_a_section_that_closes_are_refused() {
     // Nobody saw the front of the legs above the feet.
     let open = Mesh::mannequin().kept(|[x, y, z]| {
         let off_deg = z.atan2(x.abs() - 100.0 + 0.01 * y).to_degrees();
-        !(55.0..=812.0).contains(&y) || (off_deg - 90.0).abs() > 55.0
+        !(55.0..=812.0).contains(&y) || (off_deg - 90.0).abs() > 100.0
     });
     check(&[case("open in front", open.obj(), "no-leg", &["left", "right"])]);
 }

@@ -55,7 +55,7 @@ fn a_height_is_that_of_the_section_s_centre_on_a_tilted_leg() {
 fn what_was_not_seen_has_no_girth_and_a_gap_is_a_doubt() {
     let hole = |angle: f64, along: f64| {
         let wide = match along {
-            300.0..380.0 => 100.0,
+            300.0..380.0 => 170.0,
             500.0..560.0 => 40.0,
             _ => 0.0,
         };

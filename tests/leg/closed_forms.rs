@@ -318,9 +318,9 @@ fn open_where_wide(fit: SectionFit, at: f64, [narrow, wide]: [f64; 2]) {
 }
 
 #[test]
-fn a_gap_beyond_60_degrees_leaves_a_section_open_and_one_below_does_not() {
+fn a_gap_beyond_150_degrees_or_60_in_a_plane_leaves_a_section_open_and_one_below_does_not() {
     for at in [0.0, 75.0, 180.0] {
-        open_where_wide(SectionFit::Skin, at, [57.0, 65.0]);
+        open_where_wide(SectionFit::Skin, at, [147.0, 155.0]);
         open_where_wide(SectionFit::Periodic, at, [57.0, 65.0]);
     }
 }

@@ -4,7 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 use gaiter::leg::finding::Severity;
-use gaiter::leg::method::{Axis, FacingChoice};
+use gaiter::leg::method::{Axis, FacingChoice, SurfaceMethod};
 use gaiter::leg::{Extraction, Finding, Level, Method, Side, extract};
 use gaiter::scan::Format;
 use support::chance::Chance;
@@ -73,7 +73,7 @@ fn a_gap_at_the_calf_is_doubted_and_one_too_wide_to_close_says_that_the_skin_was
     let deg: f64 = gap.what.to_string().split(' ').next().unwrap().parse().unwrap();
     // The columns of the mannequin are 9 degrees apart.
     assert!((45.0..=63.0).contains(&deg), "{deg}");
-    let unseen = check_left(&with_gap(110.0, 310.0, 370.0), Some(Level::C), "not-seen");
+    let unseen = check_left(&with_gap(360.0, 320.0, 357.0), Some(Level::C), "not-seen");
     assert_eq!(unseen.severity(), Severity::Warning);
 }
 
@@ -117,13 +117,20 @@ fn a_girth_that_no_leg_has_is_left_out_as_an_error() {
 }
 
 #[test]
-fn a_surface_that_lacks_its_lower_end_is_short_and_one_without_its_middle_is_none() {
-    check_left(&with_gap(110.0, 50.0, 125.0), None, "surface-short");
-    let none = with_gap(110.0, 135.0, 425.0);
-    let finding = check_left(&none, None, "no-surface");
-    assert_eq!(finding.severity(), Severity::Error);
-    let legs = measured(&none, &Method::default()).legs;
-    assert!(legs[0].surface.is_none() && legs[1].surface.is_some());
+fn a_surface_that_lacks_its_lower_end_is_short() {
+    check_left(&with_gap(165.0, 50.0, 125.0), None, "surface-short");
+}
+
+#[test]
+fn a_leg_whose_sections_make_no_surface_is_measured_and_says_so_as_an_error() {
+    let surface = SurfaceMethod { control_points: Some([300, 24]), ..SurfaceMethod::default() };
+    let found = measured(&Mesh::mannequin(), &Method { surface, ..Method::default() });
+    for (leg, side) in found.legs.iter().zip(Side::BOTH) {
+        assert!(leg.surface.is_none() && leg.landmarks.len() > 3);
+        let about = found.findings.iter().filter(|finding| finding.side == Some(side));
+        let said: Vec<_> = about.map(|finding| (finding.code(), finding.severity())).collect();
+        assert_eq!(said, [("no-surface", Severity::Error)]);
+    }
 }
 
 #[test]

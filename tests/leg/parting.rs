@@ -216,7 +216,7 @@ fn a_leg_alone_is_measured_as_on_the_body_in_any_unit() {
 fn a_lone_leg_has_the_side_that_was_declared_and_mirrors_with_it() {
     let leg = lone_leg(Side::Left, 720.0);
     let as_left = tried(&leg, Scope::Leg(Side::Left)).unwrap();
-    let as_right = tried(&leg.moved(|[x, y, z]| [-x, y, z]), Scope::Leg(Side::Right)).unwrap();
+    let as_right = tried(&leg.mirrored(), Scope::Leg(Side::Right)).unwrap();
     let features = |of: &Extraction| -> Vec<f64> {
         of.legs[0].level_sections[0].features.iter().map(|f| f.angle_deg).collect()
     };

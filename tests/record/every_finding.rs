@@ -36,6 +36,7 @@ pub fn all() -> Vec<What> {
         Doubt::Edge { end_mm: 8.0 },
         Doubt::Gap { gap_deg: 39.0 },
         Doubt::Scatter { rms_mm: 2.4 },
+        Doubt::Cloth { step_mm: 11.0, height_mm: 92.0 },
         Doubt::Folds { percent: 3.1 },
         Doubt::NotSeen,
         Doubt::KneeBent { bend_deg: 52.0 },
@@ -83,6 +84,7 @@ pub fn all() -> Vec<What> {
     let mut all = vec![
         What::LevelImplausible { girth_mm: 1301.0 },
         What::NoFaces,
+        What::NoLineEnd,
         What::FloorUnclear(FloorDoubt::Uneven { spread_mm: 14.0 }),
         What::FloorUnclear(FloorDoubt::NotTurning),
         What::ThighsTouch { from_mm: 702.0 },

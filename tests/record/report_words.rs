@@ -77,7 +77,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 39] = [
+const KEYWORDS: [[&str; 4]; 41] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -88,6 +88,7 @@ const KEYWORDS: [[&str; 4]; 39] = [
     ["edge", "edge of the visible", "Rand", "vom Ende"],
     ["gap", "partly", "teilweise", "30°"],
     ["scatter", "scatter", "streuen", "nicht eine Haut"],
+    ["cloth", "Cloth", "Stoff", "Saum"],
     ["folds", "folded", "Falten", "Hautfalten"],
     ["not-seen", "Skin not", "Haut nicht", "nicht zu messen"],
     ["knee-bent", "Knee bent", "Knie gebeugt", "so großem Winkel"],
@@ -98,6 +99,7 @@ const KEYWORDS: [[&str; 4]; 39] = [
     ["floor-uneven", "level", "eben", "waagerechten Ebene"],
     ["feet-cut", "Sole not", "Fußrand", "Schuhe"],
     ["no-faces", "without a mesh", "ohne Netz", "nur Punkte"],
+    ["no-line-end", "line end", "Zeilenende", "ohne Zeilenende"],
     ["thighs-touch", "Thighs", "Oberschenkel", "berühren sich"],
     ["proportions", "proportions", "Proportionen", "Der Schritt liegt"],
     ["thigh-axis-missing", "without an axis", "ohne Achse", "quer zum Unterschenkel"],

@@ -8,7 +8,7 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gaiter::scan::{Format, Scan, ScanFault, completeness, read};
+use gaiter::scan::{Format, Scan, ScanFault, completeness, lacks_line_end_only, read};
 
 /// Fewer files than this, and the folder was not found.
 const CASES_MIN: usize = 80;
@@ -67,6 +67,10 @@ fn the_quick_look_awaits_more_only_where_reading_finds_the_file_cut_short() {
         let waits = |fault: &ScanFault| fault.may_be_mended_by_waiting();
         let quick = completeness(&bytes, format).err().filter(waits);
         let whole = read(&bytes, format).err().filter(waits);
+        if lacks_line_end_only(&bytes, format) {
+            assert!(quick.is_some() && whole.is_none(), "{}", path.display());
+            continue;
+        }
         assert_eq!(quick, whole, "{}", path.display());
     }
 }

@@ -109,8 +109,8 @@ impl Settling {
         } else {
             match file.next {
                 Next::Attempt(_) => Wait::Attempt { failures: file.failures, left },
-                Next::Rest if !left.is_zero() => Wait::Rest { left },
-                Next::Rest | Next::Quiet | Next::Taken => Wait::Turn,
+                Next::Rest | Next::LineEnd if !left.is_zero() => Wait::Rest { left },
+                Next::Rest | Next::LineEnd | Next::Quiet | Next::Taken => Wait::Turn,
             }
         };
         let is_late = now.saturating_sub(file.since) >= self.overdue;

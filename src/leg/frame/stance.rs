@@ -138,7 +138,7 @@ pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
     Ok(Stance {
         feet: feet_points.iter().zip(&shanks).map(middle).collect(),
         toes: toes(&shanks, &feet_points, stature_mm),
-        floor: floor(&feet_points).unwrap_or(Floor {
+        floor: floor(&feet_points, stature_mm).unwrap_or(Floor {
             height_mm: 0.0,
             sd_mm: f64::INFINITY,
             doubt: None,

@@ -58,6 +58,12 @@ impl Footprint {
         Some(Footprint { middle: (sum / points.len() as f64).into(), reach })
     }
 
+    /// This footprint, but nowhere further than `narrowing_mm` inside the one before it.
+    pub fn after(&self, before: &Footprint, narrowing_mm: f64) -> Footprint {
+        let reach = std::array::from_fn(|i| larger(self.reach[i], before.reach[i] - narrowing_mm));
+        Footprint { middle: self.middle, reach }
+    }
+
     /// Distance of a point beyond the polygon, mm; negative inside.
     pub fn beyond_mm(&self, point: &Point2<f64>) -> f64 {
         let reaches = self.reach.iter().zip(DIRECTIONS);
@@ -97,6 +103,19 @@ mod tests {
         assert!(!holds(100.0, -62.0));
         assert_eq!(footprint.share_of(&ring, 0.0), 1.0);
         assert_eq!(footprint.share_of(&[Point2::new(0.0, 0.0), ring[0]], 10.0), 0.5);
+    }
+
+    #[test]
+    fn half_a_ring_still_holds_the_other_half_for_a_while() {
+        let ring = |from: i32, to: i32| -> Vec<Point2<f64>> {
+            let turns = (from..to).map(|i| f64::from(4 * i).to_radians());
+            turns.map(|t| Point2::new(50.0 * t.cos(), 50.0 * t.sin())).collect()
+        };
+        let whole = Footprint::of(&ring(0, 90)).unwrap();
+        let half = Footprint::of(&ring(0, 45)).unwrap();
+        let unseen = Point2::new(0.0, -39.0);
+        assert!(half.beyond_mm(&unseen) > 30.0);
+        assert!(half.after(&whole, 10.0).beyond_mm(&unseen) < 0.0);
     }
 
     #[test]

@@ -10,8 +10,12 @@ use super::thigh_divider::Neck;
 use crate::leg::sections::slice::Mesh;
 use crate::leg::side::{Side, Sides};
 
-/// Points closer than this are connected, mm: twice the spacing of a usual export (6 mm).
-pub const LINK_MM: f64 = 12.0;
+/// Points of a slice closer than this are connected, mm: twice the spacing of a usual export (6 mm) …
+const LINK_MIN_MM: f64 = 12.0;
+
+/// … or so many edges of the mesh: a slice has a point on each edge that it crosses, and the longest edge
+/// of a triangle is rarely longer.
+const LINK_EDGES: f64 = 1.6;
 
 /// A cluster belongs to both legs if each holds more than this share of its points.
 const SHARED_MIN_SHARE: f64 = 0.1;
@@ -19,6 +23,10 @@ const SHARED_MIN_SHARE: f64 = 0.1;
 /// A cluster belongs to one leg if the leg holds at least this share of it. Judging by girths, with
 /// a hand at the thigh the leg holds some 0.7; of a trunk reached by one leg alone, some 0.6.
 const OWN_MIN_SHARE: f64 = 0.65;
+
+/// A leg narrows by no more than this from one slice to the next, mm: a slope of 45°. Where less of it is
+/// seen, its other side is looked for there still.
+const NARROWING_MM: f64 = 10.0;
 
 /// A fold of skin, as of lymphoedema at the knee, hangs out by up to this, mm …
 const FOLD_GROWTH_MM: f64 = 40.0;
@@ -70,6 +78,11 @@ pub struct Track {
     pub ends_mm: Sides<Option<f64>>,
 }
 
+/// Points of a slice of this skin closer than this are connected, mm.
+pub fn link_mm(mesh: &Mesh) -> f64 {
+    mesh.edge_mm().map_or(LINK_MIN_MM, |edge_mm| LINK_MIN_MM.max(LINK_EDGES * edge_mm))
+}
+
 /// Follows legs from their footprints through slices at ascending or descending heights.
 pub fn follow(
     mesh: &Mesh,
@@ -82,14 +95,16 @@ pub fn follow(
     let mut unseen = Sides::<usize>::default();
     let mut track = Track { parting, steps: Vec::new(), ends_mm: Sides::default() };
     let mut seen_mm = Sides::of_each(|_| heights_mm.first().copied().unwrap_or(0.0));
+    let link_mm = link_mm(mesh);
     let clustered: Vec<Vec<Vec<Point2<f64>>>> =
-        slices(mesh, heights_mm).par_iter().map(|slice| clusters(slice, LINK_MM)).collect();
+        slices(mesh, heights_mm).par_iter().map(|slice| clusters(slice, link_mm)).collect();
     for (&height_mm, slice) in heights_mm.iter().zip(clustered) {
         let (own, neck) = share_out(slice, &last, growth_mm, parting);
         let prints = Sides::of_each(|side| Footprint::of(own.get(side)));
         for side in Side::BOTH {
             if let Some(print) = prints.get(side) {
-                *last.get_mut(side) = Some(print.clone());
+                let kept = last.get(side).as_ref().map(|last| print.after(last, NARROWING_MM));
+                *last.get_mut(side) = Some(kept.unwrap_or_else(|| print.clone()));
                 *unseen.get_mut(side) = 0;
                 *seen_mm.get_mut(side) = height_mm;
             } else if last.get(side).is_some() {

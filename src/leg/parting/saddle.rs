@@ -8,11 +8,13 @@
 use nalgebra::Point3;
 
 use super::cloud_skin::CloudSkin;
-use super::leg_tracking::LINK_MM;
 use super::skin_border::SkinBorder;
 use crate::leg::frame::union_find::DisjointSets;
 use crate::leg::sections::slice::Mesh;
 use crate::leg::side::{Side, Sides};
+
+/// Borders and saddles this close to each other belong together, mm: twice the spacing of a usual export.
+const LINK_MM: f64 = 12.0;
 
 /// The thighs are told apart in this band of heights, as shares of stature: below every crotch, above
 /// knees that touch.

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::axis::LegAxis;
+use super::hem::Hem;
 use super::plane::{self, PlaneFit};
 use super::point_pairs::Pairs;
 use super::section::{Outline, SPACING_MM, Section};
@@ -75,6 +76,15 @@ impl Sections {
         let far = |row: &&Row| (row.along_mm - along_mm).abs();
         let row = self.rows.iter().min_by(|a, b| far(a).total_cmp(&far(b)));
         row.and_then(|row| row.section.as_ref())
+    }
+
+    /// Where the skin steps out all around between two distances along the axis; only the fit of all of the
+    /// skin knows.
+    pub fn hem(&self, span_mm: [f64; 2]) -> Option<Hem> {
+        match &self.source {
+            Source::Skin(skin) => skin.hem(span_mm),
+            Source::Crossings { .. } | Source::Pairs(_) => None,
+        }
     }
 
     /// The outline of a row, bridged if up to `gap_deg` of the skin was not seen; `None` if more is

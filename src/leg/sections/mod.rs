@@ -8,6 +8,7 @@ pub mod bend;
 pub(super) mod centroid;
 pub mod equidistant;
 pub mod gap;
+pub(super) mod hem;
 pub(super) mod hull;
 pub(super) mod low_harmonics;
 pub mod plane;

@@ -14,6 +14,7 @@ use nalgebra::{Point2, Vector2};
 use super::axis::LegAxis;
 use super::centroid::outline_centroid;
 use super::gap::largest_gap_deg;
+use super::hem::{Hem, hem};
 use super::hull::Hull;
 use super::low_harmonics::{Left, Waves};
 use super::section::{Curve, Outline, Section, Spokes, r2};
@@ -223,6 +224,12 @@ impl Skin {
             Some((girth_mm(tilt)? - girth_mm(-tilt)?) / (2.0 * TILT_DEG))
         });
         Some([front?, lateral?])
+    }
+
+    /// Where it steps out all around between two distances along the axis.
+    pub fn hem(&self, span_mm: [f64; 2]) -> Option<Hem> {
+        let points = self.points.iter().chain(&self.outliers);
+        hem(points.map(|point| [point.along_mm, point.angle, point.radius_mm]), span_mm)
     }
 
     fn curve(&self, coefficients: Vec<f64>) -> Curve {

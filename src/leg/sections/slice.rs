@@ -18,6 +18,9 @@ const SMOOTH_EDGE_MIN_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// one spacing if that is more: sweeping scanners put their points in rows up to 10 mm apart.
 const SLAB_HALF_MIN_MM: f64 = 5.5;
 
+/// As many edges tell their median length to 1 %.
+const EDGES_MAX: usize = 5000;
+
 /// A skin to be sliced: a triangle mesh with vertex normals, or a bare point cloud.
 #[derive(Debug, Clone)]
 pub struct Mesh {
@@ -69,6 +72,16 @@ impl Mesh {
     /// The points.
     pub fn points(&self) -> &[Point3<f64>] {
         &self.points
+    }
+
+    /// Median length of the triangles' edges, mm; `None` for a point cloud.
+    pub fn edge_mm(&self) -> Option<f64> {
+        let at = |point: u32| self.points[point as usize];
+        let stride = self.triangles.len().div_ceil(EDGES_MAX).max(1);
+        let sample = self.triangles.iter().step_by(stride);
+        let mut lengths: Vec<f64> = sample.map(|&[a, b, _]| (at(a) - at(b)).norm()).collect();
+        let middle = lengths.len() / 2;
+        (middle > 0).then(|| *lengths.select_nth_unstable_by(middle, f64::total_cmp).1)
     }
 
     /// Triangles as indices into the points.

@@ -11,20 +11,10 @@ use super::equations::Equations;
 use super::function::Tensor;
 use super::kronecker::{Direction, best_by_gcv};
 use super::neighbours::Neighbours;
+use super::scatter::{Scatter, place};
 use crate::spline::basis::{Basis, DEGREE, Row};
 use crate::spline::fit::FitFault;
 use crate::spline::robust::biweights;
-
-/// Scattered data of a function of two variables; all slices have the same length.
-#[derive(Debug, Clone, Copy)]
-pub struct Scatter<'a> {
-    /// Positions along, within the clamped basis.
-    pub u: &'a [f64],
-    /// Positions around, wrapped.
-    pub v: &'a [f64],
-    /// Values.
-    pub value: &'a [f64],
-}
 
 /// A fitted function and its accuracy.
 #[derive(Debug, Clone)]
@@ -183,12 +173,6 @@ impl Grid {
         }
         (cells, seen)
     }
-}
-
-/// The interval of ascending breakpoints that contains `x`, or the nearest one.
-pub(super) fn place(breakpoints: &[f64], x: f64) -> usize {
-    let last = breakpoints.len() - 2;
-    breakpoints.partition_point(|breakpoint| *breakpoint <= x).saturating_sub(1).min(last)
 }
 
 /// Breakpoints with the middle of each interval inserted: a clamped basis has three more functions

@@ -3,7 +3,7 @@
 //! The first, smoothest fit cuts off ridges and folds. Their data are far from it, but together; an
 //! outlier is far from its neighbours too.
 
-use super::fit::{Scatter, place};
+use super::scatter::{Scatter, place};
 use crate::spline::robust::{TUKEY, scale};
 
 /// Neighbours share at most this much, in the unit of the values: a ridge that the smooth fit cuts off.
@@ -17,7 +17,7 @@ const REACH_CELLS: f64 = 1.2;
 const NEIGHBOURS_MIN: usize = 5;
 
 /// Residuals below this share of what makes an outlier are left as they are.
-const SUSPECT_SHARE: f64 = 0.4;
+const SUSPECT_SHARE: f64 = 0.8;
 
 /// Scattered data by cells of about one width.
 pub struct Neighbours<'a> {
@@ -25,18 +25,30 @@ pub struct Neighbours<'a> {
     /// Breakpoints of the cells along, and around.
     along: &'a [f64],
     around: &'a [f64],
-    /// Indices of the data in each cell, cells by rows along.
-    cells: Vec<Vec<usize>>,
+    /// Indices of the data, by cells, cells by rows along.
+    members: Vec<usize>,
+    /// Where the members of each cell begin, and the end of the last.
+    starts: Vec<usize>,
 }
 
 impl<'a> Neighbours<'a> {
     /// Puts the data into the cells between these breakpoints; those around are a whole period.
     pub fn of(data: &'a Scatter, along: &'a [f64], around: &'a [f64]) -> Neighbours<'a> {
         let count = (along.len() - 1) * (around.len() - 1);
-        let mut all = Neighbours { data, along, around, cells: vec![Vec::new(); count] };
-        for index in 0..data.value.len() {
-            let (row, column) = all.home(index);
-            all.cells[row * (around.len() - 1) + column].push(index);
+        let (members, starts) = (vec![0; data.value.len()], vec![0; count + 1]);
+        let mut all = Neighbours { data, along, around, members, starts };
+        let homes: Vec<usize> = (0..data.value.len())
+            .map(|index| {
+                let (row, column) = all.home(index);
+                row * (around.len() - 1) + column
+            })
+            .collect();
+        homes.iter().for_each(|home| all.starts[home + 1] += 1);
+        (0..count).for_each(|cell| all.starts[cell + 1] += all.starts[cell]);
+        let mut next = all.starts.clone();
+        for (index, home) in homes.into_iter().enumerate() {
+            all.members[next[home]] = index;
+            next[home] += 1;
         }
         all
     }
@@ -59,7 +71,10 @@ impl<'a> Neighbours<'a> {
         let (row, column) = self.home(index);
         let rows = row.saturating_sub(1)..(row + 2).min(rows);
         let cells = rows.flat_map(|row| {
-            [columns - 1, 0, 1].map(|turn| &self.cells[row * columns + (column + turn) % columns])
+            [columns - 1, 0, 1].map(|turn| {
+                let cell = row * columns + (column + turn) % columns;
+                &self.members[self.starts[cell]..self.starts[cell + 1]]
+            })
         });
         let is_near = |other: &&usize| {
             let up = (self.data.u[**other] - self.data.u[index]) / long;

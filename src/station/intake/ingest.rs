@@ -44,6 +44,8 @@ pub enum Taken {
     Done,
     /// Its format shows that more is to come.
     CutShort,
+    /// Nothing is missing but the last line end.
+    LineEnd,
     /// It changed while it was read.
     Changed,
 }
@@ -106,11 +108,13 @@ pub fn take(
     let name = file.to_string_lossy();
     // A look only offers files with a known format.
     let Ok(format) = Format::of_file_name(&name) else { return Ok(Taken::Done) };
-    let is_cut_short = awaits_rest(export, format);
-    if is_cut_short && !settled.awaited {
+    let awaits_rest = awaits_rest(export, format);
+    let lacks_line_end = awaits_rest && lacks_line_end_only(export, format);
+    if awaits_rest && !settled.awaited {
         core.observer.tell(StationEvent::AwaitsRest { file: file.to_owned() });
-        return Ok(Taken::CutShort);
+        return Ok(if lacks_line_end { Taken::LineEnd } else { Taken::CutShort });
     }
+    let is_cut_short = awaits_rest && !lacks_line_end;
     let companions = fresh(core, settled, export)?;
     let says = [core.identity.of_file_name(&name), beside(core, &companions)];
     let read = settled.writing.read();
@@ -247,6 +251,11 @@ fn pressed_at(core: &Core, judged: &Judged) -> Result<Option<Timestamp>, Journal
 fn awaits_rest(export: &Export, format: Format) -> bool {
     caught(|| scan::completeness(&export.bytes, format))
         .is_ok_and(|complete| complete.is_err_and(|fault| fault.may_be_mended_by_waiting()))
+}
+
+/// Whether nothing but the last line end is missing.
+fn lacks_line_end_only(export: &Export, format: Format) -> bool {
+    caught(|| scan::lacks_line_end_only(&export.bytes, format)).is_ok_and(|lacks| lacks)
 }
 
 fn announce(core: &Core, settled: &Settled, export: &Export, verdict: Verdict) {

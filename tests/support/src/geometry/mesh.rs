@@ -72,6 +72,13 @@ impl Mesh {
         self
     }
 
+    /// The mirror image, wound outwards again.
+    pub fn mirrored(self) -> Mesh {
+        let mut mesh = self.moved(|[x, y, z]| [-x, y, z]);
+        mesh.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+        mesh
+    }
+
     /// Every point multiplied.
     pub fn scaled(self, factor: f64) -> Mesh {
         self.moved(|point| point.map(|value| value * factor))
