@@ -125,8 +125,10 @@ impl Limits {
 
     fn leg(&mut self, leg: &LegReport, truths: [&Value; 2], crotch_mm: f64, allowed_mm: f64) {
         let [own, other] = truths.map(|truth| Curve::of(leg, truths[0], truth, crotch_mm));
-        self.swapped +=
-            usize::from(own.mean_square(own.shift_mm) > other.mean_square(other.shift_mm));
+        // Legs that are alike within the noise fit each other's truth as well.
+        let [own_square, other_square] =
+            [&own, &other].map(|curve| curve.mean_square(curve.shift_mm));
+        self.swapped += usize::from(own_square > other_square + allowed_mm * allowed_mm);
         for (all, shift_mm) in self.curve.iter_mut().zip([0.0, own.shift_mm]) {
             all.extend(own.errors(shift_mm).map(|error| error.abs() / allowed_mm));
         }

@@ -53,17 +53,21 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Scan, ScanFault> {
     if let Some(fault) = misnamed(bytes, format) {
         return Err(fault);
     }
-    match completeness(bytes, format) {
-        Err(_) if lacks_line_end_only(bytes, format) => {}
-        complete => complete?,
-    }
+    let cut = match completeness(bytes, format) {
+        Err(cut) if lacks_line_end_only(bytes, format) => Some(cut),
+        complete => {
+            complete?;
+            None
+        }
+    };
     let scan = match format {
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),
         Format::Stl => stl::read(bytes),
         Format::Wrl => wrl::read(bytes),
         Format::Xyz => xyz::read(bytes),
-    }?;
+    };
+    let scan = scan.map_err(|fault| cut.unwrap_or(fault))?;
     if scan.points.is_empty() { Err(ScanFault::NoPoints) } else { Ok(scan) }
 }
 

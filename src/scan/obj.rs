@@ -65,7 +65,7 @@ pub(super) fn completeness(bytes: &[u8]) -> Result<(), ScanFault> {
 /// Whether only the line end is missing after the last face. If its last number was cut short, it names
 /// another point, which hardly shares an edge of another face with the corners before it.
 pub(super) fn lacks_line_end_only(bytes: &[u8]) -> bool {
-    if text::refuse_binary(bytes).is_err() || text::refuse_open_line(bytes).is_ok() {
+    if text::refuse_open_line(bytes).is_ok() || text::refuse_binary(bytes).is_err() {
         return false;
     }
     let is_face = |last: &[u8]| keyword(last) == b"f" && text::words(last).count() > 3;

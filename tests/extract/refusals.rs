@@ -252,6 +252,29 @@ fn legs_without_a_section_that_closes_are_refused() {
 }
 
 #[test]
+fn a_mesh_that_may_be_mirrored_and_a_body_in_two_layers_are_refused() {
+    let body = Mesh::mannequin();
+    let mut inward = body.clone();
+    inward.triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+    let mirrored = body.clone().moved(|[x, y, z]| [-x, y, z]);
+    // The legs are at x = 100 mm; the second skin is 3 mm further out.
+    let layer = body.clone().moved(|[x, y, z]| {
+        let (aside, ahead) = (x - x.signum() * (100.0 - 0.01 * y), z);
+        let share = 3.0 / aside.hypot(ahead).max(1.0);
+        [x + aside * share, y, z + ahead * share]
+    });
+    check(&[
+        case("inside out", inward.obj(), "body-wound-inward", &["mirrored", "winding"]),
+        case("mirrored", mirrored.obj(), "body-wound-inward", &["left and right"]),
+        declared(
+            case("outwards", body.obj(), "body-wound-outward", &["wound outwards"]),
+            &["--winding=inward"],
+        ),
+        case("two layers", body.and(layer).obj(), "body-layers", &["two skins"]),
+    ]);
+}
+
+#[test]
 fn two_legs_are_no_lone_leg() {
     // The right leg ends above the floor, so that one foot stands there.
     let two = Mesh::mannequin().kept(|[x, y, _]| y < 700.0 && (x > 0.0 || y > 100.0));

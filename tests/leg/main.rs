@@ -13,6 +13,7 @@ mod order;
 mod paper;
 mod parting;
 mod second_opinion;
+mod strips;
 mod surface;
 mod test_leg_itself;
 mod true_skin;

@@ -5,7 +5,7 @@
 use std::fs;
 use std::process::Command;
 
-use gaiter::leg::method::{Axis, FacingChoice, Unit, UnitChoice, Up};
+use gaiter::leg::method::{Axis, FacingChoice, Unit, UnitChoice, Up, Winding};
 use gaiter::leg::{self, Method};
 use gaiter::scan::Format;
 use tempfile::TempDir;
@@ -48,6 +48,7 @@ pub fn method(options: &[&str]) -> Method {
             "--facing=-x" => method.facing = FacingChoice::Declared(Axis::MinusX),
             "--facing=+z" => method.facing = FacingChoice::Declared(Axis::PlusZ),
             "--facing=-z" => method.facing = FacingChoice::Declared(Axis::MinusZ),
+            "--winding=inward" => method.winding = Winding::Inward,
             "--facing=+y" => method.facing = FacingChoice::Declared(Axis::PlusY),
             other => panic!("{other}"),
         }
