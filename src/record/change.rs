@@ -55,6 +55,9 @@ pub struct LevelChange {
     pub girth_mm: Change,
     /// Height above the floor, mm.
     pub height_mm: Change,
+    /// How much of the girth's change comes from what the girth means, mm: another plane of the tape. The
+    /// rest comes from the method. Null if the meaning is the same.
+    pub girth_by_definition_mm: Option<f64>,
 }
 
 /// A figure that is in both records.
@@ -125,7 +128,20 @@ fn level(place: &Place, old: &Record, new: &Record) -> Option<LevelChange> {
         place: place.clone(),
         girth_mm: Change { old: old.girth_tape_mm, new: new.girth_tape_mm },
         height_mm: Change { old: old.height_mm, new: new.height_mm },
+        girth_by_definition_mm: None,
     })
+}
+
+impl Changes {
+    /// Tells what a change of definition does from what the method does. `bridge` is made by the later
+    /// method with the earlier definition.
+    pub fn split_by_definition(&mut self, bridge: &Record) {
+        for change in &mut self.levels {
+            let leg = bridge.legs.iter().find(|leg| leg.side == change.place.leg);
+            let at = leg.and_then(|leg| leg.landmarks.get(&change.place.level));
+            change.girth_by_definition_mm = at.map(|at| mm(change.girth_mm.new - at.girth_tape_mm));
+        }
+    }
 }
 
 /// Whether two findings have the same meaning and place. Their figures may differ.

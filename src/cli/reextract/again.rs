@@ -9,8 +9,11 @@ use serde_json::Value;
 
 use super::choices::Choices;
 use crate::cli::{Exit, ord};
-use crate::leg::{Refusal, extract as measure};
+use crate::config::words::{AXES, meaning};
+use crate::leg::method::Tape;
+use crate::leg::{Method, Refusal, extract as measure};
 use crate::record::change::{Changes, Sameness, changes};
+use crate::record::schema::OLDER_SCHEMA;
 use crate::record::{self, FilesFault, ORD, Provenance, Record, ReportChoice, ScanFile};
 use crate::scan::Format;
 use crate::store::revision::{Added, Family};
@@ -137,7 +140,13 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
     let choice = ReportChoice { language, ..ReportChoice::default() };
     let made = record::record_files(&extraction, &provenance, &method, &output, &choice, scan);
     let (new, files) = made?;
-    let changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;
+    let mut changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;
+    if let Some(earlier) = earlier_definition(&old, &method) {
+        // What cannot be measured by the earlier definition any more stays one change.
+        if let Ok(bridge) = measure(scan.bytes, format, &earlier) {
+            changes.split_by_definition(&record::record(&bridge, &provenance, &earlier));
+        }
+    }
     let written = match changes.sameness {
         Sameness::Same => false,
         Sameness::Gained => intent.complete,
@@ -153,6 +162,14 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
     };
     let revision = (outcome == Outcome::Revised).then_some(revision);
     Ok(Again { outcome, from_revision: old.revision, revision, changes })
+}
+
+/// The method with girths as a record of the first schema means them, in planes square to one axis of the
+/// whole leg; `None` if both mean the same.
+fn earlier_definition(old: &Record, method: &Method) -> Option<Method> {
+    let is_earlier = old.schema == OLDER_SCHEMA && !matches!(method.tape, Tape::Leg(_));
+    let axis = || old.made_by.method.get("axis").and_then(|word| meaning(AXES, word));
+    is_earlier.then(|| Method { tape: Tape::Leg(axis().unwrap_or_default()), ..method.clone() })
 }
 
 /// The complete content of a record folder.
