@@ -7,7 +7,7 @@ use super::level::Level;
 use super::side::Side;
 use crate::leg::comparison::difference::LegsDiffer;
 use crate::leg::comparison::opinion::SecondOpinion;
-use crate::leg::frame::floor::FloorDoubt;
+use crate::leg::frame::soles::FloorDoubt;
 use crate::leg::frame::stance::FeetUnclear;
 use crate::leg::levels::at_height::NoGirth;
 use crate::leg::levels::extremum::Absence;
@@ -72,7 +72,7 @@ pub enum What {
     )]
     NoFaces,
     /// An OBJ mesh without its last line end.
-    #[error("the last line of the file has no line end: if a face is missing, it is the last one")]
+    #[error("the file ends after a face without a line end: was the export cut short there?")]
     NoLineEnd,
     /// The thighs touch below the crotch.
     #[error(

@@ -12,7 +12,7 @@ use crate::language::{Language, fill};
 use crate::leg::comparison::difference::LegsDiffer;
 use crate::leg::comparison::opinion::{Measure, SecondOpinion};
 use crate::leg::doubt::Doubt;
-use crate::leg::frame::floor::FloorDoubt;
+use crate::leg::frame::soles::FloorDoubt;
 use crate::leg::frame::stance::FeetUnclear;
 use crate::leg::level::By;
 use crate::leg::levels::at_height::NoGirth;

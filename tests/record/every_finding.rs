@@ -3,7 +3,7 @@
 use gaiter::leg::comparison::difference::LegsDiffer;
 use gaiter::leg::comparison::opinion::{Measure, SecondOpinion};
 use gaiter::leg::doubt::Doubt;
-use gaiter::leg::frame::floor::FloorDoubt;
+use gaiter::leg::frame::soles::FloorDoubt;
 use gaiter::leg::frame::stance::FeetUnclear;
 use gaiter::leg::levels::at_height::NoGirth;
 use gaiter::leg::levels::extremum::Absence;

@@ -45,7 +45,7 @@ fn codes() -> BTreeSet<String> {
     let sources = [
         "src/leg/finding.rs",
         "src/leg/doubt.rs",
-        "src/leg/frame/floor.rs",
+        "src/leg/frame/soles.rs",
         "src/leg/comparison/opinion.rs",
         "src/cad/kind.rs",
         "src/record/report/pdf/mod.rs",

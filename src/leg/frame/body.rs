@@ -5,9 +5,9 @@ use nalgebra::{Matrix4, Point2, Point3, Rotation3, Translation3, Vector2, Vector
 
 use super::body_fault::BodyFault;
 use super::components::without_fragments;
-use super::floor::FloorDoubt;
 use super::layers::unlinked_share;
 use super::point_cloud;
+use super::soles::FloorDoubt;
 use super::stance::{FeetUnclear, Stance, stance};
 use super::unit_inference::{Size, extent, lone_leg, whole_body};
 use super::winding;

@@ -8,6 +8,7 @@ pub mod floor;
 pub(super) mod layers;
 pub(super) mod long_axis;
 pub(super) mod point_cloud;
+pub mod soles;
 pub mod stance;
 pub(super) mod union_find;
 pub(super) mod unit_inference;

@@ -8,14 +8,11 @@ use nalgebra::Vector3;
 use super::body_fault::BodyFault;
 use super::union_find::DisjointSets;
 use crate::leg::method::Winding;
-use crate::leg::sections::slice::Mesh;
+use crate::leg::sections::slice::{EDGE_MAX_MM, Mesh};
 
 /// If pieces of less than this share of the volume are wound one way, they are wound either way and say
 /// nothing.
 const CLEAR_SHARE: f64 = 0.98;
-
-/// A triangle with a longer edge is not skin but a spike, mm.
-const EDGE_MAX_MM: f64 = 60.0;
 
 /// Checks that the triangles are wound as declared.
 ///
