@@ -21,7 +21,7 @@ pub enum Doubt {
         /// Height of the other extremum's centre above the floor, mm.
         other_height_mm: f64,
     },
-    /// Another extremum of the same kind is as clear, and lies where people have the level too.
+    /// Another clear extremum of the same kind lies where people have the level too.
     #[error("the girth turns in the same way at {other_height_mm:.0} mm: a fold or a swelling?")]
     Several {
         /// Height of the other extremum's centre above the floor, mm.

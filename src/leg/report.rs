@@ -76,13 +76,9 @@ pub fn leg_report(
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
     let mut findings = Findings { side: leg.side, found: Vec::new() };
-    if let Some(doubt) = cloth(&sections, &curve, span_mm) {
-        findings.add(None, What::Doubtful(doubt.1));
-        let above = |along_mm: f64| along_mm > doubt.0 - CLOTH_REACH_MM;
-        let found = measures.levels.found.iter_mut().filter(|landmark| above(landmark.along_mm));
-        found.for_each(|landmark| landmark.doubts.push(doubt.1));
-        let estimates = measures.estimates.iter_mut().filter(|place| above(place.along_mm));
-        estimates.for_each(|estimate| estimate.doubts.push(doubt.1));
+    if let Some((hem_mm, doubt)) = cloth(&sections, &curve, span_mm) {
+        findings.add(None, What::Doubtful(doubt));
+        measures.doubt_above(hem_mm - CLOTH_REACH_MM, doubt);
     }
     if let (Some(end_mm), Some(_)) = (leg.cut_mm, body.stature_mm) {
         findings.add(None, What::LegCut { end_mm });
@@ -169,6 +165,16 @@ struct Measures {
     levels: Levels,
     estimates: Vec<Estimate>,
     foot: Option<Foot>,
+}
+
+impl Measures {
+    /// Adds a doubt to all levels above a distance along the axis.
+    fn doubt_above(&mut self, along_mm: f64, doubt: Doubt) {
+        let found = self.levels.found.iter_mut().filter(|landmark| landmark.along_mm > along_mm);
+        found.for_each(|landmark| landmark.doubts.push(doubt));
+        let estimates = self.estimates.iter_mut().filter(|place| place.along_mm > along_mm);
+        estimates.for_each(|estimate| estimate.doubts.push(doubt));
+    }
 }
 
 /// The levels of a leg from the foot to the groin, lowest first.

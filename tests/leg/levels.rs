@@ -251,3 +251,28 @@ fn b1_at_a_fixed_height_needs_b_but_no_calf() {
     near(found[1].girth_tape_mm, TAU * 37.64, 0.1, "girth");
     assert!(of(&cone).absent.contains(&(Level::B1, Absence::Needs(Level::B))));
 }
+
+#[test]
+fn the_edge_of_a_sock_is_not_the_calf_but_is_told() {
+    // It stands out by 2.4 mm at 255 mm; the calf is at 320 mm.
+    let sock = |along: f64| 2.4 * (-((along - 255.0) / 12.0).powi(2)).exp();
+    let shape = move |_: f64, along: f64| wave(45.0, 8.0)(0.0, along) + sock(along);
+    let found = levels(&Tube::of(&shape).sections(SectionFit::Periodic));
+    let c = found.iter().find(|landmark| landmark.level == Level::C).unwrap();
+    near(c.height_mm, 320.0, 1.0, "C");
+    let [Doubt::Several { other_height_mm }] = c.doubts[..] else { panic!("{c:?}") };
+    near(other_height_mm, 257.0, 6.0, "the sock's edge");
+}
+
+#[test]
+fn a_fold_narrower_than_the_fit_can_follow_is_in_the_girth_s_error() {
+    // A furrow at B, 5 mm deep and 16 mm wide: 31 mm of girth.
+    let furrow = |along: f64| 5.0 * (-((along - 120.0) / 7.0).powi(2)).exp();
+    let shape = move |_: f64, along: f64| wave(45.0, 8.0)(0.0, along) - furrow(along);
+    let plain = levels(&Tube::of(&wave(45.0, 8.0)).sections(SectionFit::Skin));
+    let found = levels(&Tube::of(&shape).sections(SectionFit::Skin));
+    let (off_mm, sd_mm) = (found[0].girth_tape_mm - TAU * (37.0 - 5.0), found[0].girth_sd_mm);
+    assert!(off_mm.abs() < 10.0, "more than two thirds of the furrow are measured: {off_mm}");
+    assert!(off_mm.abs() < 3.0 * sd_mm, "{off_mm}, sd {sd_mm}");
+    assert!(sd_mm > 3.0 * plain[0].girth_sd_mm, "{:?}", plain[0]);
+}

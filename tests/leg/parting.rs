@@ -252,3 +252,30 @@ fn a_body_without_its_head_is_measured_with_a_warning() {
     let found = measured(&headless);
     assert_eq!(codes(&found, None), ["proportions"]);
 }
+
+#[test]
+fn a_fold_that_hangs_out_at_the_knee_does_not_end_a_leg() {
+    // 28 mm all around, from 480 to 500 mm.
+    let band = |y: f64| ((y - 472.0).min(508.0 - y) / 8.0).clamp(0.0, 1.0);
+    let is_knee =
+        |[x, y, _]: &[f64; 3], sign: f64| band(*y) > 0.0 && (0.0..230.0).contains(&(x * sign));
+    let middle = |sign: f64| {
+        let knee: Vec<_> = BODY.points.iter().filter(|point| is_knee(point, sign)).collect();
+        let sum = knee.iter().fold([0.0; 2], |sum, point| [sum[0] + point[0], sum[1] + point[2]]);
+        sum.map(|sum| sum / knee.len() as f64)
+    };
+    let (left, right) = (middle(1.0), middle(-1.0));
+    let folded = BODY.clone().moved(|point| {
+        let [x, y, z] = point;
+        let [mx, mz] = if x > 0.0 { left } else { right };
+        if !is_knee(&point, x.signum()) {
+            return point;
+        }
+        let (aside, ahead) = (x - mx, z - mz);
+        let share = 28.0 * band(y) / aside.hypot(ahead);
+        [x + share * aside, y, z + share * ahead]
+    });
+    let found = measured(&folded);
+    assert_eq!(found.legs.len(), 2);
+    Side::BOTH.into_iter().for_each(|side| check_leg(&found, side, 400.0, SAME_MM));
+}

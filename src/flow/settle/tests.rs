@@ -98,6 +98,18 @@ fn a_file_cut_short_is_awaited_and_then_taken_as_it_is() {
 }
 
 #[test]
+fn a_last_line_end_is_awaited_for_three_quiet_times_only() {
+    let mut settling = settling();
+    settling.observe(look(&[("a", 1)]), at(0));
+    let offered = settling.observe(look(&[("a", 1)]), at(2));
+    settling.lacks_line_end(&offered[0]);
+    assert!(settling.observe(look(&[("a", 1)]), at(5)).is_empty());
+    assert_eq!(settling.next_due(), Some(Duration::from_secs(6)));
+    let offered = settling.observe(look(&[("a", 1)]), at(6));
+    assert!(offered[0].awaited);
+}
+
+#[test]
 fn a_file_cut_short_that_grows_is_offered_once_it_is_quiet_again() {
     let mut settling = settling();
     settling.observe(look(&[("a", 1)]), at(0));

@@ -55,7 +55,7 @@ pub(in crate::leg) struct Peak {
     pub prominence_mm: f64,
     /// Distance along the axis of another extremum with the same girth, mm.
     pub rival_mm: Option<f64>,
-    /// Distance along the axis of another extremum that is as clear, where people have the level, mm.
+    /// Distance along the axis of another clear extremum where people have the level, mm.
     pub other_mm: Option<f64>,
     /// Whether people have the level there.
     pub is_usual: bool,
@@ -121,17 +121,13 @@ impl Extrema {
         let [b_usual, c_usual, d_usual] = [B_SHARE, C_SHARE, D_SHARE].map(usual);
         // If the curve starts even lower, the lowest minimum is outside the range.
         let lowest = |b: &Peak| turns.iter().take(1).all(|turn| b.at.tape_mm < turn.tape_mm);
-        let c_at = |above_mm: f64| {
-            let above = |range: &Range| range.start().max(above_mm)..=*range.end();
-            first(&clear, true, &above(&c_usual)).or_else(|| largest(&faint, &above(&c_usual)))
-        };
         let b_below = |c: Option<Peak>, usual: &Range| {
             let c_mm = c.map_or(to_mm, |c| c.at.along_mm);
             let range = *usual.start()..=usual.end().min(c_mm);
             let of = |turns: &[Extremum]| first(turns, false, &range).filter(lowest);
             of(&clear).or_else(|| of(&faint))
         };
-        let c = c_at(0.0);
+        let c = first(&clear, true, &c_usual).or_else(|| largest(&faint, &c_usual));
         let anywhere = from_mm..=to_mm;
         let b = b_below(c, &b_usual).or_else(|| Some(b_below(c, &anywhere)?.unusual()));
         let above_b = b.map_or(from_mm, |b| b.at.along_mm);
@@ -170,13 +166,16 @@ fn peaks(turns: &[Extremum], is_maximum: bool, range: &Range) -> Vec<Peak> {
     inner.filter(fits).map(|i| peak(turns, i)).collect()
 }
 
-/// The lowest turning point of one kind in a range, of those that are not small beside the others.
+/// The lowest turning point of one kind in a range, of those that are not small beside the others. Another
+/// that is as clear, or a small one below it, could also be meant.
 fn first(turns: &[Extremum], is_maximum: bool, range: &Range) -> Option<Peak> {
     let peaks = peaks(turns, is_maximum, range);
     let most_mm = peaks.iter().map(|peak| peak.prominence_mm).fold(0.0, f64::max);
-    let mut large = peaks.into_iter().filter(|peak| peak.prominence_mm >= LARGE_SHARE * most_mm);
-    let first = large.next()?;
-    Some(Peak { other_mm: large.next().map(|peak| peak.at.along_mm), ..first })
+    let is_large = |peak: &Peak| peak.prominence_mm >= LARGE_SHARE * most_mm;
+    let chosen = peaks.iter().position(is_large)?;
+    let above = peaks[chosen + 1..].iter().find(|peak| is_large(peak));
+    let other = above.or_else(|| peaks[..chosen].last());
+    Some(Peak { other_mm: other.map(|peak| peak.at.along_mm), ..peaks[chosen] })
 }
 
 /// The largest maximum in a range.

@@ -103,22 +103,27 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
 
     /// The doubts about an extremum from the shape of the curve.
     fn extremum_doubts(&self, peak: &Peak, [height_sd_mm, girth_sd_mm]: [f64; 2]) -> Vec<Doubt> {
-        let Peak { at, prominence_mm, rival_mm, other_mm, is_usual } = *peak;
+        let Peak { at, prominence_mm, rival_mm, .. } = *peak;
         let shallow = prominence_mm < CLEAR_MM.max(CLEAR_SDS * girth_sd_mm);
         let end_mm = self.ends_mm.map(|end| (end - at.along_mm).abs()).into_iter();
         let end_mm = end_mm.fold(f64::INFINITY, f64::min);
-        let [rival, other] =
-            [rival_mm, other_mm].map(|along_mm| self.ruler.curve.height_mm(along_mm?));
-        let percent = 100.0 * at.along_mm / self.stature_mm;
-        let all = [
+        let rival = rival_mm.and_then(|along_mm| self.ruler.curve.height_mm(along_mm));
+        let shape = [
             shallow.then_some(Doubt::Shallow { prominence_mm }),
             (height_sd_mm > FLAT_SD_MM).then_some(Doubt::Flat { height_sd_mm }),
             rival.map(|other_height_mm| Doubt::Double { other_height_mm }),
-            other.map(|other_height_mm| Doubt::Several { other_height_mm }),
-            (!is_usual).then_some(Doubt::UnusualHeight { percent }),
-            (end_mm < EDGE_MM).then_some(Doubt::Edge { end_mm }),
         ];
-        all.into_iter().flatten().collect()
+        let edge = (end_mm < EDGE_MM).then_some(Doubt::Edge { end_mm });
+        shape.into_iter().chain(self.which(peak)).chain([edge]).flatten().collect()
+    }
+
+    /// The doubts whether an extremum is the level, and not a fold or a swelling.
+    fn which(&self, peak: &Peak) -> [Option<Doubt>; 2] {
+        let other = peak.other_mm.and_then(|along_mm| self.ruler.curve.height_mm(along_mm));
+        let percent = 100.0 * peak.at.along_mm / self.stature_mm;
+        let several = other.map(|other_height_mm| Doubt::Several { other_height_mm });
+        let unusual = (!peak.is_usual).then_some(Doubt::UnusualHeight { percent });
+        [several, unusual]
     }
 
     /// B1 by the chosen definition.
@@ -128,7 +133,11 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Search<'_, F> {
         match b1 {
             B1::Steepest => {
                 let c_mm = c_mm.ok_or(Absence::Needs(Level::C))?;
-                self.steepest(b_mm, c_mm).ok_or(Absence::NoTurn)
+                let mut b1 = self.steepest(b_mm, c_mm).ok_or(Absence::NoTurn)?;
+                // Between other levels it would be elsewhere.
+                let doubts = [b, c].into_iter().flatten().flat_map(|of| self.which(&of));
+                b1.doubts.extend(doubts.flatten());
+                Ok(b1)
             }
             B1::AboveB { distance_mm } => self.above_b(b_mm, c_mm, distance_mm),
         }
