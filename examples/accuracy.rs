@@ -28,8 +28,10 @@ surface to sections | to points |
 
 const ABOUT_LIMITS: &str = "
 All together, absolute errors. Allowed are 0.3 mm + 0.8 × the scan's noise of girth, and 5 mm of \
-height or as far as the girth is flat within 0.5 mm. The floor's error is in every height, so the \
-girth curve is held to its limit after the vertical shift within ±8 mm that fits it best.
+height or as far as the girth is flat within 0.5 mm. From 10 mm below B to 20 mm above D, and at B1, \
+the girth is compared with the true one at the same height, and 1.5 mm of height are allowed besides. \
+The offset is the vertical shift that fits the curve best. G is compared with the girth 50 mm below \
+the true crotch.
 ";
 
 fn main() -> Result<(), Box<dyn Error>> {

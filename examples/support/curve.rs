@@ -14,9 +14,13 @@ const SHIFTS_PER_MM: f64 = 4.0;
 /// Where the girth curve ends on a leg without D, as a share of the crotch's height: a knee.
 const TO_CROTCH_SHARE: f64 = 0.55;
 
-/// The measured sections from the true B to the true D, and a true profile.
+/// The curve is compared from this far below B to this far above D, mm.
+const BEYOND_MM: [f64; 2] = [10.0, 20.0];
+
+/// The measured sections from below the true B to above the true D, and a true profile.
 pub struct Curve {
-    measured: Vec<(f64, f64)>,
+    /// Heights and tape girths, mm.
+    pub measured: Vec<(f64, f64)>,
     profile: Profile,
     /// By how much the measured heights must be raised to fit the profile best, mm: the floor's
     /// error, which the heights of the levels already tell.
@@ -27,8 +31,8 @@ impl Curve {
     /// The curve of a leg, whose own truth tells where B and D are, beside a profile.
     pub fn of(leg: &LegReport, own: &Value, beside: &Value, crotch_mm: f64) -> Curve {
         let at = |level: Level| own["landmarks"][level.name()]["height_mm"].as_f64();
-        let from_mm = at(Level::B).unwrap_or(f64::NAN);
-        let to_mm = at(Level::D).unwrap_or(TO_CROTCH_SHARE * crotch_mm);
+        let from_mm = at(Level::B).unwrap_or(f64::NAN) - BEYOND_MM[0];
+        let to_mm = at(Level::D).unwrap_or(TO_CROTCH_SHARE * crotch_mm) + BEYOND_MM[1];
         let rows = leg.girth_curve.rows.iter().filter_map(|row| row.measured);
         let between = rows.filter(|(height_mm, _)| (from_mm..=to_mm).contains(height_mm));
         let mut curve = Curve {

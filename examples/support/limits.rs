@@ -19,7 +19,7 @@ const GIRTH_NOISE_SHARE: f64 = 0.8;
 const HEIGHT_MM: f64 = 5.0;
 
 /// The worst may be off by this many times as much.
-const GIRTH_WORST: f64 = 2.5;
+const GIRTH_WORST: f64 = 2.0;
 const HEIGHT_WORST: f64 = 2.0;
 
 /// The least true slope at the reported B1, as a share of the largest.
@@ -27,26 +27,45 @@ const SLOPE_SHARE: f64 = 0.93;
 
 const FACING_DEG: f64 = 25.0;
 
+/// Along the curve, a height may be off by this much, mm, which a girth follows by its slope.
+const CURVE_HEIGHT_MM: f64 = 1.5;
+
+/// The heights of a curve may be off by this much on average, and by this much at the 95th percentile, mm.
+const OFFSET_MEAN_MM: f64 = 0.5;
+const OFFSET_MM: f64 = 2.0;
+
+/// The crotch may be off by this much where it was seen, mm, and G's girth from that at its true height.
+const CROTCH_MM: f64 = 5.0;
+const CROTCH_COVERED_SHARE: f64 = 0.95;
+const G_MM: f64 = 3.0;
+
+/// G lies so far below the crotch by default, mm.
+const G_BELOW_CROTCH_MM: f64 = 50.0;
+
+/// At most this share of the levels that are not weak in the truth carries a doubt.
+const DOUBTED_SHARE: f64 = 0.05;
+
 /// At least this share of the landmarks lies within two standard errors of the truth.
-const COVERED_SHARE: f64 = 0.9;
+const COVERED_SHARE: f64 = 0.93;
 
 /// The median standard error is at most this many times the median error.
 const SD_PER_ERROR: f64 = 3.0;
 
-/// What the landmarks of some levels claim of themselves: absolute errors and standard errors, mm.
+/// What figures claim of themselves: errors and standard errors, mm.
 #[derive(Default)]
 struct Claims(Vec<(f64, f64)>);
 
 impl Claims {
     /// The share that lies within two standard errors.
     fn covered(&self) -> f64 {
-        let covered = self.0.iter().filter(|(error, sd)| *error <= 2.0 * sd).count();
+        let covered = self.0.iter().filter(|(error, sd)| error.abs() <= 2.0 * sd).count();
         covered as f64 / self.0.len() as f64
     }
 
     /// The median standard error over the median error.
     fn sd_per_error(&self) -> f64 {
-        let (errors, sds): (Vec<f64>, Vec<f64>) = self.0.iter().copied().unzip();
+        let (errors, sds): (Vec<f64>, Vec<f64>) =
+            self.0.iter().map(|(error, sd)| (error.abs(), *sd)).unzip();
         quantiles(&sds)[0] / quantiles(&errors)[0]
     }
 }
@@ -62,8 +81,11 @@ pub struct Limits {
     /// Absolute errors at B, C and D over what is allowed.
     girth: Vec<f64>,
     height: Vec<f64>,
-    /// Absolute errors of the girth curves over what is allowed: as they are, and aligned.
-    curve: [Vec<f64>; 2],
+    /// Absolute errors of the girth curves over what is allowed, and of the girths at B1.
+    curve: Vec<f64>,
+    b1: Vec<f64>,
+    /// How far the curves must be raised to fit best, mm.
+    offset_mm: Vec<f64>,
     slope_share: Vec<f64>,
     facing_deg: Vec<f64>,
     /// Girths and heights of B, C and D, and of B1.
@@ -71,8 +93,13 @@ pub struct Limits {
     claims_of_b1: [Claims; 2],
     /// Signed errors, without a limit.
     height_mm: Vec<f64>,
-    crotch_mm: Vec<f64>,
     tilt_deg: Vec<f64>,
+    /// Errors and standard errors of the height of the crotch, mm.
+    crotch: Claims,
+    g_mm: Vec<f64>,
+    /// Levels that are not weak in the truth, and how many of them carry a doubt.
+    firm: usize,
+    doubted: usize,
 }
 
 impl Limits {
@@ -90,7 +117,7 @@ impl Limits {
         self.facing_deg.push(off.abs());
         let crotch_mm = case.truth["crotch_height_mm"].as_f64().unwrap_or(f64::NAN);
         let crotch = Some(&extraction.crotch).filter(|crotch| crotch.is_seen());
-        self.crotch_mm.extend(crotch.map(|crotch| crotch.height_mm - crotch_mm));
+        self.crotch.0.extend(crotch.map(|crotch| (crotch.height_mm - crotch_mm, crotch.sd_mm)));
         for side in Side::BOTH {
             let [own, other] = [side, side.other()].map(|side| &case.truth["legs"][side.word()]);
             let leg = extraction.legs.iter().find(|leg| leg.side == side);
@@ -109,6 +136,9 @@ impl Limits {
                     if level == Level::B1 { &mut self.claims_of_b1 } else { &mut self.claims };
                 if let Some(landmark) = leg.and_then(|leg| found(leg, level)) {
                     claim(claims, landmark, [girth_mm, height_mm]);
+                    let is_firm = truth["landmarks"][level.name()]["weak"] != true;
+                    self.firm += usize::from(is_firm);
+                    self.doubted += usize::from(is_firm && !landmark.doubts.is_empty());
                 }
                 if level != Level::B1 {
                     let flat_mm = truth["landmarks"][level.name()]["flat_mm"].as_f64();
@@ -129,12 +159,20 @@ impl Limits {
         let [own_square, other_square] =
             [&own, &other].map(|curve| curve.mean_square(curve.shift_mm));
         self.swapped += usize::from(own_square > other_square + allowed_mm * allowed_mm);
-        for (all, shift_mm) in self.curve.iter_mut().zip([0.0, own.shift_mm]) {
-            all.extend(own.errors(shift_mm).map(|error| error.abs() / allowed_mm));
-        }
         let truth = truths[0];
-        let slope =
-            found(leg, Level::B1).and_then(|b1| Profile::of(truth, "slope").at(b1.height_mm));
+        let [girths, slopes] = ["tape_mm", "slope"].map(|name| Profile::of(truth, name));
+        let share = |height_mm: f64, girth_mm: f64| {
+            let allowed_mm = allowed_mm + CURVE_HEIGHT_MM * slopes.at(height_mm)?.abs();
+            Some((girth_mm - girths.at(height_mm)?).abs() / allowed_mm)
+        };
+        self.offset_mm.push(own.shift_mm);
+        self.curve.extend(own.measured.iter().filter_map(|(height, girth)| share(*height, *girth)));
+        let b1 = found(leg, Level::B1);
+        self.b1.extend(b1.and_then(|b1| share(b1.height_mm, b1.girth_tape_mm)));
+        let true_g = girths.at(crotch_mm - G_BELOW_CROTCH_MM);
+        let g = found(leg, Level::G).zip(true_g);
+        self.g_mm.extend(g.map(|(g, true_mm)| (g.girth_tape_mm - true_mm).abs()));
+        let slope = b1.and_then(|b1| slopes.at(b1.height_mm));
         let largest = truth["landmarks"]["B1"]["slope"].as_f64();
         self.slope_share.extend(slope.zip(largest).map(|(slope, largest)| slope / largest));
         self.tilt_deg.extend(off_deg(truth, leg));
@@ -149,8 +187,8 @@ fn off_deg(truth: &Value, leg: &LegReport) -> Option<f64> {
 }
 
 fn claim([girth, height]: &mut [Claims; 2], landmark: &Landmark, [girth_mm, height_mm]: [f64; 2]) {
-    girth.0.push((girth_mm.abs(), landmark.girth_sd_mm));
-    height.0.push((height_mm.abs(), landmark.height_sd_mm));
+    girth.0.push((girth_mm, landmark.girth_sd_mm));
+    height.0.push((height_mm, landmark.height_sd_mm));
 }
 
 /// The greatest or the least that a figure may be.
@@ -184,17 +222,34 @@ impl Limits {
     fn errors(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [_, girth, worst_girth] = quantiles(&self.girth);
         let [_, height, worst_height] = quantiles(&self.height);
-        let [as_it_is, aligned] = [0, 1].map(|which| quantiles(&self.curve[which])[1]);
+        let [curve, b1, g] = [&self.curve, &self.b1, &self.g_mm].map(|all| quantiles(all)[1]);
+        let offsets: Vec<f64> = self.offset_mm.iter().map(|offset| offset.abs()).collect();
+        let mean = self.offset_mm.iter().sum::<f64>() / self.offset_mm.len() as f64;
+        let crotches: Vec<f64> = self.crotch.0.iter().map(|(error, _)| error.abs()).collect();
         let slope = self.slope_share.iter().copied().fold(f64::NAN, f64::min);
         let facing = quantiles(&self.facing_deg)[2];
         Limit::AtMost(1.0).row(f, "girth at B, C, D: error / allowed, 95th percentile", girth)?;
         Limit::AtMost(GIRTH_WORST).row(f, "… worst", worst_girth)?;
-        Limit::AtMost(1.0).row(f, "girth curve B to D, aligned: 95th percentile", aligned)?;
-        Limit::AtMost(1.0).row(f, "… at the heights as they are", as_it_is)?;
+        Limit::AtMost(1.0).row(f, "girth curve: error / allowed, 95th percentile", curve)?;
+        Limit::AtMost(1.0).row(f, "girth at B1: error / allowed, 95th percentile", b1)?;
+        let offset = quantiles(&offsets)[1];
+        Limit::AtMost(OFFSET_MEAN_MM).row(f, "offset of the curve in mm, mean", mean.abs())?;
+        Limit::AtMost(OFFSET_MM).row(f, "… 95th percentile", offset)?;
         Limit::AtMost(1.0).row(f, "height of B, C, D: error / allowed, 95th percentile", height)?;
         Limit::AtMost(HEIGHT_WORST).row(f, "… worst", worst_height)?;
         Limit::AtLeast(SLOPE_SHARE).row(f, "true slope at B1 / largest, least", slope)?;
-        Limit::AtMost(FACING_DEG).row(f, "facing, worst error in degrees", facing)
+        Limit::AtMost(FACING_DEG).row(f, "facing, worst error in degrees", facing)?;
+        let crotch = quantiles(&crotches)[1];
+        Limit::AtMost(CROTCH_MM).row(f, "height of the crotch in mm, 95th percentile", crotch)?;
+        let covered = self.crotch.covered();
+        Limit::AtLeast(CROTCH_COVERED_SHARE).row(
+            f,
+            "… share within two standard errors",
+            covered,
+        )?;
+        Limit::AtMost(G_MM).row(f, "girth at G in mm, 95th percentile", g)?;
+        let doubted = self.doubted as f64 / self.firm as f64;
+        Limit::AtMost(DOUBTED_SHARE).row(f, "share of firm levels with a doubt", doubted)
     }
 
     fn counts(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -235,7 +290,8 @@ impl fmt::Display for Limits {
         self.counts(f)?;
         self.claims(f)?;
         signed(f, "height of B, C, D, error in mm", &self.height_mm)?;
-        signed(f, "height of the crotch, error in mm", &self.crotch_mm)?;
+        let crotch: Vec<f64> = self.crotch.0.iter().map(|(error, _)| *error).collect();
+        signed(f, "height of the crotch, error in mm", &crotch)?;
         signed(f, "tilt, error in degrees", &self.tilt_deg)
     }
 }

@@ -11,7 +11,7 @@ use crate::leg::sections::slice::Mesh;
 use crate::leg::side::{Side, Sides};
 
 /// Points of a slice closer than this are connected, mm: twice the spacing of a usual export (6 mm) …
-const LINK_MIN_MM: f64 = 12.0;
+pub const LINK_MIN_MM: f64 = 12.0;
 
 /// … or so many edges of the mesh: a slice has a point on each edge that it crosses, and the longest edge
 /// of a triangle is rarely longer.

@@ -8,13 +8,11 @@
 use nalgebra::Point3;
 
 use super::cloud_skin::CloudSkin;
+use super::leg_tracking::LINK_MIN_MM;
 use super::skin_border::SkinBorder;
 use crate::leg::frame::union_find::DisjointSets;
 use crate::leg::sections::slice::Mesh;
 use crate::leg::side::{Side, Sides};
-
-/// Borders and saddles this close to each other belong together, mm: twice the spacing of a usual export.
-const LINK_MM: f64 = 12.0;
 
 /// The thighs are told apart in this band of heights, as shares of stature: below every crotch, above
 /// knees that touch.
@@ -55,17 +53,17 @@ pub fn saddle(
     }
     let Sides { left: Some(left), right: Some(right) } = seeds else { return None };
     let legs = Legs { sets, ends: [left, right] };
-    let lowest_mm = to_mm + LINK_MM;
+    let lowest_mm = to_mm + LINK_MIN_MM;
     if mesh.triangles().is_empty() {
         let at_reach = |reach| of_cloud(points, [from_mm, to_mm, highest_mm], reach, legs.clone());
         return CLOUD_REACHES.into_iter().find_map(at_reach).filter(|s| s.height_mm > lowest_mm);
     }
-    let border = SkinBorder::above(mesh, from_mm, LINK_MM);
+    let border = SkinBorder::above(mesh, from_mm, LINK_MIN_MM);
     let sides = sides(mesh, to_mm, edge_max_mm).chain(border.seams.iter().copied());
     let top = points[legs.first_joined(points, ordered(points, to_mm, sides))? as usize];
     // A border that is no longer than the spacing of points is a missing triangle.
-    let bottom_mm = border.bottom_mm(mesh, &top, LINK_MM);
-    let border_bottom_mm = bottom_mm.filter(|bottom_mm| top.z - bottom_mm > LINK_MM);
+    let bottom_mm = border.bottom_mm(mesh, &top, LINK_MIN_MM);
+    let border_bottom_mm = bottom_mm.filter(|bottom_mm| top.z - bottom_mm > LINK_MIN_MM);
     (top.z > lowest_mm).then_some(Saddle { height_mm: top.z, border_bottom_mm })
 }
 

@@ -12,7 +12,7 @@ use super::footprint::Footprint;
 use super::leg_tracking::{Parting, Step, Track, follow, slices};
 use super::saddle::saddle;
 use crate::leg::frame::body::Body;
-use crate::leg::sections::slice::Mesh;
+use crate::leg::sections::slice::{EDGE_MAX_MM, Mesh};
 use crate::leg::side::{Side, Sides};
 
 /// Distance between the slices in which a leg is followed, mm.
@@ -37,10 +37,6 @@ const CROTCH_SHARE: [f64; 2] = [0.38, 0.56];
 
 /// A leg that ends below this share of stature has no calf and is not measured.
 const LEG_MIN_SHARE: f64 = 0.20;
-
-/// A triangle with a longer edge is not skin but a spike or a bridge, mm. This is ten times the
-/// edge of a usual export, and wider than any hole that could be closed reliably.
-const EDGE_MAX_MM: f64 = 60.0;
 
 /// A leg keeps this much skin above the crotch, mm, because a section perpendicular to a tilted
 /// axis reaches higher at the hip than at the crotch.

@@ -14,19 +14,23 @@ use nalgebra::Complex;
 
 use crate::spline::{Basis, Smoothing, Spline, fit};
 
-/// Highest wave number around: as fine as the paper's curve of order 15, whose 16 coefficients
-/// correspond to 8 waves. An ankle with its tendon needs them; finer waves are as small as the noise.
-const WAVES: usize = 8;
+/// Highest wave number around: a ridge of 20°, such as the Achilles tendon's, is a half of its period.
+/// With 8 waves, as fine as the paper's curve of order 15, girths over sharp tendons were 0.5 mm smaller
+/// (docs/accuracy.md). The skin's 48 pieces around hold 24 waves at most.
+const WAVES: usize = 16;
 
 /// Points are averaged over bins of a length that is this fraction of a piece of the basis along;
 /// within a bin the slow waves hardly change.
 const BINS_PER_PIECE: usize = 4;
 
+/// The mean is fitted in this many times as many pieces: it is the average over the most points, and a fold
+/// of swollen skin is 15 mm long. More would leave less than two bins a piece, from which cross-validation
+/// cannot choose.
+const MEAN_PIECES_PER_PIECE: usize = 2;
+
 /// The slow part of the skin, which is added to its fit.
 #[derive(Debug, Clone)]
 pub struct Waves {
-    /// The basis of the waves' heights.
-    along: Basis,
     waves: Vec<Wave>,
 }
 
@@ -89,11 +93,19 @@ impl Bins {
     }
 }
 
+/// The basis of the mean.
+fn finer(along: &Basis) -> Option<Basis> {
+    let (from, to) = along.domain();
+    let pieces = MEAN_PIECES_PER_PIECE * (along.breakpoints().len() - 1);
+    Basis::uniform_clamped(from, to, pieces).ok()
+}
+
 impl Waves {
     /// Fits the waves for curves around in uniform pieces, and returns them with the remaining
     /// residuals; `None` if the data do not determine them.
     pub fn of(left: &Left, along: &Basis, around: &Basis) -> Option<(Waves, Vec<f64>)> {
         let bins = Bins::over(along);
+        let fine = finer(along)?;
         let places: Vec<usize> = left.along.iter().map(|along| bins.place(*along)).collect();
         let mut rest = left.value.to_vec();
         let mut waves = Vec::new();
@@ -118,6 +130,7 @@ impl Waves {
             let sums = moments.iter().zip(&weights);
             let heights: Vec<f64> =
                 sums.map(|(sum, weight)| if *weight > 0.0 { sum / weight } else { 0.0 }).collect();
+            let along = if count == 0 { &fine } else { along };
             let height = fit(along, &bins.middles(), &heights, &weights, Smoothing::Gcv).ok()?;
             let at_bins: Vec<f64> =
                 bins.middles().into_iter().map(|along| height.value(along)).collect();
@@ -126,15 +139,14 @@ impl Waves {
             }
             waves.push(Wave { count, height, shares: shares(count, is_sine, around) });
         }
-        Some((Waves { along: along.clone(), waves }, rest))
+        Some((Waves { waves }, rest))
     }
 
     /// The contribution of the waves to the coefficients of a curve around.
     pub fn coefficients(&self, along: f64) -> Vec<f64> {
-        let row = self.along.row(along);
         let mut added = vec![0.0; self.waves.first().map_or(0, |wave| wave.shares.len())];
         for wave in &self.waves {
-            let height = row.dot(&wave.height.coefficients);
+            let height = wave.height.value(along);
             added.iter_mut().zip(&wave.shares).for_each(|(sum, share)| *sum += height * share);
         }
         added

@@ -61,6 +61,9 @@ const SKIN_GAP_MAX_DEG: f64 = 150.0;
 /// mean square of bodies without the inner skin of 60, 80, 110 and 140° (docs/accuracy.md).
 const GAP_SD_SHARE: f64 = 0.003;
 
+/// A mean residual of up to this many standard errors is noise.
+const NOISE_SDS: f64 = 2.0;
+
 /// The error of a bridged gap changes along the leg over this length, mm: the size of a muscle.
 const GAP_LENGTH_MM: f64 = 60.0;
 
@@ -162,14 +165,15 @@ impl Skin {
         let (r2, rms_mm) = Skin::goodness(near, self.near(&self.outliers, along_mm));
         let girth = self.spokes.girth(&coefficients)?;
         let gap_sd_mm = GAP_SD_SHARE * largest_gap_deg.to_radians().powi(3) * girth.tape_mm;
-        let girth_sd = self.girth_sd(along_mm, near.len(), gap_sd_mm);
+        let [girth_sd_mm, slope_sd, bend_sd] = self.girth_sd(along_mm, near.len(), gap_sd_mm);
+        let missed_mm = TAU * self.missed_mm(along_mm);
         Some(Section {
             along_mm,
             height_mm: axis.at(along_mm, &centre).z,
             centre,
             girth,
-            girth_sd: Some(girth_sd),
-            wave_sd_mm: Some(self.waves.sd(along_mm).max(SQRT_2 * girth_sd[0] / TAU)),
+            girth_sd: Some([girth_sd_mm.hypot(missed_mm), slope_sd, bend_sd]),
+            wave_sd_mm: Some(self.waves.sd(along_mm).max(SQRT_2 * girth_sd_mm / TAU)),
             points: near.len(),
             r2,
             rms_mm,
@@ -253,12 +257,9 @@ impl Skin {
         (SEEN_SPACINGS * self.spacing_mm).max(SEEN_MIN_MM)
     }
 
-    /// The points (which ascend) within that distance of a plane.
+    /// The points within that distance of a plane.
     fn near<'p>(&self, points: &'p [SkinPoint], along_mm: f64) -> &'p [SkinPoint] {
-        let reach_mm = self.reach_mm();
-        let first = points.partition_point(|point| point.along_mm < along_mm - reach_mm);
-        let last = points.partition_point(|point| point.along_mm <= along_mm + reach_mm);
-        &points[first..last]
+        within(points, along_mm, self.reach_mm())
     }
 
     /// Coefficient of determination of the used points of a section, and root mean square residual
@@ -290,6 +291,23 @@ impl Skin {
         let [girth, slope, bend] = [0, 1, 2].map(|order| sd(order).hypot(over(order as i32)));
         [girth.hypot(GIRTH_SD_MIN_MM), slope, bend]
     }
+
+    /// How far the points at a plane lie outside or inside the fitted skin on average, mm, beyond what
+    /// noise explains: a fold that is narrower than a piece of the fit.
+    fn missed_mm(&self, along_mm: f64) -> f64 {
+        let near = within(&self.points, along_mm, self.reach_mm() / 2.0);
+        let count = near.len().max(1) as f64;
+        let mean_mm = near.iter().map(|point| point.residual_mm).sum::<f64>() / count;
+        let noise_mm = NOISE_SDS * self.fit.sigma / count.sqrt();
+        (mean_mm.powi(2) - noise_mm.powi(2)).max(0.0).sqrt()
+    }
+}
+
+/// The points (which ascend) within a distance of a plane.
+fn within(points: &[SkinPoint], along_mm: f64, reach_mm: f64) -> &[SkinPoint] {
+    let first = points.partition_point(|point| point.along_mm < along_mm - reach_mm);
+    let last = points.partition_point(|point| point.along_mm <= along_mm + reach_mm);
+    &points[first..last]
 }
 
 /// The middle of the leg as two smooth curves through the centroids of outlines.

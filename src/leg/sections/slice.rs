@@ -18,6 +18,10 @@ const SMOOTH_EDGE_MIN_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// one spacing if that is more: sweeping scanners put their points in rows up to 10 mm apart.
 const SLAB_HALF_MIN_MM: f64 = 5.5;
 
+/// A triangle with a longer edge is not skin but a spike or a bridge, mm. This is ten times the edge of a
+/// usual export, and wider than any hole that could be closed reliably.
+pub const EDGE_MAX_MM: f64 = 60.0;
+
 /// As many edges tell their median length to 1 %.
 const EDGES_MAX: usize = 5000;
 
