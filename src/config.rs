@@ -11,6 +11,7 @@ mod notation;
 mod observability;
 mod page;
 mod parse;
+mod phantom;
 mod place;
 pub mod port;
 mod reader;
@@ -40,6 +41,7 @@ pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
 pub use load::{load, nested};
 pub use observability::{control_path, state_dir};
 pub use page::PageConfig;
+pub use phantom::PhantomConfig;
 pub use trigger::TriggerConfig;
 pub use watch::WatchConfig;
 pub use words::{LogFormat, WithoutTrigger};
@@ -57,6 +59,8 @@ pub struct Config {
     pub patient: PatientConfig,
     /// `[trigger]` and `[patient.reader]`: the devices on the ports of the booth.
     pub trigger: TriggerConfig,
+    /// `[phantom]`: the body of known girths, if there is one.
+    pub phantom: Option<PhantomConfig>,
     /// `[method]`, and what `[scanner]` declares about exports: unit, up, facing.
     pub method: Method,
     /// `[output]`: which CAD files and meshes are made of each leg.

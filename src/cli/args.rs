@@ -1,6 +1,7 @@
 //! The command line as types, with the help texts a technician reads.
 
 mod asking;
+mod calibrate;
 mod reextract;
 mod report;
 
@@ -21,6 +22,7 @@ use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up, Winding};
 use crate::record::FigureFormat;
 use crate::station::measure::VERB;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
+pub use calibrate::CalibrateArgs;
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
 
@@ -60,6 +62,12 @@ pub enum Verb {
     /// Prints a table of both legs for each scan, and for several scans a summary with one row each.
     /// For a folder, measures all scans in it except hidden files, in the order of their names.
     Extract(ExtractArgs),
+    /// Measure a body of known girths, and say how far off scanner and method are
+    ///
+    /// Compares the girths of a cylinder, a cone or another body with the known ones. Changes nothing;
+    /// a station keeps a series of such checks by itself if `phantom.girths` is configured. Exits with
+    /// 65 also if a girth is beyond the tolerance.
+    Calibrate(CalibrateArgs),
     /// Measure the scans of a record store again, with the current method
     ///
     /// If the result differs from the record, writes a new revision beside it, in a folder of the same

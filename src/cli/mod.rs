@@ -3,6 +3,7 @@
 pub mod act;
 pub mod args;
 pub mod ask;
+pub mod calibrate;
 pub mod check;
 pub mod demo;
 pub mod exit;
@@ -43,6 +44,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Demo(args) => demo::demo(&args),
         Verb::Run(args) => run::run(&args),
         Verb::Extract(args) => extract::extract(&args),
+        Verb::Calibrate(args) => calibrate::calibrate(&args),
         Verb::Reextract(args) => reextract::reextract(&args),
         Verb::Report(args) => report::report(&args),
         Verb::Measure(args) => measure::measure(&args),

@@ -1,5 +1,6 @@
 //! `gaiter status`: the state of the running station on one screen, the most important first.
 
+mod phantom;
 mod watch;
 
 use std::fmt::Write;
@@ -150,6 +151,8 @@ fn rows(status: &Status) -> Vec<(String, String)> {
     let last =
         status.last_measurement_s.map_or(String::new(), |s| format!(", the last in {s:.1} s"));
     row("measured", format!("{} in this run{last}", status.measured));
+    rows.extend(status.phantom.iter().flat_map(|phantom| phantom::rows(phantom, now)));
+    let mut row = |label: &str, value: String| rows.push((label.to_owned(), value));
     if let Some(missing) = status.confinement.and_then(|found| found.missing()) {
         row(
             "guards",

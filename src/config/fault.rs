@@ -4,6 +4,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::words::{COLUMNS, HEIGHTS_CM, ROWS};
+use crate::leg::phantom::PhantomTextFault;
 
 /// One fault in a configuration file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -204,6 +205,15 @@ pub enum What {
         /// What to write.
         hint: &'static str,
     },
+    /// Not a list of known girths.
+    #[error("{0}")]
+    PhantomGirths(PhantomTextFault),
+    /// Not a name that file names can begin with.
+    #[error("\"{0}\" cannot be the name of the phantom")]
+    PhantomName(String),
+    /// The phantom's name could be a patient's id.
+    #[error("patient.pattern accepts \"{0}\" as a patient's id")]
+    PhantomIsPatient(String),
     /// The toes cannot point along the up axis.
     #[error("\"{facing}\" is along the up axis, scanner.up = \"{up}\"")]
     FacesUpOrDown {
@@ -295,6 +305,11 @@ impl What {
                 r#"write as many bytes in both: mask = "00 01", value = "00 01""#.into()
             }
             What::NotGdt { hint, .. } => (*hint).into(),
+            What::PhantomGirths(_) => {
+                r#"in cm: "35.2" for a cylinder, or girths at heights: "10:35.2, 30:38.1""#.into()
+            }
+            What::PhantomName(_) => "at least 3 letters (a-z, A-Z), digits, - and _".into(),
+            What::PhantomIsPatient(_) => "choose a name that no patient's id can be".into(),
             What::FacesUpOrDown { .. } => {
                 "choose a horizontal axis, or \"auto\" to find it from the feet".into()
             }

@@ -15,7 +15,7 @@ use super::words::{
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, capture, gdt, notation, observability, page, trigger, watch,
+    StoreConfig, capture, gdt, notation, observability, page, phantom, trigger, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -86,6 +86,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let whose = capture::config(reader);
     let (orders_path, orders) = gdt::orders(reader);
     let trigger = trigger::config(reader);
+    let patient = whose.as_ref().map(|(_, patient)| patient);
+    let phantom = phantom::config(reader, patient);
     let fit = reader.text("method.fit", Default("skin"), parse::word(FITS));
     let tape = tape(reader);
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
@@ -142,6 +144,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         capture,
         patient: PatientConfig { orders: orders?, ..patient },
         trigger: trigger?,
+        phantom,
         method: Method {
             scope: scope?.value,
             unit: unit?.value,

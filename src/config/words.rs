@@ -195,6 +195,14 @@ pub fn height_mm(text: &str) -> Option<f64> {
     (cm > HEIGHTS_CM.start && cm < HEIGHTS_CM.end).then_some(cm * 10.0)
 }
 
+/// Tolerances of a check with a known body, mm: from the noise of a girth to what no scanner is off by.
+pub const TOLERANCES_MM: RangeInclusive<f64> = 0.5..=20.0;
+
+/// Parses a tolerance in mm; `None` for anything else, including one out of range.
+pub fn tolerance_mm(text: &str) -> Option<f64> {
+    text.trim().parse::<f64>().ok().filter(|mm| TOLERANCES_MM.contains(mm))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

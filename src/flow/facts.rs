@@ -8,6 +8,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::confinement::Confinement;
+use super::phantom::PhantomFacts;
 use super::trigger::PortState;
 
 /// Everything that is known about a running station apart from its journal.
@@ -27,6 +28,8 @@ pub struct Facts {
     pub intake: IntakeState,
     /// What the operator must know and nothing else shows, by code; kept until the station restarts.
     pub alarms: BTreeMap<&'static str, Alarm>,
+    /// The checks with the phantom; `None` if none is configured.
+    pub phantom: Option<PhantomFacts>,
     /// What was wrong with the configuration at the last reload; `None` if it was accepted.
     pub refused_reload: Option<String>,
     /// The guards around measuring processes; `None` if they could not be tested.
@@ -216,6 +219,7 @@ impl Facts {
             endpoints: BTreeMap::new(),
             intake: IntakeState::Open,
             alarms: BTreeMap::new(),
+            phantom: None,
             refused_reload: None,
             confinement: None,
             measured: 0,

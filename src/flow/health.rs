@@ -98,6 +98,10 @@ fn remedy(code: &str) -> &'static str {
         "order-not-removed" => "let the station's user delete files in the folder of orders",
         "orders-out-of-reach" => "mount the folder of orders; it is read again by itself",
         "order-repeated" => "name the patient if this is a new scan of the same person",
+        "phantom-check" => {
+            "scan the known body again, alone and with nothing beside it; if it stays, have the scanner \
+             calibrated before the next patient"
+        }
         "record-kept" => "gaiter scans lists it as withdrawing; restore or remove what was changed",
         "measuring-impaired" => {
             "see the log for what stops the measuring processes; scans wait, and the alarm clears \

@@ -23,6 +23,7 @@ pub mod orders;
 pub mod outbox;
 pub mod page;
 pub mod patient;
+pub mod phantom;
 pub mod retention;
 pub mod scan_id;
 pub mod settle;

@@ -26,6 +26,7 @@ pub mod levels;
 pub mod measured;
 pub mod method;
 pub mod parting;
+pub mod phantom;
 pub mod report;
 pub mod sections;
 pub mod side;

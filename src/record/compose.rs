@@ -32,6 +32,7 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             gaiter: env!("CARGO_PKG_VERSION").to_owned(),
             method: method_words(method),
         },
+        phantom_check: provenance.phantom_check.clone(),
         scan: ScanFile {
             sha256: provenance.sha256.clone(),
             format: extraction.format.ending().to_owned(),

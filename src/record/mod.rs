@@ -10,6 +10,7 @@ mod csv;
 mod file;
 mod files;
 pub mod gdt;
+pub mod phantom;
 pub mod picture;
 mod provenance;
 pub mod report;

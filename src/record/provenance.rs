@@ -4,6 +4,8 @@ use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::phantom::LastCheck;
+
 /// The revision of a scan that is measured for the first time. Later results count on from here.
 pub const FIRST_REVISION: u32 = 1;
 
@@ -18,6 +20,9 @@ pub struct Provenance {
     pub acquired: Option<Acquired>,
     /// SHA-256 of the scan's bytes, lower-case hexadecimal.
     pub sha256: String,
+    /// The last check with a phantom before the scan; `None` if there was none.
+    #[serde(default)]
+    pub phantom_check: Option<LastCheck>,
     /// [`FIRST_REVISION`], or more if the scan is measured again.
     pub revision: u32,
 }
@@ -25,8 +30,14 @@ pub struct Provenance {
 impl Provenance {
     /// The provenance of a scan of which only the bytes are known.
     pub fn of_scan(sha256: String) -> Provenance {
-        let revision = FIRST_REVISION;
-        Provenance { station: None, patient: None, acquired: None, sha256, revision }
+        Provenance {
+            station: None,
+            patient: None,
+            acquired: None,
+            sha256,
+            phantom_check: None,
+            revision: FIRST_REVISION,
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
+use super::phantom::LastCheck;
 use super::provenance::{Acquired, Patient};
 use super::shape::{AxesFigures, AxisFigures, OutlineFigures, ShapeFigures};
 use super::statement::Statement;
@@ -39,6 +40,9 @@ pub struct Record {
     pub acquired: Option<Acquired>,
     /// Program and method.
     pub made_by: MadeBy,
+    /// The last check of the scanner with a body of known girths; null if there was none.
+    #[serde(default)]
+    pub phantom_check: Option<LastCheck>,
     /// The measured file.
     pub scan: ScanFile,
     /// The body as a whole.

@@ -8,6 +8,7 @@ use tracing::{error, info};
 use super::booth::Booth;
 use super::core::{Core, Found, journal_file};
 use super::custody::decisions::Decisions;
+use super::custody::phantom_series::PhantomSeries;
 use super::custody::quarantine::Quarantine;
 use super::custody::spool::Spool;
 use super::custody::{Custody, CustodyFault};
@@ -15,6 +16,7 @@ use super::delivery::measuring::{self, IMPAIRED};
 use super::delivery::preview::Previews;
 use super::error::StationError;
 use super::event::Observer;
+use super::intake::phantom;
 use super::journal::JournalError;
 use super::operator::page::desk::Desk;
 use super::rebuild;
@@ -22,6 +24,7 @@ use super::stores::Stores;
 use crate::config::Config;
 use crate::flow::facts::{Alarm, IntakeState};
 use crate::flow::health::counted;
+use crate::flow::phantom::PHANTOM_ALARM;
 use crate::flow::{Facts, Identity};
 use crate::store::RecordStore;
 
@@ -67,6 +70,11 @@ impl Station {
         let begun = stores.iter().filter(|_| !first_start);
         let recovered = recover(&custody, rebuilt, begun, &mut facts);
         let adopted = recovered.map_err(|fault| failed(fault, &config, &custody))?;
+        if let (Some(phantom), Some(series)) = (&config.phantom, custody.phantom_series()) {
+            let known = phantom::facts(phantom, series);
+            facts.alarms.extend(known.alarm().map(|alarm| (PHANTOM_ALARM, alarm)));
+            facts.phantom = Some(known);
+        }
         let previews = Arc::new(Previews::of(&config.station.state_dir));
         let found = Found { config, identity, custody, stores, facts, observer };
         let core = Arc::new(Core::new(found));
@@ -93,9 +101,12 @@ fn open_custody(
     let spool = Spool::open(state_dir).map_err(state)?;
     let quarantine = Quarantine::open(state_dir).map_err(state)?;
     let decisions = Decisions::open(state_dir).map_err(state)?;
+    let phantom = config.phantom.as_ref().map(|_| PhantomSeries::open(state_dir));
+    let phantom = phantom.transpose().map_err(state)?;
     let kept = (spool, quarantine);
     let custody = Custody::new(opened.journal, kept, decisions, names, config.retention.spool);
-    Ok((custody.with_named_only(stores.named_only()), opened.rebuilt))
+    let custody = custody.with_named_only(stores.named_only()).with_phantom(phantom);
+    Ok((custody, opened.rebuilt))
 }
 
 /// Takes over what the last run left; `begun` are the stores that a rebuilt journal must learn of. Notes

@@ -19,8 +19,9 @@ use super::rebuild;
 use super::runtime::causes::chain;
 use super::runtime::clock::Clock;
 use super::stores::Stores;
-use crate::config::Config;
+use crate::config::{Config, PhantomConfig};
 use crate::flow::facts::IntakeState;
+use crate::flow::phantom::is_phantom;
 use crate::flow::{Facts, Identity, ScanId};
 
 /// What the workers of a station share.
@@ -94,6 +95,11 @@ impl Core {
     /// The current time of the station's own clock.
     pub fn now(&self) -> Duration {
         self.clock.now()
+    }
+
+    /// The phantom, if an export with this name is a scan of it.
+    pub fn phantom_of(&self, file_name: &str) -> Option<&PhantomConfig> {
+        self.config.phantom.as_ref().filter(|phantom| is_phantom(file_name, &phantom.name))
     }
 
     /// Decides whether `size_bytes` may be taken in now, and notes it on the board. Blocks.

@@ -9,6 +9,7 @@ pub mod decisions;
 mod intake;
 mod known;
 mod lost;
+pub(in crate::station) mod phantom_series;
 pub mod quarantine;
 mod recover;
 pub mod spool;
@@ -24,6 +25,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 use self::decisions::Decisions;
+use self::phantom_series::PhantomSeries;
 use self::quarantine::{Quarantine, Reason, Stage};
 use self::spool::{Companion, Spool};
 use super::journal::{Due, Entry, Journal, JournalError};
@@ -41,6 +43,8 @@ pub struct Custody {
     spool: Spool,
     quarantine: Quarantine,
     decisions: Decisions,
+    /// The checks with the phantom, if one is configured.
+    phantom: Option<PhantomSeries>,
     /// The stores' names in the journal.
     stores: Vec<&'static str>,
     /// The stores that take no unassigned record.
@@ -112,6 +116,7 @@ impl Custody {
             spool,
             quarantine,
             decisions,
+            phantom: None,
             stores,
             named_only: Vec::new(),
             kept,
@@ -124,6 +129,16 @@ impl Custody {
     /// The same, with the names of the stores that take no unassigned record.
     pub fn with_named_only(self, named_only: Vec<&'static str>) -> Custody {
         Custody { named_only, ..self }
+    }
+
+    /// The same, with the series of checks with the phantom.
+    pub fn with_phantom(self, phantom: Option<PhantomSeries>) -> Custody {
+        Custody { phantom, ..self }
+    }
+
+    /// The checks with the phantom, if one is configured.
+    pub fn phantom_series(&self) -> Option<&PhantomSeries> {
+        self.phantom.as_ref()
     }
 
     /// The stores that take a record for this patient.

@@ -7,6 +7,7 @@ pub(in crate::station) mod export_locks;
 pub(in crate::station) mod ingest;
 mod memory;
 mod notes;
+pub(in crate::station) mod phantom;
 pub(crate) mod scan_dir;
 pub(in crate::station) mod stable_read;
 pub(in crate::station) mod watch;

@@ -17,5 +17,6 @@ mod orders;
 mod page;
 mod page_files;
 mod page_held;
+mod phantom;
 mod trigger_pty;
 mod watch;

@@ -134,6 +134,7 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
         patient: old.patient.clone(),
         acquired: old.acquired.clone(),
         sha256: old.scan.sha256.clone(),
+        phantom_check: old.phantom_check.clone(),
         revision,
     };
     let scan = ScanFile { bytes: &scan, format, ord: ord.as_deref() };

@@ -64,6 +64,7 @@ fn status() -> Status {
         confinement: Some(Confinement { landlock: Enforced::Fully, seccomp: true }),
         measured: 22,
         last_measurement_s: Some(2.13),
+        phantom: None,
         alarms: BTreeMap::new(),
         refused_reload: None,
     }

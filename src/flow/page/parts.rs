@@ -6,8 +6,10 @@ use serde::Serialize;
 use crate::flow::Facts;
 use crate::flow::facts::{SourceState, TriggerFacts};
 use crate::flow::health::{BLIP, has_lasted};
+use crate::flow::phantom::PhantomFacts;
 use crate::flow::trigger::PortState;
 use crate::language::Language;
+use crate::record::phantom::CheckResult;
 
 /// One part on the page.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -45,7 +47,20 @@ pub(super) fn shown(facts: &Facts, now: Timestamp, language: Language) -> Vec<Pa
         PartShown { name, word, health, why: facts.fault.clone() }
     });
     let ports = facts.triggers.iter().map(|(port, facts)| port_shown(port, facts, language));
-    sources.chain(ports).chain(stores).collect()
+    let phantom = facts.phantom.iter().map(|phantom| phantom_shown(phantom, now, language));
+    sources.chain(ports).chain(stores).chain(phantom).collect()
+}
+
+fn phantom_shown(phantom: &PhantomFacts, now: Timestamp, language: Language) -> PartShown {
+    let result = phantom.checks.last().map(|check| check.result);
+    let (key, health) = match result {
+        Some(CheckResult::Beyond) => ("page.part.phantom.beyond", "bad"),
+        Some(CheckResult::NotMeasured) => ("page.part.phantom.not_measured", "bad"),
+        Some(CheckResult::Within) if !phantom.is_due(now) => ("page.part.phantom.within", "good"),
+        Some(CheckResult::Within) | None => ("page.part.phantom.due", "wait"),
+    };
+    let name = language.text("page.part.phantom.name").to_owned();
+    PartShown { name, word: language.text(key), health, why: None }
 }
 
 fn source_state(state: &SourceState) -> (&'static str, &'static str, Option<&String>) {

@@ -191,7 +191,7 @@ fn outline_middle(slice: &[Point2<f64>], link_mm: f64) -> Option<Point2<f64>> {
 }
 
 /// The rotation that turns the export's up axis to +z and stays right-handed.
-fn upright(up: Up) -> Rotation3<f64> {
+pub(in crate::leg) fn upright(up: Up) -> Rotation3<f64> {
     let columns = match up {
         Up::Y => [Vector3::x(), Vector3::z(), -Vector3::y()],
         Up::Z => [Vector3::x(), Vector3::y(), Vector3::z()],
@@ -201,7 +201,7 @@ fn upright(up: Up) -> Rotation3<f64> {
 }
 
 /// The scan's skin after an affine transform from this unit to millimetres.
-fn moved(scan: &Scan, map: &Matrix4<f64>, unit: Unit) -> Mesh {
+pub(in crate::leg) fn moved(scan: &Scan, map: &Matrix4<f64>, unit: Unit) -> Mesh {
     let points: Vec<Point3<f64>> = scan.points.iter().map(|p| map.transform_point(p)).collect();
     if scan.triangles.is_empty() {
         let spacing_mm = point_cloud::spacing(&scan.points) * unit.in_mm();

@@ -187,6 +187,14 @@ fn leg_line(leg: &Leg, stature_mm: f64, crotch_height_mm: f64) -> Result<Line, A
     line(leg, &Stretch { height_mm, spacing_mm: LEG_SPACING_MM, least: CENTROIDS_MIN })
 }
 
+/// The axis of a straight body between two heights, mm.
+///
+/// # Errors
+/// An [`AxisFault`] if there are too few sections, or if it leans too far.
+pub fn straight_line(leg: &Leg, height_mm: [f64; 2]) -> Result<Line, AxisFault> {
+    line(leg, &Stretch { height_mm, spacing_mm: SPACING_MM, least: CENTROIDS_MIN })
+}
+
 /// The line through the centroids of the sections square to it, where it is between two heights.
 fn line(leg: &Leg, along: &Stretch) -> Result<Line, AxisFault> {
     let mut line = Line { through: Point3::origin(), direction: Vector3::z_axis() };

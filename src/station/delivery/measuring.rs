@@ -11,11 +11,11 @@ use tracing::{info, warn};
 use crate::flow::acquired::acquired;
 use crate::flow::confinement::{Confine, Confinement};
 use crate::flow::facts::Alarm;
-use crate::record::{FIRST_REVISION, Patient, Provenance, RecordFile};
+use crate::record::{Patient, Provenance, RecordFile};
 use crate::station::core::Core;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::measure::{
-    self, Answer, Blame, ConfineFault, Job, Limits, MeasureFault, Measured, Trouble,
+    self, Answer, Blame, ConfineFault, Job, MeasureFault, Measured, Trouble,
 };
 use crate::station::runtime::causes::chain;
 
@@ -166,26 +166,20 @@ fn job(
         _ => None,
     };
     let config = &core.config;
+    let series = core.custody.phantom_series();
+    let provenance = Provenance {
+        station: Some(config.station.id.clone()),
+        patient,
+        acquired: Some(acquired(row.pressed_at, row.file_time, row.first_seen)),
+        phantom_check: series.and_then(|series| series.last_before(row.first_seen)),
+        ..Provenance::of_scan(row.scan.to_string())
+    };
+    let scan_bytes = length(&spool.scan_file(&row.scan, &row.format))?;
     let job = Job {
-        config: config.text.clone(),
-        provenance: Provenance {
-            station: Some(config.station.id.clone()),
-            patient,
-            acquired: Some(acquired(row.pressed_at, row.file_time, row.first_seen)),
-            sha256: row.scan.to_string(),
-            revision: FIRST_REVISION,
-        },
-        ending: row.format.clone(),
-        scan_bytes: length(&spool.scan_file(&row.scan, &row.format))?,
         ord_files: ord_files.len(),
         ord_bytes: ord_file.as_deref().map(length).transpose()?.unwrap_or(0),
         threads,
-        limits: Limits {
-            memory_bytes: config.measure.memory_bytes,
-            cpu: config.measure.cpu,
-            wall: config.measure.wall,
-        },
-        confine: config.measure.confine,
+        ..Job::new(config, provenance, &row.format, scan_bytes)
     };
     Ok((job, ord_file))
 }

@@ -4,12 +4,13 @@ use std::io::{self, BufReader, Read, Write};
 use std::panic;
 
 use super::confine::confine;
-use super::job::{Answer, Job};
-use crate::config;
+use super::job::{Answer, Job, Subject};
+use crate::config::{self, Config};
 use crate::leg::comparison::opinion::SecondOpinion;
 use crate::leg::comparison::second_opinion::compare;
-use crate::leg::{self, Finding};
-use crate::record::{self, ReportChoice, ScanFile};
+use crate::leg::{self, Finding, phantom};
+use crate::record::phantom::CheckRecord;
+use crate::record::{self, RecordFile, ReportChoice, ScanFile};
 use crate::scan::{Format, ord};
 use crate::station::runtime::caught::caught;
 use crate::station::runtime::causes::chain;
@@ -60,6 +61,9 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
         Ok(config) => config,
         Err(faults) => return refused("config", format!("{} faults", faults.len())),
     };
+    if job.subject == Subject::Phantom {
+        return check(job, scan, format, &config);
+    }
     let ord = (!ord.is_empty()).then_some(ord);
     let mut extraction = match leg::extract(scan, format, &config.method) {
         Ok(extraction) => extraction,
@@ -76,6 +80,20 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
             files.retain(|file| !file.name.starts_with(sums::SCAN));
             Answer::Files(files)
         }
+        Err(error) => refused("record-not-written", error.to_string()),
+    }
+}
+
+/// The check with the phantom that is in the scan.
+fn check(job: &Job, scan: &[u8], format: Format, config: &Config) -> Answer {
+    let (Some(known), Some(acquired)) = (&config.phantom, &job.provenance.acquired) else {
+        return refused("config", "there is no phantom in the configuration".to_owned());
+    };
+    let found = phantom::check(scan, format, &known.phantom, &config.method);
+    let sha256 = job.provenance.sha256.clone();
+    let check = CheckRecord::new(acquired.at, sha256, &found, known.tolerance_mm);
+    match serde_json::to_vec(&check) {
+        Ok(bytes) => Answer::Files(vec![RecordFile { name: "check.json".to_owned(), bytes }]),
         Err(error) => refused("record-not-written", error.to_string()),
     }
 }

@@ -5,6 +5,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
+use crate::config::{Config, MeasureConfig};
 use crate::flow::confinement::Confine;
 use crate::record::{Provenance, RecordFile};
 
@@ -27,6 +28,8 @@ pub struct Limits {
 pub struct Job {
     /// The text of the station's configuration: method and output.
     pub config: String,
+    /// What the scan shows.
+    pub subject: Subject,
     /// Where the scan comes from.
     pub provenance: Provenance,
     /// The ending of its format.
@@ -43,6 +46,15 @@ pub struct Job {
     pub limits: Limits,
     /// Whether it measures even if it cannot be confined.
     pub confine: Confine,
+}
+
+/// What a scan shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Subject {
+    /// A patient: the answer is a record.
+    Patient,
+    /// The phantom: the answer is a check.
+    Phantom,
 }
 
 /// The answer of a measuring process that finished.
@@ -68,6 +80,23 @@ enum Header {
 }
 
 impl Job {
+    /// The job for a patient's scan without measures of the scanner's own, on one thread.
+    pub fn new(config: &Config, provenance: Provenance, ending: &str, scan_bytes: u64) -> Job {
+        let MeasureConfig { memory_bytes, cpu, wall, confine } = config.measure;
+        Job {
+            config: config.text.clone(),
+            subject: Subject::Patient,
+            provenance,
+            ending: ending.to_owned(),
+            scan_bytes,
+            ord_files: 0,
+            ord_bytes: 0,
+            threads: 1,
+            limits: Limits { memory_bytes, cpu, wall },
+            confine,
+        }
+    }
+
     /// Writes the line.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         write_line(to, self)

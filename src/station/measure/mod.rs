@@ -13,8 +13,8 @@ mod parent;
 mod trouble;
 
 pub use confine::{ConfineFault, enough, tried};
-pub use job::{Answer, Job, Limits};
-pub use parent::{MeasureFault, Measured, answers, measure};
+pub use job::{Answer, Job, Limits, Subject};
+pub use parent::{MeasureFault, Measured, answers, measure, measure_bytes};
 pub use trouble::{Blame, Trouble};
 
 /// The hidden verb with which the binary runs again.

@@ -69,6 +69,11 @@ pub fn measure(
     run(scan, job, files)
 }
 
+/// Measures bytes in their own process. Blocks.
+pub fn measure_bytes(scan: &ScanId, job: &Job, bytes: &[u8]) -> Result<Measured, MeasureFault> {
+    run(scan, job, vec![bytes])
+}
+
 /// Whether a measuring process can answer here and now: it gets bytes that are not a scan. Blocks.
 pub fn answers(job: &Job) -> Result<bool, MeasureFault> {
     let bytes: &[u8] = b"no scan\n";

@@ -14,6 +14,7 @@ use super::control::protocol::state_words;
 use crate::flow::facts::{IntakeState, SourceState, TriggerFacts};
 use crate::flow::health::age;
 use crate::flow::trigger::PortState;
+use crate::record::phantom::CheckResult;
 use crate::station::overview::Overview;
 
 /// The content type of the text, for HTTP.
@@ -31,6 +32,7 @@ pub fn text(overview: &Overview) -> Result<String, fmt::Error> {
     of_scans(&mut registry, overview);
     of_sources(&mut registry, overview);
     of_triggers(&mut registry, overview);
+    of_phantom(&mut registry, overview);
     let mut text = String::new();
     encode(&mut text, &registry)?;
     Ok(text)
@@ -137,6 +139,21 @@ fn of_triggers(registry: &mut Registry, overview: &Overview) {
     count("trigger_presses", "Presses in this run", |trigger| trigger.presses);
     count("trigger_ids", "Ids read in this run", |trigger| trigger.ids);
     count("trigger_garbage", "Bytes or keys that meant nothing", |trigger| trigger.garbage);
+}
+
+fn of_phantom(registry: &mut Registry, overview: &Overview) {
+    let Some(phantom) = &overview.facts.phantom else { return };
+    let due = f64::from(u8::from(phantom.is_due(overview.now)));
+    gauge(registry, "phantom_due", "1 while the known body should be scanned", due);
+    let Some(last) = phantom.checks.last() else { return };
+    let within = f64::from(u8::from(last.result == CheckResult::Within));
+    gauge(registry, "phantom_within", "1 if the last check was within the tolerance", within);
+    let help = "When the known body was last scanned, seconds since 1970";
+    gauge(registry, "phantom_last_check_seconds", help, last.at.as_second() as f64);
+    if let Some(bias_mm) = last.bias_mm {
+        let help = "Mean of measured minus known girths in the last check";
+        gauge(registry, "phantom_bias_millimetres", help, bias_mm);
+    }
 }
 
 fn gauge(registry: &mut Registry, name: &str, help: &str, value: f64) {

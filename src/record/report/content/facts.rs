@@ -4,7 +4,8 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use super::{Fact, Report, Section};
-use crate::record::rounding::cm_words;
+use crate::record::phantom::{CheckResult, LastCheck};
+use crate::record::rounding::{cm_words, shortest, signed, tenths_words};
 use crate::record::{AcquiredFrom, SourceKind, shown};
 
 /// How many digits of a scan's hash distinguish it from all others of a clinic.
@@ -49,6 +50,8 @@ impl Report<'_> {
         facts.extend(self.heights().map(|heights| fact(self.text("report.fact.body"), heights)));
         let hash: String = record.scan.sha256.chars().take(HASH_DIGITS).collect();
         facts.push(fact(self.text("report.fact.scan"), self.scan(&shown::id(&hash))));
+        let phantom = record.phantom_check.as_ref().map(|check| self.phantom(check));
+        facts.extend(phantom.map(|check| fact(self.text("report.fact.phantom"), check)));
         let program = format!("gaiter {}", shown::id(&record.made_by.gaiter));
         facts.push(fact(self.text("report.fact.program"), program));
         facts.push(fact(self.text("report.fact.revision"), record.revision.to_string()));
@@ -98,6 +101,20 @@ impl Report<'_> {
         let crotch = body.crotch_height_mm.map(|mm| told("report.fact.crotch", mm));
         let words = [stature, crotch].into_iter().flatten().collect::<Vec<_>>().join(", ");
         (!words.is_empty()).then_some(words)
+    }
+
+    /// The last check with a body of known girths, in words.
+    fn phantom(&self, check: &LastCheck) -> String {
+        let when = self.utc(check.at);
+        let tolerance = shortest(check.tolerance_mm, self.language);
+        let worst_mm = check.worst_mm.unwrap_or_default();
+        let worst = signed(worst_mm, &tenths_words(worst_mm, self.language));
+        let key = match check.result {
+            CheckResult::Within => "report.fact.phantom_within",
+            CheckResult::Beyond => "report.fact.phantom_beyond",
+            CheckResult::NotMeasured => "report.fact.phantom_not_measured",
+        };
+        self.filled(key, &[("when", &when), ("tolerance", &tolerance), ("worst", &worst)])
     }
 
     fn scan(&self, hash: &str) -> String {

@@ -7,7 +7,7 @@ use std::path::Path;
 use jiff::Timestamp;
 
 use super::protocol::{
-    Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request, SourceStatus, Status,
+    Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, PhantomStatus, Request, SourceStatus, Status,
 };
 use crate::flow::explain::{Known, of_file};
 use crate::flow::facts::IntakeState;
@@ -109,8 +109,12 @@ fn known(desk: &Desk, path: &Path) -> Result<Option<Known>, Fault> {
     let journal = desk.core.custody.journal();
     let Some(scan) = journal.sighting(path)? else { return Ok(None) };
     let Some(scan) = scan else {
-        let state = "was refused unread, for its size".to_owned();
-        return Ok(Some(Known { state, at: None, scan: None }));
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let state = match desk.core.phantom_of(&name) {
+            Some(_) => "is a scan of the known body; its check is in gaiter status",
+            None => "was refused unread, for its size",
+        };
+        return Ok(Some(Known { state: state.to_owned(), at: None, scan: None }));
     };
     let Some(whole) = journal.whole(&scan)? else { return Ok(None) };
     let held = journal.held_for(&scan)?;
@@ -193,6 +197,7 @@ fn status(desk: &Desk) -> Status {
         confinement: facts.confinement,
         measured: facts.measured,
         last_measurement_s: facts.last_measurement_s,
+        phantom: facts.phantom.as_ref().map(|phantom| PhantomStatus::of(phantom, now)),
         alarms: alarms.map(|(code, alarm)| ((*code).to_owned(), alarm.into())).collect(),
         refused_reload: facts.refused_reload,
     }

@@ -10,6 +10,8 @@ use crate::flow::account::{Filter, Listed, Seen, Whole};
 use crate::flow::confinement::Confinement;
 use crate::flow::facts::{Alarm, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use crate::flow::health::Complaint;
+use crate::flow::phantom::PhantomFacts;
+use crate::record::phantom::LastCheck;
 use crate::station::booth::BoothState;
 
 /// The longest request, bytes: a path and a patient's id fit many times over.
@@ -195,6 +197,9 @@ pub struct Status {
     pub measured: u64,
     /// How long the last measurement took, s.
     pub last_measurement_s: Option<f64>,
+    /// The checks with the phantom; `None` if none is configured.
+    #[serde(default)]
+    pub phantom: Option<PhantomStatus>,
     /// What an operator must know, by code.
     pub alarms: BTreeMap<String, AlarmStatus>,
     /// What was wrong with the configuration at the last reload.
@@ -248,6 +253,22 @@ impl From<BoothState> for BoothStatus {
         let light = signal.word().to_owned();
         let advice = orders_come_late.map(|late| late.to_string());
         BoothStatus { light, awaited, named: is_named, in_doubt: is_in_doubt, advice }
+    }
+}
+
+/// The status of the checks with the phantom.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PhantomStatus {
+    /// Whether it should be scanned now.
+    pub due: bool,
+    /// The last checks, oldest first, a month at most.
+    pub checks: Vec<LastCheck>,
+}
+
+impl PhantomStatus {
+    /// The status now.
+    pub fn of(facts: &PhantomFacts, now: Timestamp) -> PhantomStatus {
+        PhantomStatus { due: facts.is_due(now), checks: facts.checks.clone() }
     }
 }
 

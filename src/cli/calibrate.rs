@@ -1,0 +1,147 @@
+//! `gaiter calibrate`: measures a scan of a body of known girths, and says how far off scanner and method
+//! are. Changes nothing.
+
+use std::fmt::Write;
+use std::fs;
+use std::io;
+
+use jiff::Timestamp;
+
+use super::args::CalibrateArgs;
+use super::terminal::paint::{self, painted};
+use super::{Exit, complain, explain_config, print, shown};
+use crate::config;
+use crate::leg::Method;
+use crate::leg::phantom::{self, Phantom};
+use crate::record::phantom::{CheckFigures, CheckRecord, CheckResult};
+use crate::record::sha256;
+use crate::scan::Format;
+
+/// The tolerance without a configuration, mm: a tape reads to 1 to 2 mm.
+const TOLERANCE_MM: f64 = 2.0;
+
+/// Measures and prints. Returns [`Exit::Unmeasurable`] if the body cannot be measured, or if a girth is
+/// beyond the tolerance.
+pub fn calibrate(args: &CalibrateArgs) -> Exit {
+    let choices = match Choices::of(args) {
+        Ok(choices) => choices,
+        Err(exit) => return exit,
+    };
+    let check = match checked(args, &choices) {
+        Ok(check) => check,
+        Err((exit, why)) => {
+            complain(format_args!("gaiter: {}: {why}", shown(args.scan.display())));
+            return exit;
+        }
+    };
+    let printed = match args.json {
+        true => serde_json::to_string(&check)
+            .map_err(io::Error::from)
+            .and_then(|json| print(json + "\n")),
+        false => paint::print(table(&check)),
+    };
+    if let Err(error) = printed {
+        complain(format_args!("gaiter: the check cannot be printed: {error}"));
+        return Exit::Io;
+    }
+    match check.result {
+        CheckResult::Within => Exit::Done,
+        CheckResult::Beyond | CheckResult::NotMeasured => Exit::Unmeasurable,
+    }
+}
+
+/// What is known of the body, and how it is measured.
+struct Choices {
+    phantom: Phantom,
+    tolerance_mm: f64,
+    method: Method,
+}
+
+impl Choices {
+    /// The values of the configuration, or the defaults, overridden by the command line.
+    fn of(args: &CalibrateArgs) -> Result<Choices, Exit> {
+        let config = args.config.as_ref().map(|path| config::read(path));
+        let config = config.transpose().map_err(|error| explain_config(&error))?;
+        let (mut method, configured) = match config {
+            Some(config) => (config.method, config.phantom),
+            None => (Method::default(), None),
+        };
+        method.unit = args.unit.unwrap_or(method.unit);
+        method.up = args.up.unwrap_or(method.up);
+        let tolerance_mm = configured.as_ref().map_or(TOLERANCE_MM, |phantom| phantom.tolerance_mm);
+        let phantom = args.girths.clone().or(configured.map(|configured| configured.phantom));
+        let Some(phantom) = phantom else {
+            complain("gaiter: the configuration has no phantom.girths; name them with --girths");
+            return Err(Exit::Usage);
+        };
+        Ok(Choices { phantom, tolerance_mm: args.tolerance.unwrap_or(tolerance_mm), method })
+    }
+}
+
+fn checked(args: &CalibrateArgs, choices: &Choices) -> Result<CheckRecord, (Exit, String)> {
+    let unreadable = |error: io::Error| match error.kind() {
+        io::ErrorKind::NotFound => (Exit::NoFile, error.to_string()),
+        _ => (Exit::Io, error.to_string()),
+    };
+    // Before it is opened, because opening a pipe waits for a writer.
+    if !fs::metadata(&args.scan).map_err(unreadable)?.is_file() {
+        return Err((Exit::Io, "is not a regular file (a pipe or a device)".to_owned()));
+    }
+    let bytes = fs::read(&args.scan).map_err(unreadable)?;
+    let name = args.scan.file_name().unwrap_or_default().to_string_lossy();
+    let refused = |why: String, code: &str| {
+        (Exit::Unmeasurable, format!("cannot be measured [{code}]: {why}"))
+    };
+    let format =
+        Format::of_file_name(&name).map_err(|fault| refused(fault.to_string(), fault.code()))?;
+    let found = phantom::check(&bytes, format, &choices.phantom, &choices.method);
+    if let Err(fault) = &found
+        && !args.json
+    {
+        return Err(refused(fault.to_string(), fault.code()));
+    }
+    Ok(CheckRecord::new(Timestamp::now(), sha256(&bytes), &found, choices.tolerance_mm))
+}
+
+/// The girths, what they show together, and the verdict.
+fn table(check: &CheckRecord) -> String {
+    let mut text = String::new();
+    if let Some(figures) = &check.figures {
+        let heading = "  height     known  measured  difference";
+        let _ = writeln!(text, "{}", painted(paint::LABEL, heading));
+        for girth in &figures.girths {
+            let (known, measured) = (girth.known_mm, girth.measured_mm);
+            let height_cm = girth.height_mm / 10.0;
+            let off = measured - known;
+            let _ =
+                writeln!(text, "{height_cm:5.1} cm  {known:8.1}  {measured:8.1}  {off:+7.1} mm");
+        }
+        text += &together(figures);
+    }
+    let tolerance_mm = check.tolerance_mm;
+    let (colour, verdict) = match check.result {
+        CheckResult::Within => (paint::GOOD, format!("every girth is within {tolerance_mm} mm")),
+        CheckResult::Beyond => (
+            paint::BAD,
+            format!("not every girth is within {tolerance_mm} mm: have the scanner calibrated"),
+        ),
+        CheckResult::NotMeasured => (paint::BAD, "not measured".to_owned()),
+    };
+    text + &painted(colour, verdict) + "\n"
+}
+
+fn together(figures: &CheckFigures) -> String {
+    let CheckFigures { bias_mm, worst_mm, tilt_deg, .. } = figures;
+    let mut text = format!(
+        "\nbias {bias_mm:+.1} mm, worst {worst_mm:+.1} mm; the body leans by {tilt_deg:.1}°\n"
+    );
+    if let Some(line) = figures.line {
+        let (scale, scale_sd) = (100.0 * line.scale, 100.0 * line.scale_sd);
+        let (offset_mm, sd_mm) = (line.offset_mm, line.offset_sd_mm);
+        let _ = writeln!(
+            text,
+            "scale {scale:+.2} % ± {scale_sd:.2}, and {offset_mm:+.1} mm ± {sd_mm:.1} at every girth"
+        );
+    }
+    text
+}

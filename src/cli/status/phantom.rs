@@ -1,0 +1,89 @@
+//! The checks with the known body: the last one in words, and the bias of the last month as a chart.
+
+use jiff::Timestamp;
+
+use crate::flow::health::ago;
+use crate::record::phantom::{CheckResult, LastCheck};
+use crate::station::operator::control::protocol::PhantomStatus;
+
+/// Heights of the chart's bars, from −2 tolerances to +2.
+const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];
+
+/// The chart's end in tolerances.
+const REACH: f64 = 2.0;
+
+/// A check in which the body could not be measured.
+const NOT_MEASURED: char = '×';
+
+/// The rows of the screen.
+pub(super) fn rows(phantom: &PhantomStatus, now: Timestamp) -> Vec<(String, String)> {
+    let mut rows = vec![("phantom".to_owned(), last(phantom, now))];
+    if let Some(last) = phantom.checks.last().filter(|_| phantom.checks.len() > 1) {
+        let reach_mm = REACH * last.tolerance_mm;
+        let chart = chart(&phantom.checks);
+        let legend = format!("bias of the last checks, ▁ −{reach_mm} mm to █ +{reach_mm} mm");
+        rows.push((String::new(), format!("{chart}  {legend}")));
+    }
+    rows
+}
+
+fn last(phantom: &PhantomStatus, now: Timestamp) -> String {
+    let due = if phantom.due { "; scan the known body now" } else { "" };
+    let Some(last) = phantom.checks.last() else {
+        return format!("the known body was never scanned{due}");
+    };
+    let time = ago(last.at, now);
+    let figures = |(bias_mm, worst_mm): (f64, f64)| {
+        format!(": bias {bias_mm:+.1} mm, worst {worst_mm:+.1} mm")
+    };
+    let figures = last.bias_mm.zip(last.worst_mm).map_or(String::new(), figures);
+    let result = match last.result {
+        CheckResult::Within => format!("within {} mm", last.tolerance_mm),
+        CheckResult::Beyond => format!("not within {} mm", last.tolerance_mm),
+        CheckResult::NotMeasured => "not measured".to_owned(),
+    };
+    format!("{result} {time} ago{figures}{due}")
+}
+
+fn chart(checks: &[LastCheck]) -> String {
+    let bar = |check: &LastCheck| {
+        let Some(bias_mm) = check.bias_mm else { return NOT_MEASURED };
+        let share = (bias_mm / (REACH * check.tolerance_mm) + 1.0) / 2.0;
+        let place = (share * BARS.len() as f64).clamp(0.0, BARS.len() as f64 - 1.0);
+        BARS[place as usize]
+    };
+    checks.iter().map(bar).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(second: i64, result: CheckResult, bias_mm: Option<f64>) -> LastCheck {
+        let at = Timestamp::from_second(second).unwrap();
+        LastCheck { at, result, bias_mm, worst_mm: bias_mm, tolerance_mm: 2.0 }
+    }
+
+    #[test]
+    fn a_drift_shows_in_the_chart_and_the_last_check_in_words() {
+        let checks = vec![
+            check(0, CheckResult::Beyond, Some(-9.0)),
+            check(1, CheckResult::Within, Some(0.1)),
+            check(2, CheckResult::NotMeasured, None),
+            check(3, CheckResult::Beyond, Some(3.94)),
+        ];
+        let now = Timestamp::from_second(3603).unwrap();
+        let rows = rows(&PhantomStatus { due: false, checks }, now);
+        assert_eq!(rows[0].1, "not within 2 mm 60 min ago: bias +3.9 mm, worst +3.9 mm");
+        assert!(rows[1].1.starts_with("▁▅×█  "), "{}", rows[1].1);
+        assert!(rows[1].1.ends_with("▁ −4 mm to █ +4 mm"), "{}", rows[1].1);
+    }
+
+    #[test]
+    fn one_that_is_due_is_asked_for() {
+        let now = Timestamp::from_second(0).unwrap();
+        let rows = rows(&PhantomStatus { due: true, checks: Vec::new() }, now);
+        assert_eq!(rows.len(), 1);
+        assert_eq!(rows[0].1, "the known body was never scanned; scan the known body now");
+    }
+}

@@ -1,0 +1,60 @@
+//! `[phantom]`: the body of known girths that is scanned as a daily check.
+
+use std::time::Duration;
+
+use super::capture::PatientConfig;
+use super::fault::What;
+use super::parse::{self, Bounds};
+use super::reader::{Absent, Reader};
+use crate::leg::phantom::Phantom;
+
+/// `[phantom]`: the daily check.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PhantomConfig {
+    /// An export whose file name begins with this is a scan of the phantom.
+    pub name: String,
+    /// Its girths.
+    pub phantom: Phantom,
+    /// The largest difference from a known girth that counts as none, mm.
+    pub tolerance_mm: f64,
+    /// How often it should be scanned.
+    pub every: Duration,
+}
+
+/// Reads the keys of the section; no phantom without `girths`. An id of a patient must not look like the
+/// phantom's name.
+pub(super) fn config(
+    reader: &mut Reader,
+    patient: Option<&PatientConfig>,
+) -> Option<PhantomConfig> {
+    use Absent::{Default, Nothing};
+    let example = Nothing("10:35.2, 30:38.1");
+    let girths = reader.text("phantom.girths", example, |text| {
+        text.parse::<Phantom>().map_err(What::PhantomGirths)
+    });
+    let name = reader.text("phantom.name", Default("PHANTOM"), phantom_name);
+    let bounds = Bounds { least: "0.5mm", most: "20mm" };
+    let tolerance = reader.text("phantom.tolerance", Default("2mm"), parse::distance_in(bounds));
+    let bounds = Bounds { least: "1h", most: "720h" };
+    let every = reader.text("phantom.every", Default("24h"), parse::duration_in(bounds));
+    if let (Some(name), Some(patient)) = (&name, patient)
+        && patient.pattern.is_match(&name.value)
+    {
+        reader.note(name.at.clone(), "phantom.name", What::PhantomIsPatient(name.value.clone()));
+    }
+    Some(PhantomConfig {
+        phantom: girths?.value,
+        name: name?.value,
+        tolerance_mm: tolerance?.value,
+        every: every?.value,
+    })
+}
+
+/// Letters, digits, `-` and `_`: what a scanner's software lets a person type as a name.
+fn phantom_name(text: &str) -> Result<String, What> {
+    let fits = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    if text.len() < 3 || !text.chars().all(fits) {
+        return Err(What::PhantomName(text.to_owned()));
+    }
+    Ok(text.to_owned())
+}

@@ -1,0 +1,88 @@
+//! Takes in a scan of the phantom: it is measured at once and added to the series of checks. It is nobody's
+//! scan, so it answers no press and goes to no store; its file stays where it is.
+
+use jiff::Timestamp;
+use tracing::{info, warn};
+
+use super::ingest::{TakeFault, Taken};
+use super::stable_read::Export;
+use crate::config::PhantomConfig;
+use crate::flow::Settled;
+use crate::flow::phantom::{PHANTOM_ALARM, PhantomFacts, SHOWN_MOST};
+use crate::record::phantom::{CheckRecord, CheckResult};
+use crate::record::{Acquired, AcquiredFrom, Provenance};
+use crate::scan::Format;
+use crate::station::core::Core;
+use crate::station::custody::phantom_series::PhantomSeries;
+use crate::station::measure::{Answer, Job, Measured, Subject, measure_bytes};
+
+/// Measures a settled scan of the phantom, unless it is in the series already. Blocks.
+///
+/// # Errors
+/// [`TakeFault`]; the file must then be offered again.
+pub fn take(
+    core: &Core,
+    phantom: &PhantomConfig,
+    (settled, export): (&Settled, &Export),
+    format: Format,
+) -> Result<Taken, TakeFault> {
+    let Some(series) = core.custody.phantom_series() else { return Ok(Taken::Done) };
+    if !series.holds(&export.scan) {
+        let check = measured(core, phantom, export, format)?;
+        log(&check);
+        series.keep(check).map_err(TakeFault::Series)?;
+        let facts = facts(phantom, series);
+        core.board.note(|board| match facts.alarm() {
+            Some(alarm) => _ = board.alarms.insert(PHANTOM_ALARM, alarm),
+            None => _ = board.alarms.remove(PHANTOM_ALARM),
+        });
+        core.board.note(|board| board.phantom = Some(facts));
+    }
+    let journal = core.custody.journal();
+    for companion in &settled.companions {
+        journal.sighted(&companion.path, companion.stamp, None)?;
+    }
+    journal.sighted(&settled.path, settled.stamp, None)?;
+    Ok(Taken::Done)
+}
+
+/// What the series says now.
+pub fn facts(phantom: &PhantomConfig, series: &PhantomSeries) -> PhantomFacts {
+    PhantomFacts { every: phantom.every, checks: series.newest(SHOWN_MOST) }
+}
+
+fn measured(
+    core: &Core,
+    phantom: &PhantomConfig,
+    export: &Export,
+    format: Format,
+) -> Result<CheckRecord, TakeFault> {
+    let now = Timestamp::now();
+    let provenance = Provenance {
+        acquired: Some(Acquired { at: now, from: AcquiredFrom::Unknown }),
+        ..Provenance::of_scan(export.scan.to_string())
+    };
+    let job = Job::new(&core.config, provenance, format.ending(), export.bytes.len() as u64);
+    let job = Job { subject: Subject::Phantom, ..job };
+    let measured = measure_bytes(&export.scan, &job, &export.bytes).map_err(TakeFault::Measure)?;
+    let not_measured = |why: String| {
+        CheckRecord::not_measured(now, export.scan.to_string(), why, phantom.tolerance_mm)
+    };
+    Ok(match measured {
+        Measured::Answered(Answer::Files(files)) => {
+            let check = files.first().and_then(|file| serde_json::from_slice(&file.bytes).ok());
+            check.unwrap_or_else(|| not_measured("the measuring process gave no check".to_owned()))
+        }
+        Measured::Answered(Answer::Refused { message, .. }) => not_measured(message),
+        Measured::Trouble(trouble) => not_measured(trouble.to_string()),
+    })
+}
+
+fn log(check: &CheckRecord) {
+    let worst_mm = check.figures.as_ref().map(|figures| figures.worst_mm);
+    match check.result {
+        CheckResult::Within => info!(event = "phantom-within", worst_mm),
+        CheckResult::Beyond => warn!(event = "phantom-beyond", worst_mm),
+        CheckResult::NotMeasured => warn!(event = "phantom-not-measured", why = check.why),
+    }
+}
