@@ -28,7 +28,7 @@ pub(super) fn config(
     patient: Option<&PatientConfig>,
 ) -> Option<PhantomConfig> {
     use Absent::{Default, Nothing};
-    let example = Nothing("10:35.2, 30:38.1");
+    let example = Nothing("8:50.3, 17:50.3, 33:31.4, 42:31.4");
     let girths = reader.text("phantom.girths", example, |text| {
         text.parse::<Phantom>().map_err(What::PhantomGirths)
     });
@@ -37,7 +37,7 @@ pub(super) fn config(
     let tolerance = reader.text("phantom.tolerance", Default("2mm"), parse::distance_in(bounds));
     let bounds = Bounds { least: "1h", most: "720h" };
     let every = reader.text("phantom.every", Default("24h"), parse::duration_in(bounds));
-    if let (Some(name), Some(patient)) = (&name, patient)
+    if let (Some(_), Some(name), Some(patient)) = (&girths, &name, patient)
         && patient.pattern.is_match(&name.value)
     {
         reader.note(name.at.clone(), "phantom.name", What::PhantomIsPatient(name.value.clone()));

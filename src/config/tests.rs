@@ -100,12 +100,14 @@ fn leaving_out_a_key_with_a_default_changes_nothing() {
 #[test]
 fn a_key_that_is_off_loads_once_its_line_is_taken_into_use() {
     let lines: Vec<&str> = SHIPPED.lines().filter(|line| off(line).is_some()).collect();
-    assert_eq!(lines, ["# file_name = '^(?<patient>P?[0-9]+)_'"]);
-    assert!(load(SHIPPED).unwrap().scanner.file_name.is_none(), "no file name names a patient");
-    for line in lines {
-        let on = load(&SHIPPED.replace(line, off(line).unwrap())).unwrap();
-        assert_eq!(on.scanner.file_name.unwrap().as_str(), "^(?<patient>P?[0-9]+)_");
-    }
+    let [file_name, girths] = lines[..] else { panic!("{lines:?}") };
+    let shipped = load(SHIPPED).unwrap();
+    assert!(shipped.scanner.file_name.is_none(), "no file name names a patient");
+    assert!(shipped.phantom.is_none(), "no phantom has girths that nobody measured");
+    let on = |line: &str| load(&SHIPPED.replace(line, off(line).unwrap())).unwrap();
+    let expression = on(file_name).scanner.file_name.unwrap();
+    assert_eq!(expression.as_str(), "^(?<patient>P?[0-9]+)_");
+    assert_eq!(on(girths).phantom.unwrap().name, "PHANTOM");
 }
 
 #[test]

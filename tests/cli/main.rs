@@ -1,5 +1,6 @@
 //! The command line as the real program: check, manual, reextract, terminal.
 
+mod calibrate;
 mod check;
 mod config_faults;
 mod manual;

@@ -74,7 +74,7 @@ mod tests {
         ];
         let now = Timestamp::from_second(3603).unwrap();
         let rows = rows(&PhantomStatus { due: false, checks }, now);
-        assert_eq!(rows[0].1, "not within 2 mm 60 min ago: bias +3.9 mm, worst +3.9 mm");
+        assert_eq!(rows[0].1, "not within 2 mm 60 minutes ago: bias +3.9 mm, worst +3.9 mm");
         assert!(rows[1].1.starts_with("▁▅×█  "), "{}", rows[1].1);
         assert!(rows[1].1.ends_with("▁ −4 mm to █ +4 mm"), "{}", rows[1].1);
     }

@@ -5,7 +5,7 @@ const SPREAD_MIN_MM: f64 = 50.0;
 
 /// … and the girth may change by this much per mm of height at most. On a cone they cannot be told apart: a
 /// wrong scale is in the heights, too, and makes all its girths differ by the same.
-const SLOPE_MAX: f64 = 0.02;
+const SLOPE_MAX: f64 = 0.05;
 
 /// A girth of the phantom as it was measured.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -44,9 +44,9 @@ const LENGTH_MIN_MM: f64 = 100.0;
 /// Units differ by 2.54 and more.
 const GIRTH_FACTOR_LN_MAX: f64 = LN_2;
 
-/// The change of the girth with height is taken over this distance to each side, mm: wider than the noise
-/// between sections, much shorter than a cylinder.
-const SLOPE_REACH_MM: f64 = 5.0;
+/// The change of the girth with height is taken over this distance to each side, mm: long enough that the
+/// scanner's noise is small in it, much shorter than a cylinder.
+const SLOPE_REACH_MM: f64 = 15.0;
 
 /// A section with a wider gap than this is not measured, degrees: the phantom is round, and the scanner
 /// sees it from all sides.

@@ -46,18 +46,7 @@ impl Decisions {
     /// Opens the decisions of a state folder, creates the folder if needed, and removes files that a
     /// crash left half written.
     pub fn open(state_dir: &Path) -> io::Result<Decisions> {
-        let folder = state_dir.join("decisions");
-        durable::make_folder_once(&folder)?;
-        durable::sync_folder(state_dir)?;
-        for entry in fs::read_dir(&folder)? {
-            let entry = entry?;
-            if entry.file_name().to_string_lossy().starts_with('.') {
-                fs::remove_file(entry.path())?;
-            }
-        }
-        // The last run may have renamed a file and ended before it synced the folder.
-        durable::sync_folder(&folder)?;
-        Ok(Decisions { folder })
+        Ok(Decisions { folder: durable::open_folder_of_files(state_dir, "decisions")? })
     }
 
     /// The folder of the decisions.
@@ -91,15 +80,9 @@ impl Decisions {
         if decisions.is_empty() {
             return self.remove(scan);
         }
-        let staged = self.folder.join(format!(".{scan}{ENDING}"));
-        match fs::remove_file(&staged) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-            _ => {}
-        }
         let book = Book { sha256: scan.to_string(), decisions: decisions.to_vec() };
-        durable::write_new(&staged, &serde_json::to_vec_pretty(&Versioned::V1(book))?)?;
-        fs::rename(&staged, self.path(scan))?;
-        durable::sync_folder(&self.folder)
+        let bytes = serde_json::to_vec_pretty(&Versioned::V1(book))?;
+        durable::replace_file(&self.folder, &name(scan), &bytes)
     }
 
     /// Removes the decisions about a scan, if there are any.
@@ -126,8 +109,13 @@ impl Decisions {
     }
 
     fn path(&self, scan: &ScanId) -> PathBuf {
-        self.folder.join(format!("{scan}{ENDING}"))
+        self.folder.join(name(scan))
     }
+}
+
+/// The name of the file with the decisions about a scan.
+fn name(scan: &ScanId) -> String {
+    format!("{scan}{ENDING}")
 }
 
 #[cfg(test)]

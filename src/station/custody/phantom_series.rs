@@ -27,7 +27,7 @@ impl PhantomSeries {
     /// Opens the series of a state folder, creates its folder if needed, and removes files that a crash
     /// left half written. A file that is not a check of this schema stays and is left out.
     pub fn open(state_dir: &Path) -> io::Result<PhantomSeries> {
-        let folder = durable::open_folder(state_dir, "phantom")?;
+        let folder = durable::open_folder_of_files(state_dir, "phantom")?;
         let mut checks = Vec::new();
         for entry in fs::read_dir(&folder)? {
             let text = fs::read(entry?.path())?;
@@ -48,11 +48,8 @@ impl PhantomSeries {
     /// # Errors
     /// Any I/O error; the series is then as before.
     pub fn keep(&self, check: CheckRecord) -> io::Result<()> {
-        let staged = self.folder.join(format!(".{}{ENDING}", check.sha256));
-        durable::remove_folder(&staged)?;
-        durable::write_new(&staged, &serde_json::to_vec_pretty(&check)?)?;
-        fs::rename(&staged, self.folder.join(format!("{}{ENDING}", check.sha256)))?;
-        durable::sync_folder(&self.folder)?;
+        let name = format!("{}{ENDING}", check.sha256);
+        durable::replace_file(&self.folder, &name, &serde_json::to_vec_pretty(&check)?)?;
         self.all(|checks| {
             let place = checks.partition_point(|earlier| earlier.at <= check.at);
             checks.insert(place, check);
