@@ -13,3 +13,4 @@ mod report_page;
 mod report_paper;
 mod report_refused;
 mod report_words;
+mod tilt;

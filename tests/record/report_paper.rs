@@ -284,6 +284,7 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
         let e = leg.estimates.get_mut("E").unwrap();
         (e.girth_tape_mm, e.girth_sd_mm) = (times * 190.0, Some(times * 2.0));
         leg.landmarks.remove("G");
+        leg.landmarks.get_mut("D").unwrap().girth_per_deg_mm = Some(0.9);
     }
     let words = said(&record, Language::En).concat();
     let heads = "Right leg\nLeft leg\n\nLevel\nGirth (cm)\nLength (cm)\nGirth (cm)\nLength (cm)\n";
@@ -295,6 +296,10 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
     let words = words.replace('\n', " ");
     let content = Content::of(&record, Language::En);
     assert!(words.contains(content.levels.left_out.as_ref().unwrap()), "{words}");
+    assert_eq!(content.levels.tilted.len(), 2);
+    for tilted in &content.levels.tilted {
+        assert!(words.contains(tilted.as_str()), "{tilted:?} in {words}");
+    }
     assert!(content.notes.entries.len() >= 2);
     for note in &content.notes.entries {
         for text in [Some(&note.title), note.meaning.as_ref(), note.action.as_ref()] {

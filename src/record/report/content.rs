@@ -10,6 +10,7 @@ mod notes;
 mod pictures;
 mod surfaces;
 mod tables;
+mod tilt;
 
 use std::fmt::Display;
 
@@ -85,6 +86,8 @@ pub struct Levels {
     pub rows: Vec<LevelRow>,
     /// The levels without a row, and why; `None` if all have one.
     pub left_out: Option<String>,
+    /// Where a tape that is not held square reads another girth, a sentence for each such leg.
+    pub tilted: Vec<String>,
 }
 
 /// Headings of the table of levels.

@@ -24,6 +24,7 @@ impl Report<'_> {
             },
             rows: shown.into_iter().map(|level| self.row(level)).collect(),
             left_out,
+            tilted: self.tilted(),
         }
     }
 

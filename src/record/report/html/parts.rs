@@ -111,8 +111,9 @@ pub(super) fn levels(content: &Content) -> String {
                   <colgroup span=\"2\"></colgroup><colgroup><col></colgroup>";
     let inside = groups.to_owned() + &element("thead", "", &head) + &element("tbody", "", &rows);
     let table = wide("levels", &element("table", " class=\"levels\"", &inside));
-    let left_out = levels.left_out.as_ref().map(|text| words("p", " class=\"aside\"", text));
-    section("levels", &levels.title, &(table + &left_out.unwrap_or_default()))
+    let below = levels.left_out.iter().chain(&levels.tilted);
+    let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
+    section("levels", &levels.title, &(table + &below))
 }
 
 fn level(row: &LevelRow) -> String {

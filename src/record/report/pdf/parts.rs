@@ -53,9 +53,9 @@ pub(super) fn levels(flow: &mut Flow<'_>, levels: &Levels) {
     let table = Table { heads, rows, is_ruled: true };
     flow.heading(&levels.title, table.first_height());
     table.write(flow);
-    if let Some(left_out) = &levels.left_out {
+    for below in levels.left_out.iter().chain(&levels.tilted) {
         flow.space(3.0);
-        flow.text(left_out, StructRole::P, SMALL_TYPE, Ink::Muted);
+        flow.text(below, StructRole::P, SMALL_TYPE, Ink::Muted);
     }
 }
 

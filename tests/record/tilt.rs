@@ -1,0 +1,76 @@
+//! Where a tape that is not held square would read another girth, the report says so.
+
+#![allow(clippy::unwrap_used)]
+
+use std::sync::LazyLock;
+
+use gaiter::language::Language;
+use gaiter::leg::Method;
+use gaiter::record::Record;
+use gaiter::record::report::{self, Content};
+use support::geometry::bodies::{export, record_of};
+use support::page::words;
+
+static RECORD: LazyLock<Record> =
+    LazyLock::new(|| record_of(&export("f_average_clean"), &Method::default()).1);
+
+/// The record with these changes of the girth per degree at the right leg, mm, and none elsewhere.
+fn record(per_deg_mm: &[(&str, f64)]) -> Record {
+    let mut record = RECORD.clone();
+    for leg in &mut record.legs {
+        leg.landmarks.values_mut().for_each(|of| of.girth_per_deg_mm = Some(0.0));
+        for (level, mm) in per_deg_mm.iter().filter(|_| leg.side == "right") {
+            leg.landmarks.get_mut(*level).unwrap().girth_per_deg_mm = Some(*mm);
+        }
+    }
+    record
+}
+
+/// What a report says of it, in every language.
+fn told(record: &Record) -> [Vec<String>; 2] {
+    [Language::En, Language::De].map(|language| Content::of(record, language).levels.tilted)
+}
+
+#[test]
+fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_told() {
+    let record = record(&[("D", 0.9), ("C", 0.6)]);
+    let english = "Right leg: a tape that is tilted by 3° reads more or less than this, at D by up \
+                   to 2.7 mm. Hold it square to the shank.";
+    let german = "Rechtes Bein: Liegt das Maßband um 3° schräg, misst es mehr oder weniger, bei D \
+                  um bis zu 2,7 mm. Das Maßband rechtwinklig zum Unterschenkel anlegen.";
+    assert_eq!(told(&record), [[english], [german]]);
+    for (language, sentence) in [(Language::En, english), (Language::De, german)] {
+        let page = report::page(&record, language, &[]).unwrap();
+        assert!(words(&page).contains(sentence), "{language:?}");
+    }
+}
+
+#[test]
+fn one_sentence_names_all_levels_of_a_leg_from_the_highest() {
+    let [english, german] = told(&record(&[("B", 0.8), ("G", 2.0), ("D", 1.37)]));
+    let levels = ", at G by up to 6.0 mm, at D by up to 4.1 mm, at B by up to 2.4 mm. Hold it \
+                  square to the shank, above the knee square to the thigh.";
+    assert!(english[0].ends_with(levels), "{english:?}");
+    assert!(german[0].contains("bei G um bis zu 6,0 mm, bei D um bis zu 4,1 mm, bei B"));
+    assert!(german[0].ends_with(" oberhalb des Knies rechtwinklig zum Oberschenkel."));
+    assert_eq!((english.len(), german.len()), (1, 1));
+}
+
+#[test]
+fn where_the_tilt_matters_little_or_is_not_known_nothing_is_said() {
+    let mut record = record(&[("D", 0.6), ("B", 0.6)]);
+    assert_eq!(told(&record), [const { Vec::<String>::new() }; 2]);
+    for leg in &mut record.legs {
+        leg.landmarks.values_mut().for_each(|of| of.girth_per_deg_mm = None);
+    }
+    assert_eq!(told(&record), [const { Vec::<String>::new() }; 2]);
+}
+
+#[test]
+fn only_where_girths_are_those_of_a_tape_held_square_it_is_to_be_held_so() {
+    let mut record = record(&[("D", 0.9)]);
+    record.made_by.method.insert("tape".to_owned(), "horizontal".to_owned());
+    let [english, german] = told(&record);
+    assert!(english[0].ends_with("at D by up to 2.7 mm."), "{english:?}");
+    assert!(german[0].ends_with("bei D um bis zu 2,7 mm."), "{german:?}");
+}
