@@ -56,7 +56,8 @@ pub struct LevelChange {
     /// Height above the floor, mm.
     pub height_mm: Change,
     /// How much of the girth's change comes from what the girth means, mm: another plane of the tape. The
-    /// rest comes from the method. Null if the meaning is the same.
+    /// rest comes from the method. Null if the meaning is the same, or if today's method does not find the
+    /// level in the earlier plane.
     pub girth_by_definition_mm: Option<f64>,
 }
 

@@ -9,8 +9,8 @@ use serde_json::Value;
 
 use super::choices::Choices;
 use crate::cli::{Exit, ord};
-use crate::config::words::{AXES, meaning};
-use crate::leg::method::Tape;
+use crate::config::words::{AXES, TAPES, meaning};
+use crate::leg::method::{AxisFit, Tape};
 use crate::leg::{Method, Refusal, extract as measure};
 use crate::record::change::{Changes, Sameness, changes};
 use crate::record::schema::OLDER_SCHEMA;
@@ -165,12 +165,19 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
     Ok(Again { outcome, from_revision: old.revision, revision, changes })
 }
 
-/// The method with girths as a record of the first schema means them, in planes square to one axis of the
-/// whole leg; `None` if both mean the same.
+/// The method with girths as the record means them, in its planes of the tape; `None` if both mean the
+/// same, or if the record does not say.
 fn earlier_definition(old: &Record, method: &Method) -> Option<Method> {
-    let is_earlier = old.schema == OLDER_SCHEMA && !matches!(method.tape, Tape::Leg(_));
-    let axis = || old.made_by.method.get("axis").and_then(|word| meaning(AXES, word));
-    is_earlier.then(|| Method { tape: Tape::Leg(axis().unwrap_or_default()), ..method.clone() })
+    let said = |key: &str| old.made_by.method.get(key).map(String::as_str);
+    // Records of the first schema name no plane: all were square to one axis of the whole leg.
+    let by_schema = (old.schema == OLDER_SCHEMA).then_some(Tape::Leg(AxisFit::default()).word());
+    let tape = match meaning(TAPES, said("tape").or(by_schema)?)? {
+        Tape::Leg(axis) => {
+            Tape::Leg(said("axis").and_then(|word| meaning(AXES, word)).unwrap_or(axis))
+        }
+        tape => tape,
+    };
+    (tape != method.tape).then(|| Method { tape, ..method.clone() })
 }
 
 /// The complete content of a record folder.

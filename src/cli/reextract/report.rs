@@ -131,7 +131,7 @@ fn levels(told: &[Told]) -> String {
     text
 }
 
-/// What of the girths' changes comes from their definition, where that has changed; empty otherwise.
+/// What of the girths' mean changes comes from their definition, where that has changed; empty otherwise.
 fn definitions(told: &[Told]) -> String {
     let changes = || told.iter().flat_map(|told| &told.again.changes.levels);
     let mut text = String::new();
@@ -155,7 +155,8 @@ fn definitions(told: &[Told]) -> String {
         return text;
     }
     format!(
-        "\nmean change of the girth by what it means, and by the method\nlevel  legs  plane of the tape       method\n{text}"
+        "\nwhat caused the mean change of the girth: another plane of the tape, or the method\n\
+         level  legs  plane of the tape       method\n{text}"
     )
 }
 
