@@ -3,13 +3,14 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use jiff::Timestamp;
 use serde::Serialize;
 
 use super::confinement::Confinement;
-use super::phantom::PhantomFacts;
 use super::trigger::PortState;
+use crate::record::phantom::LastCheck;
 
 /// Everything that is known about a running station apart from its journal.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -170,6 +171,15 @@ impl TriggerFacts {
             garbage: 0,
         }
     }
+}
+
+/// What is known of the checks with the phantom.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct PhantomFacts {
+    /// How often the phantom should be scanned.
+    pub every: Duration,
+    /// The last checks, oldest first; a month at most.
+    pub checks: Vec<LastCheck>,
 }
 
 /// Whether scans are taken in.

@@ -1,29 +1,17 @@
 //! The daily check with a phantom: which exports are scans of it, and what people must know of the last
 //! checks.
 
-use std::time::Duration;
-
 use jiff::Timestamp;
-use serde::Serialize;
 
-use super::facts::Alarm;
+use super::facts::{Alarm, PhantomFacts};
 use super::health::age;
-use crate::record::phantom::{CheckResult, LastCheck};
+use crate::record::phantom::CheckResult;
 
 /// The code of the alarm about the last check.
 pub const PHANTOM_ALARM: &str = "phantom-check";
 
 /// How many of the last checks are shown: a month.
 pub const SHOWN_MOST: usize = 30;
-
-/// What is known of the checks with the phantom.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct PhantomFacts {
-    /// How often the phantom should be scanned.
-    pub every: Duration,
-    /// The last checks, oldest first, [`SHOWN_MOST`] at most.
-    pub checks: Vec<LastCheck>,
-}
 
 /// Whether an export with this name is a scan of the phantom: it begins with the phantom's name, in capitals
 /// or not, and the name ends there.
@@ -58,7 +46,10 @@ impl PhantomFacts {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Duration;
+
     use super::*;
+    use crate::record::phantom::LastCheck;
 
     fn facts(checks: &[(i64, CheckResult, Option<f64>)]) -> PhantomFacts {
         let check = |&(at, result, off_mm): &(i64, CheckResult, Option<f64>)| LastCheck {

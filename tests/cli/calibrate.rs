@@ -1,5 +1,7 @@
 //! `gaiter calibrate` as a technician and a program use it.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::f64::consts::TAU;
 use std::fs;
 use std::path::PathBuf;

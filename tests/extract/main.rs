@@ -1,8 +1,9 @@
-//! `gaiter extract` as the real program, and everything that it refuses.
+//! `gaiter extract` as the real program, everything that it refuses, and the body of known girths.
 
 mod chart;
 mod damaged;
 mod folder;
 mod measures;
+mod phantom;
 mod refusals;
 mod unreadable;

@@ -272,7 +272,6 @@ fn a_fold_narrower_than_the_fit_can_follow_is_in_the_girth_s_error() {
     let plain = levels(&Tube::of(&wave(45.0, 8.0)).sections(SectionFit::Skin));
     let found = levels(&Tube::of(&shape).sections(SectionFit::Skin));
     let (off_mm, sd_mm) = (found[0].girth_tape_mm - TAU * (37.0 - 5.0), found[0].girth_sd_mm);
-    assert!(off_mm.abs() < 10.0, "more than two thirds of the furrow are measured: {off_mm}");
     assert!(off_mm.abs() < 3.0 * sd_mm, "{off_mm}, sd {sd_mm}");
     assert!(sd_mm > 3.0 * plain[0].girth_sd_mm, "{:?}", plain[0]);
 }

@@ -12,7 +12,6 @@ mod levels;
 mod order;
 mod paper;
 mod parting;
-mod phantom;
 mod second_opinion;
 mod strips;
 mod surface;

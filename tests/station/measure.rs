@@ -10,7 +10,7 @@ use std::time::Duration;
 
 use gaiter::flow::confinement::Confine;
 use gaiter::record::Provenance;
-use gaiter::station::measure::{Answer, Job, Limits};
+use gaiter::station::measure::{Answer, Job, Limits, Subject};
 use rustix::process::{Pid, Signal, kill_process};
 use support::{Booth, Daemon, body, sha256};
 
@@ -62,6 +62,7 @@ fn begun(limits: Limits, scan: &[u8]) -> Child {
     let provenance = Provenance::of_scan(sha256);
     let job = Job {
         config: include_str!("../../config/station.toml").to_owned(),
+        subject: Subject::Patient,
         provenance,
         ending: "obj".to_owned(),
         scan_bytes: scan.len() as u64,

@@ -4,9 +4,8 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use crate::flow::Facts;
-use crate::flow::facts::{SourceState, TriggerFacts};
+use crate::flow::facts::{PhantomFacts, SourceState, TriggerFacts};
 use crate::flow::health::{BLIP, has_lasted};
-use crate::flow::phantom::PhantomFacts;
 use crate::flow::trigger::PortState;
 use crate::language::Language;
 use crate::record::phantom::CheckResult;

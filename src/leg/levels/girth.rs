@@ -1,19 +1,12 @@
 //! The girth curve: girth over height, measured section by section and fitted by a smooth
 //! continuous curve (paper 1.2, fig. 3a).
 
-use crate::leg::sections::equidistant::{Sections, Source};
+use crate::leg::sections::equidistant::Sections;
 use crate::leg::sections::section::{Girth, SPACING_MM};
 use crate::spline::{Basis, Smoothing, Spline, fit};
 
 /// Length of the pieces of the fitted curve, mm: shorter than half of any muscle's bulge (60 mm).
 const INTERVAL_MM: f64 = 12.0;
-
-/// The same through sections of one smooth skin: they bear no noise of their own, and the curve need only
-/// have fewer coefficients than there are sections.
-const SMOOTH_INTERVAL_MM: f64 = 1.2 * SPACING_MM;
-
-/// The penalty through such sections: the curve passes through them.
-const SMOOTH_LAMBDA: f64 = 1e-6;
 
 /// Sections this many rows apart share no mesh point: three times 5 mm is more than two edges of a
 /// usual export.
@@ -68,9 +61,7 @@ pub fn girth_curve(sections: &Sections, stature_mm: f64) -> Option<GirthCurve> {
         return None;
     }
     let (from_mm, to_mm) = (first.along_mm, last.along_mm);
-    let is_smooth = matches!(sections.source, Source::Skin(_));
-    let interval_mm = if is_smooth { SMOOTH_INTERVAL_MM } else { INTERVAL_MM };
-    let intervals = ((to_mm - from_mm) / interval_mm).ceil() as usize;
+    let intervals = ((to_mm - from_mm) / INTERVAL_MM).ceil() as usize;
     let basis = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
     let along: Vec<f64> = measured.iter().map(|section| section.along_mm).collect();
     let weight = |gap_deg: f64| (FREE_GAP_DEG / gap_deg.max(FREE_GAP_DEG)).powi(2);
@@ -79,9 +70,7 @@ pub fn girth_curve(sections: &Sections, stature_mm: f64) -> Option<GirthCurve> {
         measured.iter().map(|section| girth(&section.girth)).collect()
     };
     let tape_mm = column(|girth| girth.tape_mm);
-    let lambda =
-        if is_smooth { SMOOTH_LAMBDA } else { lambda(&basis, &along, &tape_mm, &weights)? };
-    let smoothing = Smoothing::Fixed(lambda);
+    let smoothing = Smoothing::Fixed(lambda(&basis, &along, &tape_mm, &weights)?);
     let rows = sections.rows.iter().map(|row| GirthRow {
         along_mm: row.along_mm,
         measured: row.section.as_ref().map(|section| (section.height_mm, section.girth)),

@@ -19,6 +19,18 @@ use crate::spline::{Basis, Smoothing, Spline, fit};
 /// (docs/accuracy.md). The skin's 48 pieces around hold 24 waves at most.
 const WAVES: usize = 16;
 
+/// Waves finer than the paper's curve of order 15, which has 8, are noise on most of a leg. They are kept
+/// where they stand out of it.
+const COARSE_WAVES: usize = 8;
+
+/// Noise alone has less than this many times its mean energy over [`REACH_MM`] in 9 of 10 places (χ² with
+/// three to four degrees of freedom).
+const NOISE_ENERGY: f64 = 2.0;
+
+/// Whether a fine wave stands out is judged over this distance along the leg to each side, mm: the length of
+/// a tendon's ridge.
+const REACH_MM: f64 = 30.0;
+
 /// Points are averaged over bins of a length that is this fraction of a piece of the basis along;
 /// within a bin the slow waves hardly change.
 const BINS_PER_PIECE: usize = 4;
@@ -55,6 +67,8 @@ pub struct Left<'a> {
     pub value: &'a [f64],
     /// Weights, not negative.
     pub weight: &'a [f64],
+    /// Standard deviation of a residual of weight 1.
+    pub sigma: f64,
 }
 
 /// The contribution of a wave of height 1 to the coefficients of a curve around in uniform pieces.
@@ -86,6 +100,25 @@ impl Bins {
 
     fn place(&self, along: f64) -> usize {
         (((along - self.from) / self.length).max(0.0) as usize).min(self.count - 1)
+    }
+
+    /// A fine wave where it stands out of the noise: less of it is kept the nearer its energy is to that of
+    /// noise, as by the positive-part estimator of James and Stein (1961).
+    fn above_noise(&self, mut height: Spline, weights: &[f64], sigma: f64) -> Spline {
+        let (middles, reach) = (self.middles(), (REACH_MM / self.length).ceil() as usize);
+        let energies =
+            middles.iter().zip(weights).map(|(at, weight)| weight * height.value(*at).powi(2));
+        let energies: Vec<f64> = energies.collect();
+        let noise = NOISE_ENERGY * sigma * sigma * height.edf / self.count as f64;
+        let kept = |at: f64| {
+            let place = self.place(at);
+            let near = &energies[place.saturating_sub(reach)..(place + reach + 1).min(self.count)];
+            let energy: f64 = near.iter().sum();
+            if energy > 0.0 { (1.0 - noise * near.len() as f64 / energy).max(0.0) } else { 0.0 }
+        };
+        let kept: Vec<f64> = height.basis.greville().into_iter().map(kept).collect();
+        height.coefficients.iter_mut().zip(kept).for_each(|(height, kept)| *height *= kept);
+        height
     }
 
     fn middles(&self) -> Vec<f64> {
@@ -132,6 +165,9 @@ impl Waves {
                 sums.map(|(sum, weight)| if *weight > 0.0 { sum / weight } else { 0.0 }).collect();
             let along = if count == 0 { &fine } else { along };
             let height = fit(along, &bins.middles(), &heights, &weights, Smoothing::Gcv).ok()?;
+            let is_fine = count > COARSE_WAVES;
+            let height =
+                if is_fine { bins.above_noise(height, &weights, left.sigma) } else { height };
             let at_bins: Vec<f64> =
                 bins.middles().into_iter().map(|along| height.value(along)).collect();
             for ((rest, shape), place) in rest.iter_mut().zip(shapes).zip(&places) {
@@ -192,7 +228,8 @@ mod tests {
         let (along, angle) = places(is_seen);
         let value: Vec<f64> = along.iter().zip(&angle).map(|(u, v)| skin(*u, *v)).collect();
         let weight = vec![1.0; value.len()];
-        let left = Left { along: &along, angle: &angle, value: &value, weight: &weight };
+        let sigma = 0.0;
+        let left = Left { along: &along, angle: &angle, value: &value, weight: &weight, sigma };
         Waves::of(&left, &Basis::uniform_clamped(0.0, 399.0, 33).unwrap(), &around()).unwrap()
     }
 

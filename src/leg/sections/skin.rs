@@ -135,7 +135,8 @@ impl Skin {
             .iter()
             .map(|point| point.radius_mm - fit.function.value(point.along_mm, point.angle))
             .collect();
-        let left = Left { along: &u, angle: &v, value: &left, weight: &fit.weights };
+        let (weight, sigma) = (fit.weights.as_slice(), fit.sigma);
+        let left = Left { along: &u, angle: &v, value: &left, weight, sigma };
         let (waves, residuals) = Waves::of(&left, &along, &around)?;
         for (point, residual) in points.iter_mut().zip(residuals) {
             point.residual_mm = residual;

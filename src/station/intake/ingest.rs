@@ -7,7 +7,7 @@ use std::os::unix::ffi::OsStrExt;
 use jiff::Timestamp;
 use tracing::{info, warn};
 
-use super::phantom;
+use super::phantom::{self, CheckFault};
 use super::stable_read::Export;
 use crate::config::WithoutTrigger;
 use crate::flow::capture::{Content, Judged, Opener};
@@ -24,7 +24,6 @@ use crate::station::custody::spool::Companion;
 use crate::station::custody::{Arrival, CustodyFault};
 use crate::station::event::{StationEvent, short};
 use crate::station::journal::JournalError;
-use crate::station::measure::MeasureFault;
 use crate::station::runtime::caught::caught;
 use crate::store::sums;
 
@@ -58,12 +57,9 @@ pub enum TakeFault {
     /// The export could not be read.
     #[error("reading the export failed")]
     Source(#[source] io::Error),
-    /// The phantom could not be measured now.
-    #[error("the known body could not be measured now")]
-    Measure(#[source] MeasureFault),
-    /// A check could not be kept.
-    #[error("a check with the known body could not be kept")]
-    Series(#[source] io::Error),
+    /// A scan of the phantom could not be taken.
+    #[error("a scan of the known body could not be taken")]
+    Phantom(#[from] CheckFault),
     /// Custody failed.
     #[error(transparent)]
     Custody(#[from] CustodyFault),
@@ -124,7 +120,8 @@ pub fn take(
     }
     let is_cut_short = awaits_rest && !lacks_line_end;
     if let Some(phantom) = core.phantom_of(&name) {
-        return phantom::take(core, phantom, (settled, export), format);
+        phantom::take(core, phantom, (settled, export), format)?;
+        return Ok(Taken::Done);
     }
     let companions = fresh(core, settled, export)?;
     let says = [core.identity.of_file_name(&name), beside(core, &companions)];

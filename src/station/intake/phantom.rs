@@ -1,36 +1,53 @@
 //! Takes in a scan of the phantom: it is measured at once and added to the series of checks. It is nobody's
 //! scan, so it answers no press and goes to no store; its file stays where it is.
 
+use std::io;
+
 use jiff::Timestamp;
 use tracing::{info, warn};
 
-use super::ingest::{TakeFault, Taken};
 use super::stable_read::Export;
 use crate::config::PhantomConfig;
 use crate::flow::Settled;
-use crate::flow::phantom::{PHANTOM_ALARM, PhantomFacts, SHOWN_MOST};
+use crate::flow::facts::PhantomFacts;
+use crate::flow::phantom::{PHANTOM_ALARM, SHOWN_MOST};
 use crate::record::phantom::{CheckRecord, CheckResult};
 use crate::record::{Acquired, AcquiredFrom, Provenance};
 use crate::scan::Format;
 use crate::station::core::Core;
 use crate::station::custody::phantom_series::PhantomSeries;
-use crate::station::measure::{Answer, Job, Measured, Subject, measure_bytes};
+use crate::station::journal::JournalError;
+use crate::station::measure::{Answer, Job, MeasureFault, Measured, Subject, measure_bytes};
+
+/// Why a scan of the phantom could not be taken now.
+#[derive(Debug, thiserror::Error)]
+pub enum CheckFault {
+    /// It could not be measured now.
+    #[error("it could not be measured now")]
+    Measure(#[from] MeasureFault),
+    /// The check could not be kept.
+    #[error("the check could not be kept")]
+    Series(#[from] io::Error),
+    /// The journal failed.
+    #[error("the journal could not be read or written")]
+    Journal(#[from] JournalError),
+}
 
 /// Measures a settled scan of the phantom, unless it is in the series already. Blocks.
 ///
 /// # Errors
-/// [`TakeFault`]; the file must then be offered again.
+/// [`CheckFault`]; the file must then be offered again.
 pub fn take(
     core: &Core,
     phantom: &PhantomConfig,
     (settled, export): (&Settled, &Export),
     format: Format,
-) -> Result<Taken, TakeFault> {
-    let Some(series) = core.custody.phantom_series() else { return Ok(Taken::Done) };
+) -> Result<(), CheckFault> {
+    let Some(series) = core.custody.phantom_series() else { return Ok(()) };
     if !series.holds(&export.scan) {
         let check = measured(core, phantom, export, format)?;
         log(&check);
-        series.keep(check).map_err(TakeFault::Series)?;
+        series.keep(check)?;
         let facts = facts(phantom, series);
         core.board.note(|board| match facts.alarm() {
             Some(alarm) => _ = board.alarms.insert(PHANTOM_ALARM, alarm),
@@ -43,7 +60,7 @@ pub fn take(
         journal.sighted(&companion.path, companion.stamp, None)?;
     }
     journal.sighted(&settled.path, settled.stamp, None)?;
-    Ok(Taken::Done)
+    Ok(())
 }
 
 /// What the series says now.
@@ -56,7 +73,7 @@ fn measured(
     phantom: &PhantomConfig,
     export: &Export,
     format: Format,
-) -> Result<CheckRecord, TakeFault> {
+) -> Result<CheckRecord, MeasureFault> {
     let now = Timestamp::now();
     let provenance = Provenance {
         acquired: Some(Acquired { at: now, from: AcquiredFrom::Unknown }),
@@ -64,7 +81,7 @@ fn measured(
     };
     let job = Job::new(&core.config, provenance, format.ending(), export.bytes.len() as u64);
     let job = Job { subject: Subject::Phantom, ..job };
-    let measured = measure_bytes(&export.scan, &job, &export.bytes).map_err(TakeFault::Measure)?;
+    let measured = measure_bytes(&export.scan, &job, &export.bytes)?;
     let not_measured = |why: String| {
         CheckRecord::not_measured(now, export.scan.to_string(), why, phantom.tolerance_mm)
     };

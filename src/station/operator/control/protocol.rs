@@ -8,9 +8,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::flow::account::{Filter, Listed, Seen, Whole};
 use crate::flow::confinement::Confinement;
-use crate::flow::facts::{Alarm, SourceFacts, SourceState, StoreFacts, TriggerFacts};
+use crate::flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use crate::flow::health::Complaint;
-use crate::flow::phantom::PhantomFacts;
 use crate::record::phantom::LastCheck;
 use crate::station::booth::BoothState;
 

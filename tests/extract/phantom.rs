@@ -1,5 +1,7 @@
 //! A body of known girths is measured as it is, and what is wrong with the scanner shows.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
 use std::f64::consts::TAU;
 
 use gaiter::leg::Method;
