@@ -4,8 +4,7 @@
 use super::girth::GirthCurve;
 use super::level_reading::doubts;
 use crate::leg::doubt::Doubt;
-use crate::leg::sections::section::SPACING_MM;
-use crate::leg::sections::section::Section;
+use crate::leg::sections::section::{Girth, SPACING_MM, Section};
 
 /// The result at a requested height.
 #[derive(Debug, Clone, PartialEq)]
@@ -57,10 +56,11 @@ pub fn at_heights<'a>(
     let one = |&height_mm: &f64| {
         let found = along_mm(curve, height_mm).and_then(|along_mm| {
             let doubts = doubts(curve, along_mm, near(along_mm));
+            let Girth { tape_mm, contour_mm } = curve.girth(along_mm);
             let girth = HeightGirth {
                 along_mm,
-                girth_tape_mm: curve.tape(along_mm)[0],
-                girth_contour_mm: curve.contour_mm(along_mm),
+                girth_tape_mm: tape_mm,
+                girth_contour_mm: contour_mm,
                 girth_sd_mm: curve.tape_sd(along_mm, 0),
                 doubts,
             };

@@ -114,6 +114,31 @@ impl GirthCurve {
         self.contour.value(along_mm)
     }
 
+    /// Tape and contour girth at a fixed place, mm. Sections that know their own standard errors are smooth
+    /// already: there the girth goes through them, also where the curve cuts a fold off.
+    pub fn girth(&self, along_mm: f64) -> Girth {
+        let curve = |along_mm: f64| Girth {
+            tape_mm: self.tape.value(along_mm),
+            contour_mm: self.contour.value(along_mm),
+        };
+        let own = curve(along_mm);
+        let above = self.rows.partition_point(|row| row.along_mm <= along_mm);
+        let pair = above.checked_sub(1).and_then(|below| self.rows.get(below..=above));
+        let Some([low, high]) = pair.filter(|_| !self.known_sd.is_empty()) else { return own };
+        let (Some((_, below)), Some((_, beyond))) = (low.measured, high.measured) else {
+            return own;
+        };
+        let share = (along_mm - low.along_mm) / (high.along_mm - low.along_mm);
+        let [at_low, at_high] = [low, high].map(|row| curve(row.along_mm));
+        let off = |of: fn(&Girth) -> f64| {
+            (1.0 - share) * (of(&below) - of(&at_low)) + share * (of(&beyond) - of(&at_high))
+        };
+        Girth {
+            tape_mm: own.tape_mm + off(|girth| girth.tape_mm),
+            contour_mm: own.contour_mm + off(|girth| girth.contour_mm),
+        }
+    }
+
     /// Standard error of the tape girth (`derivative` 0) or of one of its derivatives.
     pub fn tape_sd(&self, along_mm: f64, derivative: usize) -> f64 {
         let far = |known: &&(f64, [f64; 3])| (known.0 - along_mm).abs();

@@ -36,14 +36,15 @@ impl<'a, F: Fn(f64) -> Option<&'a Section>> Ruler<'_, F> {
         along_mm: f64,
         [height_sd_mm, girth_sd_mm]: [f64; 2],
     ) -> Option<Landmark> {
+        let girth = self.curve.girth(along_mm);
         Some(Landmark {
             level,
             by,
             along_mm,
             height_mm: self.curve.height_mm(along_mm)?,
             surface_length_mm: None,
-            girth_tape_mm: self.curve.tape(along_mm)[0],
-            girth_contour_mm: self.curve.contour_mm(along_mm),
+            girth_tape_mm: girth.tape_mm,
+            girth_contour_mm: girth.contour_mm,
             height_sd_mm,
             girth_sd_mm,
             girth_per_deg_mm: None,

@@ -105,14 +105,14 @@ impl Bins {
     /// A fine wave where it stands out of the noise: less of it is kept the nearer its energy is to that of
     /// noise, as by the positive-part estimator of James and Stein (1961).
     fn above_noise(&self, mut height: Spline, weights: &[f64], sigma: f64) -> Spline {
-        let (middles, reach) = (self.middles(), (REACH_MM / self.length).ceil() as usize);
-        let energies =
-            middles.iter().zip(weights).map(|(at, weight)| weight * height.value(*at).powi(2));
-        let energies: Vec<f64> = energies.collect();
+        let middles = self.middles();
+        let energy = |(at, weight): (&f64, &f64)| weight * height.value(*at).powi(2);
+        let energies: Vec<f64> = middles.iter().zip(weights).map(energy).collect();
         let noise = NOISE_ENERGY * sigma * sigma * height.edf / self.count as f64;
         let kept = |at: f64| {
-            let place = self.place(at);
-            let near = &energies[place.saturating_sub(reach)..(place + reach + 1).min(self.count)];
+            let from = middles.partition_point(|middle| *middle < at - REACH_MM);
+            let near = middles[from..].iter().take_while(|middle| **middle <= at + REACH_MM);
+            let near = &energies[from..from + near.count()];
             let energy: f64 = near.iter().sum();
             if energy > 0.0 { (1.0 - noise * near.len() as f64 / energy).max(0.0) } else { 0.0 }
         };
