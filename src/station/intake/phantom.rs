@@ -74,7 +74,9 @@ fn measured(
     export: &Export,
     format: Format,
 ) -> Result<CheckRecord, MeasureFault> {
+    // In whole seconds, as the time at which a scan was first seen.
     let now = Timestamp::now();
+    let now = Timestamp::from_second(now.as_second()).unwrap_or(now);
     let provenance = Provenance {
         acquired: Some(Acquired { at: now, from: AcquiredFrom::Unknown }),
         ..Provenance::of_scan(export.scan.to_string())
