@@ -8,6 +8,7 @@ use std::fs;
 
 use serde_json::Value;
 use support::geometry::mesh::{Mesh, Ring};
+use support::invariants::PutKind;
 use support::{Booth, coarse_body as body};
 
 /// Two cylinders on top of each other, radius 80 mm up to 250 mm and 50 mm above; `scale` is the scanner's.
@@ -44,6 +45,7 @@ fn a_check_is_in_the_series_and_in_the_next_record_and_in_no_store() {
     let daemon = booth.start_ready();
     assert!(booth.status()["phantom"]["due"] == true && checks(&booth).is_empty());
     fs::write(booth.path("export/PHANTOM_1.obj"), phantom(1.0)).unwrap();
+    booth.has_put("PHANTOM_1.obj", &phantom(1.0), PutKind::Beside);
     booth.wait_for("the check", || checks(&booth).len() == 1);
     let first = checks(&booth)[0].clone();
     assert!(
