@@ -1,5 +1,5 @@
 //! The real program and a body of known girths: checked at once, kept as a series, named in each record,
-//! and nobody's scan.
+//! and of no patient.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 

@@ -1,5 +1,5 @@
-//! Takes in a scan of the phantom: it is measured at once and added to the series of checks. It is nobody's
-//! scan, so it answers no press and goes to no store; its file stays where it is.
+//! Takes in a scan of the phantom: it is measured at once and added to the series of checks. It belongs to no
+//! patient, so it answers no press and goes to no store; its file stays where it is.
 
 use std::io;
 
