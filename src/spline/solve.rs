@@ -10,6 +10,8 @@ use nalgebra::DMatrix;
 
 use super::basis::{Basis, DEGREE, Row};
 
+mod band;
+
 /// A symmetric matrix with a row and column for each function of a basis. Only pairs of overlapping
 /// functions have an entry; the lower triangle is stored, row by row.
 #[derive(Debug, Clone, PartialEq)]
@@ -109,27 +111,36 @@ impl Skyline {
     pub fn factor(&self) -> Result<Cholesky, Singular> {
         let mut lower = self.clone();
         let mut smallest_pivot = f64::INFINITY;
-        for i in 0..self.size() {
-            let first = first_column(i, self.full_from);
-            let (above, row) = lower.entries.split_at_mut(self.starts[i]);
-            for j in first..i {
-                let shared = first.max(first_column(j, self.full_from));
-                let column = &above[self.place(j, shared)..=self.place(j, j)];
-                let (left, diagonal) = (&column[..j - shared], column[j - shared]);
-                let done = dot(left, &row[shared - first..j - first]);
-                row[j - first] = (row[j - first] - done) / diagonal;
-            }
-            let row = &mut row[..=i - first];
-            let diagonal = row[i - first];
-            let pivot = diagonal - row[..i - first].iter().map(|value| value * value).sum::<f64>();
-            let relative_pivot = if diagonal > 0.0 { pivot / diagonal } else { 0.0 };
-            if relative_pivot.is_nan() || relative_pivot <= SMALLEST_RELATIVE_PIVOT {
-                return Err(Singular { row: i, relative_pivot });
-            }
-            smallest_pivot = smallest_pivot.min(relative_pivot);
-            row[i - first] = pivot.sqrt();
+        let mut above = [[0.0, 0.0, 0.0, 1.0]; DEGREE];
+        for i in 0..self.full_from {
+            let (start, end) = (self.starts[i], self.starts[i + 1]);
+            let (row, relative_pivot) = band::factored(band::row(&self.entries[start..end]), above);
+            smallest_pivot = smallest_pivot.min(large_enough(i, relative_pivot)?);
+            lower.entries[start..end].copy_from_slice(&row[DEGREE + 1 - (end - start)..]);
+            above = [row, above[0], above[1]];
+        }
+        for i in self.full_from..self.size() {
+            let relative_pivot = lower.factor_row(i);
+            smallest_pivot = smallest_pivot.min(large_enough(i, relative_pivot)?);
         }
         Ok(Cholesky { lower, smallest_pivot })
+    }
+
+    /// Turns a full row into that of the Cholesky factor, whose rows above are known. Returns the share of
+    /// its diagonal entry that is left.
+    fn factor_row(&mut self, i: usize) -> f64 {
+        let (starts, full_from) = (&self.starts, self.full_from);
+        let (above, row) = self.entries.split_at_mut(starts[i]);
+        for j in 0..i {
+            let first = first_column(j, full_from);
+            let column = &above[starts[j]..starts[j + 1]];
+            let (left, diagonal) = (&column[..j - first], column[j - first]);
+            row[j] = (row[j] - dot(left, &row[first..j])) / diagonal;
+        }
+        let diagonal = row[i];
+        let pivot = diagonal - row[..i].iter().map(|value| value * value).sum::<f64>();
+        row[i] = pivot.max(0.0).sqrt();
+        if diagonal > 0.0 { pivot / diagonal } else { 0.0 }
     }
 
     fn diagonal(&self) -> impl Iterator<Item = f64> {
@@ -139,6 +150,11 @@ impl Skyline {
     /// The index of the entry at row `i` and column `j ≤ i`.
     fn place(&self, i: usize, j: usize) -> usize {
         self.starts[i + 1] - 1 - (i - j)
+    }
+
+    /// Row `i` of the band, with zeros for columns that do not exist.
+    fn band_row(&self, i: usize) -> band::Row {
+        band::row(&self.entries[self.starts[i]..self.starts[i + 1]])
     }
 
     /// Row `i` left of the diagonal: its first column and its entries.
@@ -199,16 +215,21 @@ impl Cholesky {
 
     /// Solves in place for one right-hand side, which has no rows to vectorise over.
     fn solve_one(&self, values: &mut [f64]) {
-        let ends = &self.lower.starts[1..];
-        for (i, end) in ends.iter().enumerate() {
-            let (first, entries) = self.lower.left_of(i);
+        let (lower, ends) = (&self.lower, &self.lower.starts[1..]);
+        let mut before = [0.0; DEGREE];
+        for i in 0..lower.full_from {
+            values[i] = band::solved_down(lower.band_row(i), values[i], before);
+            before = [values[i], before[0], before[1]];
+        }
+        for i in lower.full_from..lower.size() {
+            let (first, entries) = lower.left_of(i);
             let known = dot(entries, &values[first..i]);
-            values[i] = (values[i] - known) / self.lower.entries[end - 1];
+            values[i] = (values[i] - known) / lower.entries[ends[i] - 1];
         }
         for (i, end) in ends.iter().enumerate().rev() {
-            let value = values[i] / self.lower.entries[end - 1];
+            let value = values[i] / lower.entries[end - 1];
             values[i] = value;
-            let (first, entries) = self.lower.left_of(i);
+            let (first, entries) = lower.left_of(i);
             subtract(&mut values[first..i], value, entries);
         }
     }
@@ -218,6 +239,10 @@ impl Cholesky {
     pub fn inverse(&self) -> Skyline {
         let lower = &self.lower;
         let mut inverse = lower.clone();
+        if lower.full_from == lower.size() {
+            band::invert(&mut inverse);
+            return inverse;
+        }
         for i in (0..lower.size()).rev() {
             let pivot = lower.entry(i, i);
             // The rows below with an entry in this column (a few band rows and full ones), with
@@ -240,6 +265,12 @@ impl Cholesky {
         }
         inverse
     }
+}
+
+/// Refuses a pivot, relative to its diagonal entry, that consists of rounding errors.
+fn large_enough(row: usize, relative_pivot: f64) -> Result<f64, Singular> {
+    let is_none = relative_pivot.is_nan() || relative_pivot <= SMALLEST_RELATIVE_PIVOT;
+    if is_none { Err(Singular { row, relative_pivot }) } else { Ok(relative_pivot) }
 }
 
 fn first_column(row: usize, full_from: usize) -> usize {

@@ -48,8 +48,7 @@ fn data(sigma: f64, seen: impl Fn(f64, f64) -> bool) -> [Vec<f64>; 3] {
 
 fn fitted([u, v, value]: &[Vec<f64>; 3]) -> TensorFit {
     let along = Basis::uniform_clamped(0.0, LENGTH, 33).unwrap();
-    let around = Basis::uniform_periodic(-PI, TAU, 48).unwrap();
-    fit_scatter(&Scatter { u, v, value }, along, around, LEAST_SCALE).unwrap()
+    fit_scatter(&Scatter { u, v, value }, along, 48, LEAST_SCALE).unwrap()
 }
 
 /// Root mean square and largest error on a grid of places off the breakpoints.

@@ -7,7 +7,7 @@
 //!
 //! What the smoothing removes from the slow waves around is restored by `waves`.
 
-use std::f64::consts::{PI, SQRT_2, TAU};
+use std::f64::consts::{SQRT_2, TAU};
 
 use nalgebra::{Point2, Vector2};
 
@@ -125,12 +125,12 @@ impl Skin {
         points.sort_by(|p, q| p.along_mm.total_cmp(&q.along_mm));
         let intervals = ((to_mm - from_mm) / INTERVAL_ALONG_MM).ceil() as usize;
         let along = Basis::uniform_clamped(from_mm, to_mm, intervals).ok()?;
-        let around = Basis::uniform_periodic(-PI, TAU, INTERVALS_AROUND).ok()?;
         let column = |value: fn(&SkinPoint) -> f64| points.iter().map(value).collect::<Vec<_>>();
         let (u, v) = (column(|p| p.along_mm), column(|p| p.angle));
         let radii = column(|p| p.radius_mm);
         let data = Scatter { u: &u, v: &v, value: &radii };
-        let fit = fit_scatter(&data, along.clone(), around.clone(), SCALE_MIN_MM).ok()?;
+        let fit = fit_scatter(&data, along.clone(), INTERVALS_AROUND, SCALE_MIN_MM).ok()?;
+        let around = fit.function.around().clone();
         let left: Vec<f64> = points
             .iter()
             .map(|point| point.radius_mm - fit.function.value(point.along_mm, point.angle))

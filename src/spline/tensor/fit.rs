@@ -5,11 +5,12 @@
 //! equations of the scattered data themselves are solved (`equations`). Outliers lose their weight
 //! over several rounds.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
+use super::circle::Circle;
 use super::equations::Equations;
 use super::function::Tensor;
-use super::kronecker::{Direction, best_by_gcv};
+use super::kronecker::{Around, Direction, best_by_gcv};
 use super::neighbours::Neighbours;
 use super::scatter::{Scatter, place};
 use crate::spline::basis::{Basis, DEGREE, Row};
@@ -52,17 +53,18 @@ impl TensorFit {
 }
 
 /// For each eigenvector along, its contribution to the variance of the mean over one turn, if the
-/// data, of this weight per cell and of variance 1, were spread evenly.
-fn mean_variances([along, around]: &[Direction; 2], lambdas: [f64; 2], density: f64) -> Vec<f64> {
-    // All basis functions around have the same shape, so the mean over a turn weights them equally.
-    let count = around.gram.nrows();
-    let mean = around.vectors.tr_mul(&DVector::from_element(count, 1.0 / count as f64));
-    let one = |rough_a: &f64| {
-        let share = |(share, rough_b): (&f64, &f64)| {
-            share * share / (1.0 + lambdas[0] * rough_a + lambdas[1] * rough_b)
-        };
-        mean.iter().zip(&around.eigenvalues).map(share).sum::<f64>() / density
-    };
+/// data, of this weight per cell and of variance 1, were spread evenly. Of all waves only the constant has
+/// a mean.
+fn mean_variances(
+    along: &Direction,
+    around: &Around,
+    pieces: usize,
+    lambdas: [f64; 2],
+    density: f64,
+) -> Vec<f64> {
+    let share = 1.0 / (pieces as f64 * around.gram[0]);
+    let base = 1.0 + lambdas[1] * around.eigenvalues[0];
+    let one = |rough: &f64| share / (base + lambdas[0] * rough) / density;
     along.eigenvalues.iter().map(one).collect()
 }
 
@@ -77,61 +79,68 @@ const WEIGHTED_NORMAL_SD: f64 = 0.910;
 /// outliers stand out.
 const FIRST_SMOOTHING: f64 = 1.0;
 
-/// Fits the function. Residuals of `least_scale` are never outliers.
+/// Equations are solved until the function is off by no more than this, root mean square, in the unit of
+/// the values (mm on a leg): in the rounds before the last one, of which only weights and smoothing remain …
+const ROUGHLY: f64 = 1e-6;
+
+/// … and in the last one.
+const FINALLY: f64 = 1e-7;
+
+/// Fits the function, with its angles around in so many equal pieces. Residuals of `least_scale` are never
+/// outliers.
 ///
 /// # Errors
-/// A [`FitFault`] if there are too few data for a fit.
+/// A [`FitFault`] if there are too few data or pieces for a fit.
 pub fn fit_scatter(
     data: &Scatter,
     along: Basis,
-    around: Basis,
+    pieces_around: usize,
     least_scale: f64,
 ) -> Result<TensorFit, FitFault> {
-    let (found, needed) = (data.value.len(), along.count() + around.count());
+    let circle = Circle::new(pieces_around)?;
+    let (found, needed) = (data.value.len(), along.count() + circle.count());
     if found < needed {
         return Err(FitFault::TooFewPlaces { found, needed });
     }
-    let grid = Grid { along: halved(along.breakpoints()), around: around.breakpoints().to_vec() };
-    let directions = [
-        Direction::new(&along, &middles(&grid.along))?,
-        Direction::new(&around, &middles(&grid.around))?,
-    ];
+    let grid = Grid::of(&along, &circle.basis);
+    let direction = Direction::new(&along, &middles(&grid.along))?;
+    let around = Around::new(&circle);
     let rows: Vec<(Row, Row)> =
-        data.u.iter().zip(data.v).map(|(u, v)| (along.row(*u), around.row(*v))).collect();
+        data.u.iter().zip(data.v).map(|(u, v)| (along.row(*u), circle.basis.row(*v))).collect();
     let neighbours = Neighbours::of(data, &grid.along, &grid.around);
+    let cell_of: Vec<usize> = data.u.iter().zip(data.v).map(|(u, v)| grid.cell(*u, *v)).collect();
     let mut weights = vec![1.0; found];
-    let mut lambdas = [0, 1].map(|d: usize| FIRST_SMOOTHING * directions[d].unit());
-    let mut equations = Equations::new(&rows, data.value, &weights, &directions);
-    let mut coefficients = equations.solved(lambdas, equations.zero());
+    let mut lambdas = [direction.unit(), around.unit()].map(|unit| FIRST_SMOOTHING * unit);
+    let mut equations = Equations::new(&rows, data.value, &weights, &direction, &circle);
+    let mean = data.value.iter().sum::<f64>() / found as f64;
+    let mut coefficients = equations.solved(lambdas, equations.constant(mean), ROUGHLY);
     let mut edf = 0.0;
-    for _ in 0..ROUNDS {
+    for round in 1..=ROUNDS {
         let residuals = residuals(&rows, data.value, &coefficients);
         weights = biweights(&neighbours.beside(&residuals, least_scale), least_scale);
-        let (cells, seen) = grid.cells(data, &residuals, &weights, &coefficients, &directions);
-        (lambdas, edf) = best_by_gcv(&directions[0], &directions[1], &cells, seen);
-        equations = Equations::new(&rows, data.value, &weights, &directions);
-        coefficients = equations.solved(lambdas, coefficients);
+        let (cells, seen) = grid.cells(&cell_of, &residuals, &weights, &coefficients);
+        (lambdas, edf) = best_by_gcv(&direction, &around, &circle, &cells, seen);
+        equations = Equations::new(&rows, data.value, &weights, &direction, &circle);
+        let off = if round < ROUNDS { ROUGHLY } else { FINALLY };
+        coefficients = equations.solved(lambdas, coefficients, off);
     }
     let left = residuals(&rows, data.value, &coefficients);
     let rss: f64 = left.iter().zip(&weights).map(|(r, w)| w * r * r).sum();
     let freedom = weights.iter().sum::<f64>() - edf;
     let sigma = (rss / freedom.max(1.0)).sqrt() / WEIGHTED_NORMAL_SD;
-    let by_rows = coefficients.transpose().as_slice().to_vec();
-    let function = Tensor::new(along, around, by_rows);
-    let mean_variances = mean_variances(&directions, lambdas, equations.density());
-    let [direction, _] = directions;
+    let mean_variances =
+        mean_variances(&direction, &around, pieces_around, lambdas, equations.density());
+    drop(equations);
+    let function = Tensor::new(along, circle.basis, coefficients.as_slice().to_vec());
     Ok(TensorFit { function, weights, sigma, edf, lambdas, direction, mean_variances })
 }
 
+/// The data without a function, whose coefficients are around × along.
 fn residuals(rows: &[(Row, Row)], values: &[f64], coefficients: &DMatrix<f64>) -> Vec<f64> {
+    let (width, all) = (coefficients.nrows(), coefficients.as_slice());
     let value = |(along, around): &(Row, Row)| {
-        let mut sum = 0.0;
-        for (i, a) in along.indices.into_iter().zip(along.values) {
-            for (j, b) in around.indices.into_iter().zip(around.values) {
-                sum += a * b * coefficients[(i, j)];
-            }
-        }
-        sum
+        let line = |i: usize| around.dot(&all[i * width..(i + 1) * width]);
+        along.indices.into_iter().zip(along.values).map(|(i, share)| share * line(i)).sum::<f64>()
     };
     rows.iter().zip(values).map(|(row, y)| y - value(row)).collect()
 }
@@ -140,38 +149,72 @@ fn residuals(rows: &[(Row, Row)], values: &[f64], coefficients: &DMatrix<f64>) -
 struct Grid {
     along: Vec<f64>,
     around: Vec<f64>,
+    /// The functions in the middles of the cells.
+    rows_along: Vec<Row>,
+    rows_around: Vec<Row>,
 }
 
 impl Grid {
-    /// Cell averages, and the number of cells with data. An average is the fit at the cell's middle
-    /// plus the weighted mean of the residuals in the cell, so the position of a datum within its
-    /// cell makes no difference.
+    fn of(along: &Basis, around: &Basis) -> Grid {
+        let cells_along = halved(along.breakpoints());
+        let rows = |basis: &Basis, breakpoints: &[f64]| {
+            middles(breakpoints).into_iter().map(|middle| basis.row(middle)).collect()
+        };
+        Grid {
+            rows_along: rows(along, &cells_along),
+            rows_around: rows(around, around.breakpoints()),
+            along: cells_along,
+            around: around.breakpoints().to_vec(),
+        }
+    }
+
+    /// The index of the cell of a datum: cells around, rows of them along.
+    fn cell(&self, u: f64, v: f64) -> usize {
+        let start = self.around[0];
+        let period = self.around[self.around.len() - 1] - start;
+        let home = start + (v - start).rem_euclid(period);
+        place(&self.along, u) * self.rows_around.len() + place(&self.around, home)
+    }
+
+    /// Cell averages (around × along), and the number of cells with data. An average is the fit at the
+    /// cell's middle plus the weighted mean of the residuals in the cell, so the position of a datum within
+    /// its cell makes no difference.
     fn cells(
         &self,
-        data: &Scatter,
+        cell_of: &[usize],
         residuals: &[f64],
         weights: &[f64],
         coefficients: &DMatrix<f64>,
-        [along, around]: &[Direction; 2],
     ) -> (DMatrix<f64>, usize) {
-        let mut cells = &along.design * coefficients * around.design.transpose();
-        let mut sums: DMatrix<f64> = DMatrix::zeros(cells.nrows(), cells.ncols());
-        let mut counts: DMatrix<f64> = DMatrix::zeros(cells.nrows(), cells.ncols());
-        let period = self.around[self.around.len() - 1] - self.around[0];
-        for (((u, v), residual), weight) in data.u.iter().zip(data.v).zip(residuals).zip(weights) {
-            let home = self.around[0] + (v - self.around[0]).rem_euclid(period);
-            let cell = (place(&self.along, *u), place(&self.around, home));
-            sums[cell] += weight * residual;
-            counts[cell] += weight;
+        let mut cells = self.values(coefficients);
+        let mut sums = vec![(0.0, 0.0); cells.len()];
+        for ((cell, residual), weight) in cell_of.iter().zip(residuals).zip(weights) {
+            sums[*cell].0 += weight * residual;
+            sums[*cell].1 += weight;
         }
         let mut seen = 0;
-        for ((cell, sum), count) in cells.iter_mut().zip(sums.iter()).zip(counts.iter()) {
-            if *count > 0.0 {
+        for (cell, (sum, count)) in cells.iter_mut().zip(sums) {
+            if count > 0.0 {
                 *cell += sum / count;
                 seen += 1;
             }
         }
         (cells, seen)
+    }
+
+    /// The values of a function in the middles of the cells; both around × along.
+    fn values(&self, coefficients: &DMatrix<f64>) -> DMatrix<f64> {
+        let width = coefficients.nrows();
+        let mut values = Vec::with_capacity(self.rows_along.len() * self.rows_around.len());
+        for along in &self.rows_along {
+            let mut ring = vec![0.0; width];
+            for (i, share) in along.indices.into_iter().zip(along.values) {
+                let own = &coefficients.as_slice()[i * width..(i + 1) * width];
+                ring.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
+            }
+            values.extend(self.rows_around.iter().map(|around| around.dot(&ring)));
+        }
+        DMatrix::from_vec(self.rows_around.len(), self.rows_along.len(), values)
     }
 }
 
