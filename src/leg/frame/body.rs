@@ -1,7 +1,9 @@
 //! The body frame: right-handed, millimetres, +Z up from the floor, −Y in the direction of the
 //! toes, +X the patient's left, origin midway between the feet.
 
-use nalgebra::{Matrix4, Point2, Point3, Rotation3, Translation3, Vector2, Vector3};
+use nalgebra::{
+    Matrix4, Point2, Point3, Rotation3, Translation3, UnitQuaternion, Vector2, Vector3,
+};
 
 use super::body_fault::BodyFault;
 use super::components::without_fragments;
@@ -111,12 +113,12 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
     let (toes, facing_from) = facing(&stance, method.facing, &upright)?;
     let facing = toes.x.atan2(-toes.y);
     let (sides, origin) = sides(&standing, &stance, toes, &size, method.scope)?;
-    let to_body = Rotation3::from_axis_angle(&Vector3::z_axis(), -facing).to_homogeneous()
-        * Translation3::new(-origin.x, -origin.y, -stance.floor.height_mm).to_homogeneous();
-    let in_body = |p: Point2<f64>| to_body.transform_point(&Point3::new(p.x, p.y, 0.0)).xy();
+    let to_body = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), -facing)
+        * Translation3::new(-origin.x, -origin.y, -stance.floor.height_mm);
+    let in_body = |p: Point2<f64>| (to_body * Point3::new(p.x, p.y, 0.0)).xy();
     let stature_mm = size.is_whole.then(|| standing.highest_mm() - stance.floor.height_mm);
     Ok(Body {
-        mesh: moved(scan, &(to_body * to_mm), unit),
+        mesh: standing.moved(&to_body),
         stature_mm,
         scale_mm: stature_mm.unwrap_or(size.scale_mm),
         scale_sd_share: if stature_mm.is_some() { CROWN_SD_SHARE } else { FOOT_SD_SHARE },
@@ -127,7 +129,7 @@ pub fn body(scan: &Scan, method: &Method) -> Result<Body, BodyFault> {
         facing_from,
         unit,
         unit_inferred: method.unit == UnitChoice::Auto,
-        from_export: to_body * to_mm,
+        from_export: to_body.to_homogeneous() * to_mm,
     })
 }
 

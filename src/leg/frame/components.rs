@@ -22,7 +22,8 @@ pub fn without_fragments(scan: &Scan) -> Scan {
     }
     let roots = connected(count, &scan.triangles);
     let large = large(&roots);
-    let (triangles, used) = part(count, &scan.triangles, |corners| large(corners[0]));
+    let kept = scan.triangles.iter().filter(|corners| large(corners[0]));
+    let (triangles, used) = renumbered(count, kept.copied().collect());
     Scan { points: used.into_iter().map(|point| scan.points[point as usize]).collect(), triangles }
 }
 
@@ -44,26 +45,23 @@ fn connected(count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
     (0..count as u32).map(|point| shells.root(point)).collect()
 }
 
-/// The triangles that `keeps` accepts, with renumbered points, and the old indices of these points,
-/// both in the order of the triangles.
-pub fn part(
+/// The triangles with renumbered points, and the old indices of these points in the order in which the
+/// triangles use them.
+pub fn renumbered(
     point_count: usize,
-    triangles: &[[u32; 3]],
-    keeps: impl Fn(&[u32; 3]) -> bool,
+    mut triangles: Vec<[u32; 3]>,
 ) -> (Vec<[u32; 3]>, Vec<u32>) {
     const UNUSED: u32 = u32::MAX;
     let mut numbers = vec![UNUSED; point_count];
     let mut used = Vec::new();
-    let mut renumbered = |corner: u32| {
-        let number = &mut numbers[corner as usize];
+    for corner in triangles.iter_mut().flatten() {
+        let number = &mut numbers[*corner as usize];
         if *number == UNUSED {
             *number = used.len() as u32;
-            used.push(corner);
+            used.push(*corner);
         }
-        *number
-    };
-    let kept = triangles.iter().filter(|triangle| keeps(triangle));
-    let triangles = kept.map(|triangle| triangle.map(&mut renumbered)).collect();
+        *corner = *number;
+    }
     (triangles, used)
 }
 

@@ -18,7 +18,7 @@ const LINKS_MAX: usize = 3;
 /// point cloud. One skin has up to 0.1, where shells overlap and thighs touch; two have 0.7 or more.
 pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let [low, high] = LEGS_SHARE.map(|share| share * stature_mm);
-    let legs = mesh.part(|middle, _| (low..high).contains(&middle.z));
+    let legs = mesh.part(|facet| (low..high).contains(&facet.middle().z));
     let points = legs.points();
     let Some(edge_mm) = legs.edge_mm() else { return 0.0 };
     let links = Links::of(points.len(), legs.triangles());

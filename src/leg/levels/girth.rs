@@ -20,8 +20,12 @@ const ROWS_PER_INDEPENDENT: f64 = 2.0;
 /// error grows with the square of the gap.
 const FREE_GAP_DEG: f64 = 20.0;
 
-/// Sections within this distance show how well the curve follows them, mm.
-const MISFIT_REACH_MM: f64 = SPACING_MM;
+/// Sections within this distance show how well the curve follows them, mm: about a section itself, its
+/// neighbours too, whatever rounding does to their distance.
+const MISFIT_REACH_MM: f64 = 1.1 * SPACING_MM;
+
+/// The planes next to a place are within this distance, mm; about a plane itself, its neighbours are not.
+const BESIDE_MM: f64 = 0.999 * SPACING_MM;
 
 /// The curve begins here, as a share of stature: below, through heel and instep, the girth falls by
 /// 7 mm per mm of height, and a smooth curve that followed that would also be bent at the ankle.
@@ -185,7 +189,7 @@ impl GirthCurve {
 
     /// Whether the nearest section planes on both sides were measured.
     pub fn is_seen(&self, along_mm: f64) -> bool {
-        let near = self.rows.iter().filter(|row| (row.along_mm - along_mm).abs() <= SPACING_MM);
+        let near = self.rows.iter().filter(|row| (row.along_mm - along_mm).abs() <= BESIDE_MM);
         near.clone().count() > 0 && near.clone().all(|row| row.measured.is_some())
     }
 }

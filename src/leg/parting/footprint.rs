@@ -12,8 +12,9 @@ const C22: f64 = 0.923_879_532_511_286_7;
 /// Sine of 22.5°.
 const S22: f64 = 0.382_683_432_365_089_8;
 
-/// Directions of the polygon's edges, unit vectors at equal angles.
-const DIRECTIONS: [[f64; 2]; 16] = [
+/// Directions of the first half of the polygon's edges, unit vectors at equal angles; the others are
+/// opposite to them.
+const DIRECTIONS: [[f64; 2]; 8] = [
     [1.0, 0.0],
     [C22, S22],
     [C45, C45],
@@ -22,14 +23,6 @@ const DIRECTIONS: [[f64; 2]; 16] = [
     [-S22, C22],
     [-C45, C45],
     [-C22, S22],
-    [-1.0, 0.0],
-    [-C22, -S22],
-    [-C45, -C45],
-    [-S22, -C22],
-    [0.0, -1.0],
-    [S22, -C22],
-    [C45, -C45],
-    [C22, -S22],
 ];
 
 /// A leg's extent at one height.
@@ -38,7 +31,9 @@ pub struct Footprint {
     /// Mean of the points, mm.
     pub middle: Point2<f64>,
     /// Maximum extent of the points in each direction, mm.
-    reach: [f64; DIRECTIONS.len()],
+    ahead: [f64; DIRECTIONS.len()],
+    /// … and in the opposite ones.
+    back: [f64; DIRECTIONS.len()],
 }
 
 impl Footprint {
@@ -48,28 +43,36 @@ impl Footprint {
         if points.len() < POINTS_MIN {
             return None;
         }
-        let mut reach = [f64::NEG_INFINITY; DIRECTIONS.len()];
+        let mut ahead = [f64::NEG_INFINITY; DIRECTIONS.len()];
+        let mut back = ahead;
         for point in points {
-            for (reach, [x, y]) in reach.iter_mut().zip(DIRECTIONS) {
-                *reach = larger(*reach, x * point.x + y * point.y);
+            for (index, [x, y]) in DIRECTIONS.into_iter().enumerate() {
+                let along = x * point.x + y * point.y;
+                ahead[index] = larger(ahead[index], along);
+                back[index] = larger(back[index], -along);
             }
         }
         let sum: Vector2<f64> = points.iter().map(|point| point.coords).sum();
-        Some(Footprint { middle: (sum / points.len() as f64).into(), reach })
+        Some(Footprint { middle: (sum / points.len() as f64).into(), ahead, back })
     }
 
     /// This footprint, but nowhere further than `narrowing_mm` inside the one before it.
     pub fn after(&self, before: &Footprint, narrowing_mm: f64) -> Footprint {
-        let reach = std::array::from_fn(|i| larger(self.reach[i], before.reach[i] - narrowing_mm));
-        Footprint { middle: self.middle, reach }
+        let wider = |own: &[f64; 8], before: &[f64; 8]| {
+            std::array::from_fn(|i| larger(own[i], before[i] - narrowing_mm))
+        };
+        let (ahead, back) = (wider(&self.ahead, &before.ahead), wider(&self.back, &before.back));
+        Footprint { middle: self.middle, ahead, back }
     }
 
     /// Distance of a point beyond the polygon, mm; negative inside.
     pub fn beyond_mm(&self, point: &Point2<f64>) -> f64 {
-        let reaches = self.reach.iter().zip(DIRECTIONS);
-        reaches.fold(f64::NEG_INFINITY, |beyond, (reach, [x, y])| {
-            larger(beyond, x * point.x + y * point.y - reach)
-        })
+        let mut beyond = [f64::NEG_INFINITY; DIRECTIONS.len()];
+        for (index, [x, y]) in DIRECTIONS.into_iter().enumerate() {
+            let along = x * point.x + y * point.y;
+            beyond[index] = larger(along - self.ahead[index], -along - self.back[index]);
+        }
+        beyond.into_iter().fold(f64::NEG_INFINITY, larger)
     }
 
     /// The share of points that lie at most `margin_mm` beyond the polygon.

@@ -125,23 +125,25 @@ pub fn segment(body: &Body) -> Result<Legs, SegmentFault> {
     downwards.reverse();
     let mut down = follow(mesh, &seeds, &downwards, GROWTH_DOWN_MM, Parting::Nearest);
     down.steps.reverse();
-    let leg = |side: Side| {
-        seeds.get(side).as_ref()?;
+    let cut_mm = Sides::of_each(|side| {
         let ends = [*up.ends_mm.get(side), crotch.hidden_from_mm()].into_iter().flatten();
         let end_mm = ends.reduce(f64::min).filter(|end_mm| *end_mm < crotch.height_mm);
-        let end_mm = end_mm.map(|end_mm| end_mm - CUT_MARGIN_MM);
-        if end_mm.is_some_and(|end_mm| end_mm < LEG_MIN_SHARE * stature_mm) {
-            return None;
-        }
-        let leg_top_mm = end_mm.unwrap_or(crotch.height_mm + ABOVE_CROTCH_MM);
-        let zones = [
-            Zone { track: &down, margin_mm: GROWTH_DOWN_MM, top_mm: start_mm },
-            Zone { track: &up, margin_mm: GROWTH_UP_MM, top_mm: leg_top_mm },
-        ];
-        Some(Leg { side, mesh: cut(mesh, side, &zones), cut_mm: end_mm })
+        end_mm.map(|end_mm| end_mm - CUT_MARGIN_MM)
+    });
+    let whole_mm = crotch.height_mm + ABOVE_CROTCH_MM;
+    let top_mm = Sides::of_each(|side| cut_mm.get(side).unwrap_or(whole_mm));
+    let foot = Zone { track: &down, margin_mm: GROWTH_DOWN_MM };
+    let shank = Zone { track: &up, margin_mm: GROWTH_UP_MM };
+    let skins = cut(mesh, &foot, start_mm, &shank, &top_mm);
+    let leg = |side: Side, mesh: Mesh| {
+        seeds.get(side).as_ref()?;
+        let cut_mm = *cut_mm.get(side);
+        let is_long = cut_mm.is_none_or(|cut_mm| cut_mm >= LEG_MIN_SHARE * stature_mm);
+        is_long.then_some(Leg { side, mesh, cut_mm })
     };
-    let (left, right) = rayon::join(|| leg(Side::Left), || leg(Side::Right));
-    Ok(Legs { legs: Sides { left, right }, crotch })
+    let Sides { left, right } = skins;
+    let legs = Sides { left: leg(Side::Left, left), right: leg(Side::Right, right) };
+    Ok(Legs { legs, crotch })
 }
 
 /// Heights from `from` to below `to`, ascending; the first is half a step above `from`.
@@ -177,7 +179,7 @@ fn found_crotch(body: &Body, mesh: &Mesh, up: &Track) -> Result<Crotch, SegmentF
     let height_mm = up.steps.last().map_or(0.0, |step| step.height_mm);
     let crotch = match joined(up) {
         Some((steps, join)) => {
-            let zone = Zone { track: up, margin_mm: GROWTH_UP_MM, top_mm: highest_mm };
+            let zone = Zone { track: up, margin_mm: GROWTH_UP_MM };
             let owner = |point: &Point3<f64>| zone.owner(&point.xy(), point.z);
             let saddle = saddle(mesh, stature_mm, highest_mm, EDGE_MAX_MM, owner);
             let found = crotch(mesh, steps, join, saddle, GROWTH_UP_MM, stature_mm);
@@ -220,8 +222,6 @@ struct Zone<'a> {
     track: &'a Track,
     /// Skin belongs to the leg up to this far beyond a footprint, mm.
     margin_mm: f64,
-    /// The upper end of the zone, mm.
-    top_mm: f64,
 }
 
 impl Zone<'_> {
@@ -245,12 +245,25 @@ impl Zone<'_> {
     }
 }
 
-/// One leg's skin: all skin that the zones assign to its side.
-fn cut(mesh: &Mesh, side: Side, [foot, shank]: &[Zone; 2]) -> Mesh {
-    mesh.part(|middle, longest_mm| {
-        let zone = if middle.z < foot.top_mm { foot } else { shank };
-        longest_mm <= EDGE_MAX_MM
-            && middle.z < zone.top_mm
-            && zone.owner(&middle.xy(), middle.z) == Some(side)
-    })
+/// The legs' skins: all skin up to the top of each that the zones assign to it, of which that of the foot
+/// ends at `foot_top_mm`.
+fn cut(
+    mesh: &Mesh,
+    foot: &Zone,
+    foot_top_mm: f64,
+    shank: &Zone,
+    top_mm: &Sides<f64>,
+) -> Sides<Mesh> {
+    let highest_mm = top_mm.left.max(top_mm.right);
+    let [left, right] = mesh.parts(|facet| {
+        let middle = facet.middle();
+        if middle.z >= highest_mm || facet.longest_edge_mm() > EDGE_MAX_MM {
+            return None;
+        }
+        let zone = if middle.z < foot_top_mm { foot } else { shank };
+        let side = zone.owner(&middle.xy(), middle.z)?;
+        let is_below = middle.z < foot_top_mm || middle.z < *top_mm.get(side);
+        is_below.then_some(if side == Side::Left { 0 } else { 1 })
+    });
+    Sides { left, right }
 }

@@ -22,6 +22,20 @@ impl Hull {
         (corners.len() >= 3).then_some(Hull { corners })
     }
 
+    /// The hull of points that lie in order around a point inside of it, after Graham (1972), in a
+    /// single pass. `None` if they do not span an area.
+    pub fn of_ring(points: &[Point2<f64>]) -> Option<Hull> {
+        let by_place = |a: &usize, b: &usize| {
+            let (p, q) = (points[*a], points[*b]);
+            p.x.total_cmp(&q.x).then_with(|| p.y.total_cmp(&q.y))
+        };
+        let first = (0..points.len()).min_by(by_place)?;
+        // Once around, from a corner of the hull to the same corner.
+        let mut corners = half_hull(points[first..].iter().chain(&points[..=first]));
+        corners.pop();
+        (corners.len() >= 3).then_some(Hull { corners })
+    }
+
     /// Length of the outline, in the unit of the points.
     pub fn perimeter(&self) -> f64 {
         self.edges().map(|(from, to)| (to - from).norm()).sum()
@@ -109,6 +123,25 @@ mod tests {
         points.extend((0..50).map(|i| turn * Point2::new(5.0, 0.04 * f64::from(i))));
         let axis = Hull::of(&points).unwrap().long_axis();
         assert!((axis.perp(&(turn * Vector2::x()))).abs() < 1e-12, "{axis}");
+    }
+
+    #[test]
+    fn the_hull_of_a_ring_is_that_of_its_points() {
+        for turn in [0.0, 0.3, 2.9] {
+            let star = (0..720).map(|i| f64::from(i).to_radians() / 2.0 + turn);
+            let ring: Vec<_> = star
+                .map(|angle| {
+                    let radius = 50.0 + 9.0 * (3.0 * angle).sin() + 2.0 * (17.0 * angle).cos();
+                    Point2::new(radius * angle.cos(), radius * angle.sin())
+                })
+                .collect();
+            let (found, expected) = (Hull::of_ring(&ring).unwrap(), Hull::of(&ring).unwrap());
+            assert_eq!(found.corners.len(), expected.corners.len());
+            assert!((found.perimeter() - expected.perimeter()).abs() < 1e-10);
+            assert!((found.centroid() - expected.centroid()).norm() < 1e-10);
+        }
+        assert_eq!(Hull::of_ring(&[Point2::origin(); 5]), None);
+        assert_eq!(Hull::of_ring(&[]), None);
     }
 
     #[test]

@@ -6,6 +6,7 @@ pub mod axis_fit;
 pub mod axis_length;
 pub mod bend;
 pub(super) mod centroid;
+mod edges;
 pub mod equidistant;
 pub mod gap;
 pub(super) mod hem;

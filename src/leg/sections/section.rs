@@ -141,15 +141,17 @@ pub fn r2(residuals: f64, deviations: f64, values: f64) -> f64 {
 
 /// Circumference of a closed curve; `None` if it encloses no area.
 pub fn girth(curve: &Curve) -> Option<Girth> {
-    Girth::of(&curve.points(GIRTH_ANGLES))
+    let points = curve.points(GIRTH_ANGLES);
+    Girth::of(&points, Hull::of(&points))
 }
 
 impl Girth {
-    /// Circumference of a closed polygon; `None` if it encloses no area.
-    fn of(points: &[Point2<f64>]) -> Option<Girth> {
-        let next = points.iter().cycle().skip(1);
-        let contour_mm = points.iter().zip(next).map(|(p, q)| (q - p).norm()).sum();
-        Some(Girth { tape_mm: Hull::of(points)?.perimeter(), contour_mm })
+    /// Circumference of a closed polygon with this hull; `None` if it encloses no area.
+    fn of(points: &[Point2<f64>], hull: Option<Hull>) -> Option<Girth> {
+        let (first, last) = (points.first()?, points.last()?);
+        let steps = points.windows(2).map(|pair| (pair[1] - pair[0]).norm());
+        let contour_mm = steps.sum::<f64>() + (first - last).norm();
+        Some(Girth { tape_mm: hull?.perimeter(), contour_mm })
     }
 }
 
@@ -170,9 +172,12 @@ impl Spokes {
 
     /// Like [`girth`], for the curve with these coefficients.
     pub fn girth(&self, coefficients: &[f64]) -> Option<Girth> {
+        // Where no coefficient is negative, no radius is, and the points lie in order around the centre.
+        let is_ring = coefficients.iter().all(|radius| *radius > 0.0);
         let point = |(row, direction): &(Row, Vector2<f64>)| {
             Point2::from(direction * row.dot(coefficients))
         };
-        Girth::of(&self.spokes.iter().map(point).collect::<Vec<_>>())
+        let points: Vec<_> = self.spokes.iter().map(point).collect();
+        Girth::of(&points, if is_ring { Hull::of_ring(&points) } else { Hull::of(&points) })
     }
 }

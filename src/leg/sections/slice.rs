@@ -6,8 +6,11 @@
 //! onto the curve described by the normals at the edge's two ends (the quadratic term of Vlachos et
 //! al., Curved PN Triangles, 2001).
 
-use nalgebra::{Point3, Unit, Vector3};
+use std::sync::OnceLock;
 
+use nalgebra::{Isometry3, Point3, Unit, Vector3};
+
+use super::edges::edges;
 use crate::leg::frame::components;
 
 /// If the normals at an edge's two ends differ by more than this, they do not describe a smooth piece
@@ -36,6 +39,26 @@ pub struct Mesh {
     normals: Vec<Vector3<f64>>,
     /// Half the thickness of a point cloud's slices, mm.
     slab_half_mm: f64,
+    /// Each edge of the triangles once, found when the mesh is first sliced.
+    edges: OnceLock<Vec<[u32; 2]>>,
+}
+
+/// A triangle by its corners.
+#[derive(Debug, Clone, Copy)]
+pub struct Facet([Vector3<f64>; 3]);
+
+impl Facet {
+    /// Its middle.
+    pub fn middle(&self) -> Point3<f64> {
+        let [a, b, c] = self.0;
+        ((a + b + c) / 3.0).into()
+    }
+
+    /// Length of its longest edge, mm; 0 for the points of a cloud.
+    pub fn longest_edge_mm(&self) -> f64 {
+        let [a, b, c] = self.0;
+        (a - b).norm_squared().max((b - c).norm_squared()).max((c - a).norm_squared()).sqrt()
+    }
 }
 
 /// The point where an edge of the mesh crosses a plane, or the projection of a nearby point onto it.
@@ -64,13 +87,21 @@ impl Mesh {
         for normal in &mut normals {
             *normal = normal.try_normalize(f64::MIN_POSITIVE).unwrap_or_default();
         }
-        Mesh { points, triangles, normals, slab_half_mm: 0.0 }
+        Mesh { points, triangles, normals, slab_half_mm: 0.0, edges: OnceLock::new() }
     }
 
     /// A bare point cloud with this distance between neighbouring points.
     pub fn cloud(points: Vec<Point3<f64>>, spacing_mm: f64) -> Mesh {
         let slab_half_mm = spacing_mm.max(SLAB_HALF_MIN_MM);
-        Mesh { points, triangles: Vec::new(), normals: Vec::new(), slab_half_mm }
+        let (triangles, normals) = (Vec::new(), Vec::new());
+        Mesh { points, triangles, normals, slab_half_mm, edges: OnceLock::new() }
+    }
+
+    /// The mesh after a rigid motion.
+    pub fn moved(mut self, motion: &Isometry3<f64>) -> Mesh {
+        self.points.iter_mut().for_each(|point| *point = motion * *point);
+        self.normals.iter_mut().for_each(|normal| *normal = motion * *normal);
+        self
     }
 
     /// The points.
@@ -100,33 +131,47 @@ impl Mesh {
 
     /// The part below a height.
     pub fn below(&self, height_mm: f64) -> Mesh {
-        self.part(|middle, _| middle.z < height_mm)
+        self.part(|facet| facet.middle().z < height_mm)
     }
 
-    /// The triangles that `keeps` accepts by their middle and their longest edge, mm, with their
-    /// points; for a point cloud the points, with edges of 0. Normals stay those of the whole mesh.
-    pub fn part(&self, keeps: impl Fn(&Point3<f64>, f64) -> bool) -> Mesh {
+    /// The triangles that `keeps` accepts, with their points; for a point cloud the points, as facets
+    /// without area. Normals stay those of the whole mesh.
+    pub fn part(&self, keeps: impl Fn(&Facet) -> bool) -> Mesh {
+        let [part] = self.parts(|facet| keeps(facet).then_some(0));
+        part
+    }
+
+    /// As [`Mesh::part`], several parts at once: `which` gives the index of the part to which a triangle
+    /// belongs.
+    pub fn parts<const N: usize>(&self, which: impl Fn(&Facet) -> Option<usize>) -> [Mesh; N] {
         if self.triangles.is_empty() {
-            let points = self.points.iter().filter(|point| keeps(point, 0.0));
-            let (points, normals) = (points.copied().collect(), Vec::new());
-            return Mesh {
-                points,
-                triangles: Vec::new(),
-                normals,
-                slab_half_mm: self.slab_half_mm,
-            };
+            let mut parts: [Vec<Point3<f64>>; N] = std::array::from_fn(|_| Vec::new());
+            for point in &self.points {
+                if let Some(part) = which(&Facet([point.coords; 3])) {
+                    parts[part].push(*point);
+                }
+            }
+            return parts.map(|points| Mesh::cloud(points, self.slab_half_mm));
         }
-        let keeps = |triangle: &[u32; 3]| {
-            let [a, b, c] = triangle.map(|corner| self.points[corner as usize].coords);
-            let longest = (a - b).norm().max((b - c).norm()).max((c - a).norm());
-            keeps(&((a + b + c) / 3.0).into(), longest)
-        };
-        let (triangles, used) = components::part(self.points.len(), &self.triangles, keeps);
+        let mut parts: [Vec<[u32; 3]>; N] = std::array::from_fn(|_| Vec::new());
+        for triangle in &self.triangles {
+            let facet = Facet(triangle.map(|corner| self.points[corner as usize].coords));
+            if let Some(part) = which(&facet) {
+                parts[part].push(*triangle);
+            }
+        }
+        parts.map(|triangles| self.of_triangles(triangles))
+    }
+
+    /// The mesh of some of the triangles.
+    fn of_triangles(&self, triangles: Vec<[u32; 3]>) -> Mesh {
+        let (triangles, used) = components::renumbered(self.points.len(), triangles);
         Mesh {
             points: used.iter().map(|&point| self.points[point as usize]).collect(),
             normals: used.iter().map(|&point| self.normals[point as usize]).collect(),
             triangles,
             slab_half_mm: self.slab_half_mm,
+            edges: OnceLock::new(),
         }
     }
 
@@ -154,41 +199,32 @@ impl Mesh {
         if self.triangles.is_empty() {
             return self.slabs(heights, offsets, normal);
         }
-        // An edge packed into one number, the smaller index in the high bits, which halves the
-        // sorting time.
-        let mut edges: Vec<Vec<u64>> = vec![Vec::new(); offsets.len()];
+        let normals: Vec<_> = offsets.iter().map(|offset| normal(*offset)).collect();
+        let mut slices = vec![Vec::new(); offsets.len()];
+        let (Some(lowest), Some(highest)) = (offsets.first(), offsets.last()) else { return slices };
         let mut first = 0;
-        for &[a, b, c] in &self.triangles {
-            let [p, q, r] = [a, b, c].map(|corner| heights[corner as usize]);
-            let (low, high) = (p.min(q).min(r), p.max(q).max(r));
-            // Starts at the last triangle's position, which is close in most exports.
+        for &edge in self.edges.get_or_init(|| edges(self.points.len(), &self.triangles)) {
+            let [p, q] = edge.map(|end| heights[end as usize]);
+            let (low, high) = if p < q { (p, q) } else { (q, p) };
+            if high < *lowest || low >= *highest {
+                continue;
+            }
+            // Starts at the last edge's position, which is close in most exports.
             while first > 0 && offsets[first - 1] > low {
                 first -= 1;
             }
             while first < offsets.len() && offsets[first] <= low {
                 first += 1;
             }
-            let planes = offsets[first..].iter().take_while(|&&offset| offset <= high);
-            for (&offset, edges) in planes.zip(&mut edges[first..]) {
-                for (from, to) in [(a, b), (b, c), (c, a)] {
-                    if (heights[from as usize] < offset) != (heights[to as usize] < offset) {
-                        edges.push(u64::from(from.min(to)) << 32 | u64::from(from.max(to)));
-                    }
+            for index in first..offsets.len() {
+                if offsets[index] > high {
+                    break;
                 }
+                let position = self.crossing(edge, heights, &normals[index], offsets[index]);
+                slices[index].push(Crossing { edge, position });
             }
         }
-        let crossing = |offset: f64, mut edges: Vec<u64>| {
-            let normal = normal(offset);
-            edges.sort_unstable();
-            edges.dedup();
-            let at = |edge: u64| {
-                let edge = [(edge >> 32) as u32, edge as u32];
-                let position = self.crossing(edge, heights, &normal, offset);
-                Crossing { edge, position }
-            };
-            edges.into_iter().map(at).collect()
-        };
-        offsets.iter().zip(edges).map(|(&offset, edges)| crossing(offset, edges)).collect()
+        slices
     }
 
     /// The points of a cloud near each plane, projected onto it.

@@ -28,6 +28,9 @@ pub struct Circle {
     /// Orthonormal waves by rows: cosines at the first half of the places around, and sines.
     cosines: DMatrix<f64>,
     sines: DMatrix<f64>,
+    /// The same by columns, because products with a transposed matrix are slow.
+    cosines_transposed: DMatrix<f64>,
+    sines_transposed: DMatrix<f64>,
 }
 
 impl Circle {
@@ -56,7 +59,16 @@ impl Circle {
         let cosines = DMatrix::from_fn(even, even, |k, j| size(k) * phase(k, j).cos());
         let sines =
             DMatrix::from_fn(odd, odd, |k, j| size(k + 1) * phase(k + 1, j + 1).sin());
-        Ok(Circle { basis, gram, roughness, cosines, sines })
+        let (cosines_transposed, sines_transposed) = (cosines.transpose(), sines.transpose());
+        Ok(Circle {
+            basis,
+            gram,
+            roughness,
+            cosines,
+            sines,
+            cosines_transposed,
+            sines_transposed,
+        })
     }
 
     /// Number of pieces, of functions, and of waves.
@@ -113,8 +125,8 @@ impl Circle {
     pub fn columns(&self, waves: &DMatrix<f64>) -> DMatrix<f64> {
         let (count, width) = waves.shape();
         let (half, odd) = (count / 2, self.sines.nrows());
-        let even = self.cosines.tr_mul(&waves.rows(0, half + 1));
-        let uneven = self.sines.tr_mul(&waves.rows(half + 1, odd));
+        let even = &self.cosines_transposed * waves.rows(0, half + 1);
+        let uneven = &self.sines_transposed * waves.rows(half + 1, odd);
         let mut columns = DMatrix::zeros(count, width);
         for column in 0..width {
             let even = &even.as_slice()[column * (half + 1)..][..half + 1];

@@ -45,7 +45,7 @@ fn leg(side: Side, turn_deg: f64, hole: impl Fn(&Point3<f64>) -> bool) -> Leg {
     let triangles = places.filter(|(row, _)| *row > 0).flat_map(pair);
     let kept = triangles.filter(|corners| !corners.iter().any(|&c| hole(&own[c as usize])));
     let points = own.iter().map(|p| turn * p + far).collect();
-    Leg { side, mesh: Mesh::new(points, kept.collect()).part(|_, _| true), cut_mm: None }
+    Leg { side, mesh: Mesh::new(points, kept.collect()).part(|_| true), cut_mm: None }
 }
 
 fn measured(leg: &Leg) -> Option<FootReport> {

@@ -105,7 +105,7 @@ impl<'a> Tube<'a> {
             }
         }
         // Points of the holes belong to no triangle and go, as they do from a scan.
-        Leg { side: self.side, mesh: Mesh::new(points, triangles).part(|_, _| true), cut_mm: None }
+        Leg { side: self.side, mesh: Mesh::new(points, triangles).part(|_| true), cut_mm: None }
     }
 
     /// The tube's sections, square to the axis that gaiter finds.
