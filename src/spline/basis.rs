@@ -1,6 +1,13 @@
 //! The cubic B-spline basis, clamped on an interval or periodic: knots, values, derivatives.
 
+mod even;
+mod triangle;
+
+use std::ops::Range;
+
 use nalgebra::DMatrix;
+
+use triangle::{COLUMNS, ONE, Raise, Triangle, raised};
 
 /// The degree of all splines in this module.
 pub const DEGREE: usize = 3;
@@ -22,6 +29,9 @@ pub struct Basis {
     /// Intervals per unit of x on average.
     density: f64,
     periodic: bool,
+    /// The intervals whose functions depend on knots at equal distances only, so that they are known in
+    /// closed form.
+    even: Range<usize>,
 }
 
 /// Why breakpoints do not form a basis.
@@ -112,7 +122,16 @@ impl Basis {
             std::array::from_fn(|place| 1.0 / (knots[pairs[place].1] - knots[pairs[place].0]))
         };
         let reciprocals = (0..intervals).map(about).collect();
-        Basis { breakpoints: breakpoints.to_vec(), knots, reciprocals, density, periodic }
+        let breakpoints = breakpoints.to_vec();
+        Basis { breakpoints, knots, reciprocals, density, periodic, even: 0..0 }
+    }
+
+    /// The basis, whose intervals are all of equal length.
+    fn with_equal_intervals(mut self) -> Basis {
+        // Functions at a clamped end depend on its multiple knot.
+        let ends = if self.periodic { 0 } else { DEGREE - 1 };
+        self.even = ends..self.intervals().saturating_sub(ends);
+        self
     }
 
     /// A clamped basis on `[from, to]` with `intervals` of equal length.
@@ -120,7 +139,7 @@ impl Basis {
     /// # Errors
     /// As [`Basis::clamped`], in particular unless `intervals ≥ 1` and `from < to`.
     pub fn uniform_clamped(from: f64, to: f64, intervals: usize) -> Result<Basis, BasisFault> {
-        Basis::clamped(&equidistant(from, to, intervals))
+        Ok(Basis::clamped(&equidistant(from, to, intervals))?.with_equal_intervals())
     }
 
     /// A periodic basis that starts at `from`, with `intervals` of equal length.
@@ -128,7 +147,8 @@ impl Basis {
     /// # Errors
     /// As [`Basis::periodic`], in particular unless `intervals ≥ 4` and `period > 0`.
     pub fn uniform_periodic(from: f64, period: f64, intervals: usize) -> Result<Basis, BasisFault> {
-        Basis::periodic(&equidistant(from, from + period, intervals))
+        let even = Basis::periodic(&equidistant(from, from + period, intervals))?;
+        Ok(even.with_equal_intervals())
     }
 
     /// Number of basis functions, and so of coefficients: intervals + 3 if clamped, intervals if
@@ -162,7 +182,19 @@ impl Basis {
     #[inline]
     pub fn row(&self, x: f64) -> Row {
         let x = self.wrapped(x);
-        self.blossom(self.span(x), [x; DEGREE])
+        match self.even_place(x) {
+            Some((span, t)) => Row { indices: self.indices(span), values: even::values(t) },
+            None => self.blossom(self.span(x), [x; DEGREE]),
+        }
+    }
+
+    /// The interval that contains `x` (wrapped), to rounding, and its share of it, if its functions are
+    /// known in closed form.
+    #[inline]
+    fn even_place(&self, x: f64) -> Option<(usize, f64)> {
+        let place = (x - self.breakpoints[0]) * self.density;
+        let span = (place as usize).min(self.breakpoints.len() - 2);
+        self.even.contains(&span).then(|| (span, place - span as f64))
     }
 
     /// The values of all functions at each position: positions × functions.
@@ -180,7 +212,9 @@ impl Basis {
     /// to the nearer end.
     #[inline]
     pub fn rows(&self, x: f64) -> [Row; 4] {
-        let (span, [value, first, second]) = self.rows_to_second(x);
+        // At a breakpoint, the third derivative depends on the side from which it is seen.
+        let span = self.span(self.wrapped(x));
+        let [value, first, second] = self.triangle_to_second(span, self.wrapped(x));
         let triangle = self.triangle(span);
         let third = raised::<1>(&triangle, ONE, Raise::Slope);
         let third =
@@ -191,16 +225,27 @@ impl Basis {
 
     /// The interval that contains `x`, and the functions' values and derivatives 1 and 2 there.
     #[inline]
-    pub(super) fn rows_to_second(&self, x: f64) -> (usize, [[f64; 4]; 3]) {
+    pub(crate) fn rows_to_second(&self, x: f64) -> (usize, [[f64; 4]; 3]) {
         let x = self.wrapped(x);
+        if let Some((span, t)) = self.even_place(x) {
+            let first = even::slopes(t).map(|slope| slope * self.density);
+            let second = even::bends(t).map(|bend| bend * self.density * self.density);
+            return (span, [even::values(t), first, second]);
+        }
         let span = self.span(x);
+        (span, self.triangle_to_second(span, x))
+    }
+
+    /// The values and derivatives 1 and 2 at `x` of the functions on an interval.
+    #[inline]
+    fn triangle_to_second(&self, span: usize, x: f64) -> [[f64; 4]; 3] {
         let triangle = self.triangle(span);
         let (value, slope) = (Raise::Value(x), Raise::Slope);
         let linear = raised::<1>(&triangle, ONE, value);
         let quadratic = raised::<2>(&triangle, linear, value);
         let first = raised::<3>(&triangle, quadratic, slope);
         let second = raised::<3>(&triangle, raised::<2>(&triangle, linear, slope), slope);
-        (span, [raised::<3>(&triangle, quadratic, value), first, second])
+        [raised::<3>(&triangle, quadratic, value), first, second]
     }
 
     /// The functions' polar forms on interval `span` (below the number of intervals) at three
@@ -227,7 +272,7 @@ impl Basis {
 
     /// The functions that are nonzero on interval `span`.
     #[inline]
-    pub(super) fn indices(&self, span: usize) -> [usize; 4] {
+    pub(crate) fn indices(&self, span: usize) -> [usize; 4] {
         let count = self.count();
         // At most one wrap is needed, and a division would take as long as the functions themselves.
         let folded = |index: usize| if index < count { index } else { index - count };
@@ -274,55 +319,6 @@ impl Basis {
         }
         span
     }
-}
-
-/// The degrees of the columns of the Cox-de Boor triangle, in order.
-const COLUMNS: [usize; DEGREE] = [1, 2, 3];
-
-/// The data of the Cox-de Boor triangle of one interval.
-struct Triangle {
-    /// The knots around the interval, which lies between the middle two.
-    knots: [f64; 2 * DEGREE],
-    /// See [`Basis`].
-    reciprocals: [f64; 6],
-}
-
-/// The function of degree 0 on its interval.
-const ONE: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
-
-/// The `TO + 1` functions of degree `TO` on the interval in the middle of a triangle's knots, or
-/// their slopes, from the functions `lower` of the next lower degree: one column of the Cox-de Boor
-/// triangle (The NURBS Book, equations 2.5 and 2.7).
-#[inline]
-fn raised<const TO: usize>(triangle: &Triangle, lower: [f64; 4], step: Raise) -> [f64; 4] {
-    let mut values = [0.0; 4];
-    for r in 0..TO {
-        // The interval itself lies between the two knots, so their distance is not 0.
-        let per_distance = triangle.reciprocals[TO * (TO - 1) / 2 + r];
-        let (falling, rising) = match step {
-            Raise::Value(x) => {
-                let falling = (triangle.knots[DEGREE + r] - x) * per_distance;
-                (falling, 1.0 - falling)
-            }
-            Raise::Slope => {
-                let rising = TO as f64 * per_distance;
-                (-rising, rising)
-            }
-        };
-        let fallen = falling * lower[r];
-        values[r] = if r == 0 { fallen } else { values[r] + fallen };
-        values[r + 1] = rising * lower[r];
-    }
-    values
-}
-
-/// How one column of the Cox-de Boor triangle is computed from the previous one.
-#[derive(Clone, Copy)]
-enum Raise {
-    /// The values at this abscissa.
-    Value(f64),
-    /// The derivative of the functions of the next lower degree.
-    Slope,
 }
 
 fn equidistant(from: f64, to: f64, intervals: usize) -> Vec<f64> {

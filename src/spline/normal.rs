@@ -105,12 +105,13 @@ impl<'a> NormalEquations<'a> {
         let factor = self.gram.plus(lambda, &self.penalty).factor()?;
         let mut coefficients = self.moments.clone();
         factor.solve(&mut coefficients, 1);
-        let inverse = factor.inverse();
+        let inverse = factor.into_inverse();
         let edf = inverse.trace_of_product(&self.gram);
         // Summed over the data: the quadratic form of the normal equations would lose a small sum
         // to cancellation.
         let squares = self.design.rows.iter().zip(self.y).zip(self.weights);
-        let rss = squares.map(|((row, y), w)| w * (y - row.dot(&coefficients)).powi(2)).sum();
+        let left = |((row, y), w): ((&Row, &f64), &f64)| w * (y - row.dot(&coefficients)).powi(2);
+        let rss = squares.map(left).sum();
         Ok(Solution { lambda, coefficients, inverse, edf, rss })
     }
 

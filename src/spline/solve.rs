@@ -108,18 +108,18 @@ impl Skyline {
     ///
     /// # Errors
     /// [`Singular`] if the matrix is not positive definite beyond rounding.
-    pub fn factor(&self) -> Result<Cholesky, Singular> {
-        let mut lower = self.clone();
+    pub fn factor(self) -> Result<Cholesky, Singular> {
+        let mut lower = self;
         let mut smallest_pivot = f64::INFINITY;
         let mut above = [[0.0, 0.0, 0.0, 1.0]; DEGREE];
-        for i in 0..self.full_from {
-            let (start, end) = (self.starts[i], self.starts[i + 1]);
-            let (row, relative_pivot) = band::factored(band::row(&self.entries[start..end]), above);
+        for i in 0..lower.full_from {
+            let (start, end) = (lower.starts[i], lower.starts[i + 1]);
+            let (row, relative_pivot) = band::factored(lower.band_row(i), above);
             smallest_pivot = smallest_pivot.min(large_enough(i, relative_pivot)?);
             lower.entries[start..end].copy_from_slice(&row[DEGREE + 1 - (end - start)..]);
             above = [row, above[0], above[1]];
         }
-        for i in self.full_from..self.size() {
+        for i in lower.full_from..lower.size() {
             let relative_pivot = lower.factor_row(i);
             smallest_pivot = smallest_pivot.min(large_enough(i, relative_pivot)?);
         }
@@ -226,23 +226,32 @@ impl Cholesky {
             let known = dot(entries, &values[first..i]);
             values[i] = (values[i] - known) / lower.entries[ends[i] - 1];
         }
-        for (i, end) in ends.iter().enumerate().rev() {
-            let value = values[i] / lower.entries[end - 1];
+        for i in (lower.full_from..lower.size()).rev() {
+            let value = values[i] / lower.entries[ends[i] - 1];
             values[i] = value;
             let (first, entries) = lower.left_of(i);
             subtract(&mut values[first..i], value, entries);
+        }
+        // What the rows below take off the three values above a row, nearest first.
+        let mut taken = [0.0; DEGREE];
+        for i in (0..lower.full_from).rev() {
+            let [far, next, near, diagonal] = lower.band_row(i);
+            values[i] = (values[i] - taken[0]) / diagonal;
+            let value = values[i];
+            taken = [taken[1] + near * value, taken[2] + next * value, far * value];
         }
     }
 
     /// The entries of the inverse for every pair of overlapping functions, at the cost of one more
     /// factorisation. Source: Takahashi, Fagan, Chin 1973; Hutchinson, de Hoog 1985.
-    pub fn inverse(&self) -> Skyline {
-        let lower = &self.lower;
-        let mut inverse = lower.clone();
-        if lower.full_from == lower.size() {
+    pub fn into_inverse(self) -> Skyline {
+        if self.lower.full_from == self.lower.size() {
+            let mut inverse = self.lower;
             band::invert(&mut inverse);
             return inverse;
         }
+        let lower = &self.lower;
+        let mut inverse = lower.clone();
         for i in (0..lower.size()).rev() {
             let pivot = lower.entry(i, i);
             // The rows below with an entry in this column (a few band rows and full ones), with

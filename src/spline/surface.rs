@@ -12,7 +12,12 @@ pub struct Surface {
     around: Basis,
     /// `along.count()` rows of `around.count()`.
     control_points: Vec<Point3<f64>>,
+    /// The same with a fourth coordinate of 0, so that sums are computed for all coordinates at once.
+    lanes: Vec<Lanes>,
 }
+
+/// A vector whose coordinates are computed together.
+type Lanes = [f64; 4];
 
 /// Why bases and control points do not form a surface.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -64,7 +69,7 @@ pub struct Derivatives {
 
 impl Derivatives {
     /// See [`Surface::normal`].
-    pub(super) fn normal(&self) -> Option<Unit<Vector3<f64>>> {
+    pub fn normal(&self) -> Option<Unit<Vector3<f64>>> {
         let Derivatives { du, dv, .. } = self;
         // Relative to the tangents' own lengths, so that the unit of u and v does not matter.
         Unit::try_new(dv.cross(du), 1e-12 * du.norm() * dv.norm())
@@ -95,8 +100,13 @@ impl Surface {
         let unusable = |point: &Point3<f64>| !point.iter().all(|value| value.is_finite());
         match control_points.iter().position(unusable) {
             Some(i) => Err(SurfaceFault::NotFinite { row: i / columns, column: i % columns }),
-            None => Ok(Surface { along, around, control_points }),
+            None => Ok(Surface::with(along, around, control_points)),
         }
+    }
+
+    fn with(along: Basis, around: Basis, control_points: Vec<Point3<f64>>) -> Surface {
+        let lanes = control_points.iter().map(|point| [point.x, point.y, point.z, 0.0]).collect();
+        Surface { along, around, control_points, lanes }
     }
 
     /// The clamped basis of u.
@@ -117,8 +127,12 @@ impl Surface {
     /// The point at `u`, clamped to the domain, and `v`, wrapped.
     pub fn point(&self, u: f64, v: f64) -> Point3<f64> {
         let (along, around) = (self.along.row(u), self.around.row(v));
-        let [arc] = self.arcs(&along.indices, &around.indices, [along.values]);
-        mixed(&arc, around.values).into()
+        let mut point = [0.0; 4];
+        for (i, share) in along.indices.into_iter().zip(along.values) {
+            let [own] = self.across(i, &around.indices, [around.values]);
+            add(&mut point, share, &own);
+        }
+        vector(point).into()
     }
 
     /// The points at every pair of `u` and `v`, row-major, `u.len()` rows of `v.len()`; ten times
@@ -136,19 +150,22 @@ impl Surface {
     /// The point and its derivatives of first and second order at `u`, clamped to the domain, and
     /// `v`, wrapped. Source: The NURBS Book, A3.6.
     pub fn derivatives(&self, u: f64, v: f64) -> Derivatives {
-        let (from, along) = self.along.rows_to_second(u);
-        let (beside, [around, around_1, around_2]) = self.around.rows_to_second(v);
-        let (along_indices, around_indices) =
-            (self.along.indices(from), self.around.indices(beside));
-        let [ring, ring_1, ring_2] = self.arcs(&along_indices, &around_indices, along);
-        Derivatives {
-            point: Point3::from(mixed(&ring, around)),
-            du: mixed(&ring_1, around),
-            dv: mixed(&ring, around_1),
-            duu: mixed(&ring_2, around),
-            duv: mixed(&ring_1, around_1),
-            dvv: mixed(&ring, around_2),
+        let (from, [along, along_1, along_2]) = self.along.rows_to_second(u);
+        let (beside, around) = self.around.rows_to_second(v);
+        let around_indices = self.around.indices(beside);
+        let mut sums = [[0.0; 4]; 6];
+        for (k, i) in self.along.indices(from).into_iter().enumerate() {
+            let [own, own_1, own_2] = self.across(i, &around_indices, around);
+            let [point, du, dv, duu, duv, dvv] = &mut sums;
+            add(point, along[k], &own);
+            add(du, along_1[k], &own);
+            add(dv, along[k], &own_1);
+            add(duu, along_2[k], &own);
+            add(duv, along_1[k], &own_1);
+            add(dvv, along[k], &own_2);
         }
+        let [point, du, dv, duu, duv, dvv] = sums.map(vector);
+        Derivatives { point: point.into(), du, dv, duu, duv, dvv }
     }
 
     /// The unit normal dv × du: outward if u grows upwards and v counter-clockwise seen from above.
@@ -160,7 +177,7 @@ impl Surface {
     /// The surface after a rigid motion; parameters stay the same.
     pub fn transformed(&self, isometry: &Isometry3<f64>) -> Surface {
         let control_points = self.control_points.iter().map(|point| isometry * point).collect();
-        Surface { control_points, ..self.clone() }
+        Surface::with(self.along.clone(), self.around.clone(), control_points)
     }
 
     /// The same surface with clamped knots around, for CAD: the knot vector around and the control
@@ -194,39 +211,39 @@ impl Surface {
         (0..columns).map(|j| Point3::from(sum(j))).collect()
     }
 
-    /// For each of the given values of the functions along, four of the control points of the
-    /// closed curve at one u: of the curve itself or of its derivatives.
+    /// The sums of four control points of one row, weighted by each of the given values of the functions
+    /// around.
     #[inline]
-    fn arcs<const N: usize>(
+    fn across<const N: usize>(
         &self,
-        along: &[usize; 4],
+        row: usize,
         around: &[usize; 4],
         values: [[f64; 4]; N],
-    ) -> [Arc; N] {
+    ) -> [Lanes; N] {
         let columns = self.around.count();
-        let mut arcs = [[0.0; 12]; N];
-        for (k, i) in along.iter().enumerate() {
-            let row = &self.control_points[i * columns..(i + 1) * columns];
-            let [a, b, c, d] = around.map(|j| row[j].coords);
-            let points = [a.x, a.y, a.z, b.x, b.y, b.z, c.x, c.y, c.z, d.x, d.y, d.z];
-            for (arc, values) in arcs.iter_mut().zip(values) {
-                let sums = arc.iter_mut().zip(&points);
-                sums.for_each(|(sum, coordinate)| *sum += values[k] * coordinate);
+        let row = &self.lanes[row * columns..(row + 1) * columns];
+        let mut sums = [[0.0; 4]; N];
+        for (k, j) in around.iter().enumerate() {
+            let point = &row[*j];
+            for (sum, values) in sums.iter_mut().zip(values) {
+                add(sum, values[k], point);
             }
         }
-        arcs
+        sums
     }
 }
 
-/// Four neighbouring points of a closed curve, their coordinates one after the other, so that sums
-/// are computed two coordinates at a time.
-type Arc = [f64; 12];
-
-/// The sum of an arc's points, weighted by the values of the functions around.
+/// Adds `share · lanes`.
 #[inline]
-fn mixed(arc: &Arc, values: [f64; 4]) -> Vector3<f64> {
-    let at = |k: usize| values[k] * Vector3::new(arc[3 * k], arc[3 * k + 1], arc[3 * k + 2]);
-    at(0) + at(1) + at(2) + at(3)
+fn add(sum: &mut Lanes, share: f64, lanes: &Lanes) {
+    for (sum, lane) in sum.iter_mut().zip(lanes) {
+        *sum += share * lane;
+    }
+}
+
+#[inline]
+fn vector([x, y, z, _]: Lanes) -> Vector3<f64> {
+    Vector3::new(x, y, z)
 }
 
 /// The sum of points of a closed curve, weighted by a row of basis values.

@@ -23,17 +23,18 @@ pub fn kept(harmonic: usize) -> f64 {
     1.0 / (1.0 + (harmonic as f64 / HALVED_HARMONIC).powi(POWER))
 }
 
-/// Sine and cosine of each harmonic.
-const WAVES: usize = 2 * FINEST;
-
 /// Number of sums computed side by side.
 const LANES: usize = 4;
 
 /// The harmonics at equal angles all around, reusable for any number of outlines.
+///
+/// Cosines are the same at an angle and at its opposite, sines differ in sign: half of the angles and half
+/// of the products suffice.
 pub struct Harmonics {
-    /// For each angle the cosines of all harmonics, then their sines; 0 for harmonics that are too
-    /// fine for the number of angles.
-    waves: Vec<[f64; WAVES]>,
+    count: usize,
+    /// For each angle up to half a turn the cosines and the sines of all harmonics; 0 for harmonics that
+    /// are too fine for the number of angles.
+    waves: Vec<[[f64; FINEST]; 2]>,
 }
 
 impl Harmonics {
@@ -42,42 +43,66 @@ impl Harmonics {
         let turn: Vec<(f64, f64)> =
             (0..count).map(|step| (TAU * step as f64 / count as f64).sin_cos()).collect();
         let waves = |index: usize| {
-            let mut waves = [0.0; WAVES];
+            let [mut cosines, mut sines] = [[0.0; FINEST]; 2];
             for harmonic in 1..=FINEST.min(count / 2) {
-                let (sin, cos) = turn[harmonic * index % count];
-                (waves[harmonic - 1], waves[FINEST + harmonic - 1]) = (cos, sin);
+                (sines[harmonic - 1], cosines[harmonic - 1]) = turn[harmonic * index % count];
             }
-            waves
+            [cosines, sines]
         };
-        Harmonics { waves: (0..count).map(waves).collect() }
+        Harmonics { count, waves: (0..=count / 2).map(waves).collect() }
+    }
+
+    /// The opposite of an angle up to half a turn; `None` of an angle that is its own.
+    fn opposite(&self, index: usize) -> Option<usize> {
+        Some(self.count - index).filter(|other| index > 0 && *other != index)
     }
 
     /// Smooths one value per angle: each harmonic keeps its share.
     pub fn smoothed(&self, values: &[f64]) -> Vec<f64> {
-        let count = values.len() as f64;
-        let mut sizes = [0.0; WAVES];
-        for (value, waves) in values.iter().zip(&self.waves) {
-            sizes.iter_mut().zip(waves).for_each(|(size, wave)| *size += value * wave);
+        let [mut even, mut odd] = [[0.0; FINEST]; 2];
+        for (index, [cosines, sines]) in self.waves.iter().enumerate() {
+            let own = values[index];
+            let (sum, difference) = match self.opposite(index) {
+                Some(other) => (own + values[other], own - values[other]),
+                None => (own, 0.0),
+            };
+            even.iter_mut().zip(cosines).for_each(|(size, wave)| *size += sum * wave);
+            odd.iter_mut().zip(sines).for_each(|(size, wave)| *size += difference * wave);
         }
-        for (index, size) in sizes.iter_mut().enumerate() {
-            *size *= 2.0 * kept(index % FINEST + 1) / count;
+        for (index, (even, odd)) in even.iter_mut().zip(&mut odd).enumerate() {
+            let share = 2.0 * kept(index + 1) / self.count as f64;
+            (*even, *odd) = (*even * share, *odd * share);
         }
-        let mean = values.iter().sum::<f64>() / count;
-        let smooth = |waves: &[f64; WAVES]| {
-            let mut sums = [0.0; LANES];
-            for (sizes, waves) in sizes.chunks_exact(LANES).zip(waves.chunks_exact(LANES)) {
-                let parts = sums.iter_mut().zip(sizes).zip(waves);
-                parts.for_each(|((sum, size), wave)| *sum += size * wave);
+        let mean = values.iter().sum::<f64>() / self.count as f64;
+        let mut smooth = vec![0.0; self.count];
+        for (index, [cosines, sines]) in self.waves.iter().enumerate() {
+            let (same, opposed) = (mean + product(&even, cosines), product(&odd, sines));
+            smooth[index] = same + opposed;
+            if let Some(other) = self.opposite(index) {
+                smooth[other] = same - opposed;
             }
-            mean + sums.iter().sum::<f64>()
-        };
-        self.waves.iter().map(smooth).collect()
+        }
+        smooth
     }
 
     /// The direction of each angle, as cosine and sine.
     pub fn directions(&self) -> impl Iterator<Item = (f64, f64)> {
-        self.waves.iter().map(|waves| (waves[0], waves[FINEST]))
+        (0..self.count).map(|index| {
+            let is_beyond = index >= self.waves.len();
+            let [cosines, sines] = &self.waves[if is_beyond { self.count - index } else { index }];
+            (cosines[0], if is_beyond { -sines[0] } else { sines[0] })
+        })
     }
+}
+
+/// The sum of products, in several sums side by side.
+fn product(sizes: &[f64; FINEST], waves: &[f64; FINEST]) -> f64 {
+    let mut sums = [0.0; LANES];
+    for (sizes, waves) in sizes.chunks_exact(LANES).zip(waves.chunks_exact(LANES)) {
+        let parts = sums.iter_mut().zip(sizes).zip(waves);
+        parts.for_each(|((sum, size), wave)| *sum += size * wave);
+    }
+    sums.iter().sum()
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 //! Neighbouring points of one skin are linked by a few edges. Where two skins run beside each other,
 //! points have neighbours that no short way along the edges leads to.
 
+use nalgebra::Point3;
+
 use crate::leg::sections::slice::Mesh;
 
 /// The legs, as shares of the stature: above the feet, below the crotch.
@@ -19,28 +21,54 @@ const LINKS_MAX: usize = 3;
 pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let [low, high] = LEGS_SHARE.map(|share| share * stature_mm);
     let legs = mesh.part(|facet| (low..high).contains(&facet.middle().z));
-    let points = legs.points();
     let Some(edge_mm) = legs.edge_mm() else { return 0.0 };
-    let links = Links::of(points.len(), legs.triangles());
-    let mut by_height: Vec<u32> = (0..points.len() as u32).collect();
-    let height = |point: &u32| points[*point as usize].z;
-    by_height.sort_by(|p, q| height(p).total_cmp(&height(q)));
-    let stride = points.len().div_ceil(SAMPLES).max(1);
+    let links = Links::of(legs.points().len(), legs.edges());
+    let slabs = Slabs::of(legs.points(), edge_mm);
+    let mut by_height: Vec<u32> = (0..legs.points().len() as u32).collect();
+    by_height.sort_unstable_by(|p, q| legs.points()[*p as usize].z.total_cmp(&legs.points()[*q as usize].z));
+    let stride = by_height.len().div_ceil(SAMPLES).max(1);
     let samples = by_height.iter().step_by(stride);
     let count = samples.clone().count();
+    let mut linked = Vec::new();
     let is_beside = |&&sample: &&u32| {
-        let place = points[sample as usize];
-        let first = by_height.partition_point(|point| height(point) < place.z - edge_mm);
-        let near = by_height[first..].iter().take_while(|point| height(point) <= place.z + edge_mm);
-        let is_near =
-            |point: &&u32| **point != sample && (points[**point as usize] - place).norm() < edge_mm;
-        let mut near = near.filter(is_near).peekable();
-        near.peek().is_some() && {
-            let linked = links.within(sample, LINKS_MAX);
-            near.any(|point| !linked.contains(point))
-        }
+        links.within(sample, LINKS_MAX, &mut linked);
+        slabs.near(&legs.points()[sample as usize]).any(|point| !linked.contains(&point))
     };
     samples.filter(is_beside).count() as f64 / count.max(1) as f64
+}
+
+/// Points by slabs of height, and by their place across within each.
+struct Slabs {
+    edge_mm: f64,
+    /// Number of the slab, the point, and its index.
+    points: Vec<(i64, Point3<f64>, u32)>,
+}
+
+impl Slabs {
+    /// Slabs as thick as an edge is long.
+    fn of(points: &[Point3<f64>], edge_mm: f64) -> Slabs {
+        let slab = |point: &Point3<f64>| (point.z / edge_mm).floor() as i64;
+        let mut points: Vec<_> =
+            points.iter().zip(0..).map(|(point, index)| (slab(point), *point, index)).collect();
+        points.sort_unstable_by(|p, q| p.0.cmp(&q.0).then(p.1.x.total_cmp(&q.1.x)));
+        Slabs { edge_mm, points }
+    }
+
+    /// The indices of the points nearer to a place than an edge is long.
+    fn near(&self, place: &Point3<f64>) -> impl Iterator<Item = u32> {
+        let own = (place.z / self.edge_mm).floor() as i64;
+        let within = move |slab: i64| {
+            let from = |x_mm: f64| {
+                let is_before = |p: &(i64, Point3<f64>, u32)| (p.0, p.1.x) < (slab, x_mm);
+                self.points.partition_point(is_before)
+            };
+            &self.points[from(place.x - self.edge_mm)..from(place.x + self.edge_mm)]
+        };
+        let near = move |(_, point, _): &&(i64, Point3<f64>, u32)| {
+            (point - place).norm_squared() < self.edge_mm * self.edge_mm
+        };
+        [own - 1, own, own + 1].into_iter().flat_map(within).filter(near).map(|(_, _, index)| *index)
+    }
 }
 
 /// The points that share an edge with each point.
@@ -51,18 +79,18 @@ struct Links {
 }
 
 impl Links {
-    fn of(points: usize, triangles: &[[u32; 3]]) -> Links {
+    fn of(points: usize, edges: &[[u32; 2]]) -> Links {
         let mut starts = vec![0; points + 1];
-        for corner in triangles.iter().flatten() {
-            starts[*corner as usize + 1] += 2;
+        for end in edges.iter().flatten() {
+            starts[*end as usize + 1] += 1;
         }
         for index in 0..points {
             starts[index + 1] += starts[index];
         }
         let mut next = starts.clone();
-        let mut ends = vec![0; 6 * triangles.len()];
-        for &[a, b, c] in triangles {
-            for [from, to] in [[a, b], [a, c], [b, a], [b, c], [c, a], [c, b]] {
+        let mut ends = vec![0; 2 * edges.len()];
+        for &[a, b] in edges {
+            for [from, to] in [[a, b], [b, a]] {
                 ends[next[from as usize] as usize] = to;
                 next[from as usize] += 1;
             }
@@ -70,9 +98,10 @@ impl Links {
         Links { starts, ends }
     }
 
-    /// The points that up to `links_max` edges lead to.
-    fn within(&self, point: u32, links_max: usize) -> Vec<u32> {
-        let mut reached = vec![point];
+    /// The points that up to `links_max` edges lead to, and the point itself.
+    fn within(&self, point: u32, links_max: usize, reached: &mut Vec<u32>) {
+        reached.clear();
+        reached.push(point);
         let mut from = 0;
         for _ in 0..links_max {
             let to = reached.len();
@@ -87,14 +116,12 @@ impl Links {
             }
             from = to;
         }
-        reached
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Point3;
 
     /// Tubes about the upright axis with these radii, 800 mm high, in triangles of about 6 mm.
     fn tubes(radii_mm: &[f64]) -> Mesh {

@@ -22,6 +22,9 @@ const BAND_SHARE: [f64; 2] = [0.33, 0.35];
 /// legs are not connected because points are spread unevenly.
 const CLOUD_REACHES: [f64; 2] = [2.5, 4.0];
 
+/// Edges are put in order in this many pieces.
+const PIECES: usize = 8;
+
 /// The saddle between two legs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Saddle {
@@ -60,7 +63,7 @@ pub fn saddle(
     }
     let border = SkinBorder::above(mesh, from_mm, LINK_MIN_MM);
     let sides = sides(mesh, to_mm, edge_max_mm).chain(border.seams.iter().copied());
-    let top = points[legs.first_joined(points, ordered(points, to_mm, sides))? as usize];
+    let top = points[legs.first_joined(points, above(points, to_mm, sides))? as usize];
     // A border that is no longer than the spacing of points is a missing triangle.
     let bottom_mm = border.bottom_mm(mesh, &top, LINK_MIN_MM);
     let border_bottom_mm = bottom_mm.filter(|bottom_mm| top.z - bottom_mm > LINK_MIN_MM);
@@ -75,7 +78,7 @@ fn of_cloud(
     legs: Legs,
 ) -> Option<Saddle> {
     let skin = CloudSkin::between(points, [from_mm, highest_mm], reach);
-    let top = legs.first_joined(points, ordered(points, to_mm, skin.links()))?;
+    let top = legs.first_joined(points, above(points, to_mm, skin.links()))?;
     // How far down a border reaches is not told in a cloud.
     let border_bottom_mm = skin.is_open(top).then_some(from_mm);
     Some(Saddle { height_mm: points[top as usize].z, border_bottom_mm })
@@ -89,15 +92,27 @@ struct Legs {
 }
 
 impl Legs {
-    /// The higher end of the edge that connects the legs, if edges are added in this order.
-    fn first_joined(mut self, points: &[Point3<f64>], edges: Vec<Edge>) -> Option<u32> {
+    /// The higher end of the edge that connects the legs, if edges are added from below. They are put in
+    /// order piece by piece, because those above the crotch are not needed.
+    fn first_joined(mut self, points: &[Point3<f64>], mut edges: Vec<Edge>) -> Option<u32> {
         let [left, right] = self.ends;
-        let join = edges.into_iter().find(|edge| {
-            self.sets.join(edge.ends[0], edge.ends[1]);
-            self.sets.root(left) == self.sets.root(right)
-        })?;
-        let [a, b] = join.ends;
-        Some(if points[a as usize].z > points[b as usize].z { a } else { b })
+        let piece = edges.len().div_ceil(PIECES).max(1);
+        let mut rest = edges.as_mut_slice();
+        while !rest.is_empty() {
+            let count = piece.min(rest.len());
+            rest.select_nth_unstable(count - 1);
+            let (next, after) = rest.split_at_mut(count);
+            next.sort_unstable();
+            for edge in next {
+                let [a, b] = edge.ends;
+                self.sets.join(a, b);
+                if self.sets.root(left) == self.sets.root(right) {
+                    return Some(if points[a as usize].z > points[b as usize].z { a } else { b });
+                }
+            }
+            rest = after;
+        }
+        None
     }
 }
 
@@ -109,8 +124,8 @@ struct Edge {
     ends: [u32; 2],
 }
 
-/// The edges whose higher end is above a height, by their higher end.
-fn ordered(
+/// The edges whose higher end is above a height.
+fn above(
     points: &[Point3<f64>],
     from_mm: f64,
     edges: impl IntoIterator<Item = [u32; 2]>,
@@ -119,9 +134,7 @@ fn ordered(
         let top_mm = points[a as usize].z.max(points[b as usize].z);
         (top_mm > from_mm).then(|| Edge { top: top_mm.to_bits(), ends: [a.min(b), a.max(b)] })
     };
-    let mut edges: Vec<Edge> = edges.into_iter().filter_map(edge).collect();
-    edges.sort_unstable();
-    edges
+    edges.into_iter().filter_map(edge).collect()
 }
 
 /// The sides of the triangles that reach above a height and have no side longer than `edge_max_mm`.

@@ -193,8 +193,10 @@ impl Bend {
     }
 
     fn middle_at(&self, height_mm: f64) -> Point3<f64> {
-        let [x, y] = self.middle.each_ref().map(|curve| curve.value(height_mm));
-        Point3::new(x, y, height_mm)
+        // Both curves have the same basis.
+        let [x, y] = &self.middle;
+        let row = x.basis.row(height_mm);
+        Point3::new(row.dot(&x.coefficients), row.dot(&y.coefficients), height_mm)
     }
 
     fn middle_slope(&self, height_mm: f64) -> Vector3<f64> {

@@ -106,8 +106,9 @@ impl Curve {
     pub fn derivatives(&self, angle: f64) -> [f64; 3] {
         match self {
             Curve::Periodic { basis, coefficients } => {
-                let [r, dr, ddr, _] = basis.rows(angle).map(|row| row.dot(coefficients));
-                [r, dr, ddr]
+                let (span, values) = basis.rows_to_second(angle);
+                let indices = basis.indices(span);
+                values.map(|values| Row { indices, values }.dot(coefficients))
             }
             Curve::Polynomial(polynomial) => polynomial.derivatives(angle),
         }

@@ -111,8 +111,12 @@ impl Skin {
     /// Fits the skin of a leg between two distances along its axis; `None` if there are too few points.
     pub fn of(leg: &Leg, axis: &LegAxis, from_mm: f64, to_mm: f64) -> Option<Skin> {
         let middle = middle(leg, axis, from_mm, to_mm)?;
-        let place =
-            |along_mm: f64| Point2::new(middle[0].value(along_mm), middle[1].value(along_mm));
+        let place = |along_mm: f64| {
+            // Both curves have the same basis.
+            let row = middle[0].basis.row(along_mm);
+            let [front, lateral] = middle.each_ref().map(|curve| row.dot(&curve.coefficients));
+            Point2::new(front, lateral)
+        };
         let mut points: Vec<SkinPoint> = Vec::new();
         for point in leg.mesh.points() {
             let (along_mm, in_plane) = axis.place(point);
@@ -131,12 +135,8 @@ impl Skin {
         let data = Scatter { u: &u, v: &v, value: &radii };
         let fit = fit_scatter(&data, along.clone(), INTERVALS_AROUND, SCALE_MIN_MM).ok()?;
         let around = fit.function.around().clone();
-        let left: Vec<f64> = points
-            .iter()
-            .map(|point| point.radius_mm - fit.function.value(point.along_mm, point.angle))
-            .collect();
         let (weight, sigma) = (fit.weights.as_slice(), fit.sigma);
-        let left = Left { along: &u, angle: &v, value: &left, weight, sigma };
+        let left = Left { along: &u, angle: &v, value: &fit.residuals, weight, sigma };
         let (waves, residuals) = Waves::of(&left, &along, &around)?;
         for (point, residual) in points.iter_mut().zip(residuals) {
             point.residual_mm = residual;

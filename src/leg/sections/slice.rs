@@ -124,6 +124,11 @@ impl Mesh {
         &self.triangles
     }
 
+    /// Edges of the triangles, each once and in ascending order, smaller index first.
+    pub fn edges(&self) -> &[[u32; 2]] {
+        self.edges.get_or_init(|| edges(self.points.len(), &self.triangles))
+    }
+
     /// Unit normal of the skin at a point, of arbitrary sign; zero for a point cloud.
     pub fn normal(&self, point: u32) -> Vector3<f64> {
         self.normals.get(point as usize).copied().unwrap_or_default()
@@ -203,7 +208,7 @@ impl Mesh {
         let mut slices = vec![Vec::new(); offsets.len()];
         let (Some(lowest), Some(highest)) = (offsets.first(), offsets.last()) else { return slices };
         let mut first = 0;
-        for &edge in self.edges.get_or_init(|| edges(self.points.len(), &self.triangles)) {
+        for &edge in self.edges() {
             let [p, q] = edge.map(|end| heights[end as usize]);
             let (low, high) = if p < q { (p, q) } else { (q, p) };
             if high < *lowest || low >= *highest {

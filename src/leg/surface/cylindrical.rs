@@ -2,7 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::{Point3, Vector2, Vector3};
+use nalgebra::{Point3, Unit, Vector2, Vector3};
 
 use super::fit_error::Place;
 use super::ridge_parametrization::Columns;
@@ -17,7 +17,7 @@ const CHECK_ANGLES: usize = 90;
 const RADIUS_ANGLES: usize = 8;
 
 /// A leg's outlines with the columns across them.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Unrolled<'a> {
     /// The frame of the outlines.
     pub axis: &'a LegAxis,
@@ -25,9 +25,20 @@ pub struct Unrolled<'a> {
     pub outlines: &'a [Outline],
     /// The positions of the columns.
     pub columns: &'a Columns,
+    /// Plane and middle of each outline, body frame.
+    middles: Vec<(Unit<Vector3<f64>>, Point3<f64>)>,
 }
 
 impl<'a> Unrolled<'a> {
+    /// A leg with these outlines, at least one, ascending.
+    pub fn new(axis: &'a LegAxis, outlines: &'a [Outline], columns: &'a Columns) -> Unrolled<'a> {
+        let middle = |outline: &Outline| {
+            let plane = axis.plane(outline.along_mm);
+            (plane.normal, plane.point(&outline.centre))
+        };
+        Unrolled { axis, outlines, columns, middles: outlines.iter().map(middle).collect() }
+    }
+
     /// The scan's points between two distances along the axis, mm. They are spread evenly over the
     /// skin, so each represents the same area.
     pub fn points(&self, leg: &Leg, from_mm: f64, to_mm: f64) -> Vec<Place> {
@@ -44,20 +55,23 @@ impl<'a> Unrolled<'a> {
     }
 
     /// Points all around the sections, each weighted by the area that it represents.
-    pub fn sections(&self, sections: &'a [&'a Section]) -> impl Iterator<Item = Place> + 'a {
-        let Unrolled { axis, columns, .. } = *self;
-        sections.iter().flat_map(move |section| {
-            let column = columns.at(section.along_mm);
-            let plane = axis.plane(section.along_mm);
-            (0..CHECK_ANGLES).map(move |index| {
-                let angle = -PI + TAU * (index as f64 + 0.5) / CHECK_ANGLES as f64;
+    pub fn sections(&self, sections: &[&Section]) -> Vec<Place> {
+        let angles = (0..CHECK_ANGLES)
+            .map(|index| -PI + TAU * (index as f64 + 0.5) / CHECK_ANGLES as f64)
+            .map(|angle| (angle, Vector2::new(angle.cos(), angle.sin())));
+        let angles: Vec<(f64, Vector2<f64>)> = angles.collect();
+        let mut places = Vec::with_capacity(sections.len() * CHECK_ANGLES);
+        for section in sections {
+            let column = self.columns.at(section.along_mm);
+            let plane = self.axis.plane(section.along_mm);
+            places.extend(angles.iter().map(|&(angle, direction)| {
                 let [radius_mm, slope, _] = section.curve.derivatives(angle);
-                let arm = Vector2::new(angle.cos(), angle.sin()) * radius_mm;
-                let point = plane.point(&(section.centre + arm));
+                let point = plane.point(&(section.centre + direction * radius_mm));
                 let at = (section.along_mm, column(angle));
                 Place { point, at, angle, radius_mm, area: radius_mm.hypot(slope) }
-            })
-        })
+            }));
+        }
+        places
     }
 
     /// The mean radius at a distance along the axis, mm.
@@ -72,17 +86,23 @@ impl<'a> Unrolled<'a> {
         place.radius_mm - self.nearest(place.at.0).curve.radius(place.angle)
     }
 
-    /// Vector from the middle of its outline to a point, perpendicular to the axis, body frame, mm.
-    pub fn arm(&self, point: &Point3<f64>) -> Vector3<f64> {
-        let along_mm = self.axis.along(point);
-        point - self.axis.at(along_mm, &self.nearest(along_mm).centre)
+    /// Vector from the middle of the nearest outline to a point at this distance along the axis,
+    /// perpendicular to the axis, body frame, mm.
+    pub fn arm(&self, point: &Point3<f64>, along_mm: f64) -> Vector3<f64> {
+        let (normal, middle) = self.middles[self.nearest_index(along_mm)];
+        let arm = point - middle;
+        arm - normal.into_inner() * normal.dot(&arm)
     }
 
     /// The outline nearest to a distance along the axis.
     fn nearest(&self, along_mm: f64) -> &Outline {
+        &self.outlines[self.nearest_index(along_mm)]
+    }
+
+    fn nearest_index(&self, along_mm: f64) -> usize {
         let above = self.outlines.partition_point(|outline| outline.along_mm < along_mm);
         let [low, high] = [above.saturating_sub(1), above.min(self.outlines.len() - 1)];
         let far = |index: usize| (self.outlines[index].along_mm - along_mm).abs();
-        &self.outlines[if far(low) <= far(high) { low } else { high }]
+        if far(low) <= far(high) { low } else { high }
     }
 }

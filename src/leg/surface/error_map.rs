@@ -3,12 +3,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use nalgebra::Vector3;
-
 use super::fit_error::Place;
 use super::hole::Coverage;
 use super::ridge_parametrization::Columns;
-use crate::spline::Surface;
 
 /// Maximum distance between the map's rows along the axis, mm; reduced so that the rows reach both
 /// ends.
@@ -36,23 +33,20 @@ pub fn angle(index: usize) -> f64 {
 }
 
 impl ErrorMap {
-    /// The map of points on a surface. Each point counts for the four nodes around it, with
-    /// bilinear weights, so that noise is averaged without a shift. `outward` is the direction out
-    /// of the leg at a point, of any length.
-    pub fn of(
-        surface: &Surface,
+    /// The map of points on a surface between two distances along the axis, each with its distance outside
+    /// the surface, mm. A point counts for the four nodes around it, with bilinear weights, so that noise is
+    /// averaged without a shift.
+    pub fn of<'p>(
+        [low, high]: [f64; 2],
         columns: &Columns,
         coverage: &Coverage,
-        points: impl Iterator<Item = Place>,
-        outward: impl Fn(&Place) -> Vector3<f64>,
+        points: impl Iterator<Item = (&'p Place, f64)>,
     ) -> ErrorMap {
-        let (low, high) = surface.along().domain();
         let pieces = ((high - low) / ROW_MM).ceil().max(1.0);
         let along_mm: Vec<f64> =
             (0..=pieces as usize).map(|row| low + (high - low) * row as f64 / pieces).collect();
         let mut sums = vec![[0.0; 2]; along_mm.len() * ANGLES];
-        for place in points.filter(|place| (low..=high).contains(&place.at.0)) {
-            let Some(off_mm) = off_mm(surface, &place, &outward(&place)) else { continue };
+        for (place, off_mm) in points {
             let up = (place.at.0 - low) / (high - low) * pieces;
             let around = (place.angle + PI) / TAU * ANGLES as f64;
             for (row, of_row) in shares(up) {
@@ -64,23 +58,17 @@ impl ErrorMap {
                 }
             }
         }
-        let node = |(node, [weight, sum]): (usize, &[f64; 2])| {
-            let (along_mm, angle) = (along_mm[node / ANGLES], angle(node % ANGLES));
-            let is_seen = *weight > WEIGHT_MIN
-                && !coverage.is_in_hole(along_mm, columns.column(along_mm, angle));
-            is_seen.then(|| sum / weight)
-        };
-        let outside_mm = sums.iter().enumerate().map(node).collect();
+        let mut outside_mm = Vec::with_capacity(sums.len());
+        for (along_mm, row) in along_mm.iter().zip(sums.chunks_exact(ANGLES)) {
+            let column = columns.at(*along_mm);
+            for (index, [weight, sum]) in row.iter().enumerate() {
+                let is_seen = *weight > WEIGHT_MIN
+                    && !coverage.is_in_hole(*along_mm, column(angle(index)));
+                outside_mm.push(is_seen.then(|| sum / weight));
+            }
+        }
         ErrorMap { along_mm, outside_mm }
     }
-}
-
-/// Distance of a point outside the surface along its normal, mm; `None` at a singular point.
-fn off_mm(surface: &Surface, place: &Place, outward: &Vector3<f64>) -> Option<f64> {
-    let (u, v) = place.at;
-    let normal = surface.normal(u, v)?;
-    let off_mm = (place.point - surface.point(u, v)).dot(&normal);
-    Some(if normal.dot(outward) < 0.0 { -off_mm } else { off_mm })
 }
 
 /// The two nodes next to a position in a row of nodes, with its weight for each.
@@ -92,12 +80,13 @@ fn shares(place: f64) -> [(usize, f64); 2] {
 
 #[cfg(test)]
 mod tests {
-    use nalgebra::{Point2, Point3};
+    use nalgebra::{Point2, Point3, Vector3};
 
     use super::*;
+    use crate::leg::surface::fit_error::Off;
     use crate::leg::sections::axis::LegAxis;
     use crate::leg::side::Side;
-    use crate::spline::{Basis, GridData, fit_grid};
+    use crate::spline::{Basis, GridData, Surface, fit_grid};
 
     const RADIUS_MM: f64 = 50.0;
     const LENGTH_MM: f64 = 190.0;
@@ -134,8 +123,11 @@ mod tests {
         let columns = Columns::following(&[], 0.0, LENGTH_MM).unwrap();
         let at: Vec<(f64, f64)> = places.iter().map(|place| place.at).collect();
         let coverage = Coverage::of([0.0, LENGTH_MM], &at, |_| RADIUS_MM);
+        let tube = tube();
         let outward = |place: &Place| place.point.coords - Vector3::z() * place.point.z;
-        ErrorMap::of(&tube(), &columns, &coverage, places.iter().copied(), outward)
+        let off = |place: &Place| Off::of(&tube, place, &outward(place)).outside_mm.unwrap();
+        let points = places.iter().map(|place| (place, off(place)));
+        ErrorMap::of([0.0, LENGTH_MM], &columns, &coverage, points)
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! The distance of skin from a surface.
 
-use nalgebra::Point3;
-use rayon::prelude::*;
+use nalgebra::{Point3, Vector3};
 
 use crate::spline::Surface;
 
@@ -33,20 +32,42 @@ pub struct Place {
     pub area: f64,
 }
 
+/// The distance of a place from a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Off {
+    /// To the nearest point of the surface, mm.
+    pub distance_mm: f64,
+    /// Outside the surface along the normal at the place's expected position, mm; `None` where the surface
+    /// has no normal.
+    pub outside_mm: Option<f64>,
+}
+
+impl Off {
+    /// The distance of a place; `outward` is the direction out of the leg there, of any length.
+    pub fn of(surface: &Surface, place: &Place, outward: &Vector3<f64>) -> Off {
+        let (u, v) = place.at;
+        let (distance_mm, here) = surface.distance_mm(&place.point, u, v);
+        let outside_mm = here.normal().map(|normal| {
+            let off_mm = (place.point - here.point).dot(&normal);
+            if normal.dot(outward) < 0.0 { -off_mm } else { off_mm }
+        });
+        Off { distance_mm, outside_mm }
+    }
+}
+
 impl FitError {
-    /// Distances of points from a surface; `None` if there are no points. The order of summation is
-    /// fixed, so the results do not depend on threads.
-    pub fn of(surface: &Surface, places: &[Place]) -> Option<FitError> {
-        let distance_mm =
-            |place: &Place| (surface.distance_mm(&place.point, place.at.0, place.at.1), place.area);
-        let mut distances: Vec<(f64, f64)> = places.par_iter().map(distance_mm).collect();
+    /// The error at places with these distances from a surface, mm; `None` if there are none. The order of
+    /// summation is fixed, so the results do not depend on threads.
+    pub fn of(places: &[Place], distances_mm: &[f64]) -> Option<FitError> {
+        let areas = places.iter().map(|place| place.area);
+        let mut distances: Vec<(f64, f64)> = distances_mm.iter().copied().zip(areas).collect();
         let (mut area, mut relative, mut squares) = (0.0, 0.0, 0.0);
         for (place, (distance_mm, own)) in places.iter().zip(&distances) {
             area += own;
             relative += own * distance_mm / place.radius_mm;
             squares += own * distance_mm * distance_mm;
         }
-        distances.sort_by(|a, b| a.0.total_cmp(&b.0));
+        distances.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
         let (max_mm, _) = *distances.last()?;
         let mut passed = 0.0;
         let within = distances.iter().find(|(_, own)| {

@@ -121,10 +121,13 @@ impl Raster {
                 cells.fill(true);
                 continue;
             }
-            let (first, last) = ((home - aside).ceil() as i64, (home + aside).floor() as i64);
-            let count = (last + 1 - first).max(0) as usize;
+            // A turn further on, where no number is negative, whole parts are numbers rounded down.
+            let turn = CELLS_AROUND as f64;
+            let (from, to) = (home - aside + turn, home + aside + turn);
+            let first = from as usize + usize::from((from as usize as f64) < from);
+            let count = (to as usize + 1).saturating_sub(first);
+            let first = first % CELLS_AROUND;
             // A run that passes the row's end continues at its start.
-            let first = first.rem_euclid(CELLS_AROUND as i64) as usize;
             let wrapped = (first + count).saturating_sub(CELLS_AROUND);
             cells[first..first + count - wrapped].fill(true);
             cells[..wrapped].fill(true);

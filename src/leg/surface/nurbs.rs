@@ -3,11 +3,12 @@
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Point3;
+use rayon::prelude::*;
 
 use super::cylindrical::Unrolled;
 use super::error_map::ErrorMap;
 use super::extent::span;
-use super::fit_error::{FitError, Place};
+use super::fit_error::{FitError, Off, Place};
 use super::grid::Grid;
 use super::hole::{Coverage, Hole};
 use super::ridge::ridges;
@@ -153,7 +154,7 @@ pub fn surface(
     let measured: Vec<&Section> =
         rows.filter(|section| (low..=high).contains(&section.along_mm)).collect();
     let columns = Columns::following(&ridges(&measured), low, high)?;
-    let unrolled = Unrolled { axis, outlines: &outlines, columns: &columns };
+    let unrolled = Unrolled::new(axis, &outlines, &columns);
     let points = unrolled.points(leg, low - BEYOND_MM, high + BEYOND_MM);
     let SurfaceFit { mut surface, knots, .. } =
         fitted(&Grid::of(axis, &outlines, &columns), &levels, method)?;
@@ -164,14 +165,26 @@ pub fn surface(
     if let Some(height_mm) = fold(&unrolled, &surface) {
         return Err(NoSurface::Folded { height_mm });
     }
-    let coverage = coverage(&unrolled, &points, &surface);
+    let skin: Vec<bool> =
+        points.iter().map(|place| unrolled.outside_mm(place).abs() <= STRAY_MM).collect();
+    let shown = points.iter().zip(&skin).filter(|(_, is_skin)| **is_skin);
+    let shown: Vec<(f64, f64)> = shown.map(|(place, _)| place.at).collect();
+    let coverage = Coverage::of([low, high], &shown, |along_mm| unrolled.radius_mm(along_mm));
     let (to_sections, in_holes) = to_sections(&unrolled, &measured, &surface, &coverage);
-    let (Some(to_sections), Some(to_points)) = (to_sections, to_points(&points, &surface)) else {
+    let on_it = points.iter().zip(skin).filter(|(place, _)| (low..=high).contains(&place.at.0));
+    let (on_it, skin): (Vec<Place>, Vec<bool>) = on_it.unzip();
+    let off: Vec<Off> = on_it
+        .par_iter()
+        .map(|place| Off::of(&surface, place, &unrolled.arm(&place.point, place.at.0)))
+        .collect();
+    let distances_mm: Vec<f64> = off.iter().map(|off| off.distance_mm).collect();
+    let to_points = FitError::of(&on_it, &distances_mm);
+    let (Some(to_sections), Some(to_points)) = (to_sections, to_points) else {
         return Err(NoSurface::NothingSeen);
     };
-    let skin = points.iter().filter(|place| unrolled.outside_mm(place).abs() <= STRAY_MM);
-    let outward = |place: &Place| unrolled.arm(&place.point);
-    let error_map = ErrorMap::of(&surface, &columns, &coverage, skin.copied(), outward);
+    let outside = on_it.iter().zip(&off).zip(skin).filter(|(_, is_skin)| *is_skin);
+    let outside = outside.filter_map(|((place, off), _)| Some((place, off.outside_mm?)));
+    let error_map = ErrorMap::of([low, high], &columns, &coverage, outside);
     let height_mm = [&outlines[0], &outlines[outlines.len() - 1]]
         .map(|outline| axis.at(outline.along_mm, &outline.centre).z);
     Ok(LegSurface {
@@ -277,18 +290,11 @@ fn fold(unrolled: &Unrolled, surface: &Surface) -> Option<f64> {
     let mut heights = places.filter_map(|(i, j)| {
         let along_mm = low + (high - low) * (i as f64 + 0.5) / rows as f64;
         let here = surface.derivatives(along_mm, TAU * j as f64 / columns as f64);
-        let faces_out = outward * here.du.cross(&here.dv).dot(&unrolled.arm(&here.point));
+        let arm = unrolled.arm(&here.point, along_mm);
+        let faces_out = outward * here.du.cross(&here.dv).dot(&arm);
         (faces_out <= 0.0).then_some(here.point.z)
     });
     heights.next()
-}
-
-/// The part of a surface that its points show.
-fn coverage(unrolled: &Unrolled, points: &[Place], surface: &Surface) -> Coverage {
-    let skin = points.iter().filter(|place| unrolled.outside_mm(place).abs() <= STRAY_MM);
-    let places: Vec<(f64, f64)> = skin.map(|place| place.at).collect();
-    let (low, high) = surface.along().domain();
-    Coverage::of([low, high], &places, |along_mm| unrolled.radius_mm(along_mm))
 }
 
 /// Distance of sections from a surface, where it was seen and in its holes.
@@ -298,16 +304,15 @@ fn to_sections(
     surface: &Surface,
     coverage: &Coverage,
 ) -> (Option<FitError>, Option<FitError>) {
-    let (in_holes, seen): (Vec<Place>, Vec<Place>) =
-        unrolled.sections(sections).partition(|place| coverage.is_in_hole(place.at.0, place.at.1));
-    (FitError::of(surface, &seen), FitError::of(surface, &in_holes))
-}
-
-/// Distance of the scan's points on a surface from it.
-fn to_points(points: &[Place], surface: &Surface) -> Option<FitError> {
-    let (low, high) = surface.along().domain();
-    let on_it = points.iter().filter(|place| (low..=high).contains(&place.at.0));
-    FitError::of(surface, &on_it.copied().collect::<Vec<_>>())
+    let (in_holes, seen): (Vec<Place>, Vec<Place>) = unrolled
+        .sections(sections)
+        .into_iter()
+        .partition(|place| coverage.is_in_hole(place.at.0, place.at.1));
+    let error = |places: &[Place]| {
+        let distance = |place: &Place| surface.distance_mm(&place.point, place.at.0, place.at.1).0;
+        FitError::of(places, &places.par_iter().map(distance).collect::<Vec<_>>())
+    };
+    (error(&seen), error(&in_holes))
 }
 
 impl LegSurface {
@@ -363,7 +368,7 @@ mod tests {
         };
         let outlines: Vec<Outline> = (0..20).map(|i| round(10.0 * f64::from(i))).collect();
         let columns = Columns::following(&[], 0.0, 190.0).unwrap();
-        let unrolled = Unrolled { axis: &axis, outlines: &outlines, columns: &columns };
+        let unrolled = Unrolled::new(&axis, &outlines, &columns);
         assert_eq!(fold(&unrolled, &tube(&axis, 0.4)), None);
         let height_mm = fold(&unrolled, &tube(&axis, 0.8)).unwrap();
         // 1 − 2 · 0.8 exp(−x²) is 0 where x = 0.69 · 30 mm below the middle.

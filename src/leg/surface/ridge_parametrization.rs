@@ -111,7 +111,9 @@ impl Columns {
 
     /// The function from an angle to its column, radians in [−π, π), at one distance along the axis.
     pub fn at(&self, along_mm: f64) -> impl Fn(f64) -> f64 {
-        let (bend, around) = (self.bend.around_at(along_mm), self.bend.around());
+        let around = self.bend.around();
+        let mut bend = [0.0; INTERVALS_AROUND];
+        self.bend.add_around_at(along_mm, &mut bend);
         move |angle| {
             let mut v = angle;
             let mut off = around.row(v).dot(&bend);

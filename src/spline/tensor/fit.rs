@@ -24,6 +24,8 @@ pub struct TensorFit {
     pub function: Tensor,
     /// The final weight of each datum, 0 to 1.
     pub weights: Vec<f64>,
+    /// What the function leaves of each datum.
+    pub residuals: Vec<f64>,
     /// Standard deviation of a datum, assuming normal errors.
     pub sigma: f64,
     /// Effective degrees of freedom.
@@ -124,15 +126,15 @@ pub fn fit_scatter(
         let off = if round < ROUNDS { ROUGHLY } else { FINALLY };
         coefficients = equations.solved(lambdas, coefficients, off);
     }
-    let left = residuals(&rows, data.value, &coefficients);
-    let rss: f64 = left.iter().zip(&weights).map(|(r, w)| w * r * r).sum();
+    let residuals = residuals(&rows, data.value, &coefficients);
+    let rss: f64 = residuals.iter().zip(&weights).map(|(r, w)| w * r * r).sum();
     let freedom = weights.iter().sum::<f64>() - edf;
     let sigma = (rss / freedom.max(1.0)).sqrt() / WEIGHTED_NORMAL_SD;
     let mean_variances =
         mean_variances(&direction, &around, pieces_around, lambdas, equations.density());
     drop(equations);
     let function = Tensor::new(along, circle.basis, coefficients.as_slice().to_vec());
-    Ok(TensorFit { function, weights, sigma, edf, lambdas, direction, mean_variances })
+    Ok(TensorFit { function, weights, residuals, sigma, edf, lambdas, direction, mean_variances })
 }
 
 /// The data without a function, whose coefficients are around × along.

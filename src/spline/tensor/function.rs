@@ -36,14 +36,19 @@ impl Tensor {
 
     /// The coefficients of the periodic function of v at one u.
     pub fn around_at(&self, u: f64) -> Vec<f64> {
+        let mut coefficients = vec![0.0; self.around.count()];
+        self.add_around_at(u, &mut coefficients);
+        coefficients
+    }
+
+    /// Adds the coefficients of the periodic function of v at one u to as many values.
+    pub(crate) fn add_around_at(&self, u: f64, coefficients: &mut [f64]) {
         let row = self.along.row(u);
         let width = self.around.count();
-        let mut coefficients = vec![0.0; width];
         for (i, share) in row.indices.into_iter().zip(row.values) {
             let own = &self.coefficients[i * width..(i + 1) * width];
             coefficients.iter_mut().zip(own).for_each(|(sum, value)| *sum += share * value);
         }
-        coefficients
     }
 
     /// Sum of the coefficients, weighted by two rows of basis values.
