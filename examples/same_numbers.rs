@@ -73,7 +73,9 @@ fn read(path: &Path) -> Result<Value, Box<dyn Error>> {
 impl Tally {
     fn look_at_digits(&mut self, key: &str, value: &Value) {
         match value {
-            Value::Object(fields) => fields.iter().for_each(|(key, value)| self.look_at_digits(key, value)),
+            Value::Object(fields) => {
+                fields.iter().for_each(|(key, value)| self.look_at_digits(key, value))
+            }
             Value::Array(values) => values.iter().for_each(|value| self.look_at_digits(key, value)),
             Value::Number(number) => {
                 let step = self.steps.entry(key.to_owned()).or_insert(f64::INFINITY);
@@ -132,7 +134,8 @@ impl Tally {
             self.moved.push(format!("{place}: {} → {} bytes", old.len(), new.len()));
         }
         for (index, (old, new)) in old.chunks_exact(2).zip(new.chunks_exact(2)).enumerate() {
-            let [old, new] = [old, new].map(|pair| f64::from(i16::from_le_bytes([pair[0], pair[1]])));
+            let [old, new] =
+                [old, new].map(|pair| f64::from(i16::from_le_bytes([pair[0], pair[1]])));
             self.compare_numbers(&format!("{place}[{index}]"), [old, new], 1.0, None);
         }
     }

@@ -75,7 +75,8 @@ impl Skyline {
     /// `self + factor · other`, for two matrices of the same basis.
     pub fn plus(&self, factor: f64, other: &Skyline) -> Skyline {
         let entries = self.entries.iter().zip(&other.entries).map(|(a, b)| a + factor * b);
-        Skyline { entries: entries.collect(), ..self.clone() }
+        let (starts, full_from) = (self.starts.clone(), self.full_from);
+        Skyline { starts, full_from, entries: entries.collect() }
     }
 
     /// The matrix in dense form.

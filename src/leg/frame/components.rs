@@ -47,10 +47,7 @@ fn connected(count: usize, triangles: &[[u32; 3]]) -> Vec<u32> {
 
 /// The triangles with renumbered points, and the old indices of these points in the order in which the
 /// triangles use them.
-pub fn renumbered(
-    point_count: usize,
-    mut triangles: Vec<[u32; 3]>,
-) -> (Vec<[u32; 3]>, Vec<u32>) {
+pub fn renumbered(point_count: usize, mut triangles: Vec<[u32; 3]>) -> (Vec<[u32; 3]>, Vec<u32>) {
     const UNUSED: u32 = u32::MAX;
     let mut numbers = vec![UNUSED; point_count];
     let mut used = Vec::new();

@@ -25,14 +25,18 @@ pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let links = Links::of(legs.points().len(), legs.edges());
     let slabs = Slabs::of(legs.points(), edge_mm);
     let mut by_height: Vec<u32> = (0..legs.points().len() as u32).collect();
-    by_height.sort_unstable_by(|p, q| legs.points()[*p as usize].z.total_cmp(&legs.points()[*q as usize].z));
+    by_height.sort_unstable_by(|p, q| {
+        legs.points()[*p as usize].z.total_cmp(&legs.points()[*q as usize].z)
+    });
     let stride = by_height.len().div_ceil(SAMPLES).max(1);
     let samples = by_height.iter().step_by(stride);
     let count = samples.clone().count();
-    let mut linked = Vec::new();
+    // For each point the last sample to which it is linked.
+    let mut linked_to = vec![u32::MAX; legs.points().len()];
     let is_beside = |&&sample: &&u32| {
-        links.within(sample, LINKS_MAX, &mut linked);
-        slabs.near(&legs.points()[sample as usize]).any(|point| !linked.contains(&point))
+        links.mark(sample, LINKS_MAX, &mut linked_to);
+        let mut near = slabs.near(&legs.points()[sample as usize]);
+        near.any(|point| linked_to[point as usize] != sample)
     };
     samples.filter(is_beside).count() as f64 / count.max(1) as f64
 }
@@ -67,7 +71,11 @@ impl Slabs {
         let near = move |(_, point, _): &&(i64, Point3<f64>, u32)| {
             (point - place).norm_squared() < self.edge_mm * self.edge_mm
         };
-        [own - 1, own, own + 1].into_iter().flat_map(within).filter(near).map(|(_, _, index)| *index)
+        [own - 1, own, own + 1]
+            .into_iter()
+            .flat_map(within)
+            .filter(near)
+            .map(|(_, _, index)| *index)
     }
 }
 
@@ -98,10 +106,10 @@ impl Links {
         Links { starts, ends }
     }
 
-    /// The points that up to `links_max` edges lead to, and the point itself.
-    fn within(&self, point: u32, links_max: usize, reached: &mut Vec<u32>) {
-        reached.clear();
-        reached.push(point);
+    /// Marks a point, and those that up to `links_max` edges lead to, with its index.
+    fn mark(&self, point: u32, links_max: usize, marks: &mut [u32]) {
+        marks[point as usize] = point;
+        let mut reached = vec![point];
         let mut from = 0;
         for _ in 0..links_max {
             let to = reached.len();
@@ -109,7 +117,8 @@ impl Links {
                 let at = reached[index] as usize;
                 let [start, end] = [self.starts[at], self.starts[at + 1]].map(|i| i as usize);
                 for &next in &self.ends[start..end] {
-                    if !reached.contains(&next) {
+                    if marks[next as usize] != point {
+                        marks[next as usize] = point;
                         reached.push(next);
                     }
                 }

@@ -125,7 +125,10 @@ pub struct NoLegs {
 /// [`NoLegs`] if too few heights show exactly two shanks, or one and nothing else.
 pub fn stance(mesh: &Mesh, stature_mm: f64) -> Result<Stance, NoLegs> {
     let heights: Vec<f64> = SHANK_SHARES.iter().map(|share| share * stature_mm).collect();
-    let slices = mesh.slices(&Vector3::z_axis(), &heights);
+    // Only a tenth of the body is sliced.
+    let [low, high] = [heights[0], heights[heights.len() - 1]];
+    let part = mesh.part(|facet| facet.reaches([low, high]));
+    let slices = part.slices(&Vector3::z_axis(), &heights);
     let rings: Vec<Vec<Point2<f64>>> = slices.iter().map(|slice| shank_middles(slice)).collect();
     let shanks = shanks(rings)?;
     let feet_points = feet(mesh, &shanks, FOOT_SHARE * stature_mm);

@@ -39,17 +39,18 @@ pub fn outline_centroid(points: &[Point2<f64>]) -> Option<Point2<f64>> {
 fn ring(points: &[Point2<f64>]) -> Vec<Point2<f64>> {
     let sum: Vector2<f64> = points.iter().map(|point| point.coords).sum();
     let mean = sum / points.len().max(1) as f64;
-    let mut by_turn: Vec<(f64, Point2<f64>)> =
-        points.iter().map(|point| (quick_turn(point.coords - mean), *point)).collect();
-    by_turn.sort_unstable_by(|p, q| p.0.total_cmp(&q.0));
-    by_turn.into_iter().map(|(_, point)| point).collect()
+    // Bits of positive numbers are in the order of the numbers, and sorted faster.
+    let key = |point: &Point2<f64>| quick_turn(point.coords - mean).to_bits();
+    let mut by_turn: Vec<(u64, u32)> = points.iter().map(key).zip(0..).collect();
+    by_turn.sort_unstable();
+    by_turn.into_iter().map(|(_, index)| points[index as usize]).collect()
 }
 
-/// A number that grows with the angle of an arm from −180° to 180°, from −2 to 2: ten times faster than the
+/// A number that grows with the angle of an arm from −180° to 180°, from 1 to 5: ten times faster than the
 /// angle.
 fn quick_turn(arm: Vector2<f64>) -> f64 {
     let share = arm.x / (arm.x.abs() + arm.y.abs()).max(f64::MIN_POSITIVE);
-    if arm.y < 0.0 { share - 1.0 } else { 1.0 - share }
+    if arm.y < 0.0 { 2.0 + share } else { 4.0 - share }
 }
 
 /// The centroid of an outline whose points lie in order about a point inside, without a gap; `None` of any

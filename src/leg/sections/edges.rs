@@ -1,34 +1,52 @@
 //! The edges of triangles, each once.
 
+/// A point of a regular mesh has three neighbours of larger index on average; so many have a place in its
+/// row.
+const PLACES: usize = 8;
+
+/// Marks a place without a neighbour.
+const NONE: u32 = u32::MAX;
+
 /// The edges of triangles over so many points, smaller index first, in ascending order.
 ///
-/// Each goes into the list of its smaller index, unless it is there already; these lists have three
-/// entries on average.
+/// Each goes into the row of its smaller index, unless it is there already, so that only rows are sorted.
 pub fn edges(points: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-    let sides = || {
-        let sides = triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]);
-        sides.map(|[from, to]| if from < to { [from, to] } else { [to, from] })
-    };
-    // Where the list of each point begins, if it held all its sides.
-    let mut starts = vec![0u32; points + 1];
-    sides().for_each(|[from, _]| starts[from as usize + 1] += 1);
-    (0..points).for_each(|point| starts[point + 1] += starts[point]);
-    let mut ends = starts.clone();
-    let mut others = vec![0; 3 * triangles.len()];
-    for [from, to] in sides() {
-        let (start, end) = (starts[from as usize] as usize, &mut ends[from as usize]);
-        if !others[start..*end as usize].contains(&to) {
-            others[*end as usize] = to;
-            *end += 1;
+    let mut rows = vec![[NONE; PLACES]; points];
+    let mut others = Vec::new();
+    for &[a, b, c] in triangles {
+        put(&mut rows, &mut others, a, b);
+        put(&mut rows, &mut others, b, c);
+        put(&mut rows, &mut others, c, a);
+    }
+    let mut edges = Vec::with_capacity(3 * triangles.len() / 2 + 1);
+    for (from, row) in (0..).zip(&mut rows) {
+        let count = row.iter().position(|other| *other == NONE).unwrap_or(PLACES);
+        insertion_sort(&mut row[..count]);
+        for to in &row[..count] {
+            edges.push([from, *to]);
         }
     }
-    let mut edges = Vec::with_capacity(others.len() / 2 + 1);
-    for ((from, start), end) in (0..).zip(&starts[..points]).zip(&ends) {
-        let own = &mut others[*start as usize..*end as usize];
-        insertion_sort(own);
-        edges.extend(own.iter().map(|to| [from, *to]));
+    if !others.is_empty() {
+        edges.extend(others);
+        edges.sort_unstable();
+        edges.dedup();
     }
     edges
+}
+
+/// Puts an edge into the row of its smaller index; or to the others, if that is full.
+fn put(rows: &mut [[u32; PLACES]], others: &mut Vec<[u32; 2]>, a: u32, b: u32) {
+    let (from, to) = if a < b { (a, b) } else { (b, a) };
+    for place in &mut rows[from as usize] {
+        if *place == to {
+            return;
+        }
+        if *place == NONE {
+            *place = to;
+            return;
+        }
+    }
+    others.push([from, to]);
 }
 
 /// Sorts a list of a few entries, for which the library's own way prepares too much.
@@ -52,5 +70,14 @@ mod tests {
         let expected = [[0, 1], [0, 3], [1, 2], [1, 3], [2, 3], [2, 4], [3, 4]];
         assert_eq!(edges(6, &triangles), expected);
         assert!(edges(3, &[]).is_empty());
+    }
+
+    #[test]
+    fn a_point_may_have_any_number_of_neighbours() {
+        let fan: Vec<[u32; 3]> = (1..40).map(|i| [0, i, i % 39 + 1]).collect();
+        let found = edges(40, &fan);
+        let spokes = found.iter().filter(|edge| edge[0] == 0);
+        assert_eq!((spokes.count(), found.len()), (39, 78));
+        assert!(found.is_sorted_by(|a, b| a < b));
     }
 }

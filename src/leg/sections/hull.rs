@@ -25,13 +25,17 @@ impl Hull {
     /// The hull of points that lie in order around a point inside of it, after Graham (1972), in a
     /// single pass. `None` if they do not span an area.
     pub fn of_ring(points: &[Point2<f64>]) -> Option<Hull> {
-        let by_place = |a: &usize, b: &usize| {
-            let (p, q) = (points[*a], points[*b]);
-            p.x.total_cmp(&q.x).then_with(|| p.y.total_cmp(&q.y))
-        };
-        let first = (0..points.len()).min_by(by_place)?;
+        let mut first = 0;
+        for (index, point) in points.iter().enumerate() {
+            let least = points[first];
+            if point.x < least.x || (point.x == least.x && point.y < least.y) {
+                first = index;
+            }
+        }
         // Once around, from a corner of the hull to the same corner.
-        let mut corners = half_hull(points[first..].iter().chain(&points[..=first]));
+        let mut corners = Vec::with_capacity(points.len() + 1);
+        points[first..].iter().for_each(|point| extend(&mut corners, *point));
+        points.iter().take(first + 1).for_each(|point| extend(&mut corners, *point));
         corners.pop();
         (corners.len() >= 3).then_some(Hull { corners })
     }
@@ -79,16 +83,20 @@ impl Hull {
 /// One chain of the hull; both chains contain both end points.
 fn half_hull<'a>(points: impl Iterator<Item = &'a Point2<f64>>) -> Vec<Point2<f64>> {
     let mut chain: Vec<Point2<f64>> = Vec::new();
-    for &point in points {
-        while let [.., before, last] = chain[..] {
-            if (last - before).perp(&(point - last)) > 0.0 {
-                break;
-            }
-            chain.pop();
-        }
-        chain.push(point);
-    }
+    points.for_each(|point| extend(&mut chain, *point));
     chain
+}
+
+/// Adds a point to a chain that turns left only.
+#[inline]
+fn extend(chain: &mut Vec<Point2<f64>>, point: Point2<f64>) {
+    while let [.., before, last] = chain.as_slice() {
+        if (last - before).perp(&(point - last)) > 0.0 {
+            break;
+        }
+        chain.pop();
+    }
+    chain.push(point);
 }
 
 #[cfg(test)]

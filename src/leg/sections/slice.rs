@@ -54,6 +54,12 @@ impl Facet {
         ((a + b + c) / 3.0).into()
     }
 
+    /// Whether it reaches into a range of heights, mm.
+    pub fn reaches(&self, [low, high]: [f64; 2]) -> bool {
+        let [a, b, c] = self.0.map(|corner| corner.z);
+        a.min(b).min(c) <= high && a.max(b).max(c) >= low
+    }
+
     /// Length of its longest edge, mm; 0 for the points of a cloud.
     pub fn longest_edge_mm(&self) -> f64 {
         let [a, b, c] = self.0;
@@ -206,7 +212,9 @@ impl Mesh {
         }
         let normals: Vec<_> = offsets.iter().map(|offset| normal(*offset)).collect();
         let mut slices = vec![Vec::new(); offsets.len()];
-        let (Some(lowest), Some(highest)) = (offsets.first(), offsets.last()) else { return slices };
+        let (Some(lowest), Some(highest)) = (offsets.first(), offsets.last()) else {
+            return slices;
+        };
         let mut first = 0;
         for &edge in self.edges() {
             let [p, q] = edge.map(|end| heights[end as usize]);

@@ -54,24 +54,25 @@ impl<'a> Unrolled<'a> {
         leg.mesh.points().iter().filter_map(place).collect()
     }
 
-    /// Points all around the sections, each weighted by the area that it represents.
-    pub fn sections(&self, sections: &[&Section]) -> Vec<Place> {
+    /// Points all around the sections, one section after the other, each weighted by the area that it
+    /// represents.
+    pub fn sections(&self, sections: &[&Section]) -> Vec<Vec<Place>> {
         let angles = (0..CHECK_ANGLES)
             .map(|index| -PI + TAU * (index as f64 + 0.5) / CHECK_ANGLES as f64)
             .map(|angle| (angle, Vector2::new(angle.cos(), angle.sin())));
         let angles: Vec<(f64, Vector2<f64>)> = angles.collect();
-        let mut places = Vec::with_capacity(sections.len() * CHECK_ANGLES);
-        for section in sections {
+        let places = |section: &&Section| {
             let column = self.columns.at(section.along_mm);
             let plane = self.axis.plane(section.along_mm);
-            places.extend(angles.iter().map(|&(angle, direction)| {
+            let place = |&(angle, direction): &(f64, Vector2<f64>)| {
                 let [radius_mm, slope, _] = section.curve.derivatives(angle);
                 let point = plane.point(&(section.centre + direction * radius_mm));
                 let at = (section.along_mm, column(angle));
                 Place { point, at, angle, radius_mm, area: radius_mm.hypot(slope) }
-            }));
-        }
-        places
+            };
+            angles.iter().map(place).collect()
+        };
+        sections.iter().map(places).collect()
     }
 
     /// The mean radius at a distance along the axis, mm.

@@ -62,8 +62,8 @@ impl ErrorMap {
         for (along_mm, row) in along_mm.iter().zip(sums.chunks_exact(ANGLES)) {
             let column = columns.at(*along_mm);
             for (index, [weight, sum]) in row.iter().enumerate() {
-                let is_seen = *weight > WEIGHT_MIN
-                    && !coverage.is_in_hole(*along_mm, column(angle(index)));
+                let is_seen =
+                    *weight > WEIGHT_MIN && !coverage.is_in_hole(*along_mm, column(angle(index)));
                 outside_mm.push(is_seen.then(|| sum / weight));
             }
         }
@@ -83,9 +83,9 @@ mod tests {
     use nalgebra::{Point2, Point3, Vector3};
 
     use super::*;
-    use crate::leg::surface::fit_error::Off;
     use crate::leg::sections::axis::LegAxis;
     use crate::leg::side::Side;
+    use crate::leg::surface::fit_error::Off;
     use crate::spline::{Basis, GridData, Surface, fit_grid};
 
     const RADIUS_MM: f64 = 50.0;

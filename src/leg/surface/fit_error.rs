@@ -43,10 +43,11 @@ pub struct Off {
 }
 
 impl Off {
-    /// The distance of a place; `outward` is the direction out of the leg there, of any length.
+    /// The distance of a place within the surface's domain; `outward` is the direction out of the leg there, of any length.
     pub fn of(surface: &Surface, place: &Place, outward: &Vector3<f64>) -> Off {
         let (u, v) = place.at;
-        let (distance_mm, here) = surface.distance_mm(&place.point, u, v);
+        let here = surface.derivatives(u, v);
+        let distance_mm = surface.distance_mm(&place.point, [u, v], here);
         let outside_mm = here.normal().map(|normal| {
             let off_mm = (place.point - here.point).dot(&normal);
             if normal.dot(outward) < 0.0 { -off_mm } else { off_mm }

@@ -286,15 +286,16 @@ fn fold(unrolled: &Unrolled, surface: &Surface) -> Option<f64> {
     let PlaneFrame { normal, front, lateral, .. } = unrolled.axis.foot;
     let outward = -front.cross(&lateral).dot(&normal).signum();
     let [rows, columns] = FOLD_PLACES;
-    let places = (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
-    let mut heights = places.filter_map(|(i, j)| {
+    (0..rows).find_map(|i| {
         let along_mm = low + (high - low) * (i as f64 + 0.5) / rows as f64;
-        let here = surface.derivatives(along_mm, TAU * j as f64 / columns as f64);
-        let arm = unrolled.arm(&here.point, along_mm);
-        let faces_out = outward * here.du.cross(&here.dv).dot(&arm);
-        (faces_out <= 0.0).then_some(here.point.z)
-    });
-    heights.next()
+        let line = surface.line(along_mm);
+        (0..columns).find_map(|j| {
+            let here = line.derivatives(TAU * j as f64 / columns as f64);
+            let arm = unrolled.arm(&here.point, along_mm);
+            let faces_out = outward * here.du.cross(&here.dv).dot(&arm);
+            (faces_out <= 0.0).then_some(here.point.z)
+        })
+    })
 }
 
 /// Distance of sections from a surface, where it was seen and in its holes.
@@ -304,15 +305,25 @@ fn to_sections(
     surface: &Surface,
     coverage: &Coverage,
 ) -> (Option<FitError>, Option<FitError>) {
-    let (in_holes, seen): (Vec<Place>, Vec<Place>) = unrolled
-        .sections(sections)
-        .into_iter()
-        .partition(|place| coverage.is_in_hole(place.at.0, place.at.1));
-    let error = |places: &[Place]| {
-        let distance = |place: &Place| surface.distance_mm(&place.point, place.at.0, place.at.1).0;
-        FitError::of(places, &places.par_iter().map(distance).collect::<Vec<_>>())
+    let places = unrolled.sections(sections);
+    let distances_mm = |(section, places): (&&Section, &Vec<Place>)| -> Vec<f64> {
+        let line = surface.line(section.along_mm);
+        let distance_mm = |place: &Place| {
+            let (u, v) = place.at;
+            surface.distance_mm(&place.point, [u, v], line.derivatives(v))
+        };
+        places.iter().map(distance_mm).collect()
     };
-    (error(&seen), error(&in_holes))
+    let distances_mm: Vec<f64> =
+        sections.par_iter().zip(&places).flat_map_iter(distances_mm).collect();
+    let is_in_hole = |(place, _): &(Place, f64)| coverage.is_in_hole(place.at.0, place.at.1);
+    let places = places.into_iter().flatten().zip(distances_mm);
+    let (in_holes, seen): (Vec<_>, Vec<_>) = places.partition(is_in_hole);
+    let error = |places: Vec<(Place, f64)>| {
+        let (places, distances_mm): (Vec<Place>, Vec<f64>) = places.into_iter().unzip();
+        FitError::of(&places, &distances_mm)
+    };
+    (error(seen), error(in_holes))
 }
 
 impl LegSurface {

@@ -20,7 +20,11 @@ pub(super) const ONE: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 /// their slopes, from the functions `lower` of the next lower degree: one column of the Cox-de Boor
 /// triangle (The NURBS Book, equations 2.5 and 2.7).
 #[inline]
-pub(super) fn raised<const TO: usize>(triangle: &Triangle, lower: [f64; 4], step: Raise) -> [f64; 4] {
+pub(super) fn raised<const TO: usize>(
+    triangle: &Triangle,
+    lower: [f64; 4],
+    step: Raise,
+) -> [f64; 4] {
     let mut values = [0.0; 4];
     for r in 0..TO {
         // The interval itself lies between the two knots, so their distance is not 0.

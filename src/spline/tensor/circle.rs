@@ -50,25 +50,17 @@ impl Circle {
         gram[0] += RIDGE * gram[0];
         let rough = roughness(&basis, PENALISED);
         let roughness = std::array::from_fn(|apart| rough.entry(DEGREE + apart, DEGREE));
-        let phase = |wave: usize, place: usize| TAU * (wave * place % pieces) as f64 / pieces as f64;
+        let phase =
+            |wave: usize, place: usize| TAU * (wave * place % pieces) as f64 / pieces as f64;
         let size = |wave: usize| {
             let is_single = wave == 0 || 2 * wave == pieces;
             (if is_single { 1.0 } else { 2.0 } / pieces as f64).sqrt()
         };
         let (even, odd) = (pieces / 2 + 1, (pieces - 1) / 2);
         let cosines = DMatrix::from_fn(even, even, |k, j| size(k) * phase(k, j).cos());
-        let sines =
-            DMatrix::from_fn(odd, odd, |k, j| size(k + 1) * phase(k + 1, j + 1).sin());
+        let sines = DMatrix::from_fn(odd, odd, |k, j| size(k + 1) * phase(k + 1, j + 1).sin());
         let (cosines_transposed, sines_transposed) = (cosines.transpose(), sines.transpose());
-        Ok(Circle {
-            basis,
-            gram,
-            roughness,
-            cosines,
-            sines,
-            cosines_transposed,
-            sines_transposed,
-        })
+        Ok(Circle { basis, gram, roughness, cosines, sines, cosines_transposed, sines_transposed })
     }
 
     /// Number of pieces, of functions, and of waves.
@@ -92,7 +84,8 @@ impl Circle {
         let turn = |frequency: usize, apart: usize| {
             (TAU * (frequency * apart) as f64 / self.count() as f64).cos()
         };
-        let others = |k: usize| (1..=DEGREE).map(|apart| 2.0 * of[apart] * turn(k, apart)).sum::<f64>();
+        let others =
+            |k: usize| (1..=DEGREE).map(|apart| 2.0 * of[apart] * turn(k, apart)).sum::<f64>();
         (0..self.frequencies()).map(|frequency| of[0] + others(frequency)).collect()
     }
 

@@ -13,7 +13,7 @@ use crate::spline::basis::{DEGREE, Row};
 const STEPS_MAX: usize = 400;
 
 /// The products of one function with those of itself and the three after it along, each with seven around.
-type HalfStencil = [[f64; REACH]; DEGREE + 1];
+type HalfStencil = [f64; (DEGREE + 1) * REACH];
 
 /// (BᵀWB + penalty) c = BᵀWy.
 pub struct Equations<'a> {
@@ -42,7 +42,7 @@ impl<'a> Equations<'a> {
         let mut equations = Equations {
             along,
             circle,
-            gram: vec![[[0.0; REACH]; DEGREE + 1]; height * width],
+            gram: vec![[0.0; (DEGREE + 1) * REACH]; height * width],
             moments: DMatrix::zeros(width, height),
             data_along: vec![[0.0; DEGREE + 1]; height],
             weight: weights.iter().sum(),
@@ -55,25 +55,39 @@ impl<'a> Equations<'a> {
         equations
     }
 
-    /// Adds one datum.
+    /// Adds one datum. Everything is written out: these are two thirds of the work on a datum, and loops of
+    /// four would double it.
     fn add(&mut self, (along, around): &(Row, Row), value: f64, weight: f64) {
         let width = self.circle.count();
-        let first = along.indices[0];
-        // Around, the products of each function with all four, shifted to its place among the seven.
-        let pairs = around.values.map(|b| around.values.map(|d| weight * b * d));
-        for (a, share_a) in along.values.into_iter().enumerate() {
-            let line = (first + a) * width;
-            for (j, share_b) in around.indices.into_iter().zip(around.values) {
-                self.moments.as_mut_slice()[line + j] += weight * share_a * share_b * value;
-            }
-            for (ahead, share_c) in along.values[a..].iter().enumerate() {
-                let share = share_a * share_c;
-                self.data_along[first + a][ahead] += weight * share;
-                for (b, (j, pairs)) in around.indices.into_iter().zip(pairs).enumerate() {
-                    let own = &mut self.gram[line + j][ahead][DEGREE - b..][..DEGREE + 1];
-                    own.iter_mut().zip(pairs).for_each(|(own, pair)| *own += share * pair);
-                }
-            }
+        let (from, to) = (along.indices[0] * width, (along.indices[0] + 4) * width);
+        let [a, b, c, d] = along.values;
+        let products = [
+            [a * a, a * b, a * c, a * d],
+            [b * b, b * c, b * d, 0.0],
+            [c * c, c * d, 0.0, 0.0],
+            [d * d, 0.0, 0.0, 0.0],
+        ];
+        let data = Datum {
+            columns: around.indices,
+            values: around.values,
+            products,
+            pairs: around.values.map(|b| around.values.map(|d| weight * b * d)),
+        };
+        let (first, gram) = self.gram[from..to].split_at_mut(width);
+        let (second, gram) = gram.split_at_mut(width);
+        let (third, fourth) = gram.split_at_mut(width);
+        data.add_to_row::<0>(first);
+        data.add_to_row::<1>(second);
+        data.add_to_row::<2>(third);
+        data.add_to_row::<3>(fourth);
+        let moments = self.moments.as_mut_slice()[from..to].chunks_exact_mut(width);
+        for (moments, share) in moments.zip(along.values) {
+            data.columns.iter().zip(data.values).for_each(|(column, own)| {
+                moments[*column] += weight * value * share * own;
+            });
+        }
+        for (own, products) in self.data_along[along.indices[0]..].iter_mut().zip(products) {
+            own.iter_mut().zip(products).for_each(|(own, product)| *own += weight * product);
         }
     }
 
@@ -141,13 +155,49 @@ impl<'a> Equations<'a> {
                 let penalty: [f64; REACH] =
                     std::array::from_fn(|b| bend_along * gram[b] + bend_around * rough[b]);
                 for (j, own) in self.gram[i * width..(i + 1) * width].iter().enumerate() {
-                    for (b, (own, penalty)) in own[ahead].iter().zip(penalty).enumerate() {
+                    let own = &own[ahead * REACH..(ahead + 1) * REACH];
+                    for (b, (own, penalty)) in own.iter().zip(penalty).enumerate() {
                         system.set([i, j], [ahead, b], own + penalty);
                     }
                 }
             }
         }
         system
+    }
+}
+
+/// What a datum adds to the Gram matrix.
+struct Datum {
+    /// Its functions around, with their values.
+    columns: [usize; 4],
+    values: [f64; 4],
+    /// For each function along, its products with itself and those after it.
+    products: [[f64; 4]; 4],
+    /// For each function around, its weighted products with all four.
+    pairs: [[f64; 4]; 4],
+}
+
+impl Datum {
+    /// Adds to the entries of its function number `A` along.
+    #[inline]
+    fn add_to_row<const A: usize>(&self, row: &mut [HalfStencil]) {
+        self.add_to::<A, 0>(&mut row[self.columns[0]]);
+        self.add_to::<A, 1>(&mut row[self.columns[1]]);
+        self.add_to::<A, 2>(&mut row[self.columns[2]]);
+        self.add_to::<A, 3>(&mut row[self.columns[3]]);
+    }
+
+    /// … and number `B` around, whose products begin at the neighbour so far behind.
+    #[inline]
+    fn add_to<const A: usize, const B: usize>(&self, own: &mut HalfStencil) {
+        let [a, b, c, d] = self.pairs[B];
+        for (ahead, share) in self.products[A][..DEGREE + 1 - A].iter().enumerate() {
+            let at = ahead * REACH + DEGREE - B;
+            own[at] += share * a;
+            own[at + 1] += share * b;
+            own[at + 2] += share * c;
+            own[at + 3] += share * d;
+        }
     }
 }
 
