@@ -53,7 +53,7 @@
 //! | `scan` | nalgebra, thiserror, tobj (the OBJ reader) |
 //! | `spline` | nalgebra, rayon, thiserror |
 //! | `leg` | nalgebra, rayon, thiserror |
-//! | `cad` | nalgebra, thiserror |
+//! | `cad` | nalgebra, thiserror, zmij (numbers as text) |
 //! | `record` | base64, `encoding_rs` (code page 1252), flate2 (packing), jiff (calendar only), nalgebra, `pdf_writer`, serde, `serde_json`, sha2, subsetter (fonts), thiserror, `tiny_skia` (pixels) |
 //! | `flow` | regex, serde, thiserror, jiff (calendar only) |
 

@@ -11,6 +11,7 @@
 //! | [`iges`] | IGES 5.3: the tube as one B-spline surface, or a solid |
 //! | `iges/solid.rs`, `iges/notation.rs` | its faces and edges; the notation of IGES files |
 //! | [`mesh`] | STL, OBJ and glTF: triangles within a tolerance |
+//! | [`number`] | numbers as text, for these files and for drawings |
 //!
 //! Files are in millimetres, in the frame of the surface's control points; only glTF needs metres
 //! with y up. The same input gives the same bytes.
@@ -22,6 +23,7 @@ pub mod header;
 pub mod iges;
 pub mod kind;
 pub mod mesh;
+pub mod number;
 pub mod step;
 
 pub use ends::{End, EndNotPlane, Shape};

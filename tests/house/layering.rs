@@ -18,7 +18,7 @@ const PURE: [Rule; 7] = [
     Rule { layer: "scan", layers: &[], crates: &["nalgebra", "thiserror", "tobj"] },
     Rule { layer: "spline", layers: &[], crates: &["nalgebra", "rayon", "thiserror"] },
     Rule { layer: "leg", layers: &["scan", "spline"], crates: &["nalgebra", "rayon", "thiserror"] },
-    Rule { layer: "cad", layers: &["spline"], crates: &["nalgebra", "thiserror"] },
+    Rule { layer: "cad", layers: &["spline"], crates: &["nalgebra", "thiserror", "zmij"] },
     Rule {
         layer: "record",
         layers: &["language", "scan", "spline", "leg", "cad"],
