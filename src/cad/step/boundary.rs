@@ -1,6 +1,6 @@
 //! The faces of a tube, the planes that close it, and the edges they share.
 
-use super::exchange::{Id, Instances, lines, list, logical, real};
+use super::exchange::{Id, Instances, lines, list, logical};
 use crate::cad::ends::EndPlane;
 use crate::spline::Surface;
 use crate::spline::basis::DEGREE;
@@ -19,7 +19,7 @@ impl Boundary {
     pub fn new(file: &mut Instances, surface: &Surface) -> Boundary {
         let net = Net::new(file, surface);
         let Net { points, columns, along, around } = &net;
-        let rows = lines(points.chunks_exact(*columns).map(list));
+        let rows = lines(points.chunks_exact(*columns).map(|row| row.iter().copied()));
         let surface = file.add(&format!(
             "B_SPLINE_SURFACE_WITH_KNOTS('',{DEGREE},{DEGREE},{rows},.UNSPECIFIED.,.F.,.T.,.F.,\n\
              {},{},\n{},\n{},.UNSPECIFIED.)",
@@ -36,9 +36,9 @@ impl Boundary {
                  {multiplicities},{values},.UNSPECIFIED.)"
             ))
         };
-        let bottom = curve(list(low), true, around);
-        let top = curve(list(high), true, around);
-        let seam = curve(list(points.iter().step_by(*columns)), false, along);
+        let bottom = curve(list(low.iter().copied()), true, around);
+        let top = curve(list(high.iter().copied()), true, around);
+        let seam = curve(list(points.iter().step_by(*columns).copied()), false, along);
 
         let mut edge = |from: Id, to: Id, curve: Id| {
             file.add(&format!("EDGE_CURVE('',{from},{to},{curve},.T.)"))
@@ -87,11 +87,9 @@ fn face(file: &mut Instances, surface: Id, round: &[(Id, bool)], sense: bool) ->
 }
 
 fn plane(file: &mut Instances, plane: &EndPlane) -> Id {
-    let numbers = |xyz: &[f64]| list(xyz.iter().map(|value| real(*value)));
-    let mut add = |kind: &str, xyz: &[f64]| file.add(&format!("{kind}('',{})", numbers(xyz)));
-    let place = add("CARTESIAN_POINT", plane.place.coords.as_slice());
-    let outward = add("DIRECTION", plane.outward.as_slice());
-    let across = add("DIRECTION", plane.across.as_slice());
+    let place = file.add_numbers("CARTESIAN_POINT", plane.place.coords.as_slice());
+    let outward = file.add_numbers("DIRECTION", plane.outward.as_slice());
+    let across = file.add_numbers("DIRECTION", plane.across.as_slice());
     let axes = file.add(&format!("AXIS2_PLACEMENT_3D('',{place},{outward},{across})"));
     file.add(&format!("PLANE('',{axes})"))
 }
@@ -108,10 +106,7 @@ struct Net {
 impl Net {
     fn new(file: &mut Instances, surface: &Surface) -> Net {
         let (around, points) = surface.clamped_around();
-        let mut point = |xyz: &[f64]| {
-            let xyz = list(xyz.iter().map(|value| real(*value)));
-            file.add(&format!("CARTESIAN_POINT('',{xyz})"))
-        };
+        let mut point = |xyz: &[f64]| file.add_numbers("CARTESIAN_POINT", xyz);
         Net {
             points: points.iter().map(|p| point(p.coords.as_slice())).collect(),
             columns: around.len() - DEGREE - 1,
@@ -132,7 +127,7 @@ impl Knots {
         let distinct = || knots.chunk_by(|a, b| a == b);
         Knots {
             multiplicities: list(distinct().map(<[f64]>::len)),
-            values: list(distinct().map(|equal| real(equal[0]))),
+            values: list(distinct().map(|equal| equal[0])),
         }
     }
 }
