@@ -6,6 +6,10 @@ use super::basis::Row;
 use super::gauss::composite;
 use super::surface::{Surface, combined};
 
+/// Where the sides of a tube seem to differ by more than this share, its volume decides: a leg has folds,
+/// but none that deep.
+const DISSENT_MAX: f64 = 0.1;
+
 impl Surface {
     /// The area of the tube without lids, mm². Gauss-Legendre quadrature of |dv × du|, five nodes
     /// per span in each direction: on a leg whose spans are as wide as a bump, accurate to 1e-7.
@@ -37,7 +41,36 @@ impl Surface {
     /// against the direction of u, and out for the mirror image. Independent of the frame, and of
     /// whether the ends are horizontal or plane.
     pub fn along_cross_around_is_outward(&self) -> bool {
-        self.volume_mm3() < 0.0
+        self.seen_from_rings().unwrap_or_else(|| self.volume_mm3() < 0.0)
+    }
+
+    /// The same, from one place per span and the middle of the ring it lies on; `None` if not nearly
+    /// all places agree. It takes a thirtieth of the time of the volume.
+    fn seen_from_rings(&self) -> Option<bool> {
+        let middles = |breakpoints: &[f64]| -> Vec<f64> {
+            breakpoints.windows(2).map(|pair| f64::midpoint(pair[0], pair[1])).collect()
+        };
+        let around: Vec<[Row; 2]> = middles(self.around().breakpoints())
+            .into_iter()
+            .map(|v| self.around().rows(v))
+            .map(|[row, slope, ..]| [row, slope])
+            .collect();
+        let (mut outward, mut inward) = (0.0, 0.0);
+        for u in middles(self.along().breakpoints()) {
+            let [along, along_1, ..] = self.along().rows(u);
+            let (ring, ring_1) = (self.ring(&along), self.ring(&along_1));
+            let points: Vec<Vector3<f64>> =
+                around.iter().map(|[row, _]| combined(&ring, row)).collect();
+            let middle = points.iter().sum::<Vector3<f64>>() / points.len() as f64;
+            for (point, [row, slope]) in points.iter().zip(&around) {
+                let normal = combined(&ring_1, row).cross(&combined(&ring, slope));
+                let share: f64 = (point - middle).dot(&normal);
+                outward += share.max(0.0);
+                inward += (-share).max(0.0);
+            }
+        }
+        let is_clear = outward.min(inward) < DISSENT_MAX * outward.max(inward);
+        is_clear.then_some(outward > inward)
     }
 
     /// The length of the closed curve at one `u`, mm; `u` is clamped to the domain. Gauss-Legendre

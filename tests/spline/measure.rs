@@ -219,4 +219,12 @@ proptest! {
         prop_assert!((mirror.gauss - one.gauss).abs() < 1e-12);
         prop_assert!((mirror.mean + one.mean).abs() < 1e-12);
     }
+    #[test]
+    fn the_side_that_rings_see_is_that_of_the_volume(bump in 0.0..25.0, lean in -90.0..90.0) {
+        let surface = tube(bump, lean);
+        let mirrored = changed(&surface, |point| Point3::new(-point.x, point.y, point.z));
+        for tube in [surface, mirrored] {
+            prop_assert_eq!(tube.along_cross_around_is_outward(), tube.volume_mm3() < 0.0);
+        }
+    }
 }
