@@ -4,7 +4,6 @@
 //! glyph, short offsets, no composite glyphs. Only these features are read.
 //! Source: OpenType 1.9.1, `cmap`, `head`, `hmtx`, `loca`, `glyf`.
 
-use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::outline::{Segment, segments};
@@ -23,7 +22,9 @@ pub const UNITS_PER_EM: f64 = 1000.0;
 #[derive(Debug, Default)]
 pub struct Font {
     file: &'static [u8],
-    glyphs: BTreeMap<char, u16>,
+    /// The glyph of each letter, by its code point; 0 for none. A page of a report looks up tens of
+    /// thousands of letters, and the last one of the fonts has a small code point.
+    glyphs: Vec<u16>,
     advances: Vec<u16>,
     outlines: Vec<&'static [u8]>,
 }
@@ -41,7 +42,7 @@ impl Font {
 
     /// The glyph of a letter; `None` if the font lacks it.
     pub fn glyph(&self, letter: char) -> Option<u16> {
-        self.glyphs.get(&letter).copied()
+        self.glyphs.get(letter as usize).copied().filter(|glyph| *glyph != 0)
     }
 
     /// How far a glyph moves the pen, 1/[`UNITS_PER_EM`].
@@ -51,9 +52,18 @@ impl Font {
 
     /// Width of a text at a letter size, in the unit of that size.
     pub fn width(&self, words: &str, size: f64) -> f64 {
+        Font::of_units(self.units(words), size)
+    }
+
+    /// Width of a text, 1/[`UNITS_PER_EM`]. It is the sum of those of its parts.
+    pub fn units(&self, words: &str) -> u32 {
         let glyphs = words.chars().map(|letter| self.glyph(letter).unwrap_or(0));
-        let units: f64 = glyphs.map(|glyph| f64::from(self.advance(glyph))).sum();
-        units / UNITS_PER_EM * size
+        glyphs.map(|glyph| u32::from(self.advance(glyph))).sum()
+    }
+
+    /// The width of so many units at a letter size, in the unit of that size.
+    pub fn of_units(units: u32, size: f64) -> f64 {
+        f64::from(units) / UNITS_PER_EM * size
     }
 
     /// The outline of a glyph, 1/[`UNITS_PER_EM`], y up from the baseline.
@@ -108,7 +118,7 @@ fn table(file: &'static [u8], tag: &[u8; 4]) -> Option<&'static [u8]> {
 }
 
 /// Maps letters to glyphs, from the first table, which has format 4.
-fn glyphs(cmap: &[u8]) -> Option<BTreeMap<char, u16>> {
+fn glyphs(cmap: &[u8]) -> Option<Vec<u16>> {
     let sub = cmap.get(long(cmap, 8)?..)?;
     if word(sub, 0)? != 4 {
         return None;
@@ -116,7 +126,7 @@ fn glyphs(cmap: &[u8]) -> Option<BTreeMap<char, u16>> {
     let twice = usize::from(word(sub, 6)?);
     // Four columns: last letter, first letter, delta, offset of the glyph list.
     let [ends, starts, deltas, offsets] = [14, 16 + twice, 16 + 2 * twice, 16 + 3 * twice];
-    let mut found = BTreeMap::new();
+    let mut found = Vec::new();
     for row in (0..twice).step_by(2) {
         let [end, start] = [word(sub, ends + row)?, word(sub, starts + row)?];
         let [delta, offset] = [word(sub, deltas + row)?, word(sub, offsets + row)?];
@@ -126,7 +136,10 @@ fn glyphs(cmap: &[u8]) -> Option<BTreeMap<char, u16>> {
                 word(sub, place).map(|glyph| if glyph == 0 { 0 } else { glyph.wrapping_add(delta) })
             };
             let glyph = if offset == 0 { code.wrapping_add(delta) } else { listed()? };
-            found.extend(char::from_u32(code.into()).filter(|_| glyph != 0).map(|of| (of, glyph)));
+            if glyph != 0 {
+                found.resize(found.len().max(usize::from(code) + 1), 0);
+                found[usize::from(code)] = glyph;
+            }
         }
     }
     Some(found)
@@ -175,9 +188,12 @@ mod tests {
     fn every_glyph_can_be_drawn_and_every_letter_but_blanks_is() {
         for bold in [false, true] {
             let font = Font::of(bold);
-            assert!(font.glyphs.len() > 600);
-            for (letter, glyph) in &font.glyphs {
-                let segments = segments(font.outlines[usize::from(*glyph)]);
+            let letters = '\0'..=char::MAX;
+            let found: Vec<(char, u16)> =
+                letters.filter_map(|letter| Some((letter, font.glyph(letter)?))).collect();
+            assert!(found.len() > 600);
+            for (letter, glyph) in found {
+                let segments = segments(font.outlines[usize::from(glyph)]);
                 let is_drawn = segments.is_some_and(|segments| !segments.is_empty());
                 assert_eq!(is_drawn, !letter.is_whitespace(), "{letter:?}");
             }

@@ -29,18 +29,27 @@ const ROUNDING: f64 = 1e-6;
 /// Breaks writable text into lines at blanks. A word that is wider than a line, such as a long id, is
 /// broken between letters.
 pub(super) fn lines(words: &str, width: f64, letters: Type) -> Vec<String> {
+    let font = Font::of(letters.is_bold);
+    let blank = font.units(" ");
     let mut lines = vec![String::new()];
+    // Width of the last line, units of the font.
+    let mut filled = 0;
     for word in words.split(' ').filter(|word| !word.is_empty()) {
-        let line = lines.last().map_or("", String::as_str);
-        let longer = if line.is_empty() { word.to_owned() } else { format!("{line} {word}") };
-        if letters.width(&longer) <= width + ROUNDING {
-            lines.pop();
-            lines.push(longer);
+        let own = font.units(word);
+        let is_first = lines.last().is_none_or(String::is_empty);
+        let longer = if is_first { own } else { filled + blank + own };
+        if Font::of_units(longer, letters.size) <= width + ROUNDING {
+            if let Some(line) = lines.last_mut() {
+                line.push_str(if is_first { "" } else { " " });
+                line.push_str(word);
+            }
+            filled = longer;
         } else {
-            if line.is_empty() {
+            if is_first {
                 lines.pop();
             }
             lines.extend(pieces(word, width, letters));
+            filled = lines.last().map_or(0, |piece| font.units(piece));
         }
     }
     lines
