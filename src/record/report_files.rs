@@ -83,7 +83,11 @@ pub(super) fn paper(
 
 /// Both legs and their girths as one drawing, shown by practice software and pages.
 pub(super) fn drawing(figures: &[Figure], language: Language) -> RecordFile {
-    file(DRAWING, svg::file(&figures::overview(figures, language)).into_bytes())
+    file(DRAWING, figures::overview(figures, language).into_bytes())
+}
+
+fn svg_file(figure: &Figure) -> String {
+    svg::file(&figure.picture.title, figure.picture.size, &figure.marks)
 }
 
 /// The figures as files of their own, in the requested formats.
@@ -94,7 +98,7 @@ pub(super) fn figure_files(
     let files = figures.iter().flat_map(|figure| {
         formats.iter().map(move |format| {
             let (ending, bytes) = match format {
-                FigureFormat::Svg => ("svg", svg::file(&figure.picture).into_bytes()),
+                FigureFormat::Svg => ("svg", svg_file(figure).into_bytes()),
                 FigureFormat::Png => ("png", png(&figure.picture, Theme::Light, PNG_SCALE)?),
             };
             Ok(file(&format!("figure-{}.{ending}", figure.name), bytes))

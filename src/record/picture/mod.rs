@@ -97,38 +97,25 @@ impl Anchor {
 }
 
 impl Picture {
-    /// Combines this picture with another one below it.
-    pub fn above(self, below: Picture) -> Picture {
-        let ([width, height], [other_width, other_height]) = (self.size, below.size);
-        let moved = below.marks.into_iter().map(|mark| mark.moved_down(height));
+    /// This picture with all marks further down by so many px, and so much higher.
+    pub fn moved_down(&self, way: f64) -> Picture {
         Picture {
-            title: self.title,
-            size: [width.max(other_width), height + other_height],
-            marks: self.marks.into_iter().chain(moved).collect(),
+            title: self.title.clone(),
+            size: [self.size[0], self.size[1] + way],
+            marks: self.marks.iter().map(|mark| mark.moved_down(way)).collect(),
         }
     }
 }
 
 impl Mark {
-    fn moved_down(self, way: f64) -> Mark {
-        let down = |[x, y]: [f64; 2]| [x, y + way];
-        match self {
-            Mark::Lines { lines, is_closed, fill, stroke } => {
-                let moved = |line: Vec<[f64; 2]>| line.into_iter().map(down).collect();
-                Mark::Lines {
-                    lines: lines.into_iter().map(moved).collect(),
-                    is_closed,
-                    fill,
-                    stroke,
-                }
-            }
-            Mark::Dots { at, radius, fill, stroke } => {
-                Mark::Dots { at: at.into_iter().map(down).collect(), radius, fill, stroke }
-            }
-            Mark::Words { at, anchor, size, is_bold, ink, words } => {
-                Mark::Words { at: down(at), anchor, size, is_bold, ink, words }
-            }
+    fn moved_down(&self, way: f64) -> Mark {
+        let mut moved = self.clone();
+        match &mut moved {
+            Mark::Lines { lines, .. } => lines.iter_mut().flatten().for_each(|at| at[1] += way),
+            Mark::Dots { at, .. } => at.iter_mut().for_each(|at| at[1] += way),
+            Mark::Words { at, .. } => at[1] += way,
         }
+        moved
     }
 }
 

@@ -1,29 +1,38 @@
 //! Pictures as SVG: as a file of its own, or embedded in a page that knows the names of the inks.
 
-use std::fmt::Write;
+mod looks;
 
+use self::looks::{FILL, push_escaped, push_looks, push_number, push_painted, push_px};
 use super::{Anchor, Ink, Mark, Picture, Stroke, Theme};
+use crate::cad::number::push_tenths;
 
 /// The font families of pictures.
 const FONT: &str = "system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
 
-/// A file of its own, in the reader's theme. Programs that do not support style sheets show the light
-/// theme.
-pub fn file(picture: &Picture) -> String {
-    let style = format!("<style>{}</style>\n", dark_rules());
-    let [width, height] = picture.size;
-    let paper = format!(
-        "<rect width=\"{}\" height=\"{}\"{}/>\n",
-        number(width),
-        number(height),
-        painted("fill", Ink::Paper)
-    );
-    drawn(picture, &(style + &paper))
+/// Room for what stands around the marks, without the title, bytes.
+const HEAD_BYTES: usize = 300;
+
+/// Room for the markup of one mark with its text or a short path, bytes.
+const MARK_BYTES: usize = 160;
+
+/// Room for one step of a path, bytes: so that the markup rarely has to grow.
+const STEP_BYTES: usize = 9;
+
+/// A file of its own with these marks, in the reader's theme. Programs that do not support style sheets
+/// show the light theme.
+pub fn file(title: &str, size: [f64; 2], marks: &str) -> String {
+    let [width, height] = size;
+    let mut first = format!("<style>{}</style>\n<rect", dark_rules());
+    push_px(&mut first, "width", width);
+    push_px(&mut first, "height", height);
+    push_painted(&mut first, FILL, Ink::Paper);
+    first.push_str("/>\n");
+    around(title, size, &first, marks)
 }
 
 /// For embedding in a page whose style sheet has [`dark_rules`].
-pub fn embedded(picture: &Picture) -> String {
-    drawn(picture, "")
+pub fn embedded(title: &str, size: [f64; 2], marks: &str) -> String {
+    around(title, size, "", marks)
 }
 
 /// A style sheet that gives pictures the dark theme for readers who prefer it.
@@ -41,151 +50,135 @@ pub fn dark_rules() -> String {
     format!("@media screen and (prefers-color-scheme:dark){{{rules}}}")
 }
 
-fn drawn(picture: &Picture, first: &str) -> String {
-    let [width, height] = picture.size.map(number);
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" role=\"img\" \
-         font-family=\"{FONT}\" stroke-linejoin=\"round\" stroke-linecap=\"round\">\
-         <title>{}</title>\n{first}",
-        escaped(&picture.title)
-    );
-    for mark in &picture.marks {
-        svg += &markup(mark);
-        svg.push('\n');
-    }
-    svg + "</svg>\n"
+fn around(title: &str, [width, height]: [f64; 2], first: &str, marks: &str) -> String {
+    let mut svg = String::with_capacity(HEAD_BYTES + title.len() + first.len() + marks.len());
+    svg.push_str("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ");
+    push_number(&mut svg, width);
+    svg.push(' ');
+    push_number(&mut svg, height);
+    svg.push_str("\" role=\"img\" font-family=\"");
+    svg.push_str(FONT);
+    svg.push_str("\" stroke-linejoin=\"round\" stroke-linecap=\"round\"><title>");
+    push_escaped(&mut svg, title);
+    svg.extend(["</title>\n", first, marks, "</svg>\n"]);
+    svg
 }
 
-fn markup(mark: &Mark) -> String {
+/// The marks of a picture, one per line.
+pub fn marks(picture: &Picture) -> String {
+    let mut svg = String::with_capacity(room(picture));
+    for mark in &picture.marks {
+        push_mark(&mut svg, mark);
+        svg.push('\n');
+    }
+    svg
+}
+
+/// About as many bytes as the marks of a picture take.
+fn room(picture: &Picture) -> usize {
+    let steps = |mark: &Mark| match mark {
+        Mark::Lines { lines, .. } => lines.iter().map(Vec::len).sum(),
+        Mark::Dots { at, .. } => 2 * at.len(),
+        Mark::Words { .. } => 0,
+    };
+    let steps: usize = picture.marks.iter().map(steps).sum();
+    MARK_BYTES * picture.marks.len() + STEP_BYTES * steps
+}
+
+fn push_mark(svg: &mut String, mark: &Mark) {
     match mark {
         Mark::Lines { lines, is_closed, fill, stroke } => {
-            let end = if *is_closed { "Z" } else { "" };
-            let path: String =
-                lines.iter().filter(|line| !line.is_empty()).map(|line| path(line) + end).collect();
-            let rule = if *is_closed && lines.len() > 1 { " fill-rule=\"evenodd\"" } else { "" };
-            format!("<path d=\"{path}\"{rule}{}/>", looks(*fill, *stroke))
+            svg.push_str("<path d=\"");
+            for line in lines.iter().filter(|line| !line.is_empty()) {
+                push_path(svg, line);
+                svg.push_str(if *is_closed { "Z" } else { "" });
+            }
+            let is_ruled = *is_closed && lines.len() > 1;
+            svg.push_str(if is_ruled { "\" fill-rule=\"evenodd\"" } else { "\"" });
+            push_looks(svg, *fill, *stroke);
+            svg.push_str("/>");
         }
         Mark::Dots { at, radius, fill, stroke: None } => {
             // A line of length zero with round ends is a dot and takes few bytes.
-            let path: String = at.iter().map(|dot| format!("{}h0", path(&[*dot]))).collect();
+            svg.push_str("<path d=\"");
+            for dot in at {
+                push_path(svg, &[*dot]);
+                svg.push_str("h0");
+            }
+            svg.push('"');
             let stroke = Stroke { ink: fill.unwrap_or(Ink::Text), width: 2.0 * radius, dash: None };
-            format!("<path d=\"{path}\"{}/>", looks(None, Some(stroke)))
+            push_looks(svg, None, Some(stroke));
+            svg.push_str("/>");
         }
         Mark::Dots { at, radius, fill, stroke } => {
-            let dot = |[x, y]: &[f64; 2]| {
-                let [x, y, radius] = [*x, *y, *radius].map(number);
-                format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"/>")
-            };
-            format!("<g{}>{}</g>", looks(*fill, *stroke), at.iter().map(dot).collect::<String>())
+            svg.push_str("<g");
+            push_looks(svg, *fill, *stroke);
+            svg.push('>');
+            at.iter().for_each(|dot| push_circle(svg, *dot, *radius));
+            svg.push_str("</g>");
         }
         Mark::Words { at: [x, y], anchor, size, is_bold, ink, words } => {
-            let anchor = match anchor {
+            svg.push_str("<text");
+            push_px(svg, "x", *x);
+            push_px(svg, "y", *y);
+            push_px(svg, "font-size", *size);
+            push_painted(svg, FILL, *ink);
+            svg.push_str(match anchor {
                 Anchor::Start => "",
                 Anchor::Middle => " text-anchor=\"middle\"",
                 Anchor::End => " text-anchor=\"end\"",
-            };
-            let weight = if *is_bold { " font-weight=\"600\"" } else { "" };
-            let [x, y, size] = [*x, *y, *size].map(number);
-            let (painted, words) = (painted("fill", *ink), escaped(words));
-            format!(
-                "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{painted}{anchor}{weight}>{words}</text>"
-            )
+            });
+            svg.push_str(if *is_bold { " font-weight=\"600\">" } else { ">" });
+            push_escaped(svg, words);
+            svg.push_str("</text>");
         }
     }
+}
+
+fn push_circle(svg: &mut String, [x, y]: [f64; 2], radius: f64) {
+    svg.push_str("<circle");
+    push_px(svg, "cx", x);
+    push_px(svg, "cy", y);
+    push_px(svg, "r", radius);
+    svg.push_str("/>");
 }
 
 /// A path through points, written as the steps between them in whole tenths of px. Integers are
 /// formatted many times as fast as fractions.
-fn path(points: &[[f64; 2]]) -> String {
-    let mut path = String::new();
+fn push_path(path: &mut String, points: &[[f64; 2]]) {
     let tenths = |at: &[f64; 2]| at.map(|of| (of * 10.0).round() as i64);
     let mut last = [0, 0];
     for (index, point) in points.iter().map(tenths).enumerate() {
         let [x, y] = if index == 0 { point } else { [point[0] - last[0], point[1] - last[1]] };
         path.push(if index == 0 { 'M' } else { 'l' });
-        push_tenths(&mut path, x);
+        push_tenths(path, x);
         if y >= 0 {
             path.push(' ');
         }
-        push_tenths(&mut path, y);
+        push_tenths(path, y);
         last = point;
     }
-    path
-}
-
-/// Writes an integer number of tenths as a decimal.
-fn push_tenths(text: &mut String, tenths: i64) {
-    let (whole, rest) = (tenths.unsigned_abs() / 10, tenths.unsigned_abs() % 10);
-    let sign = if tenths < 0 { "-" } else { "" };
-    // Writing to memory never fails.
-    let _ = match rest {
-        0 => write!(text, "{sign}{whole}"),
-        _ => write!(text, "{sign}{whole}.{rest}"),
-    };
-}
-
-fn looks(fill: Option<Ink>, stroke: Option<Stroke>) -> String {
-    let mut looks = match (fill, stroke) {
-        (Some(fill), Some(Stroke { ink, .. })) => twice_painted(fill, ink),
-        (Some(fill), None) => painted("fill", fill),
-        (None, Some(Stroke { ink, .. })) => " fill=\"none\"".to_owned() + &painted("stroke", ink),
-        (None, None) => " fill=\"none\"".to_owned(),
-    };
-    if let Some(Stroke { width, dash, .. }) = stroke {
-        let _ = write!(looks, " stroke-width=\"{}\"", number(width));
-        if let Some(dash) = dash {
-            let _ = write!(looks, " stroke-dasharray=\"{}\"", number(dash));
-        }
-    }
-    looks
-}
-
-/// The light colour of an ink, and the class that lets a style sheet change it.
-fn painted(what: &str, ink: Ink) -> String {
-    let class = class(what, ink).map_or(String::new(), |class| format!(" class=\"{class}\""));
-    format!("{class} {what}=\"{}\"", colour(ink))
-}
-
-fn twice_painted(fill: Ink, stroke: Ink) -> String {
-    let classes: Vec<String> =
-        [class("fill", fill), class("stroke", stroke)].into_iter().flatten().collect();
-    let [fill, stroke] = [fill, stroke].map(colour);
-    format!(" class=\"{}\" fill=\"{fill}\" stroke=\"{stroke}\"", classes.join(" "))
-}
-
-fn class(what: &str, ink: Ink) -> Option<String> {
-    ink.name().map(|name| format!("{}-{name}", &what[..1]))
-}
-
-fn colour(ink: Ink) -> String {
-    let [r, g, b] = ink.colour(Theme::Light);
-    format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-/// A number of px to a hundredth, without trailing zeros.
-fn number(px: f64) -> String {
-    let text = format!("{px:.2}");
-    let text = text.trim_end_matches('0').trim_end_matches('.');
-    if text == "-0" { "0".to_owned() } else { text.to_owned() }
-}
-
-/// Escapes text for the content of an element.
-fn escaped(words: &str) -> String {
-    words.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    const SIZE: [f64; 2] = [10.0, 20.0];
+
     fn picture(marks: Vec<Mark>) -> Picture {
-        Picture { title: "a < b".to_owned(), size: [10.0, 20.0], marks }
+        Picture { title: String::new(), size: SIZE, marks }
     }
 
     #[test]
     fn a_line_is_told_by_its_ways_and_rounding_does_not_add_up() {
         let step = |index: u32| [f64::from(index) * 0.16, 0.04];
         let line: Vec<[f64; 2]> = (0..101).map(step).collect();
+        let path = |line: &[[f64; 2]]| {
+            let mut text = String::new();
+            push_path(&mut text, line);
+            text
+        };
         let text = path(&line);
         let numbers: Vec<f64> = text
             .split(['M', 'l'])
@@ -206,7 +199,7 @@ mod tests {
             ink: Ink::Text,
             words: "</text><script>&\"".to_owned(),
         };
-        let svg = file(&picture(vec![words]));
+        let svg = file("a < b", SIZE, &marks(&picture(vec![words])));
         assert!(svg.contains("&lt;/text&gt;&lt;script&gt;&amp;\"</text>"), "{svg}");
         assert!(svg.contains("<title>a &lt; b</title>"), "{svg}");
     }
@@ -215,9 +208,9 @@ mod tests {
     fn a_file_knows_both_themes_and_a_page_brings_its_own() {
         let dots =
             Mark::Dots { at: vec![[1.0, 2.0]], radius: 1.5, fill: Some(Ink::Left), stroke: None };
-        let picture = picture(vec![dots]);
-        assert!(file(&picture).contains("prefers-color-scheme:dark"));
-        let embedded = embedded(&picture);
+        let marks = marks(&picture(vec![dots]));
+        assert!(file("a", SIZE, &marks).contains("prefers-color-scheme:dark"));
+        let embedded = embedded("a", SIZE, &marks);
         assert!(
             !embedded.contains("<style") && embedded.contains("class=\"s-left\""),
             "{embedded}"

@@ -7,7 +7,7 @@ mod plot;
 mod sections;
 mod views;
 
-use super::Picture;
+use super::{Picture, svg};
 use crate::language::Language;
 use crate::leg::Level;
 use crate::record::Record;
@@ -19,6 +19,8 @@ pub struct Figure {
     pub name: &'static str,
     /// What is drawn.
     pub picture: Picture,
+    /// Its marks as SVG, written once for the page and for files.
+    pub marks: String,
 }
 
 /// All figures for which the record has data, in reading order.
@@ -31,17 +33,27 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
         ("error", error::picture(record, language)),
     ];
     let there = |(name, picture): (&'static str, Option<Picture>)| {
-        picture.map(|picture| Figure { name, picture })
+        let picture = picture?;
+        let marks = svg::marks(&picture);
+        Some(Figure { name, picture, marks })
     };
     figures.into_iter().filter_map(there).collect()
 }
 
-/// The legs and their girths in one drawing, if they are among a record's figures.
-pub fn overview(figures: &[Figure], language: Language) -> Picture {
-    let parts = figures.iter().filter(|figure| OVERVIEW.contains(&figure.name));
-    let title = language.text("picture.views").to_owned();
-    let nothing = Picture { title, size: [0.0, 0.0], marks: Vec::new() };
-    parts.map(|figure| figure.picture.clone()).fold(nothing, Picture::above)
+/// The legs and their girths in one drawing below each other, as an SVG file, if they are among a
+/// record's figures.
+pub fn overview(figures: &[Figure], language: Language) -> String {
+    let ([mut width, mut height], mut marks) = ([0.0_f64, 0.0], String::new());
+    for figure in figures.iter().filter(|figure| OVERVIEW.contains(&figure.name)) {
+        if height > 0.0 {
+            marks.push_str(&svg::marks(&figure.picture.moved_down(height)));
+        } else {
+            marks.push_str(&figure.marks);
+        }
+        width = width.max(figure.picture.size[0]);
+        height += figure.picture.size[1];
+    }
+    svg::file(language.text("picture.views"), [width, height], &marks)
 }
 
 /// The names of the figures that show both legs at a glance.

@@ -146,7 +146,8 @@ fn picture(content: &Content, drawn: &Drawn) -> String {
         Some(of) => words("b", "", &of.title) + " " + &words("span", "", &of.text),
         None => escaped(&drawn.picture.title),
     };
-    let inside = svg::embedded(&drawn.picture) + &element("figcaption", "", &caption);
+    let inside = svg::embedded(&drawn.picture.title, drawn.picture.size, &drawn.marks)
+        + &element("figcaption", "", &caption);
     element("figure", &format!(" class=\"{}\"", drawn.name), &inside)
 }
 
