@@ -229,8 +229,10 @@ impl Measured {
             return Ok(Measured { record, files: None });
         }
         let scan = ScanFile { bytes: &bytes, format, ord: ord.as_deref() };
-        let made = record::record_files(&extraction, &provenance, method, output, report, scan);
-        let (record, files) = made?;
+        let made =
+            record::files_beside_scan(&extraction, &provenance, method, output, report, scan);
+        let (record, mut files) = made?;
+        record::add_scan(&mut files, format, bytes);
         Ok(Measured { record, files: Some(files) })
     }
 

@@ -46,6 +46,25 @@ pub fn record_files(
     choice: &ReportChoice,
     scan: ScanFile<'_>,
 ) -> Result<(Record, Vec<RecordFile>), FilesFault> {
+    let (record, mut files) =
+        files_beside_scan(extraction, provenance, method, output, choice, scan)?;
+    add_scan(&mut files, scan.format, scan.bytes.to_vec());
+    Ok((record, files))
+}
+
+/// As [`record_files`] without the scan's own bytes, for callers that have them elsewhere. They are
+/// larger than all the other files together. `SHA256SUMS` lists them.
+///
+/// # Errors
+/// As [`record_files`].
+pub fn files_beside_scan(
+    extraction: &Extraction,
+    provenance: &Provenance,
+    method: &Method,
+    output: &Output,
+    choice: &ReportChoice,
+    scan: ScanFile<'_>,
+) -> Result<(Record, Vec<RecordFile>), FilesFault> {
     let mut record = compose::record(extraction, provenance, method);
     let (surfaces, notes) = surface_files(extraction, output);
     record.findings.extend(notes);
@@ -66,12 +85,18 @@ pub fn record_files(
     files.extend(surfaces);
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
     let mut sums: String = files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect();
-    let scan = file(&format!("scan.{}", scan.format.ending()), scan.bytes.to_vec());
-    // This hash is known already, and the scan is larger than all the other files together.
-    sums.push_str(&sum(&provenance.sha256, &scan.name));
-    files.push(scan);
+    sums.push_str(&sum(&provenance.sha256, &scan_name(scan.format)));
     files.push(file(SUMS, sums.into_bytes()));
     Ok((record, files))
+}
+
+/// Adds the scan's own bytes to [`files_beside_scan`], at their place before `SHA256SUMS`.
+pub fn add_scan(files: &mut Vec<RecordFile>, format: Format, bytes: Vec<u8>) {
+    files.insert(files.len().saturating_sub(1), file(&scan_name(format), bytes));
+}
+
+fn scan_name(format: Format) -> String {
+    format!("scan.{}", format.ending())
 }
 
 /// Makes the files of each leg's surface, and the findings for those that cannot be made.

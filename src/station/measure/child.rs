@@ -74,12 +74,9 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
     let (method, output) = (&config.method, &config.output);
     let choice = ReportChoice { language: config.language, ..ReportChoice::default() };
     let scan = ScanFile { bytes: scan, format, ord };
-    match record::record_files(&extraction, &job.provenance, method, output, &choice, scan) {
-        Ok((_, mut files)) => {
-            // The station has these already, in the spool.
-            files.retain(|file| !file.name.starts_with(sums::SCAN));
-            Answer::Files(files)
-        }
+    // The station has the scan's own bytes already, in the spool.
+    match record::files_beside_scan(&extraction, &job.provenance, method, output, &choice, scan) {
+        Ok((_, files)) => Answer::Files(files),
         Err(error) => refused("record-not-written", error.to_string()),
     }
 }
