@@ -12,6 +12,10 @@ use crate::record::{Provenance, RecordFile};
 /// The longest line before the bytes; a configuration has some kilobytes.
 const LINE_MAX: u64 = 1 << 20;
 
+/// The most that is set aside for a file before its first byte has come: the process that names the length
+/// has read what the scanner wrote. No file of a record is larger, so none has to grow.
+const RESERVED_MAX_BYTES: u64 = 4 << 20;
+
 /// The limits of a measuring process.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Limits {
@@ -142,7 +146,8 @@ impl Answer {
         let mut files = Vec::with_capacity(names.len().min(64));
         for (name, length) in names {
             left = left.checked_sub(length).ok_or_else(|| invalid("the answer is too long"))?;
-            let mut bytes = Vec::new();
+            let reserved = length.min(RESERVED_MAX_BYTES);
+            let mut bytes = Vec::with_capacity(usize::try_from(reserved).unwrap_or(0));
             if from.take(length).read_to_end(&mut bytes)? as u64 != length {
                 return Err(io::ErrorKind::UnexpectedEof.into());
             }
