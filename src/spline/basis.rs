@@ -75,6 +75,7 @@ pub struct Row {
 
 impl Row {
     /// The value of these functions with all `coefficients` ([`Basis::count`] of them).
+    #[inline]
     pub fn dot(&self, coefficients: &[f64]) -> f64 {
         let [i, j, k, l] = self.indices.map(|index| coefficients[index]);
         let [a, b, c, d] = self.values;

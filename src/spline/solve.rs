@@ -154,6 +154,7 @@ impl Skyline {
     }
 
     /// Row `i` of the band, with zeros for columns that do not exist.
+    #[inline]
     fn band_row(&self, i: usize) -> band::Row {
         band::row(&self.entries[self.starts[i]..self.starts[i + 1]])
     }

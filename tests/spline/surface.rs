@@ -55,6 +55,48 @@ fn derivatives_agree_with_differences_across_the_seam_too() {
 }
 
 #[test]
+fn a_line_of_constant_u_has_the_derivatives_of_the_surface() {
+    let surface = tube();
+    for u in [-0.3, 0.0, 0.2, 0.35, 0.66, 1.0, 1.4] {
+        let line = surface.line(u);
+        for v in [0.2, 0.31, 0.9, 1.19, 1.5, -0.4] {
+            let (found, expected) = (line.derivatives(v), surface.derivatives(u, v));
+            assert!((found.point - expected.point).norm() < 1e-11);
+            let pairs = [
+                (found.du, expected.du),
+                (found.dv, expected.dv),
+                (found.duu, expected.duu),
+                (found.duv, expected.duv),
+                (found.dvv, expected.dvv),
+            ];
+            for (found, expected) in pairs {
+                assert!((found - expected).norm() < 1e-12 * (1.0 + expected.norm()), "{u} {v}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_distance_alone_is_that_of_the_nearest_point() {
+    let surface = tube();
+    for i in 0..400 {
+        let wave = |turn: f64| (f64::from(i) * turn).sin();
+        let (u, v) = (0.5 + 0.55 * wave(1.7), 0.7 + 0.6 * wave(2.9));
+        // A parameter that is off by up to 0.3 mm, as that of a section is, or by far more.
+        let off = if i % 4 == 0 { 10.0 } else { 1.0 };
+        let start = [(u + 2e-4 * off * wave(0.3)).clamp(0.0, 1.0), v + 3e-4 * off * wave(5.1)];
+        let normal = surface.normal(u, v).unwrap().into_inner();
+        for offset_mm in [0.0, 0.01, -0.2, 1.5, -4.0] {
+            let point = surface.point(u, v) + normal * offset_mm;
+            let here = surface.derivatives(start[0], start[1]);
+            let found = surface.distance_mm(&point, start, here);
+            let expected = surface.closest(&point, start[0], start[1]).distance_mm;
+            assert!((found - expected).abs() < 1e-6, "{i} {offset_mm}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
 fn the_seam_is_c2_to_rounding() {
     let surface = tube();
     for i in 0..=20 {

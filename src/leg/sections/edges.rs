@@ -18,18 +18,21 @@ pub fn edges(points: usize, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
         put(&mut rows, &mut others, b, c);
         put(&mut rows, &mut others, c, a);
     }
+    others.sort_unstable();
+    others.dedup();
+    let mut others = others.as_slice();
     let mut edges = Vec::with_capacity(3 * triangles.len() / 2 + 1);
     for (from, row) in (0..).zip(&mut rows) {
         let count = row.iter().position(|other| *other == NONE).unwrap_or(PLACES);
-        insertion_sort(&mut row[..count]);
-        for to in &row[..count] {
-            edges.push([from, *to]);
+        let start = edges.len();
+        row[..count].iter().for_each(|to| edges.push([from, *to]));
+        while let [next, rest @ ..] = others
+            && next[0] == from
+        {
+            edges.push(*next);
+            others = rest;
         }
-    }
-    if !others.is_empty() {
-        edges.extend(others);
-        edges.sort_unstable();
-        edges.dedup();
+        insertion_sort(&mut edges[start..]);
     }
     edges
 }
@@ -50,7 +53,7 @@ fn put(rows: &mut [[u32; PLACES]], others: &mut Vec<[u32; 2]>, a: u32, b: u32) {
 }
 
 /// Sorts a list of a few entries, for which the library's own way prepares too much.
-fn insertion_sort(list: &mut [u32]) {
+fn insertion_sort(list: &mut [[u32; 2]]) {
     for sorted in 1..list.len() {
         let mut place = sorted;
         while place > 0 && list[place - 1] > list[place] {

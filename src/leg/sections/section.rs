@@ -95,6 +95,7 @@ pub enum Curve {
 
 impl Curve {
     /// Radius at an angle, mm.
+    #[inline]
     pub fn radius(&self, angle: f64) -> f64 {
         match self {
             Curve::Periodic { basis, coefficients } => basis.row(angle).dot(coefficients),
