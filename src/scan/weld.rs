@@ -31,14 +31,13 @@ pub(super) fn welded((points, mut triangles): Unwelded) -> Scan {
 
 /// For each point the index of the first point at the same position.
 ///
-/// The points are sorted by a hash of their position, which is much faster than sorting by the
+/// The points are grouped by a hash of their position, which is much faster than sorting them by the
 /// position itself; points with equal hashes are then sorted by position.
 fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
     let mut firsts: Vec<u32> = (0..points.len() as u32).collect();
     // Upper half: hash; lower half: index.
-    let keyed = (0_u64..).zip(points).map(|(number, point)| hash(point) << 32 | number);
-    let mut keys: Vec<u64> = keyed.collect();
-    keys.sort_unstable();
+    let keyed = (0..points.len()).map(|number| hash(&points[number]) << 32 | number as u64);
+    let mut keys = grouped(keyed);
     let place = |key: u64| points[key as u32 as usize];
     for alike in keys.chunk_by_mut(|a, b| a >> 32 == b >> 32).filter(|alike| alike.len() > 1) {
         alike.sort_unstable_by(|&a, &b| {
@@ -51,6 +50,34 @@ fn first_at_each_place(points: &[Point3<f64>]) -> Vec<u32> {
         }
     }
     firsts
+}
+
+/// The keys with those of equal upper halves next to each other. They are distributed to about as many
+/// groups as there are keys, and only a group of several is sorted.
+fn grouped(keys: impl ExactSizeIterator<Item = u64> + Clone) -> Vec<u64> {
+    let bits = keys.len().max(2).ilog2();
+    let group = |key: u64| (key >> (u64::BITS - bits)) as usize;
+    let mut ends = vec![0_u32; 1 << bits];
+    keys.clone().for_each(|key| ends[group(key)] += 1);
+    let mut passed = 0;
+    for end in &mut ends {
+        // For now where the group starts: each key of the group moves it on by one.
+        passed += std::mem::replace(end, passed);
+    }
+    let mut grouped = vec![0; keys.len()];
+    for key in keys {
+        let at = &mut ends[group(key)];
+        grouped[*at as usize] = key;
+        *at += 1;
+    }
+    let mut start = 0;
+    for end in ends.into_iter().map(|end| end as usize) {
+        if end > start + 1 {
+            grouped[start..end].sort_unstable();
+        }
+        start = end;
+    }
+    grouped
 }
 
 /// A 32-bit hash that is equal for equal positions; +0 and −0 are equal (after Fx, rustc's hash).
@@ -70,7 +97,12 @@ fn without_unused(
 ) -> Scan {
     const UNUSED: u32 = u32::MAX;
     numbers.fill(UNUSED);
-    triangles.iter().flatten().for_each(|&corner| numbers[corner as usize] = 0);
+    for triangle in &triangles {
+        triangle.iter().for_each(|&corner| numbers[corner as usize] = 0);
+    }
+    if !numbers.contains(&UNUSED) {
+        return Scan { points, triangles };
+    }
     let kept = numbers.iter_mut().filter(|number| **number != UNUSED);
     (0..).zip(kept).for_each(|(new, number)| *number = new);
     let mut number = numbers.iter();
