@@ -3,9 +3,12 @@
 //! tobj never panics, but it accepts NaN and infinity, a cut face line, and a file without faces,
 //! and it refuses a whole file because of one Latin-1 letter in an object's name. So it receives
 //! only the statements with geometry. The checks have already read every corner of every face, so
-//! tobj does not get the faces again: it returns the points, in the order in which the faces use
-//! them. A file without faces is read without tobj, which drops points that no face uses.
+//! tobj does not get the faces again: it returns the points, which are then put in the order in which
+//! the faces use them. A file without faces is read without tobj, which drops points that no face uses.
 
+mod lines;
+mod plain;
+mod positions;
 mod statements;
 
 use nalgebra::Point3;
@@ -13,8 +16,9 @@ use nalgebra::Point3;
 use super::Scan;
 use super::fault::{self, CutSign, Place, ScanFault, cut_short};
 use super::text::{self, Decimals, numbered};
-use super::weld::{Unwelded, welded};
-use statements::{Statements, each_geometry, keyword, refuse_others};
+use super::weld::welded;
+use lines::{each_geometry, keyword, refuse_others};
+use statements::{Statements, Use};
 
 /// A larger share of unused points than this means that the face list was cut off. Every known
 /// export of a whole surface uses all of its points. A test body cut at 90 % of its bytes leaves
@@ -31,22 +35,26 @@ pub(super) fn read(bytes: &[u8]) -> Result<Scan, ScanFault> {
     if !numbered(bytes).any(|(_, statement)| keyword(statement) == b"v") {
         return Err(ScanFault::NoPoints);
     }
-    let statements = Statements::of(bytes)?;
+    let mut statements = Statements::of(bytes)?;
     if statements.has_commas {
         points(bytes)?;
     }
     if statements.triangles.is_empty() {
         return Ok(Scan { points: points(bytes)?, triangles: Vec::new() });
     }
-    let unused = statements.unused();
+    let Use { order, unused } = statements.number_by_use();
     let of = statements.point_count;
     if unused as f64 > UNUSED_POINTS_MAX_SHARE * of as f64 {
         return Err(cut_short(CutSign::UnusedPoints { unused, points: of }));
     }
-    let decoded = decode(&statements);
-    drop(statements);
-    match decoded {
-        Ok(mesh) if mesh.0.iter().flat_map(|p| p.iter()).all(|c| c.is_finite()) => Ok(welded(mesh)),
+    let Statements { positions, triangles, has_unusual, .. } = statements;
+    let read = match has_unusual {
+        false => positions.read().map(|all| order.iter().map(|&at| all[at as usize]).collect()),
+        true => positions::unusual(bytes, &order),
+    };
+    let are_finite = |found: &[Point3<f64>]| found.iter().all(|p| p.iter().all(|c| c.is_finite()));
+    match read {
+        Ok(found) if are_finite(&found) => Ok(welded((found, triangles))),
         // tobj does not report a line, so a reader that does reads the points again.
         Ok(_) => Err(points(bytes).err().unwrap_or(unplaced("a coordinate is not finite"))),
         Err(said) => Err(points(bytes).err().unwrap_or(unplaced(&said))),
@@ -72,30 +80,19 @@ pub(super) fn lacks_line_end_only(bytes: &[u8]) -> bool {
     if !numbered(bytes).last().is_some_and(|(_, last)| is_face(last)) {
         return false;
     }
-    let Ok(statements) = Statements::of(text::without_mark(bytes)) else { return false };
+    let Ok(mut statements) = Statements::of(text::without_mark(bytes)) else { return false };
+    let unused = statements.number_by_use().unused;
     let Some((&[first, second, last], others)) = statements.triangles.split_last() else {
         return false;
     };
     let shares_edge = |other: &[u32; 3]| {
         other.contains(&last) && (other.contains(&first) || other.contains(&second))
     };
-    statements.unused() == 0 && others.iter().any(shares_edge)
+    unused == 0 && others.iter().any(shares_edge)
 }
 
 fn unplaced(what: &str) -> ScanFault {
     ScanFault::Malformed { place: Place::Unknown, what: what.to_owned() }
-}
-
-/// Points from tobj, and triangles, both in the order of the faces.
-fn decode(statements: &Statements) -> Result<Unwelded, String> {
-    let options = tobj::LoadOptions::default();
-    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::OpenFileFailed);
-    let (faces, triangles) = statements.in_order_of_use();
-    let mut geometry = std::io::Read::chain(statements.points.as_slice(), faces.as_slice());
-    let (models, _) = tobj::load_obj_buf(&mut geometry, &options, no_materials)
-        .map_err(|fault| fault.to_string())?;
-    let coordinates = models.iter().flat_map(|model| model.mesh.positions.chunks_exact(3));
-    Ok((coordinates.map(|c| Point3::new(c[0], c[1], c[2])).collect(), triangles))
 }
 
 /// All points, used by a face or not, in the order of the file.

@@ -25,17 +25,46 @@ pub(super) fn is_blank(bytes: &[u8]) -> bool {
 }
 
 /// The lines of a text without their line ends: LF, CR LF or, as on old Macs, CR alone.
-pub(super) fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> {
-    let mut rest = text;
-    std::iter::from_fn(move || {
-        if rest.is_empty() {
+pub(super) fn lines(text: &[u8]) -> Lines<'_> {
+    Lines { rest: text, passed: 0 }
+}
+
+/// See [`lines`].
+pub(super) struct Lines<'a> {
+    rest: &'a [u8],
+    passed: usize,
+}
+
+impl<'a> Lines<'a> {
+    /// What has not been read yet.
+    pub(super) fn rest(&self) -> &'a [u8] {
+        self.rest
+    }
+
+    /// Number of lines read so far.
+    pub(super) fn passed(&self) -> usize {
+        self.passed
+    }
+
+    /// Passes the next line, whose length with its line end the caller has found already.
+    pub(super) fn pass(&mut self, length: usize) {
+        self.rest = &self.rest[length..];
+        self.passed += 1;
+    }
+}
+
+impl<'a> Iterator for Lines<'a> {
+    type Item = &'a [u8];
+
+    fn next(&mut self) -> Option<&'a [u8]> {
+        if self.rest.is_empty() {
             return None;
         }
-        let end = line_length(rest);
-        let (line, after) = rest.split_at(end);
-        rest = after.strip_prefix(b"\r\n").unwrap_or(after.get(1..).unwrap_or_default());
+        let (line, after) = self.rest.split_at(line_length(self.rest));
+        self.rest = after.strip_prefix(b"\r\n").unwrap_or(after.get(1..).unwrap_or_default());
+        self.passed += 1;
         Some(line)
-    })
+    }
 }
 
 /// Length of the first line. Blocks without a line end are skipped as a whole.
