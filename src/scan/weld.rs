@@ -18,8 +18,11 @@ pub(super) type Unwelded = (Vec<Point3<f64>>, Vec<[u32; 3]>);
 /// If no triangle remains, the points are unchanged: a bare point cloud.
 pub(super) fn welded((points, mut triangles): Unwelded) -> Scan {
     let firsts = first_at_each_place(&points);
+    let has_merged = (0..).zip(&firsts).any(|(number, first)| number != *first);
     triangles.retain_mut(|triangle| {
-        *triangle = triangle.map(|corner| firsts[corner as usize]);
+        if has_merged {
+            *triangle = triangle.map(|corner| firsts[corner as usize]);
+        }
         let [a, b, c] = *triangle;
         a != b && b != c && c != a
     });

@@ -3,7 +3,7 @@
 //! Nearly every line of an export is one of these. Whatever differs in the least, be it a decimal
 //! comma, a continued line or a negative corner, is left to the general reader of statements; so are
 //! the last bytes of a file. The words of a line are read in windows of eight bytes, with one operation
-//! on all of them at once.
+//! on all of them at once. Both functions are inlined, because they return much for so little work.
 
 /// A line with a point.
 pub(super) struct PointLine {
@@ -23,6 +23,7 @@ pub(super) struct FaceLine {
 
 /// The line with a point at the start of a text, if it is a plain one. Its words are of printable ASCII
 /// without commas and backslashes; whether they are numbers is not checked.
+#[inline]
 pub(super) fn point(text: &[u8]) -> Option<PointLine> {
     let mut cursor = Cursor { text, at: 0 };
     cursor.pass(b'v')?;
@@ -41,6 +42,7 @@ pub(super) fn point(text: &[u8]) -> Option<PointLine> {
 
 /// The line with a face at the start of a text, if it is a plain one: a triangle whose corners are
 /// whole numbers, each perhaps followed by those of a texture coordinate and a normal, as in `1/1/1`.
+#[inline]
 pub(super) fn face(text: &[u8]) -> Option<FaceLine> {
     let mut cursor = Cursor { text, at: 0 };
     cursor.pass(b'f')?;
@@ -101,8 +103,8 @@ impl Cursor<'_> {
         })
     }
 
-    /// Passes a word of printable ASCII without commas and backslashes. A word is also refused for
-    /// what comes soon after it, which costs nothing but time.
+    /// Passes a word of printable ASCII without commas and backslashes. These may also be found in the
+    /// next few bytes after a word; it is then refused too, which costs nothing but time.
     fn pass_word(&mut self) -> Option<()> {
         let start = self.at;
         loop {

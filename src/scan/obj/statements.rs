@@ -21,9 +21,10 @@ pub(super) struct Statements {
     pub point_count: usize,
     /// Whether a coordinate contains a comma.
     pub has_commas: bool,
-    /// Whether a coordinate contains a character that a decimal number does not have.
+    /// Whether a point has fewer than three coordinates, or characters that are neither printable ASCII nor
+    /// blanks.
     pub has_unusual: bool,
-    /// Whether a face uses the point of which no triangle is left.
+    /// Whether a triangle that was left out uses the point.
     used: Vec<bool>,
     /// The largest index in a face so far, 0-based, and its line.
     largest: (usize, usize),
@@ -33,10 +34,9 @@ pub(super) struct Statements {
     corners: Vec<u32>,
 }
 
-/// The points that the triangles use, in the order of their first use, and the number of those that
-/// no face uses.
+/// How the triangles use the points.
 pub(super) struct Use {
-    /// Numbers of the points, 0-based.
+    /// The points that they use, 0-based, in the order of their first use.
     pub order: Vec<u32>,
     /// Number of points that no face uses.
     pub unused: usize,
