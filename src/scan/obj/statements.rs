@@ -73,7 +73,8 @@ impl Statements {
     pub(super) fn number_by_use(&mut self) -> Use {
         const UNUSED: u32 = u32::MAX;
         let mut numbers = vec![UNUSED; self.point_count];
-        let mut order = Vec::with_capacity(self.point_count);
+        // Grows as it is filled: a file may have many points and hardly any face.
+        let mut order = Vec::new();
         // Two loops: a flattened iterator costs twice as much.
         for triangle in &mut self.triangles {
             for corner in triangle {
