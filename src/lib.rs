@@ -42,7 +42,7 @@
 //!
 //! Pure means: no files, clock, environment, threads of its own, async, logging, unseeded
 //! randomness or hash-map order. Bytes, numbers and `now` come in as arguments; findings come out
-//! as data. `rayon` is allowed in `spline` and `leg` where results do not depend on order.
+//! as data. `rayon` is allowed in `scan`, `spline` and `leg` where results do not depend on order.
 //! `clippy.toml` and `tests/house/layering.rs` hold these rules.
 //!
 //! What each layer may import besides `std` and the layers above it:
@@ -50,7 +50,7 @@
 //! | layer | crates |
 //! |---|---|
 //! | `language` | toml (the files of texts) |
-//! | `scan` | nalgebra, thiserror, tobj (the OBJ reader) |
+//! | `scan` | nalgebra, rayon, thiserror, tobj (the OBJ reader) |
 //! | `spline` | nalgebra, rayon, thiserror |
 //! | `leg` | nalgebra, rayon, thiserror |
 //! | `cad` | nalgebra, thiserror, zmij (numbers as text) |

@@ -15,7 +15,7 @@ struct Rule {
 
 const PURE: [Rule; 7] = [
     Rule { layer: "language", layers: &[], crates: &["toml"] },
-    Rule { layer: "scan", layers: &[], crates: &["nalgebra", "thiserror", "tobj"] },
+    Rule { layer: "scan", layers: &[], crates: &["nalgebra", "rayon", "thiserror", "tobj"] },
     Rule { layer: "spline", layers: &[], crates: &["nalgebra", "rayon", "thiserror"] },
     Rule { layer: "leg", layers: &["scan", "spline"], crates: &["nalgebra", "rayon", "thiserror"] },
     Rule { layer: "cad", layers: &["spline"], crates: &["nalgebra", "thiserror", "zmij"] },
