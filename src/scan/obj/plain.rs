@@ -170,3 +170,6 @@ fn equal(window: u64, byte: u8) -> u64 {
 fn first(marks: u64) -> usize {
     marks.trailing_zeros() as usize / 8
 }
+
+#[cfg(test)]
+mod tests;

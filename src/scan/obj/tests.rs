@@ -1,7 +1,5 @@
 //! What the OBJ decoder takes and what it refuses.
 
-mod plain;
-
 use nalgebra::Point3;
 
 use super::super::{Content, CutSign, Format, Place, Scan, ScanFault};
