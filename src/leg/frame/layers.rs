@@ -24,16 +24,13 @@ pub fn unlinked_share(mesh: &Mesh, stature_mm: f64) -> f64 {
     let Some(edge_mm) = legs.edge_mm() else { return 0.0 };
     let links = Links::of(legs.points().len(), legs.edges());
     let slabs = Slabs::of(legs.points(), edge_mm);
-    let mut by_height: Vec<u32> = (0..legs.points().len() as u32).collect();
-    by_height.sort_unstable_by(|p, q| {
-        legs.points()[*p as usize].z.total_cmp(&legs.points()[*q as usize].z)
-    });
-    let stride = by_height.len().div_ceil(SAMPLES).max(1);
-    let samples = by_height.iter().step_by(stride);
+    // In the order of slabs, samples are spread over all heights.
+    let stride = slabs.points.len().div_ceil(SAMPLES).max(1);
+    let samples = slabs.points.iter().step_by(stride).map(|(.., index)| *index);
     let count = samples.clone().count();
     // For each point the last sample to which it is linked.
     let mut linked_to = vec![u32::MAX; legs.points().len()];
-    let is_beside = |&&sample: &&u32| {
+    let is_beside = |&sample: &u32| {
         links.mark(sample, LINKS_MAX, &mut linked_to);
         let mut near = slabs.near(&legs.points()[sample as usize]);
         near.any(|point| linked_to[point as usize] != sample)

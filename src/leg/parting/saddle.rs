@@ -62,8 +62,13 @@ pub fn saddle(
         return CLOUD_REACHES.into_iter().find_map(at_reach).filter(|s| s.height_mm > lowest_mm);
     }
     let border = SkinBorder::above(mesh, from_mm, LINK_MIN_MM);
-    let sides = sides(mesh, to_mm, edge_max_mm).chain(border.seams.iter().copied());
-    let top = points[legs.first_joined(points, above(points, to_mm, sides))? as usize];
+    let seams = border.seams.iter().copied();
+    let edges = if has_long_edge(mesh, edge_max_mm) {
+        above(points, to_mm, sides(mesh, to_mm, edge_max_mm).chain(seams))
+    } else {
+        above(points, to_mm, mesh.edges().iter().copied().chain(seams))
+    };
+    let top = points[legs.first_joined(points, edges)? as usize];
     // A border that is no longer than the spacing of points is a missing triangle.
     let bottom_mm = border.bottom_mm(mesh, &top, LINK_MIN_MM);
     let border_bottom_mm = bottom_mm.filter(|bottom_mm| top.z - bottom_mm > LINK_MIN_MM);
@@ -135,6 +140,13 @@ fn above(
         (top_mm > from_mm).then(|| Edge { top: top_mm.to_bits(), ends: [a.min(b), a.max(b)] })
     };
     edges.into_iter().filter_map(edge).collect()
+}
+
+/// Whether any edge of a mesh is longer than `edge_max_mm`.
+fn has_long_edge(mesh: &Mesh, edge_max_mm: f64) -> bool {
+    let point = |index: u32| mesh.points()[index as usize];
+    let is_long = |&[a, b]: &[u32; 2]| (point(a) - point(b)).norm_squared() > edge_max_mm.powi(2);
+    mesh.edges().iter().any(is_long)
 }
 
 /// The sides of the triangles that reach above a height and have no side longer than `edge_max_mm`.

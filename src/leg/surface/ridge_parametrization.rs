@@ -152,7 +152,8 @@ impl Columns {
 
 /// The equivalent angle in [−π, π).
 fn home(angle: f64) -> f64 {
-    (angle + PI).rem_euclid(TAU) - PI
+    // Most are there already, and a remainder takes as long as a column.
+    if (-PI..PI).contains(&angle) { angle } else { (angle + PI).rem_euclid(TAU) - PI }
 }
 
 /// Normal equations of a small least-squares problem, accumulated term by term.

@@ -5,6 +5,9 @@
 //! AᵀA) make AᵀA the identity and the roughness R diagonal. Then a fit with any pair of lambdas
 //! takes only a division, and so do its degrees of freedom and its residual.
 
+use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
+
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::circle::Circle;
@@ -22,7 +25,7 @@ pub const RIDGE: f64 = 1e-9;
 /// Exponents of ten of the lambdas that are tried, in half decades relative to the median eigenvalue,
 /// along and around. At 0 the middle of the basis is halved; with much less smoothing around, a range
 /// without data oscillates instead of being bridged, and its equations are close to singular.
-const SEARCH_HALVES: [std::ops::RangeInclusive<i32>; 2] = [-2..=10, -1..=10];
+const SEARCH_HALVES: [RangeInclusive<i32>; 2] = [-2..=10, -1..=10];
 
 /// The direction along.
 #[derive(Debug, Clone)]
@@ -149,7 +152,7 @@ pub fn best_by_gcv(
 ) -> ([f64; 2], f64) {
     let Projected { squares, outside } = Projected::of(cells, along, around, circle);
     let height = along.eigenvalues.len();
-    let score = |lambdas: [f64; 2]| {
+    let fitted = |lambdas: [f64; 2]| {
         // Several sums in parallel, because a single one would wait for itself at every term.
         let (mut lost, mut kept) = (vec![0.0; height], vec![0.0; height]);
         let waves = around.eigenvalues.iter().zip(&around.multiplicities);
@@ -162,24 +165,74 @@ pub fn best_by_gcv(
                 *kept += count * share;
             }
         }
-        let (rss, edf) = (outside + lost.iter().sum::<f64>(), kept.iter().sum::<f64>());
-        let freedom = (seen as f64 - edf).max(1e-3 * seen as f64);
-        (rss / (freedom * freedom), edf)
+        (outside + lost.iter().sum::<f64>(), kept.iter().sum::<f64>())
     };
     let units = [along.unit(), around.unit()];
     let lambdas = |exponents: [f64; 2]| [0, 1].map(|d| units[d] * 10.0_f64.powf(exponents[d]));
-    let judged = |exponents: [f64; 2]| (score(lambdas(exponents)).0, exponents);
-    let better = |a: &(f64, [f64; 2]), b: &(f64, [f64; 2])| a.0.total_cmp(&b.0);
-    let halves = |d: usize| SEARCH_HALVES[d].clone().map(|half| 0.5 * f64::from(half));
-    let coarse = halves(0).flat_map(|a| halves(1).map(move |b| [a, b]));
-    let mut best = coarse.map(judged).min_by(better).map_or([0.0; 2], |(_, best)| best);
+    let tried = |exponents: [f64; 2]| {
+        let (rss, edf) = fitted(lambdas(exponents));
+        Tried { exponents, score: rss / freedom(seen, edf).powi(2), rss, edf }
+    };
+    let mut best = best_of_halves(&|halves| tried(halves.map(|half| 0.5 * f64::from(half))), seen);
     let least = [0, 1].map(|d: usize| 0.5 * f64::from(*SEARCH_HALVES[d].start()));
     for step in [0.25, 0.125] {
         let offsets = [-step, 0.0, step];
-        let near = offsets.into_iter().flat_map(|a| offsets.map(|b| [best[0] + a, best[1] + b]));
+        let [a, b] = best.exponents;
+        let near = offsets.into_iter().flat_map(|da| offsets.map(|db| [a + da, b + db]));
         let near = near.map(|[a, b]| [a.max(least[0]), b.max(least[1])]);
-        best = near.map(judged).min_by(better).map_or(best, |(_, best)| best);
+        best = near.map(tried).min_by(Tried::better).unwrap_or(best);
     }
-    let best = lambdas(best);
-    (best, score(best).1)
+    (lambdas(best.exponents), best.edf)
+}
+
+/// A pair of lambdas that was tried.
+#[derive(Debug, Clone, Copy)]
+struct Tried {
+    /// Exponents of ten, relative to the units.
+    exponents: [f64; 2],
+    score: f64,
+    rss: f64,
+    edf: f64,
+}
+
+impl Tried {
+    fn better(&self, other: &Tried) -> std::cmp::Ordering {
+        self.score.total_cmp(&other.score)
+    }
+}
+
+/// The pair of half decades with the smallest score, of `seen` cells with data.
+///
+/// Residuals grow with both lambdas, and so do the remaining degrees of freedom. So no score within a range
+/// of pairs is below the residuals at its lower end divided by the squared freedom at its upper end, and most
+/// pairs need not be tried.
+fn best_of_halves(tried: &impl Fn([i32; 2]) -> Tried, seen: usize) -> Tried {
+    let [(a0, a1), (b0, b1)] = SEARCH_HALVES.map(RangeInclusive::into_inner);
+    let mut known: BTreeMap<[i32; 2], Tried> = BTreeMap::new();
+    let mut best = tried([a0, b0]);
+    known.insert([a0, b0], best);
+    let mut open = vec![[[a0, b0], [a1, b1]]];
+    while let Some([low, high]) = open.pop() {
+        let [at_low, at_high] = [low, high].map(|at| *known.entry(at).or_insert_with(|| tried(at)));
+        for found in [at_low, at_high] {
+            best = if found.score < best.score { found } else { best };
+        }
+        let least = at_low.rss / freedom(seen, at_high.edf).powi(2);
+        let lengths = [0, 1].map(|d: usize| high[d] - low[d]);
+        let longer = usize::from(lengths[1] > lengths[0]);
+        if least > best.score || lengths[longer] == 0 {
+            continue;
+        }
+        // Two parts that share no pair.
+        let middle = low[longer] + lengths[longer] / 2;
+        let (mut end, mut start) = (high, low);
+        (end[longer], start[longer]) = (middle, middle + 1);
+        open.extend([[start, high], [low, end]]);
+    }
+    best
+}
+
+/// The degrees of freedom that are left; a fit that nearly interpolates has a share of a thousandth.
+fn freedom(seen: usize, edf: f64) -> f64 {
+    (seen as f64 - edf).max(1e-3 * seen as f64)
 }
