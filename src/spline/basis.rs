@@ -195,7 +195,7 @@ impl Basis {
     fn even_place(&self, x: f64) -> Option<(usize, f64)> {
         let place = (x - self.breakpoints[0]) * self.density;
         let span = (place as usize).min(self.breakpoints.len() - 2);
-        self.even.contains(&span).then(|| (span, place - span as f64))
+        self.even.contains(&span).then_some((span, place - span as f64))
     }
 
     /// The values of all functions at each position: positions × functions.

@@ -219,9 +219,9 @@ impl Cholesky {
     fn solve_one(&self, values: &mut [f64]) {
         let (lower, ends) = (&self.lower, &self.lower.starts[1..]);
         let mut before = [0.0; DEGREE];
-        for i in 0..lower.full_from {
-            values[i] = band::solved_down(lower.band_row(i), values[i], before);
-            before = [values[i], before[0], before[1]];
+        for (i, value) in values.iter_mut().enumerate().take(lower.full_from) {
+            *value = band::solved_down(lower.band_row(i), *value, before);
+            before = [*value, before[0], before[1]];
         }
         for i in lower.full_from..lower.size() {
             let (first, entries) = lower.left_of(i);

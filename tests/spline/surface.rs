@@ -91,7 +91,9 @@ fn the_distance_alone_is_that_of_the_nearest_point() {
             let here = surface.derivatives(start[0], start[1]);
             let found = surface.distance_mm(&point, start, here);
             let expected = surface.closest(&point, start[0], start[1]).distance_mm;
-            assert!((found - expected).abs() < 1e-6, "{i} {offset_mm}: {found} {expected}");
+            // On the surface itself the root of a tiny square is largest.
+            let most_mm = if offset_mm == 0.0 { 2e-5 } else { 1e-6 };
+            assert!((found - expected).abs() < most_mm, "{i} {offset_mm}: {found} {expected}");
         }
     }
 }

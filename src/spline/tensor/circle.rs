@@ -5,9 +5,15 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::DMatrix;
 
-use super::kronecker::{PENALISED, RIDGE};
 use crate::spline::basis::{Basis, BasisFault, DEGREE};
 use crate::spline::penalty::roughness;
+
+/// The derivative whose square is penalised.
+pub const PENALISED: usize = 2;
+
+/// Added to the diagonal of a Gram matrix, relative to its mean, so that a range without cells does
+/// not make it singular.
+pub const RIDGE: f64 = 1e-9;
 
 /// The products of a basis function with itself and the three after it, averaged over pieces: moments of
 /// the cubic B-spline, 151/315, 397/1680, 1/42 and 1/5040.

@@ -10,17 +10,10 @@ use std::ops::RangeInclusive;
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::circle::Circle;
+use super::circle::{Circle, PENALISED, RIDGE};
 use crate::spline::basis::Basis;
 use crate::spline::penalty::roughness;
 use crate::spline::solve::Singular;
-
-/// The derivative whose square is penalised.
-pub const PENALISED: usize = 2;
-
-/// Added to the diagonal of a Gram matrix, relative to its mean, so that a range without cells does
-/// not make it singular.
-pub const RIDGE: f64 = 1e-9;
 
 /// Exponents of ten of the lambdas that are tried, in half decades relative to the median eigenvalue,
 /// along and around. At 0 the middle of the basis is halved; with much less smoothing around, a range
