@@ -71,40 +71,45 @@ fn read(path: &Path) -> Result<Value, Box<dyn Error>> {
 }
 
 impl Tally {
-    fn look_at_digits(&mut self, key: &str, value: &Value) {
+    fn look_at_digits(&mut self, kind: &str, value: &Value) {
         match value {
             Value::Object(fields) => {
-                fields.iter().for_each(|(key, value)| self.look_at_digits(key, value))
+                let each = |(key, value)| self.look_at_digits(&format!("{kind}.{key}"), value);
+                fields.iter().for_each(each);
             }
-            Value::Array(values) => values.iter().for_each(|value| self.look_at_digits(key, value)),
+            Value::Array(values) => {
+                values.iter().for_each(|value| self.look_at_digits(kind, value))
+            }
             Value::Number(number) => {
-                let step = self.steps.entry(key.to_owned()).or_insert(f64::INFINITY);
+                let step = self.steps.entry(kind.to_owned()).or_insert(f64::INFINITY);
                 *step = step.min(last_digit(&number.to_string()));
             }
             Value::Null | Value::Bool(_) | Value::String(_) => {}
         }
     }
 
-    fn compare(&mut self, place: &str, key: &str, old: &Value, new: &Value, sd: Option<f64>) {
+    fn compare(&mut self, place: &str, kind: &str, old: &Value, new: &Value, sd: Option<f64>) {
         match (old, new) {
             (Value::Object(old), Value::Object(new)) if old.keys().eq(new.keys()) => {
                 for (key, value) in old {
-                    let place = format!("{place}.{key}");
+                    let (place, kind) = (format!("{place}.{key}"), format!("{kind}.{key}"));
                     match (value, &new[key]) {
                         (Value::String(old), Value::String(new)) if PACKED.contains(&&**key) => {
                             self.compare_packed(&place, old, new);
                         }
-                        (value, other) => self.compare(&place, key, value, other, own_sd(old, key)),
+                        (value, other) => {
+                            self.compare(&place, &kind, value, other, own_sd(old, key));
+                        }
                     }
                 }
             }
             (Value::Array(old), Value::Array(new)) if old.len() == new.len() => {
                 for (index, (old, new)) in old.iter().zip(new).enumerate() {
-                    self.compare(&format!("{place}[{index}]"), key, old, new, sd);
+                    self.compare(&format!("{place}[{index}]"), kind, old, new, sd);
                 }
             }
             (Value::Number(old), Value::Number(new)) => {
-                let step = self.steps.get(key).copied().unwrap_or(0.0);
+                let step = self.steps.get(kind).copied().unwrap_or(0.0);
                 let (Some(old), Some(new)) = (old.as_f64(), new.as_f64()) else { return };
                 self.compare_numbers(place, [old, new], step, sd);
             }
