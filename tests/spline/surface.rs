@@ -92,7 +92,7 @@ fn the_distance_alone_is_that_of_the_nearest_point() {
             let found = surface.distance_mm(&point, start, here);
             let expected = surface.closest(&point, start[0], start[1]).distance_mm;
             // On the surface itself the root of a tiny square is largest.
-            let most_mm = if offset_mm == 0.0 { 2e-5 } else { 1e-6 };
+            let most_mm = if offset_mm == 0.0 { 5e-5 } else { 1e-6 };
             assert!((found - expected).abs() < most_mm, "{i} {offset_mm}: {found} {expected}");
         }
     }
