@@ -20,8 +20,6 @@ pub enum Smoothing {
     /// The lambda with the smallest generalised cross-validation score (Craven, Wahba 1979).
     /// Correct for independent errors; correlated ones are treated as signal.
     Gcv,
-    /// As `Gcv`, with the same result, which is found sooner if this lambda is near it.
-    GcvNear(f64),
 }
 
 /// A fitted scalar function and its accuracy.
@@ -224,8 +222,7 @@ pub fn fit(
     let solution = match smoothing {
         Smoothing::None => equations.solution(RIDGE)?,
         Smoothing::Fixed(lambda) => equations.solution(ridged(lambda)?)?,
-        Smoothing::Gcv => equations.best_by_gcv(None)?,
-        Smoothing::GcvNear(lambda) => equations.best_by_gcv(Some(lambda))?,
+        Smoothing::Gcv => equations.best_by_gcv()?,
     };
     Ok(judged(basis, y, weights, solution))
 }

@@ -115,15 +115,14 @@ impl<'a> NormalEquations<'a> {
         Ok(Solution { lambda, coefficients, inverse, edf, rss })
     }
 
-    /// The fit with the smallest score RSS / (m − edf)² (Craven, Wahba 1979). A lambda that is expected to
-    /// be near the best is tried first, which finds the same fit sooner.
-    pub fn best_by_gcv(&self, expected: Option<f64>) -> Result<Solution, Singular> {
+    /// The fit with the smallest score RSS / (m − edf)² (Craven, Wahba 1979).
+    pub fn best_by_gcv(&self) -> Result<Solution, Singular> {
         let data = self.weights.iter().filter(|weight| **weight > 0.0).count() as f64;
         let tried = |exponent: f64| {
             let solution = self.solution(10.0_f64.powf(exponent)).ok()?;
             Some(Tried { exponent, score: score(&solution, data), solution })
         };
-        let Some(mut best) = best_of_halves(&tried, data, expected) else {
+        let Some(mut best) = best_of_halves(&tried, data) else {
             // Every lambda leaves too few degrees of freedom, so the smoothest fit is used.
             return self.solution(10.0_f64.powf(0.5 * f64::from(*SEARCH_HALF_DECADES.end())));
         };
@@ -164,20 +163,11 @@ fn score(solution: &Solution, data: f64) -> f64 {
 /// Both the residuals and the remaining degrees of freedom grow with lambda. So no score between
 /// two lambdas is below the residuals at the lower one divided by the squared freedom at the higher
 /// one, and most lambdas need not be tried.
-fn best_of_halves(
-    tried: &impl Fn(f64) -> Option<Tried>,
-    data: f64,
-    expected: Option<f64>,
-) -> Option<Tried> {
+fn best_of_halves(tried: &impl Fn(f64) -> Option<Tried>, data: f64) -> Option<Tried> {
     let at = |half: i32| tried(0.5 * f64::from(half));
     let (from, to) = SEARCH_HALF_DECADES.into_inner();
     let mut known: BTreeMap<i32, Option<Tried>> = [(from, at(from)), (to, at(to))].into();
     let mut open = vec![[from, to]];
-    if let Some(lambda) = expected {
-        let half = ((2.0 * lambda.log10()).round() as i32).clamp(from + 1, to - 1);
-        known.insert(half, at(half));
-        open = vec![[from, half], [half, to]];
-    }
     while let Some([low, high]) = open.pop() {
         let of = |half: i32| known.get(&half).and_then(Option::as_ref);
         let best = known.values().flatten().map(|tried| tried.score).fold(f64::INFINITY, f64::min);

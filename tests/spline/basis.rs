@@ -181,3 +181,27 @@ proptest! {
         prop_assert_eq!(basis.row(from), basis.row(to));
     }
 }
+
+#[test]
+fn equal_intervals_have_the_functions_that_their_knots_give() {
+    for intervals in 4..12 {
+        let step = |i: usize| 1.5 + 0.3 * i as f64;
+        let breakpoints: Vec<f64> = (0..=intervals).map(step).collect();
+        let (from, length) = (step(0), step(intervals) - step(0));
+        let pairs = [
+            (
+                Basis::uniform_clamped(from, step(intervals), intervals),
+                Basis::clamped(&breakpoints),
+            ),
+            (Basis::uniform_periodic(from, length, intervals), Basis::periodic(&breakpoints)),
+        ];
+        for (even, general) in pairs.map(|(even, general)| (even.unwrap(), general.unwrap())) {
+            for x in (0..=100).map(|i| from + length * (0.007 + 0.0098 * f64::from(i))) {
+                let (found, expected) = (even.row(x), general.row(x));
+                assert_eq!(found.indices, expected.indices, "{x}");
+                let pairs = found.values.into_iter().zip(expected.values);
+                pairs.for_each(|(a, b)| assert!((a - b).abs() < 1e-14, "{x}: {a} {b}"));
+            }
+        }
+    }
+}

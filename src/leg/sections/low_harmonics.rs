@@ -164,11 +164,7 @@ impl Waves {
             let heights: Vec<f64> =
                 sums.map(|(sum, weight)| if *weight > 0.0 { sum / weight } else { 0.0 }).collect();
             let along = if count == 0 { &fine } else { along };
-            // Neighbouring waves need about the same smoothing.
-            let last = waves.last().filter(|wave: &&Wave| wave.count > 0);
-            let smoothing =
-                last.map_or(Smoothing::Gcv, |wave| Smoothing::GcvNear(wave.height.lambda));
-            let height = fit(along, &bins.middles(), &heights, &weights, smoothing).ok()?;
+            let height = fit(along, &bins.middles(), &heights, &weights, Smoothing::Gcv).ok()?;
             let is_fine = count > COARSE_WAVES;
             let height =
                 if is_fine { bins.above_noise(height, &weights, left.sigma) } else { height };

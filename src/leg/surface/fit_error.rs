@@ -43,7 +43,8 @@ pub struct Off {
 }
 
 impl Off {
-    /// The distance of a place within the surface's domain; `outward` is the direction out of the leg there, of any length.
+    /// The distance of a place within the surface's domain; `outward` is the direction out of the leg there,
+    /// of any length.
     pub fn of(surface: &Surface, place: &Place, outward: &Vector3<f64>) -> Off {
         let (u, v) = place.at;
         let here = surface.derivatives(u, v);

@@ -25,8 +25,9 @@ pub struct Preconditioner<'a> {
 
 /// The equations to be approximated.
 pub struct Evenly<'a> {
-    /// The direction along and around.
+    /// The direction along.
     pub along: &'a Direction,
+    /// The direction around.
     pub circle: &'a Circle,
     /// Gram matrix of the data along, for each function itself and the three after it, divided by the number
     /// of pieces around.
