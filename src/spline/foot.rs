@@ -26,10 +26,16 @@ const MOST_STEPS: usize = 50;
 /// A step that would move the foot by less than this counts as converged. Coordinates are millimetres.
 const REST_MM: f64 = 1e-9;
 
-/// A step this short, mm, need not be taken to know the distance after it: the resulting decrease of
-/// the squared distance is known except for the cube of the step, and so the distance to 5e-5 mm even on
-/// the surface of a bumpy leg, a twentieth of the last digit of a record.
+/// A step need not be taken to know the distance after it, to 5e-5 mm, a twentieth of the last digit of a
+/// record, if it is this short, mm …
 const FORESEEN_MM: f64 = 1e-2;
+
+/// … or if its square is less than this times the distance, mm, because what is not known of the squared
+/// distance grows with the fourth power of the step …
+const FORESEEN_PER_DISTANCE_MM: f64 = 0.1;
+
+/// … up to this length, mm.
+const FORESEEN_MOST_MM: f64 = 0.1;
 
 /// Distances closer than this are equal: the rounding error for coordinates of some metres.
 const ROUNDING_MM: f64 = 1e-12;
@@ -41,7 +47,7 @@ impl Surface {
     pub fn closest(&self, point: &Point3<f64>, u0: f64, v0: f64) -> Foot {
         let (first, last) = self.along().domain();
         let start = Place::at(self, point, u0.clamp(first, last), v0);
-        let (here, step) = self.downhill(point, start, REST_MM);
+        let (here, step) = self.downhill(point, start, |_| REST_MM);
         let v = self.around().wrapped(here.v);
         let at_end = here.u <= first || here.u >= last;
         let converged = step.is_some();
@@ -58,32 +64,29 @@ impl Surface {
     ) -> f64 {
         let (first, last) = self.along().domain();
         let start = Place::of(point, u0, v0, derivatives);
-        let (here, step) = self.downhill(point, start, FORESEEN_MM);
+        let (here, step) = self.downhill(point, start, Place::foreseen_mm);
         match step {
             Some(step) if (first..=last).contains(&(here.u + step.x)) => {
-                // A Newton step reduces half the squared distance by half of the gradient along the
-                // step.
-                let gain = here.gradient.dot(&step.component_mul(&here.lengths));
-                (here.distance_mm * here.distance_mm + gain).max(0.0).sqrt()
+                here.distance_after_mm(step)
             }
             _ => self.closest(point, here.u, here.v).distance_mm,
         }
     }
 
-    /// The position from which the next step would move the foot by less than `rest_mm`, and that
+    /// The position from which the next step would move the foot by less than `rest_mm` of it, and that
     /// step, which is not taken; if the steps do not converge, the best position found, and `None`.
     fn downhill(
         &self,
         point: &Point3<f64>,
         start: Place,
-        rest_mm: f64,
+        rest_mm: impl Fn(&Place) -> f64,
     ) -> (Place, Option<Vector2<f64>>) {
         let (first, last) = self.along().domain();
         let mut here = start;
         for _ in 0..MOST_STEPS {
             let step = here.step(first, last);
             let Derivatives { du, dv, .. } = here.derivatives;
-            if (du * step.x + dv * step.y).norm() < rest_mm {
+            if (du * step.x + dv * step.y).norm() < rest_mm(&here) {
                 return (here, Some(step));
             }
             let Some(next) = self.improved(point, &here, step) else { break };
@@ -131,6 +134,23 @@ impl Place {
         let hessian = Matrix2::new(first, mixed, mixed, second);
         let hessian = hessian.component_div(&(lengths * lengths.transpose()));
         Place { u, v, distance_mm: away.norm(), derivatives, lengths, gradient, hessian }
+    }
+
+    /// The length below which a step from here need not be taken, mm.
+    fn foreseen_mm(&self) -> f64 {
+        let in_square = FORESEEN_PER_DISTANCE_MM * self.distance_mm;
+        in_square.sqrt().clamp(FORESEEN_MM, FORESEEN_MOST_MM)
+    }
+
+    /// The distance after a Newton step within the domain, mm. The step reduces half the squared distance by
+    /// half of the gradient along it; the surface's bend along the step adds the term of third order. Not
+    /// counted is the third derivative of the surface, times the distance, and all of fourth order.
+    fn distance_after_mm(&self, step: Vector2<f64>) -> f64 {
+        let Derivatives { du, dv, duu, duv, dvv, .. } = self.derivatives;
+        let gain = self.gradient.dot(&step.component_mul(&self.lengths));
+        let along = du * step.x + dv * step.y;
+        let bend = (duu * step.x + duv * (2.0 * step.y)) * step.x + dvv * (step.y * step.y);
+        (self.distance_mm * self.distance_mm + gain + along.dot(&bend)).max(0.0).sqrt()
     }
 
     /// The downhill step in u and v; along the end row if it would leave the domain.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 use super::basis::{Basis, Row};
 use super::penalty::roughness;
+use super::solve::trial::Trials;
 use super::solve::{Singular, Skyline};
 
 /// The relative lambda that remains if nothing is to be smoothed.
@@ -107,54 +108,67 @@ impl<'a> NormalEquations<'a> {
         factor.solve(&mut coefficients, 1);
         let inverse = factor.into_inverse();
         let edf = inverse.trace_of_product(&self.gram);
-        // Summed over the data: the quadratic form of the normal equations would lose a small sum
-        // to cancellation.
-        let squares = self.design.rows.iter().zip(self.y).zip(self.weights);
-        let left = |((row, y), w): ((&Row, &f64), &f64)| w * (y - row.dot(&coefficients)).powi(2);
-        let rss = squares.map(left).sum();
+        let rss = self.rss(&coefficients);
         Ok(Solution { lambda, coefficients, inverse, edf, rss })
+    }
+
+    /// The weighted sum of the squared residuals. Summed over the data: the quadratic form of the normal
+    /// equations would lose a small sum to cancellation.
+    fn rss(&self, coefficients: &[f64]) -> f64 {
+        let squares = self.design.rows.iter().zip(self.y).zip(self.weights);
+        let left = |((row, y), w): ((&Row, &f64), &f64)| w * (y - row.dot(coefficients)).powi(2);
+        squares.map(left).sum()
     }
 
     /// The fit with the smallest score RSS / (m − edf)² (Craven, Wahba 1979).
     pub fn best_by_gcv(&self) -> Result<Solution, Singular> {
         let data = self.weights.iter().filter(|weight| **weight > 0.0).count() as f64;
-        let tried = |exponent: f64| {
-            let solution = self.solution(10.0_f64.powf(exponent)).ok()?;
-            Some(Tried { exponent, score: score(&solution, data), solution })
+        let mut trials = Trials::of(&self.gram, &self.penalty, &self.moments);
+        let mut tried = |exponent: f64| {
+            let lambda = 10.0_f64.powf(exponent);
+            let (rss, edf) = match &mut trials {
+                Some(trials) => trials.at(lambda).map(|(at, edf)| (self.rss(at), edf))?,
+                None => self.solution(lambda).map(|solution| (solution.rss, solution.edf)).ok()?,
+            };
+            Some(Tried { exponent, rss, edf, score: score(rss, edf, data) })
         };
-        let Some(mut best) = best_of_halves(&tried, data) else {
+        let Some(mut best) = best_of_halves(&mut tried, data) else {
             // Every lambda leaves too few degrees of freedom, so the smoothest fit is used.
             return self.solution(10.0_f64.powf(0.5 * f64::from(*SEARCH_HALF_DECADES.end())));
         };
         for halving in 1..=SEARCH_HALVINGS {
             let step = 0.5 * 0.5_f64.powi(halving);
             let exponents = [best.exponent - step, best.exponent + step];
-            let nearby = exponents.into_iter().filter_map(tried);
+            let nearby = exponents.into_iter().filter_map(&mut tried);
             let better = |a: &Tried, b: &Tried| a.score.total_cmp(&b.score);
             if let Some(found) = nearby.min_by(better).filter(|found| found.score < best.score) {
                 best = found;
             }
         }
-        Ok(best.solution)
+        self.solution(10.0_f64.powf(best.exponent))
     }
 }
 
-/// The fit at one of the lambdas that were tried.
+/// One of the lambdas that were tried.
+#[derive(Debug, Clone, Copy)]
 struct Tried {
     /// Exponent of ten.
     exponent: f64,
+    /// Weighted sum of the squared residuals.
+    rss: f64,
+    /// Effective degrees of freedom.
+    edf: f64,
     /// Infinite if meaningless.
     score: f64,
-    solution: Solution,
 }
 
 /// The score of a fit to this number of data; infinite if it leaves too few degrees of freedom.
-fn score(solution: &Solution, data: f64) -> f64 {
-    let freedom = data - solution.edf;
+fn score(rss: f64, edf: f64, data: f64) -> f64 {
+    let freedom = data - edf;
     if freedom < LEAST_FREEDOM * data {
         return f64::INFINITY;
     }
-    solution.rss / (freedom * freedom)
+    rss / (freedom * freedom)
 }
 
 /// The fit with the smallest score among the lambdas of [`SEARCH_HALF_DECADES`], the smallest
@@ -163,8 +177,8 @@ fn score(solution: &Solution, data: f64) -> f64 {
 /// Both the residuals and the remaining degrees of freedom grow with lambda. So no score between
 /// two lambdas is below the residuals at the lower one divided by the squared freedom at the higher
 /// one, and most lambdas need not be tried.
-fn best_of_halves(tried: &impl Fn(f64) -> Option<Tried>, data: f64) -> Option<Tried> {
-    let at = |half: i32| tried(0.5 * f64::from(half));
+fn best_of_halves(tried: &mut impl FnMut(f64) -> Option<Tried>, data: f64) -> Option<Tried> {
+    let mut at = |half: i32| tried(0.5 * f64::from(half));
     let (from, to) = SEARCH_HALF_DECADES.into_inner();
     let mut known: BTreeMap<i32, Option<Tried>> = [(from, at(from)), (to, at(to))].into();
     let mut open = vec![[from, to]];
@@ -173,8 +187,8 @@ fn best_of_halves(tried: &impl Fn(f64) -> Option<Tried>, data: f64) -> Option<Tr
         let best = known.values().flatten().map(|tried| tried.score).fold(f64::INFINITY, f64::min);
         let least = match (of(low), of(high)) {
             (Some(low), Some(high)) => {
-                let freedom = data - high.solution.edf;
-                low.solution.rss / (freedom * freedom)
+                let freedom = data - high.edf;
+                low.rss / (freedom * freedom)
             }
             // There is no lower bound next to a system that cannot be solved.
             _ => 0.0,

@@ -11,6 +11,7 @@ use nalgebra::DMatrix;
 use super::basis::{Basis, DEGREE, Row};
 
 mod band;
+pub(super) mod trial;
 
 /// A symmetric matrix with a row and column for each function of a basis. Only pairs of overlapping
 /// functions have an entry; the lower triangle is stored, row by row.

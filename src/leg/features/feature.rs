@@ -13,7 +13,7 @@ use super::circular_extrema::{Cap, Turn, standing_out};
 use super::harmonic::Harmonics;
 use super::{curvature, harmonic};
 use crate::leg::sections::plane_frame::PlaneFrame;
-use crate::leg::sections::section::Section;
+use crate::leg::sections::section::{Curve, Section, Spokes};
 
 /// Angles at which the curvature is taken.
 const ANGLES: usize = 360;
@@ -65,7 +65,7 @@ pub struct Feature {
 
 /// The feature points of a section in its plane, in order around it from the front: P1, P2, …
 pub fn features(plane: &PlaneFrame, section: &Section) -> Vec<Feature> {
-    let (curvatures, turns) = turns(section, &angles());
+    let (curvatures, turns) = turns(section, &Angles::of(section));
     let error = CurvatureError::of(section);
     let feature = |turn: Turn| {
         let cap = turn.cap(&curvatures, alike(section));
@@ -89,17 +89,40 @@ pub fn features(plane: &PlaneFrame, section: &Section) -> Vec<Feature> {
 /// The curvature in which the feature points of a section are found, at `count` equal angles from
 /// −180° on, 1/mm. `count` must be a divisor of 360.
 pub fn curvatures(section: &Section, count: usize) -> Vec<f64> {
-    let all = curvature::around(&outline(section, &angles()));
+    let all = curvature::around(&outline(section, &Angles::of(section)));
     all.into_iter().step_by(ANGLES / count).collect()
 }
 
-/// The angles at which the curvature of a section is taken, with their harmonics.
-pub fn angles() -> Harmonics {
-    Harmonics::at(ANGLES)
+/// The angles at which the curvature of sections is taken.
+pub struct Angles {
+    harmonics: Harmonics,
+    /// For curves in one basis; `None` for the paper's polynomial.
+    spokes: Option<Spokes>,
+}
+
+impl Angles {
+    /// The angles, quickest for sections in the basis of this one.
+    pub fn of(section: &Section) -> Angles {
+        let spokes = match &section.curve {
+            Curve::Periodic { basis, .. } => Some(Spokes::at(ANGLES, basis)),
+            Curve::Polynomial(_) => None,
+        };
+        Angles { harmonics: Harmonics::at(ANGLES), spokes }
+    }
+
+    /// The radii of a curve at them, mm.
+    fn radii(&self, curve: &Curve) -> Vec<f64> {
+        match (curve, &self.spokes) {
+            (Curve::Periodic { basis, coefficients }, Some(spokes)) if spokes.fit(basis) => {
+                spokes.radii(coefficients)
+            }
+            _ => (0..ANGLES).map(|index| curve.radius(angle(index as f64))).collect(),
+        }
+    }
 }
 
 /// The angles of a section's curvature peaks, radians in (−π, π].
-pub fn peaks(section: &Section, angles: &Harmonics) -> Vec<f64> {
+pub fn peaks(section: &Section, angles: &Angles) -> Vec<f64> {
     let (curvatures, turns) = turns(section, angles);
     let peaks = turns.into_iter().filter(|turn| turn.is_peak);
     let middle = |turn: Turn| turn.index as f64 + turn.cap(&curvatures, alike(section)).middle;
@@ -107,7 +130,7 @@ pub fn peaks(section: &Section, angles: &Harmonics) -> Vec<f64> {
 }
 
 /// The curvature around a section and its turning points beyond roundness and noise.
-fn turns(section: &Section, angles: &Harmonics) -> (Vec<f64>, Vec<Turn>) {
+fn turns(section: &Section, angles: &Angles) -> (Vec<f64>, Vec<Turn>) {
     let curvatures = curvature::around(&outline(section, angles));
     let noise = PROMINENCE_MIN_SD * SQRT_2 * CurvatureError::of(section).sd();
     let turns = standing_out(&curvatures, alike(section).max(noise));
@@ -125,11 +148,10 @@ fn angle(index: f64) -> f64 {
 }
 
 /// The section without its finest harmonics, relative to its centre, from −180° on.
-fn outline(section: &Section, angles: &Harmonics) -> Vec<Point2<f64>> {
-    let radii = (0..ANGLES).map(|index| section.curve.radius(angle(index as f64)));
-    let smooth = angles.smoothed(&radii.collect::<Vec<f64>>());
+fn outline(section: &Section, angles: &Angles) -> Vec<Point2<f64>> {
+    let smooth = angles.harmonics.smoothed(&angles.radii(&section.curve));
     // The first angle is −180°, so each direction is inverted.
-    let directions = angles.directions().map(|(cos, sin)| (-cos, -sin));
+    let directions = angles.harmonics.directions().map(|(cos, sin)| (-cos, -sin));
     smooth
         .into_iter()
         .zip(directions)

@@ -157,19 +157,35 @@ impl Girth {
     }
 }
 
-/// The angles at which girths are measured, reusable for all periodic curves in one basis.
+/// Equal angles from −180° on, reusable for all periodic curves in one basis.
 #[derive(Debug, Clone)]
 pub struct Spokes {
+    basis: Basis,
     /// For each angle, the basis' values and the direction.
     spokes: Vec<(Row, Vector2<f64>)>,
 }
 
 impl Spokes {
-    /// The angles for curves in a basis.
-    pub fn of(basis: &Basis) -> Spokes {
-        let angles = (0..GIRTH_ANGLES).map(|index| -PI + TAU * index as f64 / GIRTH_ANGLES as f64);
+    /// `count` angles for curves in a basis.
+    pub fn at(count: usize, basis: &Basis) -> Spokes {
+        let angles = (0..count).map(|index| -PI + TAU * index as f64 / count as f64);
         let spoke = |angle: f64| (basis.row(angle), Vector2::new(angle.cos(), angle.sin()));
-        Spokes { spokes: angles.map(spoke).collect() }
+        Spokes { basis: basis.clone(), spokes: angles.map(spoke).collect() }
+    }
+
+    /// The angles at which girths are measured.
+    pub fn of_girths(basis: &Basis) -> Spokes {
+        Spokes::at(GIRTH_ANGLES, basis)
+    }
+
+    /// Whether they are for curves in this basis.
+    pub fn fit(&self, basis: &Basis) -> bool {
+        self.basis == *basis
+    }
+
+    /// The radii of the curve with these coefficients.
+    pub fn radii(&self, coefficients: &[f64]) -> Vec<f64> {
+        self.spokes.iter().map(|(row, _)| row.dot(coefficients)).collect()
     }
 
     /// Like [`girth`], for the curve with these coefficients.

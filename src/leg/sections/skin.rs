@@ -149,7 +149,7 @@ impl Skin {
         let area: f64 =
             points.iter().map(|p| TAU * p.radius_mm).sum::<f64>() / count * (to_mm - from_mm);
         let (spacing_mm, points_per_mm) = ((area / count).sqrt(), count / (to_mm - from_mm));
-        let spokes = Spokes::of(&around);
+        let spokes = Spokes::of_girths(&around);
         Some(Skin { middle, fit, waves, spokes, points, outliers, spacing_mm, points_per_mm })
     }
 

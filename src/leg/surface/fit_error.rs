@@ -61,26 +61,65 @@ impl FitError {
     /// The error at places with these distances from a surface, mm; `None` if there are none. The order of
     /// summation is fixed, so the results do not depend on threads.
     pub fn of(places: &[Place], distances_mm: &[f64]) -> Option<FitError> {
-        let areas = places.iter().map(|place| place.area);
-        let mut distances: Vec<(f64, f64)> = distances_mm.iter().copied().zip(areas).collect();
-        let (mut area, mut relative, mut squares) = (0.0, 0.0, 0.0);
-        for (place, (distance_mm, own)) in places.iter().zip(&distances) {
-            area += own;
-            relative += own * distance_mm / place.radius_mm;
-            squares += own * distance_mm * distance_mm;
+        let (mut area, mut relative, mut squares, mut max_mm) = (0.0, 0.0, 0.0, 0.0_f64);
+        for (place, distance_mm) in places.iter().zip(distances_mm) {
+            area += place.area;
+            relative += place.area * distance_mm / place.radius_mm;
+            squares += place.area * distance_mm * distance_mm;
+            max_mm = max_mm.max(*distance_mm);
         }
-        distances.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
-        let (max_mm, _) = *distances.last()?;
-        let mut passed = 0.0;
-        let within = distances.iter().find(|(_, own)| {
-            passed += own;
-            passed >= 0.95 * area
-        });
+        let areas = places.iter().map(|place| place.area);
+        let distances = distances_mm.iter().copied().zip(areas).collect();
+        let p95_mm = reached(distances, 0.95 * area)?;
         Some(FitError {
             mean_relative: relative / area,
             rms_mm: (squares / area).sqrt(),
-            p95_mm: within.map_or(max_mm, |(distance_mm, _)| *distance_mm),
+            p95_mm,
             max_mm,
         })
+    }
+}
+
+/// The smallest value at which the weights of all values up to it reach a sum; the largest value if they never
+/// do. Values come with their weights. `None` if there are none.
+fn reached(mut values: Vec<(f64, f64)>, sum: f64) -> Option<f64> {
+    let mut open = values.as_mut_slice();
+    let mut missing = sum;
+    while open.len() > 1 {
+        let middle = open.len() / 2;
+        open.select_nth_unstable_by(middle, |a, b| a.0.total_cmp(&b.0));
+        let (low, high) = open.split_at_mut(middle);
+        let of_low: f64 = low.iter().map(|(_, weight)| weight).sum();
+        open = if of_low >= missing {
+            low
+        } else {
+            missing -= of_low;
+            high
+        };
+    }
+    open.first().map(|(value, _)| *value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_value_that_reaches_a_sum_is_that_of_the_sorted_values() {
+        let values: Vec<(f64, f64)> =
+            (0..400_u32).map(|i| (f64::from(i * 181 % 397), f64::from(1 + i % 7))).collect();
+        let mut sorted = values.clone();
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let all: f64 = values.iter().map(|(_, weight)| weight).sum();
+        for share in [0.0, 0.2, 0.5, 0.95, 1.0] {
+            let mut passed = 0.0;
+            let expected = sorted.iter().find(|(_, weight)| {
+                passed += weight;
+                passed >= share * all
+            });
+            assert_eq!(reached(values.clone(), share * all), expected.map(|(value, _)| *value));
+        }
+        assert_eq!(reached(values, 2.0 * all), Some(396.0));
+        assert_eq!(reached(Vec::new(), 1.0), None);
     }
 }

@@ -28,9 +28,9 @@ impl Grid {
     pub fn of(axis: &LegAxis, outlines: &[Outline], columns: &Columns) -> Grid {
         let v: Vec<f64> = (0..COLUMNS).map(|c| -PI + TAU * c as f64 / COLUMNS as f64).collect();
         let row = |outline: &Outline| {
-            let angle = |v: &f64| columns.angle(outline.along_mm, *v);
+            let angle = columns.angles_at(outline.along_mm);
             let plane = axis.plane(outline.along_mm);
-            v.iter().map(|v| outline.point(&plane, angle(v))).collect::<Vec<_>>()
+            v.iter().map(|v| outline.point(&plane, angle(*v))).collect::<Vec<_>>()
         };
         let points = outlines.iter().flat_map(row).collect();
         let along_mm = outlines.iter().map(|outline| outline.along_mm).collect();

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use crate::leg::features::feature::{angles, peaks};
+use crate::leg::features::feature::{Angles, peaks};
 use crate::leg::sections::section::{SPACING_MM, Section};
 
 /// A ridge moves by at most this along the skin from one section to the next, mm: it runs within
@@ -52,7 +52,9 @@ impl Ridge {
 
 /// The ridges of a leg's sections (which ascend).
 pub fn ridges(sections: &[&Section]) -> Vec<Ridge> {
-    let angles = angles();
+    let Some(angles) = sections.first().map(|section| Angles::of(section)) else {
+        return Vec::new();
+    };
     let mut ridges: Vec<Ridge> = Vec::new();
     for (row, section) in sections.iter().enumerate() {
         let mut peaks = peaks(section, &angles);

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::ridge::Ridge;
 use crate::spline::solve::Singular;
-use crate::spline::{Basis, FitFault, Tensor};
+use crate::spline::{Basis, FitFault, Row, Tensor};
 
 /// Length of the pieces of δ along the leg, mm: ridges keep their slope for longer than that.
 const INTERVAL_MM: f64 = 60.0;
@@ -111,28 +111,35 @@ impl Columns {
 
     /// The function from an angle to its column, radians in [−π, π), at one distance along the axis.
     pub fn at(&self, along_mm: f64) -> impl Fn(f64) -> f64 {
+        let bend = self.bend_at(along_mm);
         let around = self.bend.around();
-        let mut bend = [0.0; INTERVALS_AROUND];
-        self.bend.add_around_at(along_mm, &mut bend);
         move |angle| {
             let mut v = angle;
-            let mut off = around.row(v).dot(&bend);
-            let mut slope = 1.0;
             for _ in 0..INVERSE_STEPS {
-                let step = off / slope;
+                let [value, slope] = around.value_and_slope(v, &bend);
+                // δ changes by at most half of v's change, so the slope of the angle is at least a half.
+                let step = (v + value - angle) / (1.0 + slope);
                 v -= step;
                 if step.abs() < INVERSE_REST {
                     break;
                 }
-                let left = v + around.row(v).dot(&bend) - angle;
-                // δ changes by at most half of v's change, so a step of slope 1 at least halves the
-                // error. A secant step does better, or is followed by a step of slope 1.
-                let halves = left.abs() <= 0.5 * off.abs();
-                slope = if halves { (off - left) / step } else { 1.0 };
-                off = left;
             }
             home(v)
         }
+    }
+
+    /// The function from a column to its angle, radians, at one distance along the axis.
+    pub fn angles_at(&self, along_mm: f64) -> impl Fn(f64) -> f64 {
+        let bend = self.bend_at(along_mm);
+        let around = self.bend.around();
+        move |v| v + around.row(v).dot(&bend)
+    }
+
+    /// The coefficients of δ at one distance along the axis.
+    fn bend_at(&self, along_mm: f64) -> [f64; INTERVALS_AROUND] {
+        let mut bend = [0.0; INTERVALS_AROUND];
+        self.bend.add_around_at(along_mm, &mut bend);
+        bend
     }
 
     /// The largest relative change of the distance between neighbouring columns.
@@ -140,13 +147,14 @@ impl Columns {
         let (from_mm, to_mm) = self.bend.along().domain();
         let [rows, columns] = STRAIN_PLACES;
         let step = TAU / columns as f64;
-        let strain = |(i, j): (usize, usize)| {
-            let along_mm = from_mm + (to_mm - from_mm) * i as f64 / rows as f64;
-            let bend = |j: usize| self.bend.value(along_mm, -PI + step * j as f64);
-            ((bend(j + 1) - bend(j)) / step).abs()
+        let places: Vec<Row> =
+            (0..=columns).map(|j| self.bend.around().row(-PI + step * j as f64)).collect();
+        let strain = |i: usize| {
+            let bend = self.bend_at(from_mm + (to_mm - from_mm) * i as f64 / rows as f64);
+            let change = |pair: &[Row]| ((pair[1].dot(&bend) - pair[0].dot(&bend)) / step).abs();
+            places.windows(2).map(change).fold(0.0, f64::max)
         };
-        let places = (0..=rows).flat_map(|i| (0..columns).map(move |j| (i, j)));
-        places.map(strain).fold(0.0, f64::max)
+        (0..=rows).map(strain).fold(0.0, f64::max)
     }
 }
 
