@@ -1,6 +1,7 @@
 //! The command line: one file per verb.
 
 pub mod act;
+pub mod allocator;
 pub mod args;
 pub mod ask;
 pub mod calibrate;
@@ -40,6 +41,9 @@ pub fn main() -> ExitCode {
 }
 
 fn dispatch(verb: Verb) -> Exit {
+    if matches!(verb, Verb::Extract(_) | Verb::Reextract(_)) {
+        allocator::restart_with_settings();
+    }
     match verb {
         Verb::Demo(args) => demo::demo(&args),
         Verb::Run(args) => run::run(&args),

@@ -24,7 +24,7 @@ const SELF: &str = "/proc/self/exe";
 /// faults; with the library's own rules it costs 10 600, which take a tenth of a measurement. Pieces of
 /// more than 32 MB are mapped one by one as usual, so that growing them leaves no holes. Other C
 /// libraries do not know the variable and ignore it.
-const ALLOCATOR: (&str, &str) = (
+pub const ALLOCATOR: (&str, &str) = (
     "GLIBC_TUNABLES",
     "glibc.malloc.arena_max=1:glibc.malloc.hugetlb=1:glibc.malloc.mmap_threshold=33554432:\
      glibc.malloc.trim_threshold=1073741824:glibc.malloc.top_pad=67108864",
