@@ -4,7 +4,7 @@
 //!
 //! - idle: share of a core and memory over a minute;
 //! - way: the time of a scan from its last byte to its record, beside quiet time and extraction, and
-//!   what it costs in CPU;
+//!   what it costs in CPU, the daemon itself apart from its measuring processes;
 //! - crowd: the same among 20 000 known files;
 //! - backlog: 500 scans;
 //! - trigger: what a port of the booth costs and how soon a press is seen.
@@ -23,7 +23,7 @@ use std::thread::{available_parallelism, sleep};
 use std::time::{Duration, Instant};
 
 use support::invariants::Vitals;
-use support::process::cpu_ticks;
+use support::process::CpuTicks;
 use support::verb::program;
 use support::{Booth, Setting, body, coarse_body, names};
 
@@ -117,10 +117,10 @@ fn idle(what: &str, scans: usize) {
     booth.export("4711_scan.obj", &body(0));
     wait_for_records(&booth, 1, LOOK_UP);
     sleep(QUIET * 2);
-    let (before, began) = (cpu_ticks(daemon.id()), Instant::now());
+    let (before, began) = (CpuTicks::of(daemon.id()), Instant::now());
     sleep(IDLE);
-    let ticks = cpu_ticks(daemon.id()) - before;
-    let share = 100.0 * f64::from(u32::try_from(ticks).unwrap()) / TICKS_PER_S;
+    let ticks = CpuTicks::of(daemon.id()).since(before);
+    let share = 100.0 * seconds(ticks.own + ticks.children);
     let vitals = Vitals::of(daemon.id()).unwrap();
     println!(
         "idle, {what}: {:.2} % of a core over {:.0} s; {:.1} MB resident, {} threads, {} files",
@@ -150,6 +150,17 @@ fn median(mut times: Vec<Duration>) -> Duration {
     times[times.len() / 2]
 }
 
+fn seconds(ticks: u64) -> f64 {
+    f64::from(u32::try_from(ticks).unwrap()) / TICKS_PER_S
+}
+
+/// What each of so many scans cost in CPU.
+fn cpu_a_scan(ticks: CpuTicks, scans: usize) -> String {
+    let ms = |ticks| 1000.0 * seconds(ticks) / f64::from(u32::try_from(scans).unwrap());
+    let (all, own) = (ms(ticks.own + ticks.children), ms(ticks.own));
+    format!("{all:.1} ms CPU a scan, {own:.1} of them the daemon's own")
+}
+
 fn way(name: &str, bodies: Bodies, known: usize) {
     let booth = booth();
     for n in 0..known {
@@ -160,7 +171,7 @@ fn way(name: &str, bodies: Bodies, known: usize) {
     booth.wait_long_for_journal("SELECT count(*) FROM sightings", sighted);
     booth.wait_for("the start", || booth.log().contains("station-ready"));
     let (mut ways, mut extractions) = (Vec::new(), Vec::new());
-    let before = cpu_ticks(daemon.id());
+    let before = CpuTicks::of(daemon.id());
     for n in 0..WAYS {
         let bytes = bodies(n);
         extractions.push(extraction(&booth, n, &bytes));
@@ -169,16 +180,14 @@ fn way(name: &str, bodies: Bodies, known: usize) {
         wait_for_records(&booth, n + 1, LOOK_UP);
         ways.push(last_byte.elapsed());
     }
-    let ticks = u32::try_from(cpu_ticks(daemon.id()) - before).unwrap();
-    let cpu_s = f64::from(ticks) / TICKS_PER_S / WAYS as f64;
+    let cpu = cpu_a_scan(CpuTicks::of(daemon.id()).since(before), WAYS);
     daemon.stop();
     let (way, extraction) = (median(ways).as_secs_f64(), median(extractions).as_secs_f64());
     let quiet = QUIET.as_secs_f64();
     println!(
         "way, {name} body among {known} known files, median of {WAYS}: {way:.3} s = quiet \
-         {quiet:.1} s + extract {extraction:.3} s + {:.0} ms; {:.0} ms CPU a scan",
-        1000.0 * (way - quiet - extraction),
-        1000.0 * cpu_s
+         {quiet:.1} s + extract {extraction:.3} s + {:.0} ms; {cpu}",
+        1000.0 * (way - quiet - extraction)
     );
 }
 
@@ -195,13 +204,12 @@ fn backlog(name: &str, bodies: Bodies) {
         peak_kb = peak_kb.max(Vitals::of(daemon.id()).unwrap().resident_kb);
     }
     let took = began.elapsed().as_secs_f64();
-    let cpu = f64::from(u32::try_from(cpu_ticks(daemon.id())).unwrap()) / TICKS_PER_S;
+    let cpu = cpu_a_scan(CpuTicks::of(daemon.id()), BACKLOG);
     let scans = f64::from(u32::try_from(BACKLOG).unwrap());
     println!(
         "backlog, {BACKLOG} {name} bodies: {took:.1} s with the start and the quiet time, {:.1} \
-         scans/s; {:.0} ms CPU a scan; {} MB resident at most",
+         scans/s; {cpu}; {} MB resident at most",
         scans / took,
-        1000.0 * cpu / scans,
         peak_kb / 1000
     );
     daemon.stop();

@@ -4,13 +4,30 @@
 
 use std::fs;
 
-/// CPU time of a process and its ended children, in clock ticks of 10 ms.
-pub fn cpu_ticks(pid: u32) -> u64 {
-    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).expect("a running process");
-    // Behind the name in brackets; utime, stime, cutime and cstime are fields 14 to 17.
-    let (_, fields) = stat.rsplit_once(')').unwrap();
-    let fields: Vec<&str> = fields.split_whitespace().collect();
-    fields[11..15].iter().map(|field| field.parse::<u64>().unwrap()).sum()
+/// CPU time of a process, in clock ticks of 10 ms.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct CpuTicks {
+    /// Its own, of all its threads.
+    pub own: u64,
+    /// That of its children that have ended.
+    pub children: u64,
+}
+
+impl CpuTicks {
+    /// What a running process has taken so far.
+    pub fn of(pid: u32) -> CpuTicks {
+        let stat = fs::read_to_string(format!("/proc/{pid}/stat")).expect("a running process");
+        // Behind the name in brackets; utime, stime, cutime and cstime are fields 14 to 17.
+        let (_, fields) = stat.rsplit_once(')').unwrap();
+        let fields: Vec<&str> = fields.split_whitespace().collect();
+        let sum = |fields: &[&str]| fields.iter().map(|field| field.parse::<u64>().unwrap()).sum();
+        CpuTicks { own: sum(&fields[11..13]), children: sum(&fields[13..15]) }
+    }
+
+    /// What it has taken since an earlier time.
+    pub fn since(self, earlier: CpuTicks) -> CpuTicks {
+        CpuTicks { own: self.own - earlier.own, children: self.children - earlier.children }
+    }
 }
 
 /// Whether a thread of the process waits for a FUSE server's answer. Only root may ask.
