@@ -66,13 +66,29 @@ pub fn of_beginnings(bytes: &[u8], lengths: &BTreeSet<usize>) -> BTreeMap<usize,
     found
 }
 
-/// The SHA-256 of several parts of the bytes, one after the other.
-pub fn of_parts(bytes: &[u8], parts: &[Range<usize>]) -> ScanId {
-    let mut digest = Sha256::new();
+/// The ids of the bytes and of parts of them, one after the other. As long as nothing was left out, both
+/// are the same, and are computed once.
+pub fn of_whole_and_parts(bytes: &[u8], parts: &[Range<usize>]) -> (ScanId, ScanId) {
+    let (mut whole, mut within) = (Sha256::new(), None);
+    let mut done = 0;
     for part in parts {
-        digest.update(&bytes[part.clone()]);
+        if done < part.start {
+            within.get_or_insert_with(|| whole.clone());
+            whole.update(&bytes[done..part.start]);
+        }
+        // In pieces, so that the second finds the bytes where the first has put them: near the core.
+        for piece in bytes[part.clone()].chunks(PIECE_BYTES) {
+            whole.update(piece);
+            if let Some(within) = &mut within {
+                within.update(piece);
+            }
+        }
+        done = part.end;
     }
-    ScanId::of_digest(digest.finalize().into())
+    let within = within.unwrap_or_else(|| whole.clone());
+    whole.update(&bytes[done..]);
+    let [whole, within] = [whole, within].map(|digest| ScanId::of_digest(digest.finalize().into()));
+    (whole, within)
 }
 
 /// Checks that a folder holds every file that its `SHA256SUMS` lists, with the right bytes, and that its
@@ -220,5 +236,25 @@ mod tests {
         let lengths = [0, 8, 23, bytes.len()];
         let expected = lengths.map(|length| (length, scan_id(&bytes[..length])));
         assert_eq!(found, BTreeMap::from(expected));
+    }
+
+    #[test]
+    fn whole_and_parts_have_the_ids_that_they_have_by_themselves() {
+        let bytes: Vec<u8> = (0..3 * PIECE_BYTES).map(|n| (n % 251) as u8).collect();
+        let end = bytes.len();
+        let cases: [&[Range<usize>]; 6] = [
+            &[],
+            &[0..end],
+            &[0..9, 9..end - 1],
+            &[5..end],
+            &[0..7, 9..PIECE_BYTES + 12, end - 3..end],
+            &[0..5, 5..8, 10..12, 12..20],
+        ];
+        for parts in cases {
+            let joined: Vec<u8> =
+                parts.iter().flat_map(|part| bytes[part.clone()].to_vec()).collect();
+            let expected = (scan_id(&bytes), scan_id(&joined));
+            assert_eq!(of_whole_and_parts(&bytes, parts), expected, "{parts:?}");
+        }
     }
 }

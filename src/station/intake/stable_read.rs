@@ -52,16 +52,17 @@ pub fn read(settled: &Settled, pulse: &Pulse) -> io::Result<Option<Export>> {
         }
     }
     let file_time = Timestamp::from_nanosecond(settled.stamp.mtime_ns).ok();
-    let scan = sums::scan_id(&scan_bytes);
-    let geometry = geometry(&settled.path, &scan_bytes);
+    let (scan, geometry) = identity(&settled.path, &scan_bytes);
     Ok(Some(Export { scan, geometry, bytes: scan_bytes, file_time, companions, left_out }))
 }
 
-fn geometry(path: &Path, bytes: &[u8]) -> String {
+/// The id of the bytes, and the hash of their geometry.
+fn identity(path: &Path, bytes: &[u8]) -> (ScanId, String) {
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let format = Format::of_file_name(&name).ok();
     let parts = format.map(|format| scan::geometry(bytes, format)).unwrap_or_default();
-    if parts.is_empty() { String::new() } else { sums::of_parts(bytes, &parts).to_string() }
+    let (scan, geometry) = sums::of_whole_and_parts(bytes, &parts);
+    (scan, if parts.is_empty() { String::new() } else { geometry.to_string() })
 }
 
 /// The ends of the part of a file that a look found in this state; `None` if it cannot be read or is
