@@ -1,7 +1,7 @@
 //! The default store: `RECORDS/<patient>/<first seen>_<scan>/`.
 //!
-//! A record is staged beside its place under a dot name. Every file is synced, `SHA256SUMS` last, then
-//! the staged folder. Then the folder is renamed, never over another, and the patient's folder is
+//! A record is staged beside its place under a dot name. All its files are written, `SHA256SUMS` last;
+//! then every file is synced, then the staged folder. Then the folder is renamed, never over another, and the patient's folder is
 //! synced. So a folder under its final name is complete, and a receipt survives a power cut. Stations
 //! that share the store take turns in this last step, so a scan that two of them saw has one record.
 
@@ -204,22 +204,26 @@ fn stage(staged: &Path, delivery: &Delivery<'_>, access: Access) -> Result<(), S
     }
     tried("making", staged, access.make_folder(staged))?;
     let (sums, files) = delivery.files.split_last().unzip();
-    for file in files.into_iter().flatten() {
-        write(staged, file, access)?;
-    }
+    let write = |file: &RecordFile| {
+        let path = staged.join(&file.name);
+        let written = access.write_unsynced(&path, &file.bytes);
+        tried("writing", &path, written).map(|written| (path, written))
+    };
+    let mut written = files.into_iter().flatten().map(write).collect::<Result<Vec<_>, _>>()?;
     let scan = staged.join(format!("{}{}", sums::SCAN, delivery.ending));
-    let digest = tried("copying the scan to", &scan, access.copy_new(delivery.scan_file, &scan))?;
+    let copied = access.copy_unsynced(delivery.scan_file, &scan);
+    let (copy, digest) = tried("copying the scan to", &scan, copied)?;
     if ScanId::of_digest(digest) != *delivery.scan {
         tried("clearing", staged, durable::remove_folder(staged))?;
         return Err(StoreFault::Permanent(Misfit::OtherBytes));
     }
-    sums.map_or(Ok(()), |sums| write(staged, sums, access))?;
+    written.extend(sums.map(write).transpose()?);
+    // Only now: the disk writes down many new files at once sooner than one after the other.
+    tried("syncing", &scan, durable::sync_large(&copy))?;
+    for (path, file) in &written {
+        tried("syncing", path, file.sync_all())?;
+    }
     tried("syncing", staged, durable::sync_folder(staged))
-}
-
-fn write(staged: &Path, file: &RecordFile, access: Access) -> Result<(), StoreFault> {
-    let path = staged.join(&file.name);
-    tried("writing", &path, access.write_new(&path, &file.bytes))
 }
 
 /// The folders in a folder; links are not followed.

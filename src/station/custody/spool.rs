@@ -4,7 +4,7 @@
 //! which a lost journal can be rebuilt. A folder under its final name is complete and durable. Names
 //! that begin with a dot are left by a crash.
 
-use std::fs;
+use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 
 use crate::flow::ScanId;
+use crate::flow::access::Access;
 use crate::flow::capture::Judged;
 use crate::record::Patient;
 use crate::station::runtime::jitter;
@@ -143,12 +144,15 @@ impl Spool {
         companions: &[Companion],
     ) -> io::Result<()> {
         durable::make_folder(staged)?;
-        durable::write_new(&staged.join(file_name(&intake.format)), bytes)?;
+        let write =
+            |name: &str, bytes: &[u8]| Access::Private.write_unsynced(&staged.join(name), bytes);
+        let mut written = vec![write(&file_name(&intake.format), bytes)?];
         for Companion { name_ending, bytes } in companions {
-            durable::write_new(&staged.join(file_name(name_ending)), bytes)?;
+            written.push(write(&file_name(name_ending), bytes)?);
         }
         let text = serde_json::to_vec_pretty(&Versioned::V2(intake))?;
-        durable::write_new(&staged.join(INTAKE), &text)?;
+        written.push(write(INTAKE, &text)?);
+        written.iter().try_for_each(File::sync_all)?;
         durable::sync_folder(staged)?;
         durable::rename_new(staged, &self.entry(scan))?;
         durable::sync_folder(&self.folder)
