@@ -3,12 +3,15 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufReader, Read, Write};
+use std::os::fd::AsFd;
 use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
+
+use rustix::io::Errno;
 
 use super::VERB;
 use super::job::{Answer, Job};
@@ -35,6 +38,10 @@ const ANSWER_MAX_BYTES: u64 = 1 << 30;
 
 /// How much of a process's error output is kept.
 const COMPLAINT_MAX_BYTES: u64 = 400;
+
+/// What a pipe to or from the process may hold, bytes, where the machine allows so much: the usual 64 kB
+/// wake both sides for every sixteenth page of a scan.
+const PIPE_BYTES: usize = 1 << 20;
 
 /// How a measurement ended.
 #[derive(Debug)]
@@ -66,23 +73,28 @@ pub fn measure(
     let files = [Some(scan_file), ord_file].into_iter().flatten();
     let files: Vec<File> =
         files.map(File::open).collect::<io::Result<_>>().map_err(MeasureFault::Spool)?;
-    run(scan, job, files)
+    run(scan, job, |input| files.iter().try_for_each(|file| send(file, input)))
 }
 
 /// Measures bytes in their own process. Blocks.
 pub fn measure_bytes(scan: &ScanId, job: &Job, bytes: &[u8]) -> Result<Measured, MeasureFault> {
-    run(scan, job, vec![bytes])
+    run(scan, job, |mut input| input.write_all(bytes))
 }
 
 /// Whether a measuring process can answer here and now: it gets bytes that are not a scan. Blocks.
 pub fn answers(job: &Job) -> Result<bool, MeasureFault> {
     let bytes: &[u8] = b"no scan\n";
     let job = Job { scan_bytes: bytes.len() as u64, ord_files: 0, ord_bytes: 0, ..job.clone() };
-    let answered = run(&sums::scan_id(bytes), &job, vec![bytes])?;
+    let answered = measure_bytes(&sums::scan_id(bytes), &job, bytes)?;
     Ok(matches!(answered, Measured::Answered(_)))
 }
 
-fn run(scan: &ScanId, job: &Job, files: Vec<impl Read>) -> Result<Measured, MeasureFault> {
+/// Runs the process; `feed` gives it what follows the job's line.
+fn run(
+    scan: &ScanId,
+    job: &Job,
+    feed: impl Fn(&ChildStdin) -> io::Result<()>,
+) -> Result<Measured, MeasureFault> {
     let (child, pipes) = start(scan).map_err(MeasureFault::NotStarted)?;
     let child = Mutex::new(child);
     let shared = &child;
@@ -98,7 +110,9 @@ fn run(scan: &ScanId, job: &Job, files: Vec<impl Read>) -> Result<Measured, Meas
             let _ = child.kill();
             Some(cpu)
         });
-        let fed = feed(pipes.input, job, files);
+        let fed = job.write(&mut &pipes.input).and_then(|()| feed(&pipes.input));
+        // It may wait for more than the job tells of.
+        drop(pipes.input);
         let answer = Answer::read(&mut BufReader::new(pipes.output), ANSWER_MAX_BYTES);
         drop(done);
         (fed, answer, killer.join().unwrap_or(None))
@@ -145,6 +159,8 @@ fn start(scan: &ScanId) -> io::Result<(Child, Pipes)> {
         .spawn()?;
     match (child.stdin.take(), child.stdout.take(), child.stderr.take()) {
         (Some(input), Some(output), Some(complaints)) => {
+            widen(&input);
+            widen(&output);
             Ok((child, Pipes { input, output, complaints }))
         }
         _ => {
@@ -170,12 +186,21 @@ fn end(child: &mut Child) -> io::Result<ExitStatus> {
     child.wait()
 }
 
-fn feed(mut input: impl Write, job: &Job, files: Vec<impl Read>) -> io::Result<()> {
-    job.write(&mut input)?;
-    for mut file in files {
-        io::copy(&mut file, &mut input)?;
+/// Lets a pipe hold more. Where the machine or the user's limit refuses, it works as before.
+fn widen(pipe: impl AsFd) {
+    let _ = rustix::pipe::fcntl_setpipe_size(pipe, PIPE_BYTES);
+}
+
+/// Sends a file into a pipe: its pages, without a copy of them, if the file system can.
+fn send(mut file: &File, mut pipe: &ChildStdin) -> io::Result<()> {
+    loop {
+        match rustix::fs::sendfile(pipe, file, None, PIPE_BYTES) {
+            Ok(0) => return Ok(()),
+            Ok(_) | Err(Errno::INTR) => {}
+            Err(Errno::INVAL | Errno::NOSYS) => return io::copy(&mut file, &mut pipe).map(drop),
+            Err(error) => return Err(error.into()),
+        }
     }
-    input.flush()
 }
 
 /// Whether the process stopped reading; its answer or its end explains why.
