@@ -180,15 +180,26 @@ impl Outbox {
         self.pauses.retain(|key, _| key.scan != *scan);
     }
 
-    /// How long until something can start by the passing of time alone; `None` if nothing waits.
-    pub fn next_in(&self, now: Duration) -> Option<Duration> {
-        let waiting = self.pauses.iter().filter(|(key, _)| !self.in_hand.contains(key));
+    /// Whether a plan could start anything: a hand is free, or a store wants asking. If not, what is due
+    /// does not matter.
+    pub fn can_start(&self, now: Duration, hands: usize) -> bool {
+        self.busy() < hands || self.stores.values().any(|store| store.wants_asking(now))
+    }
+
+    /// How long after the plan of `now` something can start by the passing of time alone; `None` if
+    /// nothing waits. What that plan could have started but did not waits for something else: a store
+    /// that is away, or a delivery in progress.
+    pub fn next_in(&self, now: Duration, hands: usize) -> Option<Duration> {
+        let has_hands = self.busy() < hands;
+        let waiting =
+            self.pauses.iter().filter(|(key, _)| has_hands && !self.in_hand.contains(key));
         let pauses = waiting.map(|(_, pause)| pause.until);
         let away = self.stores.values().filter_map(|store| match store.reach {
             Reach::Away { until } => Some(until),
             _ => None,
         });
-        pauses.chain(away).min().map(|until| until.saturating_sub(now))
+        let next = pauses.chain(away).filter(|until| *until > now).min();
+        next.map(|until| until.saturating_sub(now))
     }
 }
 
@@ -241,7 +252,7 @@ mod tests {
         let mut now = NOW;
         for _ in 0..50 {
             outbox.asked("a", false, now, 1.0);
-            let wait = outbox.next_in(now).unwrap();
+            let wait = outbox.next_in(now, 4).unwrap();
             assert!(wait > Duration::ZERO && wait <= backoff::CEILING);
             assert_eq!(outbox.plan(&due[..1], now, 4), Plan::default());
             now += wait;
@@ -281,6 +292,35 @@ mod tests {
         assert_eq!(outbox.plan(&due, NOW, 1).ask, ["a"]);
         outbox.asked("a", true, NOW, 0.5);
         assert_eq!(outbox.plan(&due, NOW, 1).attempts, [[key(2, "a")]]);
+    }
+
+    #[test]
+    fn a_pause_that_is_over_wakes_nobody_while_its_store_is_away() {
+        let (mut outbox, due) = (outbox(&["a"]), [key(1, "a")]);
+        outbox.plan(&due, NOW, 1);
+        let pause = outbox.ended(&key(1, "a"), Ended::StoreFailed, NOW, 0.5).unwrap();
+        assert_eq!(outbox.next_in(NOW, 1), Some(pause));
+        let later = NOW + pause;
+        assert_eq!(outbox.plan(&due, later, 1).ask, ["a"]);
+        outbox.asked("a", false, later, 1.0);
+        assert_eq!(outbox.plan(&due, later, 1), Plan::default());
+        assert_eq!(outbox.next_in(later, 1), Some(backoff::pause(1, 1.0)));
+    }
+
+    #[test]
+    fn while_no_hand_is_free_only_a_store_that_wants_asking_matters() {
+        let mut outbox = outbox(&["a", "b"]);
+        let due = [key(1, "a"), key(2, "a"), key(2, "b")];
+        outbox.plan(&due[..1], NOW, 2);
+        outbox.ended(&key(1, "a"), Ended::PutOff, NOW, 0.9);
+        assert!(outbox.can_start(NOW, 1) && outbox.next_in(NOW, 1).is_some());
+        outbox.plan(&due[1..2], NOW, 1);
+        assert!(!outbox.can_start(NOW, 1) && outbox.can_start(NOW, 2));
+        assert_eq!(outbox.next_in(NOW, 1), None);
+        outbox.asked("b", false, NOW, 0.5);
+        let wait = outbox.next_in(NOW, 1).unwrap();
+        assert!(!outbox.can_start(NOW, 1) && outbox.can_start(NOW + wait, 1));
+        assert_eq!(outbox.plan(&due, NOW + wait, 1).ask, ["b"]);
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! The delivery: works on as many scans at once as there are hands, each store at its own pace.
 //!
-//! What is to be done is in the journal and is read from there each time; a hint only makes the next
-//! read come sooner. [`Outbox`] decides what is tried when. Its pauses use the monotonic clock: after a
-//! restart everything is tried at once. Every step that may wait for a disk, a share or a measurement is
-//! a job of its own; this loop waits for none of them.
+//! What is to be done is in the journal and is read from there each time that something can start; a
+//! hint only makes the next read come sooner. [`Outbox`] decides what is tried when. Its pauses use the
+//! monotonic clock: after a restart everything is tried at once. Every step that may wait for a disk, a
+//! share or a measurement is a job of its own; this loop waits for none of them.
 
 pub(in crate::station) mod measuring;
 pub mod preview;
@@ -71,12 +71,13 @@ pub async fn worker(booth: Arc<Booth>, beat: Beat, mut stop: Stop) -> Result<(),
     }
     while !stop.is_requested() {
         beat.beat();
-        if !booth.core().is_paused() {
-            bench.take_up(&booth, hands, cores).await?;
+        let now = booth.core().now();
+        // A backlog is long, and each step of a scan wakes this loop.
+        if !booth.core().is_paused() && bench.outbox.can_start(now, hands) {
+            bench.take_up(&booth, now, hands, cores).await?;
         }
         bench.find_stalled(&booth);
-        let wait =
-            bench.outbox.next_in(booth.core().now()).map_or(RECHECK, |next| next.min(RECHECK));
+        let wait = bench.outbox.next_in(now, hands).map_or(RECHECK, |next| next.min(RECHECK));
         tokio::select! {
             () = stop.requested() => break,
             Some(done) = bench.jobs.join_next() => bench.put_down(&booth, done?).await?,
@@ -96,6 +97,7 @@ impl Bench {
     async fn take_up(
         &mut self,
         booth: &Arc<Booth>,
+        now: Duration,
         hands: usize,
         cores: usize,
     ) -> Result<(), JoinError> {
@@ -115,7 +117,6 @@ impl Bench {
         let keys: Vec<Key> = pending.iter().map(key).collect();
         self.dues = keys.iter().cloned().zip(pending).collect();
         booth.core().to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
-        let now = booth.core().now();
         let plan = self.outbox.plan(&keys, now, hands);
         for store in plan.ask {
             self.ask(booth, store);

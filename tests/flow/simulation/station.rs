@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use gaiter::flow::capture::Captures;
-use gaiter::flow::outbox::{Ended, Key};
+use gaiter::flow::outbox::{Ended, Key, Plan};
 use gaiter::flow::patient::identity;
 use gaiter::flow::{
     DeliveryState, LookTime, Mark, NameSays, Outbox, ScanId, Settled, Settling, Verdict,
@@ -19,6 +19,9 @@ use super::scanner::{Bytes, File, Scanner, WHOLE};
 /// The quiet time, the wait for a rest, the time after which a file is overdue.
 const TIMES: [Duration; 3] =
     [Duration::from_secs(2), Duration::from_secs(60), Duration::from_secs(600)];
+
+/// How many scans are in progress at a time.
+const HANDS: usize = 2;
 
 /// What a crash takes away.
 pub struct Station {
@@ -194,7 +197,10 @@ impl Station {
             .map(|(name, _)| *name)
             .collect();
         let keys: Vec<Key> = due.iter().map(|name| self.key(*name)).collect();
-        let plan = self.outbox.plan(&keys, now, 2);
+        let plan = match self.outbox.can_start(now, HANDS) {
+            true => self.outbox.plan(&keys, now, HANDS),
+            false => Plan::default(),
+        };
         self.asked.extend(plan.ask.iter().map(|store| store.parse::<usize>().unwrap()));
         for key in plan.attempts.iter().flatten() {
             self.in_hand.push(due[keys.iter().position(|other| other == key).unwrap()]);
@@ -225,7 +231,7 @@ impl Station {
     /// When something is due by time alone.
     pub fn next_in(&self, now: Duration) -> Option<Duration> {
         let settling = self.settling.next_due().map(|at| at.saturating_sub(now));
-        [settling, self.outbox.next_in(now)].into_iter().flatten().min()
+        [settling, self.outbox.next_in(now, HANDS)].into_iter().flatten().min()
     }
 
     fn key(&mut self, (bytes, patient, store): Name) -> Key {
