@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::record::hex;
+
 /// How many characters of an id are used in logs and folder names.
 const SHORT: usize = 8;
 
@@ -20,9 +22,7 @@ pub struct NoScanId {
 impl ScanId {
     /// The id of a finished digest.
     pub fn of_digest(digest: [u8; 32]) -> ScanId {
-        const DIGITS: &[u8; 16] = b"0123456789abcdef";
-        let digit = |nibble: u8| char::from(DIGITS[usize::from(nibble & 15)]);
-        ScanId(digest.iter().flat_map(|byte| [digit(byte >> 4), digit(*byte)]).collect())
+        ScanId(hex(&digest))
     }
 
     /// Parses an id as written in the journal and in folder names.

@@ -26,7 +26,7 @@ pub mod surface;
 pub use check::RecordFault;
 pub use compose::record;
 pub use file::RecordFile;
-pub use files::{ORD, SUMS, ScanFile, add_scan, files_beside_scan, record_files, sha256};
+pub use files::{ORD, SUMS, ScanFile, add_scan, files_beside_scan, hex, record_files, sha256};
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
 };

@@ -26,9 +26,9 @@ use sha2::{Digest, Sha256};
 
 use super::{Delivery, FoundRecord, Misfit, Receipt, StoreFault};
 use crate::flow::ScanId;
-use crate::record::Record;
 use crate::record::gdt::rules::FileName;
 use crate::record::gdt::{self, GdtRules};
+use crate::record::{Record, hex};
 pub use attach::Attach;
 use place::Place;
 use register::{Entry, Register};
@@ -187,6 +187,5 @@ impl GdtStore {
 /// The key of a result, made from the scan and the patient, without showing the patient's id.
 fn key(scan: &ScanId, patient: &str) -> String {
     let digest = Sha256::digest(format!("{scan}\0{patient}"));
-    let digits: String = digest.iter().take(4).map(|byte| format!("{byte:02x}")).collect();
-    format!("{}-{digits}", scan.short())
+    format!("{}-{}", scan.short(), hex(&digest[..4]))
 }

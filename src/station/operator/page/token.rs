@@ -10,7 +10,7 @@ use std::path::Path;
 use axum::http::{HeaderMap, header};
 use tracing::info;
 
-use crate::record::sha256;
+use crate::record::{hex, sha256};
 use crate::store::durable;
 
 /// The token's file in the state folder.
@@ -55,7 +55,7 @@ impl Token {
         }
         let mut random = [0_u8; BYTES];
         File::open(RANDOM)?.read_exact(&mut random)?;
-        let word: String = random.iter().map(|byte| format!("{byte:02x}")).collect();
+        let word = hex(&random);
         // Written to another file and renamed, so that half a token is never found.
         let beside = state_dir.join(format!(".{FILE}"));
         match fs::remove_file(&beside) {
