@@ -295,7 +295,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pause_that_is_over_wakes_nobody_while_its_store_is_away() {
+    fn a_pause_that_is_over_causes_no_wake_while_its_store_is_away() {
         let (mut outbox, due) = (outbox(&["a"]), [key(1, "a")]);
         outbox.plan(&due, NOW, 1);
         let pause = outbox.ended(&key(1, "a"), Ended::StoreFailed, NOW, 0.5).unwrap();
