@@ -33,8 +33,10 @@ fn main() {
     let mut bytes = Vec::new();
     let packed = fs::File::open(path).expect("the scan can be opened");
     flate2::read::GzDecoder::new(packed).read_to_end(&mut bytes).expect("the scan is gzipped");
-    println!("| scan | points | read s | whole s | s per million points | memory MiB |");
-    println!("|---|---|---|---|---|---|");
+    println!(
+        "| scan | points | read s | whole s | CPU s | CPU s per million points | memory MiB | file MiB |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
     let mut scan = read(&bytes, Format::Obj).expect("the scan can be read");
     for time in 0..=times {
         row("mesh, OBJ", &obj(&scan), Format::Obj);
@@ -48,26 +50,39 @@ fn main() {
 /// Reads and measures one export, and prints a row about it.
 fn row(what: &str, bytes: &[u8], format: Format) {
     let points = read(bytes, format).expect("it can be read").points.len();
-    let read_s = quickest(|| drop(read(bytes, format)));
+    let [read_s, _] = quickest(|| drop(read(bytes, format)));
     MEMORY.reset_peak_usage();
     let before_mib = MEMORY.current_usage_as_mb();
-    let whole_s = quickest(|| {
+    let [whole_s, cpu_s] = quickest(|| {
         let found = extract(bytes, format, &Method::default()).expect("it can be measured");
         assert_eq!(found.legs.len(), 2);
     });
     let memory_mib = MEMORY.peak_usage_as_mb() - before_mib;
-    let each_s = 1e6 * whole_s / points as f64;
-    println!("| {what} | {points} | {read_s:.3} | {whole_s:.3} | {each_s:.2} | {memory_mib:.0} |");
+    let file_mib = bytes.len() as f64 / f64::from(1 << 20);
+    let each_s = 1e6 * cpu_s / points as f64;
+    println!(
+        "| {what} | {points} | {read_s:.3} | {whole_s:.3} | {cpu_s:.3} | {each_s:.2} | {memory_mib:.0} | {file_mib:.0} |"
+    );
 }
 
-/// The least time of a few runs, seconds.
-fn quickest(mut run: impl FnMut()) -> f64 {
+/// The least time and the least processor time of a few runs, seconds.
+fn quickest(mut run: impl FnMut()) -> [f64; 2] {
     let one = |_| {
-        let start = Instant::now();
+        let (start, before_s) = (Instant::now(), cpu_s());
         run();
-        start.elapsed().as_secs_f64()
+        [start.elapsed().as_secs_f64(), cpu_s() - before_s]
     };
-    (0..RUNS).map(one).fold(f64::INFINITY, f64::min)
+    (0..RUNS).map(one).fold([f64::INFINITY; 2], |[a, b], [c, d]| [a.min(c), b.min(d)])
+}
+
+/// The processor time that the threads of this process have taken, seconds.
+fn cpu_s() -> f64 {
+    let threads = fs::read_dir("/proc/self/task").expect("a list of threads");
+    let taken_ns = |thread: fs::DirEntry| {
+        let text = fs::read_to_string(thread.path().join("schedstat")).expect("a thread's time");
+        text.split(' ').next().and_then(|ns| ns.parse::<f64>().ok()).expect("nanoseconds")
+    };
+    threads.map(|thread| taken_ns(thread.expect("a thread"))).sum::<f64>() / 1e9
 }
 
 /// Every triangle parted into four at the middles of its edges; the middle of an edge is one point.

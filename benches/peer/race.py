@@ -39,7 +39,8 @@ def instructions(program, scan):
     with tempfile.TemporaryDirectory() as folder:
         out = os.path.join(folder, "counts")
         command = ["valgrind", "--tool=callgrind", f"--callgrind-out-file={out}"]
-        environment = dict(os.environ, RAYON_NUM_THREADS="1")
+        # With settings of the allocator given, it does not start itself again, out of valgrind's sight.
+        environment = dict(os.environ, RAYON_NUM_THREADS="1", GLIBC_TUNABLES="")
         command += [program, "extract", "--json", scan]
         subprocess.run(command, env=environment, check=True, capture_output=True)
         table = ["callgrind_annotate", "--inclusive=yes", "--threshold=99.99", out]

@@ -1,5 +1,6 @@
 //! `gaiter extract` as the real program, everything that it refuses, and the body of known girths.
 
+mod allocator;
 mod chart;
 mod damaged;
 mod folder;

@@ -4,7 +4,6 @@
 
 use std::ffi::OsStr;
 use std::fs;
-use std::io::Read;
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
@@ -397,31 +396,4 @@ fn names_of_all_kinds_are_taken() {
     for name in &names {
         assert_sums(&folder.path().join("out").join(name.file_stem().unwrap()));
     }
-}
-
-/// The environment of `gaiter extract` while it prints a record, which does not fit into a pipe.
-fn environment_while_it_measures(folder: &Path, name: &str, value: Option<&str>) -> String {
-    let mut command = Command::new(support::verb::program());
-    command.current_dir(folder).args(["extract", "--json", "a.obj"]).stdout(Stdio::piped());
-    match value {
-        Some(value) => command.env(name, value),
-        None => command.env_remove(name),
-    };
-    let mut gaiter = command.spawn().unwrap();
-    let mut out = gaiter.stdout.take().unwrap();
-    out.read_exact(&mut [0]).unwrap();
-    let environment = fs::read_to_string(format!("/proc/{}/environ", gaiter.id())).unwrap();
-    out.read_to_end(&mut Vec::new()).unwrap();
-    assert!(gaiter.wait().unwrap().success());
-    environment
-}
-
-#[test]
-fn the_allocator_has_its_settings_unless_a_person_gave_others() {
-    let folder = folder_with(&["a.obj"]);
-    let name = "GLIBC_TUNABLES";
-    let own = environment_while_it_measures(folder.path(), name, None);
-    assert!(own.contains("GLIBC_TUNABLES=glibc.malloc."), "{own}");
-    let given = environment_while_it_measures(folder.path(), name, Some(""));
-    assert!(given.contains("GLIBC_TUNABLES=\0"), "{given}");
 }
