@@ -244,9 +244,9 @@ mod tests {
         let end = bytes.len();
         let cases: [&[Range<usize>]; 6] = [
             &[],
-            &[0..end],
+            &[0..PIECE_BYTES, PIECE_BYTES..end],
             &[0..9, 9..end - 1],
-            &[5..end],
+            &[5..9, 9..end],
             &[0..7, 9..PIECE_BYTES + 12, end - 3..end],
             &[0..5, 5..8, 10..12, 12..20],
         ];
