@@ -276,7 +276,8 @@ fn a_refused_scan_is_given_up_or_closed_by_the_same_patients_next_good_one() {
 #[test]
 fn a_scan_whose_bytes_were_lost_is_taken_in_again_when_it_is_exported_again() {
     let booth = Booth::new();
-    let daemon = start(&booth);
+    // Ready is a station that has begun its store: until then it would make the folder again.
+    let daemon = booth.start_ready();
     let scan = coarse_body(7);
     fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
     booth.export("4711_a.obj", &scan);
