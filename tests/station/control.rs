@@ -97,7 +97,7 @@ fn a_store_that_is_gone_makes_the_station_not_ready_until_it_is_back() {
     booth.export("4711_0.obj", &coarse_body(0));
     booth.wait_for_records(1);
     wait_until_ready(&booth);
-    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    booth.take_records_away();
     let bytes = coarse_body(1);
     booth.export("4711_a.obj", &bytes);
     booth.wait_for("the complaint", || code(&gaiter(&booth, &["status"])) == Some(74));

@@ -29,7 +29,7 @@ fn a_folder_that_somebody_removed_is_a_fault_at_once_and_made_anew() {
 fn a_scan_that_was_lost_with_the_spool_is_taken_in_again_when_it_is_exported_again() {
     let booth = Booth::new();
     let daemon = booth.start_ready();
-    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    booth.take_records_away();
     booth.export("4711_a.obj", &coarse_body(1));
     booth.wait_for("the spool", || booth.log().contains("scan-spooled"));
     // At once: the station may be writing there.

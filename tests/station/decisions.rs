@@ -80,7 +80,7 @@ fn what_was_taken_back_while_the_store_was_away_stays_so_when_the_journal_is_los
         booth.export("4711_a.obj", &scan);
         booth.wait_for_records(1);
         let id = &sha256(&scan)[..8];
-        fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+        booth.take_records_away();
         said(&booth, &["unassign", id]);
         if let Some(next) = next {
             assign(&booth, id, next);
@@ -276,10 +276,9 @@ fn a_refused_scan_is_given_up_or_closed_by_the_same_patients_next_good_one() {
 #[test]
 fn a_scan_whose_bytes_were_lost_is_taken_in_again_when_it_is_exported_again() {
     let booth = Booth::new();
-    // Ready is a station that has begun its store: until then it would make the folder again.
-    let daemon = booth.start_ready();
+    let daemon = start(&booth);
     let scan = coarse_body(7);
-    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    booth.take_records_away();
     booth.export("4711_a.obj", &scan);
     booth.wait_for_journal(OPEN, 1);
     assert_eq!(daemon.stop().code(), Some(0));

@@ -231,7 +231,7 @@ fn an_export_folder_that_is_missing_or_replaced_is_taken_up_when_it_is_there() {
 fn an_unreachable_store_is_tried_until_it_is_back_and_nothing_is_written_in_its_place() {
     let booth = Booth::new();
     let daemon = booth.start_ready();
-    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    booth.take_records_away();
     booth.export("4711_a.obj", &body(1));
     booth.wait_for("the outage to be told", || booth.log().contains("store-unavailable"));
     assert!(!booth.path("records").exists());
@@ -343,7 +343,7 @@ fn the_log_names_no_patient_no_file_and_no_folder() {
     booth.export("990012_Mustermann.obj", &body(1));
     booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'held'", 1);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
-    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    booth.take_records_away();
     booth.export("990013_Mustermann.obj", &body(3));
     booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE attempts > 0", 1);
     fs::rename(booth.path("unmounted"), booth.path("records")).unwrap();

@@ -79,7 +79,7 @@ fn metrics_and_health_follow_the_station_and_name_nobody() {
     }
     assert!(text.contains("\ngaiter_disk_free_bytes "), "{text}");
 
-    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    booth.take_records_away();
     let other = support::rescanned(coarse(), 1);
     booth.export("990013_Mustermann.obj", &other);
     booth.wait_for("ill health", || {

@@ -189,7 +189,7 @@ fn the_service_manager_is_told_in_one_line_how_the_station_is() {
     booth.export("4711_0.obj", &body(0));
     booth.wait_for_records(1);
     manager.wait_for("STATUS=ready; 0 records to be delivered");
-    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    booth.take_records_away();
     fs::create_dir(booth.path("records")).unwrap();
     booth.export("4711_a.obj", &body(1));
     let told = manager.wait_until(|line| line.starts_with("STATUS=not ready"));

@@ -36,7 +36,7 @@ fn beside(booth: &Booth, name: &str) {
 fn what_lies_beside_a_scan_is_kept_with_it() {
     let booth = Booth::new();
     let daemon = booth.start_ready();
-    fs::rename(booth.path("records"), booth.path("unmounted")).unwrap();
+    booth.take_records_away();
     booth.export("4711_a.ord", b"OPTION UNITS=cm\nMEASURE Calf=36\n");
     booth.export("4711_a.mtl", b"newmtl skin\n");
     booth.export("4711_b.ord", b"of no scan\n");
