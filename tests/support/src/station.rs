@@ -284,9 +284,7 @@ files = {files}
         assert_eq!(self.records().len(), count);
     }
 
-    /// Takes the folder of records away, as a share that is not mounted. Waits until the station has begun its
-    /// store there: until then it would make the folder.
-    #[track_caller]
+    /// Takes the folder of records away, once the station has begun its store there: until then it makes it.
     pub fn take_records_away(&self) {
         self.wait_for_journal("SELECT count(*) FROM meta WHERE name = 'begun:folder'", 1);
         fs::rename(self.path("records"), self.path("unmounted")).unwrap();
