@@ -35,6 +35,7 @@ use crate::flow::confinement::Confine;
 use crate::flow::retention::Retention;
 use crate::language::Language;
 use crate::leg::Method;
+use crate::record::garment::Garment;
 pub use capture::{CaptureConfig, PatientConfig};
 pub use fault::{ConfigFault, What};
 pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
@@ -67,6 +68,8 @@ pub struct Config {
     pub output: Output,
     /// `[report]`: the language of reports and of the operator's page.
     pub language: Language,
+    /// `[report]`: the garment that is usually ordered.
+    pub garment: Garment,
     /// `[measure]`: limits on the measurement of one scan.
     pub measure: MeasureConfig,
     /// `[store]`

@@ -15,11 +15,13 @@ use clap_complete::Shell;
 
 use crate::cad::FileKind;
 use crate::config::words::{
-    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, WINDINGS, Words,
+    self, FACINGS, FIGURES, FILES, GARMENTS, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, WINDINGS,
+    Words,
 };
 use crate::language::Language;
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up, Winding};
 use crate::record::FigureFormat;
+use crate::record::garment::Garment;
 use crate::station::measure::VERB;
 pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
 pub use calibrate::CalibrateArgs;
@@ -246,6 +248,10 @@ pub struct ExtractArgs {
     /// The language of the report, with --out [default: en, or that of --config]
     #[arg(long, value_parser = of_words(LANGUAGES), requires = "out")]
     pub language: Option<Language>,
+    /// The garment that is ordered: the sheet says which of its measures are missing [default: AD, or that of
+    /// --config]
+    #[arg(long, value_parser = of_words(GARMENTS))]
+    pub garment: Option<Garment>,
     /// What the scan contains: a whole body, or one leg with its foot; the scan does not show its side
     #[arg(long, value_parser = of_words(SCOPES))]
     pub scope: Option<Scope>,

@@ -16,7 +16,6 @@ use super::terminal::{paint, table};
 use super::{Exit, complain, explain_config, ord, print, shown};
 use crate::cad::Output;
 use crate::config::{self, words};
-use crate::language::Language;
 use crate::leg::{Method, Refusal, extract as measure};
 use crate::record::{self, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile};
 use crate::scan::Format;
@@ -120,15 +119,16 @@ struct Choices {
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
     fn of(args: &ExtractArgs) -> Result<Choices, Exit> {
-        let (mut method, mut output, language) = match &args.config {
+        let (mut method, mut output, language, garment) = match &args.config {
             Some(path) => {
                 let config = config::read(path).map_err(|error| explain_config(&error))?;
-                (config.method, config.output, config.language)
+                (config.method, config.output, config.language, config.garment)
             }
-            None => (Method::default(), Output::default(), Language::default()),
+            None => Default::default(),
         };
         let report = ReportChoice {
             language: args.language.unwrap_or(language),
+            garment: args.garment.unwrap_or(garment),
             figures: args.figures.iter().flatten().copied().collect(),
         };
         method.scope = args.scope.unwrap_or(method.scope);

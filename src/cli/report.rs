@@ -10,7 +10,9 @@ use serde_json::json;
 use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
 use crate::record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
-use crate::record::{FilesFault, Record, RecordFault, RecordFile, SUMS, report_files};
+use crate::record::{
+    FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
+};
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
 
@@ -140,7 +142,9 @@ fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
             shown(args.record.display())
         ));
     }
-    let files = report_files(&record, args.language)?;
+    let choice =
+        ReportChoice { language: args.language, garment: args.garment, ..ReportChoice::default() };
+    let files = report_files(&record, &choice)?;
     if args.out.join(SUMS).symlink_metadata().is_ok() {
         return Err(Fault::RecordFolder(args.out.clone()));
     }

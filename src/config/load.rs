@@ -10,8 +10,8 @@ use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::words::{
-    ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, SCOPES,
-    SURFACES, TAPES, UNITS, UPS, WINDINGS, Words, faces_up_or_down,
+    ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, GARMENTS, KNOTS, LANGUAGES,
+    SCOPES, SURFACES, TAPES, UNITS, UPS, WINDINGS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -95,6 +95,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let surface = surface_method(reader);
     let output = output(reader);
     let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
+    let garment = reader.text("report.garment", Default("AD"), parse::word(GARMENTS));
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let store_mode = reader.text("store.folder.mode", Default("private"), parse::word(ACCESSES));
@@ -159,6 +160,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         },
         output: output?,
         language: language?.value,
+        garment: garment?.value,
         measure: measure?,
         store: StoreConfig {
             folder: FolderStoreConfig { path: store?.value, access: store_mode?.value },

@@ -14,6 +14,7 @@ use crate::leg::method::{
     Winding,
 };
 use crate::record::FigureFormat;
+use crate::record::garment::Garment;
 
 /// The choices for `method.b1`; the distance for the second has a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -62,6 +63,10 @@ pub const ACCESSES: Words<Access> = &[("private", Access::Private), ("group", Ac
 /// `report.language`, `--language`
 pub const LANGUAGES: Words<Language> =
     &[(Language::En.tag(), Language::En), (Language::De.tag(), Language::De)];
+
+/// `report.garment`, `--garment`
+pub const GARMENTS: Words<Garment> =
+    &[("AD", Garment::Ad), ("AF", Garment::Af), ("AG", Garment::Ag), ("AT", Garment::At)];
 
 /// `--figures`
 pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg), ("png", FigureFormat::Png)];

@@ -18,6 +18,8 @@ const DONE_STANDS: Duration = Duration::from_secs(30);
 pub enum Outcome {
     /// Its record is in every store.
     Delivered,
+    /// Its record is in every store, and some measures must be taken by hand or the patient scanned again.
+    Incomplete,
     /// It was refused, or the operator must say whose it is.
     NeedsPerson,
 }
@@ -77,7 +79,9 @@ fn wanted(scene: &Scene, now: Duration) -> Signal {
         Scene { busy: true, .. } => Signal::Receiving,
         Scene { armed: true, .. } => Signal::Armed,
         // The export that is missing may be the one that was held.
-        Scene { last: Some((Outcome::NeedsPerson, _)), .. } => Signal::Attention,
+        Scene { last: Some((Outcome::NeedsPerson | Outcome::Incomplete, _)), .. } => {
+            Signal::Attention
+        }
         Scene { missed: true, .. } => Signal::NoExport,
         Scene { last: Some((Outcome::Delivered, at)), .. }
             if now.saturating_sub(*at) < DONE_STANDS =>
@@ -121,6 +125,17 @@ mod tests {
         for tenths in 0..100 {
             assert_ne!(light.show(&scene, at(tenths)), Signal::Done);
         }
+    }
+
+    #[test]
+    fn a_record_that_lacks_measures_is_never_done_and_stays_until_the_next_press() {
+        let mut light = Light::new(at(0));
+        let scene = Scene { last: Some((Outcome::Incomplete, at(10))), ..Scene::default() };
+        for later in [20, 400, 36_000] {
+            assert_eq!(light.show(&scene, at(later)), Signal::Attention);
+        }
+        let armed = Scene { armed: true, ..scene };
+        assert_eq!(light.show(&armed, at(36_001)), Signal::Armed);
     }
 
     #[test]

@@ -41,6 +41,8 @@ pub struct LegReport {
     pub volume: LegVolume,
     /// Girths at the requested heights.
     pub at: Vec<AtHeight>,
+    /// Girths at the heights at which both legs are compared, lowest first.
+    pub profile: Vec<AtHeight>,
 }
 
 /// The section at a level and its features.

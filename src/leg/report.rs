@@ -9,7 +9,7 @@ use super::side::Side;
 use super::{Body, Method};
 use crate::leg::comparison::volume::leg_volume;
 use crate::leg::features::feature::features;
-use crate::leg::levels::at_height::{AtHeight, at_heights};
+use crate::leg::levels::at_height::{AtHeight, at_heights, profile_heights_mm};
 use crate::leg::levels::foot::{Foot, foot};
 use crate::leg::levels::girth::{GirthCurve, girth_curve};
 use crate::leg::levels::landmark::{Estimate, Landmark};
@@ -109,6 +109,7 @@ pub fn leg_report(
     }
     let volume = leg_volume(&sections, &curve, &landmarks);
     let at = at_heights(&curve, &method.at_heights_mm, near);
+    let profile = at_heights(&curve, &profile_heights_mm(&curve), near);
     findings.about_heights(&at);
     let across = landmarks.iter().filter(|landmark| landmark.level >= Level::B);
     let along_mm: Vec<f64> = across.clone().map(|landmark| landmark.along_mm).collect();
@@ -134,6 +135,7 @@ pub fn leg_report(
         surface,
         volume,
         at,
+        profile,
     };
     Ok((report, findings.found))
 }

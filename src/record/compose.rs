@@ -135,6 +135,7 @@ fn leg(report: &LegReport, tape: Tape) -> LegFigures {
         surface: surface(report),
         volume: chart::volumes(&report.volume),
         at: report.at.iter().map(|at| chart::at(at, &report.lengths)).collect(),
+        profile: report.profile.iter().map(|at| chart::at(at, &report.lengths)).collect(),
         shape: Some(shape::shape(report)),
     }
 }

@@ -70,7 +70,7 @@ pub fn files_beside_scan(
     record.findings.extend(notes);
     // Findings added from here on are not in any figure.
     let figures = figures::all(&record, choice.language);
-    let paper = report_files::paper(&record, choice.language, &figures);
+    let paper = report_files::paper(&record, choice, &figures);
     record.findings.extend(paper.as_ref().err().map(no_paper));
     let mut json = serde_json::to_vec_pretty(&record)?;
     json.push(b'\n');
@@ -79,7 +79,7 @@ pub fn files_beside_scan(
         file("measurements.csv", csv::measurements(&record).into_bytes()),
     ];
     files.push(report_files::drawing(&figures, choice.language));
-    files.push(report_files::page(&record, choice.language, &figures)?);
+    files.push(report_files::page(&record, choice, &figures)?);
     files.extend(paper);
     files.extend(report_files::figure_files(&figures, &choice.figures)?);
     files.extend(surfaces);

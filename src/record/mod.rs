@@ -5,10 +5,12 @@
 pub mod change;
 pub mod chart;
 mod check;
+pub mod completeness;
 mod compose;
 mod csv;
 mod file;
 mod files;
+pub mod garment;
 pub mod gdt;
 pub mod phantom;
 pub mod picture;

@@ -4,10 +4,11 @@ use std::collections::BTreeSet;
 
 use super::Record;
 use super::file::{RecordFile, file};
+use super::garment::Garment;
 use super::picture::figures::{self, Figure};
 use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};
-use super::report::{self, PdfFault};
+use super::report::{self, Content, PdfFault};
 use crate::language::Language;
 
 /// The report as an HTML page.
@@ -28,6 +29,8 @@ const PNG_SCALE: f64 = 2.0;
 pub struct ReportChoice {
     /// The language of the report and its figures.
     pub language: Language,
+    /// The garment that is ordered: the sheet says what it lacks.
+    pub garment: Garment,
     /// The formats in which each figure also gets a file of its own. If empty, it is only in the report.
     pub figures: BTreeSet<FigureFormat>,
 }
@@ -55,30 +58,34 @@ pub enum FilesFault {
     Png(#[from] PngFault),
 }
 
-/// The report of a record. The same record in the same language gives the same bytes, whether it was
+/// The report of a record. The same record with the same choice gives the same bytes, whether it was
 /// just measured or read back.
 ///
 /// # Errors
 /// See [`FilesFault`].
-pub fn report_files(record: &Record, language: Language) -> Result<Vec<RecordFile>, FilesFault> {
-    let figures = figures::all(record, language);
-    Ok(vec![page(record, language, &figures)?, paper(record, language, &figures)?])
+pub fn report_files(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, FilesFault> {
+    let figures = figures::all(record, choice.language);
+    Ok(vec![page(record, choice, &figures)?, paper(record, choice, &figures)?])
 }
 
 pub(super) fn page(
     record: &Record,
-    language: Language,
+    choice: &ReportChoice,
     figures: &[Figure],
 ) -> Result<RecordFile, serde_json::Error> {
-    Ok(file(PAGE, report::page(record, language, figures)?.into_bytes()))
+    Ok(file(PAGE, report::page(record, &content(record, choice), figures)?.into_bytes()))
 }
 
 pub(super) fn paper(
     record: &Record,
-    language: Language,
+    choice: &ReportChoice,
     figures: &[Figure],
 ) -> Result<RecordFile, PdfFault> {
-    Ok(file(PAPER, report::paper(record, language, figures)?))
+    Ok(file(PAPER, report::paper(record, &content(record, choice), figures)?))
+}
+
+fn content(record: &Record, choice: &ReportChoice) -> Content {
+    Content::of(record, choice.language, choice.garment)
 }
 
 /// Both legs and their girths as one drawing, shown by practice software and pages.

@@ -163,6 +163,10 @@ pub struct LegFigures {
     /// Girths at the requested heights.
     #[serde(default)]
     pub at: Vec<AtFigures>,
+    /// Girths every 4 cm above the floor, lowest first, for comparing legs and scans at the same heights; empty
+    /// in records of older versions.
+    #[serde(default)]
+    pub profile: Vec<AtFigures>,
     /// The shape from which pictures are drawn; null in records of older versions.
     #[serde(default)]
     pub shape: Option<ShapeFigures>,

@@ -2,21 +2,27 @@
 
 use serde::Serialize;
 
+use super::completeness::Completeness;
+use super::garment::Garment;
 use super::rounding;
 use super::schema::{LandmarkFigures, Record};
 use crate::language::Language;
 use crate::leg::Side;
 
-/// The levels of a stocking that ends below the knee, from the foot up.
-const LEVELS: [&str; 4] = ["B", "B1", "C", "D"];
+/// The levels of a stocking that ends below the knee, highest first as on the measuring sheet.
+const LEVELS: [&str; 4] = ["D", "C", "B1", "B"];
 
 /// The measures of a record, ready to show.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct RecordSummary {
-    /// B, B1, C and D, from the foot up.
+    /// D, C, B1 and B.
     pub levels: Vec<SummaryLevel>,
     /// Number of findings, without those that are only information.
     pub findings: usize,
+    /// `complete`, `by-hand` or `scan-again`; see [`Kind`](super::completeness::Kind).
+    pub verdict: &'static str,
+    /// What is to be done before the patient dresses, in sentences; at least one.
+    pub to_do: Vec<String>,
 }
 
 /// One level of both legs. A leg on which it was not found has no figures.
@@ -42,8 +48,8 @@ pub struct SummaryFigures {
 }
 
 impl RecordSummary {
-    /// The measures of a record as text in a language.
-    pub fn of(record: &Record, language: Language) -> RecordSummary {
+    /// The measures of a record as text in a language, for an order of this garment.
+    pub fn of(record: &Record, language: Language, garment: Garment) -> RecordSummary {
         let figures = |side: Side, level: &str| {
             let leg = record.leg(side)?;
             leg.landmarks.get(level).map(|landmark| SummaryFigures::of(landmark, language))
@@ -54,7 +60,13 @@ impl RecordSummary {
             left: figures(Side::Left, level),
         });
         let findings = record.findings.iter().filter(|finding| finding.severity != "info").count();
-        RecordSummary { levels: levels.into(), findings }
+        let completeness = Completeness::of(record, garment);
+        RecordSummary {
+            levels: levels.into(),
+            findings,
+            verdict: completeness.kind().word(),
+            to_do: completeness.sentences(language),
+        }
     }
 }
 

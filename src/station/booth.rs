@@ -63,6 +63,8 @@ struct Inner {
     orders: Vec<OrderCame>,
     missed: bool,
     last: Option<(Outcome, Duration)>,
+    /// What is to be done with the patient of the last scan, in sentences.
+    to_do: Vec<String>,
 }
 
 impl Inner {
@@ -114,6 +116,7 @@ impl Inner {
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
             last: None,
+            to_do: Vec::new(),
         })
     }
 
@@ -188,6 +191,7 @@ pub struct WhoIsNext {
     has_button: bool,
     next: Vec<String>,
     awaited_for: Vec<String>,
+    to_do: Vec<String>,
 }
 
 impl WhoIsNext {
@@ -200,6 +204,7 @@ impl WhoIsNext {
             next: &self.next,
             awaited_for: &self.awaited_for,
             is_in_doubt: self.state.is_in_doubt,
+            to_do: &self.to_do,
         }
     }
 }
@@ -231,9 +236,13 @@ impl Booth {
     pub fn who_is_next(&self) -> WhoIsNext {
         let state = self.state();
         let has_button = !self.core.config.buttons().is_empty();
-        let captures = &self.inner().captures;
-        let (next, awaited_for) = (captures.next_ids(), captures.awaited_ids());
-        WhoIsNext { state, has_button, next, awaited_for }
+        let inner = self.inner();
+        let (next, awaited_for) = (inner.captures.next_ids(), inner.captures.awaited_ids());
+        let to_do = match inner.last {
+            Some((Outcome::Incomplete, _)) => inner.to_do.clone(),
+            _ => Vec::new(),
+        };
+        WhoIsNext { state, has_button, next, awaited_for, to_do }
     }
 
     /// Locks the captures. Blocks during writes to the journal.
@@ -268,12 +277,13 @@ impl Booth {
         }
     }
 
-    /// Notes that a scan ended or needs an operator. Blocks.
-    pub fn ended(&self, scan: &ScanId, outcome: Outcome) {
+    /// Notes that a scan ended or needs an operator, and what is to be done with its patient. Blocks.
+    pub fn ended(&self, scan: &ScanId, outcome: Outcome, to_do: &[String]) {
         let now = self.core.now();
         let mut inner = self.inner();
         if inner.in_work.remove(scan) || outcome == Outcome::NeedsPerson {
             inner.last = Some((outcome, now));
+            inner.to_do = to_do.to_vec();
         }
     }
 

@@ -24,9 +24,9 @@ const FLAGS = [
   "--disable-component-update", "--disable-sync",
 ];
 
-/** A scan that is quickly measured; each `n` gives another scan of the same body. */
+/** A scan that has every measure of a calf stocking; each `n` gives another scan of the same body. */
 export function body(n) {
-  const file = join(root, "fixtures/coarse/f_average.obj.gz");
+  const file = join(root, "fixtures/scans/f_average_clean.obj.gz");
   const text = gunzipSync(readFileSync(file)).toString("latin1");
   return Buffer.from(text.replace(/\nv (\S+)/, (_, x) => `\nv ${x}${String(n).padStart(9, "0")}`), "latin1");
 }

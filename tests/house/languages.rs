@@ -19,8 +19,12 @@ use crate::layering::{collect, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 20] = [
+const BY_CODE: [(&str, &str); 25] = [
+    ("completeness.again", "`Again::key`"),
+    ("completeness.check", "`Check::key`"),
+    ("completeness.leg", "`Side::word`"),
     ("finding", "the findings and doubts of a record"),
+    ("garment", "`Garment::name`"),
     ("leg", "`Side::word`"),
     ("leg.heading", "`Side::word`"),
     ("level", "`Level::name`"),
@@ -39,6 +43,7 @@ const BY_CODE: [(&str, &str); 20] = [
     ("page.scan", "the state of a scan on the page"),
     ("page.scan.closed", "why a scan needs no decision any longer"),
     ("report.caption", "the figures of a report"),
+    ("report.open.field", "`OPEN_FIELDS`"),
     ("statement", "`Statement::of`"),
 ];
 

@@ -1,5 +1,6 @@
 //! What a record, its report, its figures and its messages say.
 
+mod completeness;
 mod every_finding;
 mod figure_sides;
 mod figures;

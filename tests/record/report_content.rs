@@ -7,7 +7,8 @@ use std::sync::LazyLock;
 
 use gaiter::language::Language;
 use gaiter::leg::Method;
-use gaiter::record::chart::{SliceFigures, VolumeDifferenceFigures};
+use gaiter::record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures};
+use gaiter::record::garment::Garment;
 use gaiter::record::picture::figures;
 use gaiter::record::report::content::{Table, Weight};
 use gaiter::record::report::{self, Content, Figure, Mark};
@@ -56,12 +57,23 @@ fn told_apart(leg: &mut LegFigures, times: f64) {
     let [at] = &mut leg.at[..] else { unreachable!("one height was asked for") };
     (at.girth_tape_mm, at.girth_sd_mm) = (Some(times * 200.0), Some(times));
     at.doubts = if times > 1.0 { vec!["gap".to_owned()] } else { Vec::new() };
+    let girth = |height_mm: f64, mm: Option<f64>| AtFigures {
+        height_mm,
+        along_axis_mm: None,
+        girth_tape_mm: mm.map(|mm| times * mm),
+        girth_contour_mm: None,
+        girth_sd_mm: mm.map(|_| times),
+        doubts: Vec::new(),
+    };
+    // At 12 cm the right leg was not seen, and only the left one reaches 16 cm.
+    leg.profile = vec![girth(80.0, Some(180.0)), girth(120.0, (times > 1.0).then_some(210.0))];
+    leg.profile.extend((times > 1.0).then(|| girth(160.0, Some(230.0))));
     let error = &mut leg.surface.as_mut().unwrap().to_points;
     (error.rms_mm, error.p95_mm, error.max_mm) = (times * 0.11, times * 0.22, times * 0.33);
     leg.landmarks.values_mut().for_each(|found| found.doubts.clear());
     leg.estimates.values_mut().for_each(|of| of.doubts.clear());
     let c = leg.landmarks.get_mut("C").unwrap();
-    (c.girth_tape_mm, c.surface_length_mm) = (times * 200.0, Some(times * 150.0));
+    (c.girth_tape_mm, c.height_mm) = (times * 200.0, times * 150.0);
     (c.girth_sd_mm, c.height_sd_mm) = (Some(times), Some(times * 3.0));
     let e = leg.estimates.get_mut("E").unwrap();
     (e.girth_tape_mm, e.height_mm) = (times * 190.0, times * 250.0);
@@ -89,9 +101,9 @@ fn rows(table: &Table) -> Vec<Vec<String>> {
 
 #[test]
 fn every_volume_girth_and_foot_stands_at_its_own_leg_with_its_sign_and_uncertainty() {
-    let content = Content::of(&RECORD, Language::En);
-    let [volumes, asked, feet, slices] = &content.tables[..] else { unreachable!() };
-    for table in [volumes, asked, feet, slices] {
+    let content = Content::of(&RECORD, Language::En, Garment::Ad);
+    let [same, asked, volumes, slices] = &content.tables[..] else { unreachable!() };
+    for table in [same, asked, volumes, slices] {
         assert_eq!(table.columns[1..3], ["Right leg", "Left leg"], "{}", table.title);
     }
     assert_eq!(
@@ -104,7 +116,16 @@ fn every_volume_girth_and_foot_stands_at_its_own_leg_with_its_sign_and_uncertain
     let range = volumes.explanation.as_ref().unwrap();
     assert!(range.contains("(right leg 5.0 to 40.0 cm, left leg 10.0 to 80.0 cm)"), "{range}");
     assert_eq!(rows(asked), [["30.0 cm", "20.0 ± 0.2", "40.0 ± 0.4 ?"]]);
-    assert_eq!(rows(feet), [["Length", "12.0", "24.0"], ["Breadth", "5.0", "10.0"]]);
+    assert_eq!(
+        rows(same),
+        [
+            ["12.0", "not seen there", "42.0 ± 0.4", "not compared"],
+            ["8.0", "18.0 ± 0.2", "36.0 ± 0.4", "*+18.0 ± 0.5*"],
+        ]
+    );
+    let lengths = content.levels.lengths.iter().take(2);
+    let lengths: Vec<[String; 2]> = lengths.map(|row| row.figures.each_ref().map(told)).collect();
+    assert_eq!(lengths, [["12.0", "24.0"], ["5.0", "10.0"]]);
     assert_eq!(
         rows(slices),
         [
@@ -122,13 +143,14 @@ fn every_volume_girth_and_foot_stands_at_its_own_leg_with_its_sign_and_uncertain
 }
 
 #[test]
-fn a_length_has_its_own_uncertainty_an_estimate_is_marked_and_a_height_is_no_length() {
-    let content = Content::of(&RECORD, Language::En);
+fn a_height_has_its_own_uncertainty_an_estimate_is_marked_and_the_foot_has_no_heights() {
+    let content = Content::of(&RECORD, Language::En, Garment::Ad);
     let row = |level: &str| content.levels.rows.iter().find(|row| row.level == level).unwrap();
     let level =
-        |level: &str| row(level).legs.each_ref().map(|leg| [&leg.girth, &leg.length].map(told));
+        |level: &str| row(level).legs.each_ref().map(|leg| [&leg.girth, &leg.height].map(told));
     assert_eq!(level("C"), [["20.0 ± 0.2", "15.0 ± 0.6"], ["40.0 ± 0.4", "30.0 ± 1.2"]]);
-    assert_eq!(level("E"), [["~19.0 ± 0.4", "~h 25.0 ± 1.4"], ["~38.0 ± 0.8", "~h 50.0 ± 2.8"]]);
+    assert_eq!(level("E"), [["~19.0 ± 0.4", "~25.0 ± 1.4"], ["~38.0 ± 0.8", "~50.0 ± 2.8"]]);
+    assert!(["A", "Y"].iter().all(|of| level(of).iter().all(|[_, height]| height == "–")));
     let heads: Vec<&str> = content.landmarks.rows.iter().map(|row| row.head.as_str()).collect();
     assert!(heads.contains(&"E, left leg, estimated") && heads.contains(&"C, left leg"));
 }
@@ -147,9 +169,13 @@ fn doubted() -> Record {
 
 #[test]
 fn a_doubt_is_told_at_its_level_and_among_the_notes_with_all_its_places() {
-    let content = Content::of(&doubted(), Language::En);
+    let content = Content::of(&doubted(), Language::En, Garment::Ad);
     let c = content.levels.rows.iter().find(|row| row.level == "C").unwrap();
-    assert!(c.legs.iter().all(|leg| leg.doubts == ["Skin partly not seen"]), "{c:?}");
+    let doubts = ["Right leg – C: Skin partly not seen.", "Left leg – C: Skin partly not seen."];
+    assert_eq!(content.levels.doubts, doubts);
+    // A knee that would lie below D is no knee.
+    let e = content.levels.rows.iter().find(|row| row.level == "E").unwrap();
+    assert!(!e.legs[0].girth.is_missing() && e.legs[1].girth.is_missing(), "{e:?}");
     assert!(c.legs.iter().all(|leg| told(&leg.girth).ends_with(" ?")), "{c:?}");
     let [gap, below] = &content.notes.entries[..] else { unreachable!("{:?}", content.notes) };
     assert_eq!((gap.code.as_str(), gap.weight), ("gap", Weight::Warning));
@@ -172,7 +198,7 @@ fn findings_of_one_code_are_one_note_that_keeps_every_message() {
         message: message.to_owned(),
     };
     let findings = vec![finding("left", "seen to 5 mm"), finding("right", "seen to 7 mm")];
-    let content = Content::of(&Record { findings, ..RECORD.clone() }, Language::En);
+    let content = Content::of(&Record { findings, ..RECORD.clone() }, Language::En, Garment::Ad);
     let [note] = &content.notes.entries[..] else { unreachable!("{:?}", content.notes) };
     assert_eq!(note.place, "left leg · right leg");
     assert_eq!(note.message, "left leg: Seen to 5 mm. right leg: Seen to 7 mm.");
@@ -181,13 +207,12 @@ fn findings_of_one_code_are_one_note_that_keeps_every_message() {
 #[test]
 fn the_page_shows_marks_uncertainties_and_every_note_with_what_to_do() {
     let record = doubted();
-    let content = Content::of(&record, Language::En);
-    let page = report::page(&record, Language::En, &figures::all(&record, Language::En)).unwrap();
+    let content = Content::of(&record, Language::En, Garment::Ad);
+    let page = report::page(&record, &content, &figures::all(&record, Language::En)).unwrap();
     let words = words(&page);
-    // In large letters and in the table.
-    assert_eq!(words.matches("20.0 cm ± 0.2 ?").count(), 1, "the key figures");
-    assert_eq!(words.matches("20.0 ± 0.2 ?").count(), 1, "the table of levels");
-    assert!(words.contains("~19.0 ± 0.4 ~h 25.0 ± 1.4"));
+    assert_eq!(words.matches("20.0 ± 0.2 ?").count(), 1, "the measuring sheet");
+    assert!(words.contains("~19.0 ± 0.4 ~25.0 ± 1.4"));
+    assert!(words.contains("Measure by hand: right C · left C."));
     assert!(words.contains("1000 ± 20"));
     for note in &content.notes.entries {
         for text in [Some(&note.title), note.meaning.as_ref(), note.action.as_ref()] {
@@ -201,7 +226,7 @@ fn the_page_shows_marks_uncertainties_and_every_note_with_what_to_do() {
 
 #[test]
 fn in_german_right_is_rechts_and_every_level_is_where_it_is_on_the_leg() {
-    let content = Content::of(&RECORD, Language::De);
+    let content = Content::of(&RECORD, Language::De, Garment::Ad);
     assert_eq!(content.levels.columns.legs, ["Rechtes Bein", "Linkes Bein"]);
     for table in &content.tables {
         assert_eq!(table.columns[1..3], ["Rechtes Bein", "Linkes Bein"], "{}", table.title);
@@ -232,16 +257,16 @@ fn at_a_glance_a_doubt_is_seen_and_only_what_must_be_looked_at_is_counted() {
             message,
         });
     }
-    let brief = RecordSummary::of(&record, Language::De);
+    let brief = RecordSummary::of(&record, Language::De, Garment::Ad);
     assert_eq!(brief.findings, 2);
     let names: Vec<&str> = brief.levels.iter().map(|level| level.level).collect();
-    assert_eq!(names, ["B", "B1", "C", "D"]);
+    assert_eq!(names, ["D", "C", "B1", "B"]);
     for level in &brief.levels {
         let doubts = [&level.right, &level.left].map(|leg| leg.as_ref().unwrap().is_doubted);
         assert_eq!(doubts, [level.level == "C"; 2], "{}", level.level);
     }
     let girths =
-        [&brief.levels[2].right, &brief.levels[2].left].map(|leg| &leg.as_ref().unwrap().girth_cm);
+        [&brief.levels[1].right, &brief.levels[1].left].map(|leg| &leg.as_ref().unwrap().girth_cm);
     assert_eq!(girths, ["20,0", "40,0"]);
 }
 
@@ -251,7 +276,7 @@ fn a_unit_that_was_found_was_not_declared_and_heights_of_the_body_are_its_own() 
     (record.body.stature_mm, record.body.crotch_height_mm) = (Some(1604.0), Some(743.0));
     for (unit_inferred, words) in [(true, "unit mm, found)"), (false, "unit mm, declared)")] {
         record.scan.unit_inferred = unit_inferred;
-        let facts = Content::of(&record, Language::En).facts;
+        let facts = Content::of(&record, Language::En, Garment::Ad).facts;
         let fact = |name: &str| &facts.iter().find(|fact| fact.name == name).unwrap().value;
         assert!(fact("Scan").ends_with(words), "{facts:?}");
         assert_eq!(fact("Body"), "stature 160.4 cm, crotch at 74.3 cm");
@@ -259,13 +284,13 @@ fn a_unit_that_was_found_was_not_declared_and_heights_of_the_body_are_its_own() 
 }
 
 #[test]
-fn why_a_level_has_no_figure_is_told_and_which_levels_nobody_saw() {
+fn why_a_level_has_no_figure_is_told() {
     let mut record = RECORD.clone();
     for leg in &mut record.legs {
         ["D", "G"].into_iter().for_each(|level| drop(leg.landmarks.remove(level)));
     }
     for (code, why) in [
-        ("level-absent", "not on this leg"),
+        ("level-absent", "not found"),
         ("level-implausible", "not plausible"),
         ("another", "not seen"),
     ] {
@@ -277,12 +302,29 @@ fn why_a_level_has_no_figure_is_told_and_which_levels_nobody_saw() {
             level: Some("D".to_owned()),
             message: String::new(),
         }];
-        let levels = Content::of(&record, Language::En).levels;
+        let levels = Content::of(&record, Language::En, Garment::Ad).levels;
         let d = levels.rows.iter().find(|row| row.level == "D").unwrap();
         assert_eq!([&d.legs[0], &d.legs[1]].map(|leg| leg.girth.value.as_str()), ["not seen", why]);
-        let left_out = "Not seen in this scan, and not measured on either leg: G.";
-        assert_eq!(levels.left_out.as_deref(), Some(left_out));
-        let page = report::page(&record, Language::En, &[]).unwrap();
-        assert!(words(&page).contains(left_out));
+        let g = levels.rows.iter().find(|row| row.level == "G").unwrap();
+        assert!(g.legs.iter().all(|leg| leg.girth.value == "not seen"), "{g:?}");
     }
+}
+
+#[test]
+fn a_level_that_one_leg_lacks_is_told_with_the_girth_at_the_other_s_height() {
+    let mut record = RECORD.clone();
+    let [left, right] =
+        ["left", "right"].map(|side| record.legs.iter().position(|leg| leg.side == side).unwrap());
+    record.legs[left].landmarks.remove("C");
+    record.legs[right].landmarks.get_mut("C").unwrap().height_mm = 150.0;
+    let curve = &mut record.legs[left].girth_curve;
+    curve.height_mm = vec![Some(140.0), Some(145.0), Some(155.0)];
+    curve.tape_mm = vec![Some(300.0), Some(310.0), Some(330.0)];
+    let c = |record: &Record| {
+        let levels = Content::of(record, Language::En, Garment::Ad).levels;
+        levels.rows.into_iter().find(|row| row.level == "C").unwrap().legs[1].girth.value.clone()
+    };
+    assert_eq!(c(&record), "not seen; 32.0 at 15.0 (height of the other leg)");
+    record.legs[left].girth_curve.tape_mm[2] = None;
+    assert_eq!(c(&record), "not seen");
 }

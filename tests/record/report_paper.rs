@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 
 use gaiter::language::Language;
 use gaiter::leg::Method;
+use gaiter::record::garment::Garment;
 use gaiter::record::picture::figures;
 use gaiter::record::report::{self, Content};
 use gaiter::record::{Patient, Record, Source, SourceKind};
@@ -144,7 +145,8 @@ fn places<'a>(bytes: &'a [u8], what: &'a [u8]) -> impl Iterator<Item = usize> + 
 }
 
 fn paper(record: &Record, language: Language) -> Vec<u8> {
-    report::paper(record, language, &figures::all(record, language)).unwrap()
+    let content = Content::of(record, language, Garment::Ad);
+    report::paper(record, &content, &figures::all(record, language)).unwrap()
 }
 
 /// The words of a paper on all its pages, lines joined.
@@ -278,7 +280,7 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
     for leg in &mut record.legs {
         let (times, doubt) = if leg.side == "left" { (2.0, "folds") } else { (1.0, "gap") };
         let c = leg.landmarks.get_mut("C").unwrap();
-        (c.girth_tape_mm, c.surface_length_mm) = (times * 200.0, Some(times * 150.0));
+        (c.girth_tape_mm, c.height_mm) = (times * 200.0, times * 150.0);
         (c.girth_sd_mm, c.height_sd_mm) = (Some(times), Some(times * 3.0));
         c.doubts = vec![doubt.to_owned()];
         let e = leg.estimates.get_mut("E").unwrap();
@@ -287,15 +289,16 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
         leg.landmarks.get_mut("D").unwrap().girth_per_deg_mm = Some(0.9);
     }
     let words = said(&record, Language::En).concat();
-    let heads = "Right leg\nLeft leg\n\nLevel\nGirth (cm)\nLength (cm)\nGirth (cm)\nLength (cm)\n";
-    assert!(words.contains(heads), "{words}");
-    let figures = "20.0 ± 0.2 ?\n15.0 ± 0.6 ?\n40.0 ± 0.4 ?\n30.0 ± 1.2 ?\n";
-    assert!(words.contains(figures), "{words}");
-    assert!(words.contains("Skin partly not seen\nSkin folded\n"), "{words}");
+    let heads = "Right leg\nLeft leg\nLevel\nc: girth\n(cm)\n";
+    assert!(words.replace("\n\n", "\n").contains(heads), "{words}");
+    let figures = "20.0 ± 0.2 ?\n15.0 ± 0.6 ?\n";
+    assert!(words.contains(figures) && words.contains("40.0 ± 0.4 ?\n30.0 ± 1.2 ?\n"), "{words}");
+    assert!(words.contains("Right leg – C: Skin partly not seen"), "{words}");
     assert!(words.contains("~19.0 ± 0.4\n") && words.contains("~38.0 ± 0.8\n"), "{words}");
     let words = words.replace('\n', " ");
-    let content = Content::of(&record, Language::En);
-    assert!(words.contains(content.levels.left_out.as_ref().unwrap()), "{words}");
+    let content = Content::of(&record, Language::En, Garment::Ad);
+    assert_eq!(content.verdict.sentences, ["Measure by hand: right C."]);
+    assert!(words.contains("Measure by hand: right C."), "{words}");
     assert_eq!(content.levels.tilted.len(), 2);
     for tilted in &content.levels.tilted {
         assert!(words.contains(tilted.as_str()), "{tilted:?} in {words}");

@@ -7,6 +7,7 @@ use std::sync::LazyLock;
 use gaiter::language::Language;
 use gaiter::leg::Method;
 use gaiter::record::Record;
+use gaiter::record::garment::Garment;
 use gaiter::record::report::{self, Content};
 use support::geometry::bodies::{export, record_of};
 use support::page::words;
@@ -28,7 +29,8 @@ fn record(per_deg_mm: &[(&str, f64)]) -> Record {
 
 /// What a report says of it, in every language.
 fn told(record: &Record) -> [Vec<String>; 2] {
-    [Language::En, Language::De].map(|language| Content::of(record, language).levels.tilted)
+    [Language::En, Language::De]
+        .map(|language| Content::of(record, language, Garment::Ad).levels.tilted)
 }
 
 #[test]
@@ -40,7 +42,8 @@ fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_tol
                   um bis zu 2,7 mm. Das Maßband rechtwinklig zum Unterschenkel anlegen.";
     assert_eq!(told(&record), [[english], [german]]);
     for (language, sentence) in [(Language::En, english), (Language::De, german)] {
-        let page = report::page(&record, language, &[]).unwrap();
+        let page =
+            report::page(&record, &Content::of(&record, language, Garment::Ad), &[]).unwrap();
         assert!(words(&page).contains(sentence), "{language:?}");
     }
 }

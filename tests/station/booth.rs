@@ -8,7 +8,7 @@ use std::fs;
 use serde_json::Value;
 use support::pty;
 use support::verb::{code, gaiter_told, stderr};
-use support::{Booth, Daemon, coarse_body, sha256};
+use support::{Booth, Daemon, body, coarse_body, sha256};
 
 /// The light in letters, one a signal.
 const SAY: &str = "[trigger.serial.say]\nready = 'g'\narmed = 'a'\nreceiving = 'r'\ndone = 'd'\n\
@@ -75,7 +75,7 @@ fn a_name_a_press_and_an_export_are_the_patients_record_and_the_light_tells_it()
     let daemon = listening(&booth);
     name(&booth, "4711");
     press(&booth, &mut button);
-    let scan = coarse_body(1);
+    let scan = body(1);
     booth.export("a.obj", &scan);
     booth.wait_for_records(1);
     assert_eq!(booth.records(), [("4711".to_owned(), sha256(&scan))]);

@@ -123,7 +123,7 @@ fn bytes_that_are_not_those_of_the_hash_are_not_measured() {
 #[test]
 fn the_answer_is_the_record_that_extract_makes() {
     let scan = body(31);
-    let Answer::Files(files) = answer(begun(generous(), &scan), &scan) else {
+    let Answer::Files { files, .. } = answer(begun(generous(), &scan), &scan) else {
         panic!("it was refused");
     };
     let booth = Booth::new();

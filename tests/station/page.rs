@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use serde_json::{Value, json};
 use support::verb::{code, stdout};
 use support::web::{Answer, Site};
-use support::{Booth, coarse_body, sha256};
+use support::{Booth, body, coarse_body, sha256};
 
 /// A station whose page is served on some port of this machine.
 fn booth(more: &str) -> Booth {
@@ -56,7 +56,7 @@ fn a_scan_is_shown_with_its_measures_as_its_record_has_them() {
     let record: Value =
         serde_json::from_slice(&fs::read(record_of(&booth, "4711").join("record.json")).unwrap())
             .unwrap();
-    for (row, level) in ["B", "B1", "C", "D"].into_iter().enumerate() {
+    for (row, level) in ["D", "C", "B1", "B"].into_iter().enumerate() {
         assert_eq!(shown["measures"]["levels"][row]["level"], level);
         for leg in record["legs"].as_array().unwrap() {
             let side = leg["side"].as_str().unwrap();
@@ -248,12 +248,35 @@ fn a_stream_tells_of_changes_and_ends_with_the_station() {
     looked(&booth);
     let armed = stream.find(|state| state["light"]["signal"] == "armed").unwrap();
     assert_eq!(armed["next"]["can_be_called_off"], true);
-    booth.export("4711_a.obj", &coarse_body(0));
+    booth.export("4711_a.obj", &body(0));
     let done = stream.find(|state| state["light"]["signal"] == "done");
     assert!(done.is_some(), "the stream ended");
     assert_eq!(daemon.stop().code(), Some(0));
     // What was still to be told is; a stream that does not end is read in vain until its time is over.
     stream.for_each(drop);
+}
+
+#[test]
+fn a_record_that_lacks_measures_ends_in_attention_with_what_to_measure_by_hand() {
+    let booth = booth("");
+    let daemon = booth.start();
+    let site = Site::of(&booth, "local");
+    assert_eq!(decide(&site, &json!({"ask": "name_next", "patient": "4711"})).status, 200);
+    looked(&booth);
+    let mut stream = site.stream(&site.operator());
+    // Of this body's ankle and heel too little is to be seen.
+    booth.export("4711_a.obj", &coarse_body(0));
+    let light = stream.map(|state| state["light"].clone());
+    let mut after_receipt = light.skip_while(|light| light["signal"] != "receiving");
+    let end = after_receipt.find(|light| light["signal"] != "receiving").unwrap();
+    assert_eq!(end["signal"], "attention");
+    assert_eq!(end["sentence"], "Measure by hand: right B, Y · left B, Y.");
+    booth.wait_for("the measures", || {
+        let measures = site.state_of(&site.operator())["scans"][0]["measures"].clone();
+        measures["verdict"] == "by-hand" && measures["to_do"][0] == end["sentence"]
+    });
+    assert_eq!(daemon.stop().code(), Some(0));
+    after_receipt.for_each(drop);
 }
 
 #[test]
@@ -351,7 +374,7 @@ fn ids_of_any_kind_come_as_they_are_and_what_would_hide_or_turn_letters_by_its_c
         assert_eq!(answer.status, 200, "{id}: {}", answer.body);
         looked(&booth);
         wait_for_state(&booth, &site, "the light", |state| state["light"]["signal"] == "armed");
-        booth.export(&format!("x{n}.obj"), &coarse_body(n));
+        booth.export(&format!("x{n}.obj"), &body(n));
         booth.wait_for("the scan", || {
             site.state_of(&site.operator())["scans"][0]["patients"][0] == seen
         });

@@ -3,8 +3,9 @@
 use std::path::PathBuf;
 
 use super::of_words;
-use crate::config::words::LANGUAGES;
+use crate::config::words::{GARMENTS, LANGUAGES};
 use crate::language::Language;
+use crate::record::garment::Garment;
 
 /// `gaiter report`
 #[derive(Debug, clap::Args)]
@@ -15,6 +16,9 @@ pub struct ReportArgs {
     /// The language of the report
     #[arg(long, value_parser = of_words(LANGUAGES), default_value = "en")]
     pub language: Language,
+    /// The garment that is ordered: the sheet says which of its measures are missing
+    #[arg(long, value_parser = of_words(GARMENTS), default_value = "AD")]
+    pub garment: Garment,
     /// Folder for the report [default: the current folder]
     #[arg(long, value_name = "DIR", default_value = ".", hide_default_value = true)]
     pub out: PathBuf,

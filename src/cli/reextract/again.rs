@@ -14,7 +14,7 @@ use crate::leg::method::{AxisFit, Tape};
 use crate::leg::{Method, Refusal, extract as measure};
 use crate::record::change::{Changes, Sameness, changes};
 use crate::record::schema::OLDER_SCHEMA;
-use crate::record::{self, FilesFault, ORD, Provenance, Record, ReportChoice, ScanFile};
+use crate::record::{self, FilesFault, ORD, Provenance, Record, ScanFile};
 use crate::scan::Format;
 use crate::store::revision::{Added, Family};
 use crate::store::sums::{self, SumsFault};
@@ -121,7 +121,7 @@ pub struct Intent {
 /// See [`Fault`]; the record stays unchanged.
 pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again, Fault> {
     let Stored { old, old_json, scan, format, ord } = Stored::read(family)?;
-    let (method, output, language) = choices.for_record(&old);
+    let (method, output, choice) = choices.for_record(&old);
     let mut extraction = measure(&scan, format, &method)?;
     if let Some(ord) = &ord {
         let opinions = ord::opinion(ord, &extraction);
@@ -138,7 +138,6 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
         revision,
     };
     let scan = ScanFile { bytes: &scan, format, ord: ord.as_deref() };
-    let choice = ReportChoice { language, ..ReportChoice::default() };
     let made = record::record_files(&extraction, &provenance, &method, &output, &choice, scan);
     let (new, files) = made?;
     let mut changes = changes(&old, &old_json, &new).map_err(FilesFault::from)?;

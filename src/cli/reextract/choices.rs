@@ -5,16 +5,15 @@ use std::path::Path;
 use crate::cad::Output;
 use crate::cli::{Exit, explain_config};
 use crate::config::words::{self, FACINGS, UNITS, UPS, WINDINGS};
-use crate::language::Language;
 use crate::leg::method::{B1, Scope, UnitChoice};
 use crate::leg::{Method, Side};
-use crate::record::Record;
+use crate::record::{Record, ReportChoice};
 
 /// The choice on the command line, which applies to all records.
 #[derive(Debug)]
 pub enum Choices {
     /// The method of a configuration.
-    Configured(Box<(Method, Output, Language)>),
+    Configured(Box<(Method, Output, ReportChoice)>),
     /// The default method. What the export declares and which definitions of levels were requested is
     /// not part of the method: it is taken from each record.
     Default,
@@ -28,14 +27,19 @@ impl Choices {
     pub fn of(config: Option<&Path>) -> Result<Choices, Exit> {
         let Some(path) = config else { return Ok(Choices::Default) };
         let config = crate::config::read(path).map_err(|error| explain_config(&error))?;
-        Ok(Choices::Configured(Box::new((config.method, config.output, config.language))))
+        let choice = ReportChoice {
+            language: config.language,
+            garment: config.garment,
+            ..ReportChoice::default()
+        };
+        Ok(Choices::Configured(Box::new((config.method, config.output, choice))))
     }
 
-    /// Method, output and report language for the scan of a record.
-    pub fn for_record(&self, record: &Record) -> (Method, Output, Language) {
+    /// Method, output and report for the scan of a record.
+    pub fn for_record(&self, record: &Record) -> (Method, Output, ReportChoice) {
         match self {
             Choices::Configured(all) => all.as_ref().clone(),
-            Choices::Default => (as_asked(record), Output::default(), Language::default()),
+            Choices::Default => (as_asked(record), Output::default(), ReportChoice::default()),
         }
     }
 }

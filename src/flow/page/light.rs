@@ -32,6 +32,8 @@ pub struct Situation<'a> {
     pub awaited_for: &'a [String],
     /// A press may have been missed.
     pub is_in_doubt: bool,
+    /// What is to be done with the patient of the last scan before he or she dresses, in sentences.
+    pub to_do: &'a [String],
 }
 
 /// The light; `first` is the most serious fault, if there is one.
@@ -45,6 +47,8 @@ pub(super) fn shown(
     let step = language.text(next_step(booth));
     let sentence = match (booth.signal, first) {
         (Signal::Attention, Some(advice)) => format!("{} {}", advice.what, advice.next),
+        // The patient waits, a decision can wait.
+        (Signal::Attention, None) if !booth.to_do.is_empty() => booth.to_do.join(" "),
         (Signal::Attention, None) if is_any_undecided => decide.to_owned(),
         (Signal::Ready, _) if is_any_undecided => format!("{step} {decide}"),
         _ => step.to_owned(),

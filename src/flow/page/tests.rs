@@ -17,8 +17,15 @@ fn at(second: i64) -> Timestamp {
 }
 
 fn booth(signal: Signal) -> Situation<'static> {
-    let (next, awaited_for) = (&[][..], &[][..]);
-    Situation { signal, has_button: true, awaited: 0, next, awaited_for, is_in_doubt: false }
+    Situation {
+        signal,
+        has_button: true,
+        awaited: 0,
+        next: &[],
+        awaited_for: &[],
+        is_in_doubt: false,
+        to_do: &[],
+    }
 }
 
 fn page(booth: Situation<'_>, complaints: &[Complaint], language: Language) -> Shown {
@@ -357,4 +364,14 @@ fn a_decision_that_was_carried_out_is_told() {
             assert!(language.find(&format!("page.done.{verb}")).is_some(), "{verb}");
         }
     }
+}
+
+#[test]
+fn what_is_to_be_done_with_the_patient_stands_at_the_light_and_a_fault_before_it() {
+    let to_do = ["Scan again: legs apart.".to_owned(), "Or measure by hand: right C.".to_owned()];
+    let booth = Situation { to_do: &to_do, ..booth(Signal::Attention) };
+    let sentence = page(booth, &[], Language::En).light.sentence;
+    assert_eq!(sentence, "Scan again: legs apart. Or measure by hand: right C.");
+    let sentence = page(booth, &[Complaint::journal()], Language::En).light.sentence;
+    assert!(!sentence.contains("legs apart"), "{sentence}");
 }

@@ -46,6 +46,20 @@ pub enum NoGirth {
     NotSeen,
 }
 
+/// Distance of the heights at which legs are compared, mm: the usual step of tables by hand.
+pub const PROFILE_STEP_MM: f64 = 40.0;
+
+/// The heights above the floor at which both legs are compared, mm: multiples of [`PROFILE_STEP_MM`] where
+/// sections of the leg were measured.
+pub fn profile_heights_mm(curve: &GirthCurve) -> Vec<f64> {
+    let measured = curve.rows.iter().filter_map(|row| Some(row.measured?.0));
+    let (low, high) = measured
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), mm| (low.min(mm), high.max(mm)));
+    let steps = |mm: f64| (mm / PROFILE_STEP_MM).max(0.0);
+    let (first, last) = (steps(low).ceil() as u32, steps(high).floor() as u32);
+    (first..=last).map(|step| PROFILE_STEP_MM * f64::from(step)).collect()
+}
+
 /// The girths at heights above the floor, mm, in the order of the request. `near` gives the section
 /// nearest to a distance along the axis, if it could be measured.
 pub fn at_heights<'a>(

@@ -18,7 +18,9 @@ use super::Figure;
 use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
-use crate::record::schema::{LegFigures, NOT_VOUCHED};
+use crate::record::completeness::{Completeness, Kind};
+use crate::record::garment::Garment;
+use crate::record::schema::NOT_VOUCHED;
 
 /// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,11 +39,13 @@ pub struct Content {
     pub facts: Vec<Fact>,
     /// The heading of these facts.
     pub origin: String,
-    /// The heading of the most important girths, with their unit.
-    pub key: String,
-    /// The girths and lengths at the levels.
+    /// What is to be done before the patient dresses.
+    pub verdict: Verdict,
+    /// The measuring sheet.
     pub levels: Levels,
-    /// The tables that follow: volumes, slices, the foot, requested heights.
+    /// What a person fills in beside it.
+    pub open: OpenFields,
+    /// The tables that follow: both legs at the same heights, volumes, slices, requested heights.
     pub tables: Vec<Table>,
     /// How well the surface follows the scan, at least one sentence per leg.
     pub surfaces: Section,
@@ -75,34 +79,36 @@ pub struct Fact {
     pub value: String,
 }
 
-/// The table of levels.
+/// The measuring sheet: the figures that an order needs, in the order of order forms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Levels {
     /// The heading.
     pub title: String,
-    /// Headings: level; girth and length of the right leg; of the left leg; difference.
-    pub columns: LevelColumns,
+    /// Headings of the columns.
+    pub columns: SheetColumns,
     /// The levels, highest first.
     pub rows: Vec<LevelRow>,
-    /// The levels without a row, and why; `None` if all have one.
-    pub left_out: Option<String>,
+    /// Foot and inside leg.
+    pub lengths: Vec<SheetRow>,
+    /// The doubts about these figures, a line for each leg that has any.
+    pub doubts: Vec<String>,
     /// Where a tape that is not held square reads another girth, a sentence for each such leg.
     pub tilted: Vec<String>,
 }
 
-/// Headings of the table of levels.
+/// Headings of the measuring sheet.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct LevelColumns {
+pub struct SheetColumns {
     /// The level.
     pub level: String,
-    /// The legs, each over two columns, in the order of [`Side::FROM_FRONT`].
+    /// The legs, each over three columns, in the order of [`Side::FROM_FRONT`].
     pub legs: [String; 2],
     /// A girth, with its unit.
     pub girth: String,
-    /// A length, with its unit.
-    pub length: String,
-    /// The difference of the girths, with its unit.
-    pub difference: String,
+    /// A height above the floor, with its unit.
+    pub height: String,
+    /// The column that is left open for corrections by hand.
+    pub by_hand: String,
 }
 
 /// One level of both legs.
@@ -112,12 +118,10 @@ pub struct LevelRow {
     pub level: String,
     /// Where it is on the leg.
     pub place: String,
-    /// Whether it is B, B1, C or D, which are searched on every leg.
-    pub is_sought: bool,
+    /// Whether the garment needs it.
+    pub is_needed: bool,
     /// The figures of each leg, in the order of [`Side::FROM_FRONT`].
     pub legs: [LevelFigures; 2],
-    /// Girth of the left leg minus girth of the right leg, cm.
-    pub difference: Figure,
 }
 
 /// One level of one leg.
@@ -125,11 +129,35 @@ pub struct LevelRow {
 pub struct LevelFigures {
     /// Girth by tape, cm.
     pub girth: Figure,
-    /// From the floor along the skin, cm. For an estimated level it is the height above the floor, and
-    /// the text says so.
-    pub length: Figure,
-    /// Its doubts, each in a few words.
-    pub doubts: Vec<String>,
+    /// Vertical height above the floor, cm; a dash on the foot.
+    pub height: Figure,
+}
+
+/// A length of both legs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SheetRow {
+    /// What it is.
+    pub head: String,
+    /// The length of each leg, cm, in the order of [`Side::FROM_FRONT`].
+    pub figures: [Figure; 2],
+}
+
+/// The fields of an order that a scan cannot give, left open on paper.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct OpenFields {
+    /// The heading.
+    pub title: String,
+    /// Their names.
+    pub names: Vec<String>,
+}
+
+/// What is to be done before the patient dresses.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Verdict {
+    /// Which of the three it is.
+    pub kind: Kind,
+    /// It in sentences, the most important first; at least one.
+    pub sentences: Vec<String>,
 }
 
 /// A table. Each row has a head and one figure for every column after the first.
@@ -215,9 +243,10 @@ pub struct Caption {
 }
 
 impl Content {
-    /// The content of a report of this record in this language.
-    pub fn of(record: &Record, language: Language) -> Content {
-        let report = Report { record, language };
+    /// The content of a report of this record in this language, for an order of this garment.
+    pub fn of(record: &Record, language: Language, garment: Garment) -> Content {
+        let completeness = Completeness::of(record, garment);
+        let report = Report { record, language, completeness: &completeness };
         let notes = report.notes();
         let is_vouched = record.findings.iter().all(|finding| finding.code != NOT_VOUCHED);
         let title = if is_vouched { "report.title" } else { "report.title_not_vouched" };
@@ -229,8 +258,12 @@ impl Content {
             taken: report.taken(),
             facts: report.facts(),
             origin: report.text("report.origin"),
-            key: report.text("report.main_girths"),
+            verdict: Verdict {
+                kind: completeness.kind(),
+                sentences: completeness.sentences(language),
+            },
             levels: report.levels(),
+            open: report.open_fields(),
             tables: report.tables(),
             surfaces: report.surfaces(),
             summary: report.summary(&notes.entries),
@@ -242,10 +275,15 @@ impl Content {
     }
 }
 
+/// What a person fills in on the measuring sheet, in this order.
+const OPEN_FIELDS: [&str; 9] =
+    ["class", "knit", "product", "colour", "toe", "band", "quantity", "date", "signature"];
+
 /// A record with the language of its report.
 struct Report<'a> {
     record: &'a Record,
     language: Language,
+    completeness: &'a Completeness,
 }
 
 impl Report<'_> {
@@ -257,6 +295,16 @@ impl Report<'_> {
         self.language.filled(key, words)
     }
 
+    /// The garment that is ordered.
+    fn garment(&self) -> Garment {
+        self.completeness.garment
+    }
+
+    fn open_fields(&self) -> OpenFields {
+        let name = |field| self.language.word("report.open.field", field).to_owned();
+        OpenFields { title: self.text("report.open.title"), names: OPEN_FIELDS.map(name).into() }
+    }
+
     /// The name of a leg.
     fn leg(&self, side: Side) -> &'static str {
         self.language.word("leg", side.word())
@@ -265,11 +313,6 @@ impl Report<'_> {
     /// The name of a leg as a heading.
     fn leg_heading(&self, side: Side) -> String {
         self.language.word("leg.heading", side.word()).to_owned()
-    }
-
-    /// The figures of both legs in the order of [`Side::FROM_FRONT`].
-    fn legs(&self) -> [Option<&LegFigures>; 2] {
-        Side::FROM_FRONT.map(|side| self.record.leg(side))
     }
 
     /// Whether the record has a finding of this code about a leg, or about a level of it.

@@ -9,7 +9,6 @@ use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
 use super::{Content, VIEWER};
-use crate::language::Language;
 use crate::record::Record;
 use crate::record::picture::figures::Figure;
 use crate::record::picture::svg;
@@ -20,17 +19,16 @@ const STYLE: &str = include_str!("report.css");
 /// Starts the view when the page is loaded. The record is embedded in the page.
 const BEGIN: &str = include_str!("begin.js");
 
-/// Makes the page of a record in a language, with its figures in that language. The same record gives
+/// Makes the page of a record with its content and with figures in the same language. The same record gives
 /// the same bytes.
 ///
 /// # Errors
 /// If a figure of the record cannot be written as JSON.
 pub fn page(
     record: &Record,
-    language: Language,
+    content: &Content,
     figures: &[Figure],
 ) -> Result<String, serde_json::Error> {
-    let content = Content::of(record, language);
     // `<` in the JSON's strings could end the script element, and it occurs nowhere else in JSON.
     let json = serde_json::to_string(record)?.replace('<', "\\u003c");
     let style = format!("{STYLE}{}", svg::dark_rules());
@@ -39,9 +37,9 @@ pub fn page(
         "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}\
          <script type=\"application/json\" id=\"record\">{json}</script>\n\
          <script>{script}</script>\n</body>\n</html>\n",
-        language.tag(),
-        head(&content, &policy(&style, &script)),
-        body(&content, figures),
+        content.language.tag(),
+        head(content, &policy(&style, &script)),
+        body(content, figures),
     ))
 }
 
@@ -70,12 +68,12 @@ fn policy(style: &str, script: &str) -> String {
 
 fn body(content: &Content, figures: &[Figure]) -> String {
     let parts = [
-        parts::key_figures(content),
-        parts::levels(content),
-        parts::notes(content),
-        parts::pictures(content, figures),
+        parts::verdict(content),
+        parts::levels(content, figures),
         parts::view(content),
+        parts::notes(content),
         parts::tables(content),
+        parts::pictures(content, figures),
         parts::entries("surfaces", &content.surfaces),
         parts::entries("legend", &content.legend),
         parts::landmarks(content),

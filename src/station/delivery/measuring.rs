@@ -32,8 +32,13 @@ const NOT_STARTED: &str = "measuring-not-started";
 /// The outcome of a measurement.
 #[derive(Debug)]
 pub enum Outcome {
-    /// The record's files.
-    Files(Vec<RecordFile>),
+    /// It was measured.
+    Files {
+        /// The record's files.
+        files: Vec<RecordFile>,
+        /// What is to be done before the patient dresses, in sentences; empty if nothing is.
+        to_do: Vec<String>,
+    },
     /// The scan cannot be measured, now or later.
     Refused {
         /// Stable code.
@@ -73,7 +78,7 @@ pub fn measured(
         Ok(Measured::Answered(answer)) => {
             core.board.note(|facts| drop(facts.alarms.remove(IMPAIRED)));
             Ok(match answer {
-                Answer::Files(files) => Outcome::Files(files),
+                Answer::Files { files, to_do } => Outcome::Files { files, to_do },
                 Answer::Refused { code, message } => Outcome::Refused { code, message },
             })
         }

@@ -171,7 +171,7 @@ impl Round {
             Err(error) => return self.put_off(row, &chain(&error)),
         };
         let code = match outcome {
-            Outcome::Files(files) => {
+            Outcome::Files { files, .. } => {
                 return match self.previews.keep(&row.scan, &files) {
                     Ok(()) => {
                         info!(event = "preview-made", scan);

@@ -27,6 +27,8 @@ use crate::store::{Delivery, Misfit, StoreFault};
 pub struct Ready {
     row: ScanRow,
     files: Vec<RecordFile>,
+    /// What is to be done before the patient dresses; empty if nothing is.
+    to_do: Vec<String>,
 }
 
 /// Why work did not finish.
@@ -61,10 +63,10 @@ fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, Setback> 
         Err(Setback::Refused(Reason::new(code, message, stage, row.first_seen)))
     };
     match outcome {
-        Outcome::Files(files) => {
+        Outcome::Files { files, to_do } => {
             note_measured(core, began.elapsed());
             booth.scan_measured(&row.scan)?;
-            Ok(Ready { row, files })
+            Ok(Ready { row, files, to_do })
         }
         Outcome::Refused { code, message } => {
             note_measured(core, began.elapsed());
@@ -94,7 +96,7 @@ fn note_measured(core: &Core, took: Duration) {
 pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
     let core = booth.core();
     let put = || -> Result<(), Setback> {
-        let Ready { row, files } = ready;
+        let Ready { row, files, to_do } = ready;
         if !core.custody.journal().is_to_be_made(due)? {
             // The decision changed during the measurement: no patient gets another's record.
             return Ok(());
@@ -117,7 +119,11 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
         core.custody.delivered(due, &receipt.folder)?;
         let state = core.custody.journal().scan(&due.scan)?.map(|row| row.state);
         if state == Some(ScanState::Delivered) {
-            booth.ended(&due.scan, light::Outcome::Delivered);
+            let outcome = match to_do.is_empty() {
+                true => light::Outcome::Delivered,
+                false => light::Outcome::Incomplete,
+            };
+            booth.ended(&due.scan, outcome, to_do);
         }
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
@@ -191,7 +197,7 @@ fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
                 }
                 warn!(event = "scan-refused", scan, code);
                 let scan = Some(scan);
-                booth.ended(&due.scan, light::Outcome::NeedsPerson);
+                booth.ended(&due.scan, light::Outcome::NeedsPerson, &[]);
                 core.observer.tell(StationEvent::Refused { scan, code, message });
                 return Ended::ForGood;
             }

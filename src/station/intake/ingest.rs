@@ -129,7 +129,7 @@ pub fn take(
     let found = Found { began, format, is_cut_short, read, companions: &companions };
     let (verdict, not_an_id) = admit(booth, export, &found, says)?;
     if let Verdict::Held(_) = verdict {
-        booth.ended(&export.scan, Outcome::NeedsPerson);
+        booth.ended(&export.scan, Outcome::NeedsPerson, &[]);
     }
     let scan = export.scan.short();
     if not_an_id {

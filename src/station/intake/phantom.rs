@@ -88,7 +88,7 @@ fn measured(
         CheckRecord::not_measured(now, export.scan.to_string(), why, phantom.tolerance_mm)
     };
     Ok(match measured {
-        Measured::Answered(Answer::Files(files)) => {
+        Measured::Answered(Answer::Files { files, .. }) => {
             let check = files.first().and_then(|file| serde_json::from_slice(&file.bytes).ok());
             check.unwrap_or_else(|| not_measured("the measuring process gave no check".to_owned()))
         }

@@ -9,6 +9,7 @@ use crate::config::{self, Config};
 use crate::leg::comparison::opinion::SecondOpinion;
 use crate::leg::comparison::second_opinion::compare;
 use crate::leg::{self, Finding, phantom};
+use crate::record::completeness::{Completeness, Kind};
 use crate::record::phantom::CheckRecord;
 use crate::record::{self, RecordFile, ReportChoice, ScanFile};
 use crate::scan::{Format, ord};
@@ -72,11 +73,22 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
     let opinions = opinions(&extraction, ord, job.ord_files);
     extraction.findings.extend(opinions);
     let (method, output) = (&config.method, &config.output);
-    let choice = ReportChoice { language: config.language, ..ReportChoice::default() };
+    let choice = ReportChoice {
+        language: config.language,
+        garment: config.garment,
+        ..ReportChoice::default()
+    };
     let scan = ScanFile { bytes: scan, format, ord };
     // The station has the scan's own bytes already, in the spool.
     match record::files_beside_scan(&extraction, &job.provenance, method, output, &choice, scan) {
-        Ok((_, files)) => Answer::Files(files),
+        Ok((record, files)) => {
+            let completeness = Completeness::of(&record, config.garment);
+            let to_do = match completeness.kind() {
+                Kind::Complete => Vec::new(),
+                Kind::ByHand | Kind::ScanAgain => completeness.sentences(config.language),
+            };
+            Answer::Files { files, to_do }
+        }
         Err(error) => refused("record-not-written", error.to_string()),
     }
 }
@@ -90,7 +102,10 @@ fn check(job: &Job, scan: &[u8], format: Format, config: &Config) -> Answer {
     let sha256 = job.provenance.sha256.clone();
     let check = CheckRecord::new(acquired.at, sha256, &found, known.tolerance_mm);
     match serde_json::to_vec(&check) {
-        Ok(bytes) => Answer::Files(vec![RecordFile { name: "check.json".to_owned(), bytes }]),
+        Ok(bytes) => {
+            let files = vec![RecordFile { name: "check.json".to_owned(), bytes }];
+            Answer::Files { files, to_do: Vec::new() }
+        }
         Err(error) => refused("record-not-written", error.to_string()),
     }
 }

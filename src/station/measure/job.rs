@@ -64,8 +64,13 @@ pub enum Subject {
 /// The answer of a measuring process that finished.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Answer {
-    /// The record's files except the scan's own bytes, `SHA256SUMS` last.
-    Files(Vec<RecordFile>),
+    /// It was measured.
+    Files {
+        /// The record's files except the scan's own bytes, `SHA256SUMS` last.
+        files: Vec<RecordFile>,
+        /// What is to be done before the patient dresses, in sentences; empty if nothing is.
+        to_do: Vec<String>,
+    },
     /// The scan cannot be measured.
     Refused {
         /// Stable code.
@@ -79,7 +84,7 @@ pub enum Answer {
 #[derive(Debug, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 enum Header {
-    Files(Vec<(String, u64)>),
+    Files { files: Vec<(String, u64)>, to_do: Vec<String> },
     Refused { code: String, message: String },
 }
 
@@ -119,9 +124,10 @@ impl Answer {
     /// Writes the whole answer.
     pub fn write(&self, to: &mut impl Write) -> io::Result<()> {
         match self {
-            Answer::Files(files) => {
+            Answer::Files { files, to_do } => {
                 let names = files.iter().map(|file| (file.name.clone(), len(&file.bytes)));
-                write_line(to, &Header::Files(names.collect()))?;
+                let header = Header::Files { files: names.collect(), to_do: to_do.clone() };
+                write_line(to, &header)?;
                 files.iter().try_for_each(|file| to.write_all(&file.bytes))?;
             }
             Answer::Refused { code, message } => {
@@ -138,9 +144,9 @@ impl Answer {
     /// Any I/O error; `UnexpectedEof` if the process ended in the middle; `InvalidData` if it is not an
     /// answer.
     pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<Answer> {
-        let names = match read_line(from)? {
+        let (names, to_do) = match read_line(from)? {
             Header::Refused { code, message } => return Ok(Answer::Refused { code, message }),
-            Header::Files(names) => names,
+            Header::Files { files, to_do } => (files, to_do),
         };
         let mut left = most;
         let mut files = Vec::with_capacity(names.len().min(64));
@@ -153,7 +159,7 @@ impl Answer {
             }
             files.push(RecordFile { name, bytes });
         }
-        Ok(Answer::Files(files))
+        Ok(Answer::Files { files, to_do })
     }
 }
 
@@ -188,6 +194,10 @@ mod tests {
         RecordFile { name: name.to_owned(), bytes: bytes.to_vec() }
     }
 
+    fn complete(files: Vec<RecordFile>) -> Answer {
+        Answer::Files { files, to_do: Vec::new() }
+    }
+
     fn written(answer: &Answer) -> Vec<u8> {
         let mut bytes = Vec::new();
         answer.write(&mut bytes).unwrap();
@@ -198,14 +208,15 @@ mod tests {
     fn an_answer_reads_back() {
         let files = vec![file("record.json", b"{\n}\n"), file("empty", b""), file("S", b"\0\xff")];
         let refused = Answer::Refused { code: "no-leg".into(), message: "line\nbreak".into() };
-        for answer in [Answer::Files(files), refused] {
+        let to_do = vec!["Measure by hand: right C.".to_owned()];
+        for answer in [Answer::Files { files, to_do }, refused] {
             assert_eq!(Answer::read(&mut &written(&answer)[..], 100).unwrap(), answer);
         }
     }
 
     #[test]
     fn an_answer_that_ends_anywhere_before_its_end_is_none() {
-        let whole = written(&Answer::Files(vec![file("a", b"abc"), file("b", b"defg")]));
+        let whole = written(&complete(vec![file("a", b"abc"), file("b", b"defg")]));
         for end in 0..whole.len() {
             let fault = Answer::read(&mut &whole[..end], 100).unwrap_err();
             assert_eq!(fault.kind(), io::ErrorKind::UnexpectedEof, "{end}");
@@ -214,7 +225,7 @@ mod tests {
 
     #[test]
     fn an_answer_that_would_fill_the_memory_is_not_read() {
-        let long = written(&Answer::Files(vec![file("a", &[0; 60]), file("b", &[0; 60])]));
+        let long = written(&complete(vec![file("a", &[0; 60]), file("b", &[0; 60])]));
         assert!(Answer::read(&mut &long[..], 100).is_err());
     }
 }

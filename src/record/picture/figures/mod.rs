@@ -5,6 +5,7 @@ mod fit;
 mod girths;
 mod plot;
 mod sections;
+mod sheet;
 mod views;
 
 use super::{Picture, svg};
@@ -26,6 +27,7 @@ pub struct Figure {
 /// All figures for which the record has data, in reading order.
 pub fn all(record: &Record, language: Language) -> Vec<Figure> {
     let figures = [
+        ("sheet", sheet::picture(record, language)),
         ("views", views::picture(record, language)),
         ("girths", girths::picture(record, language)),
         ("sections", sections::picture(record, language)),

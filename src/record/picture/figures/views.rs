@@ -34,16 +34,16 @@ const BELOW_MM: f64 = 2.0;
 
 /// The direction from which the legs are seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum From {
+pub(super) enum From {
     Front,
     Back,
     Outside(Side),
 }
 
 /// A leg with the data of this figure.
-struct Drawn<'a> {
-    side: Side,
-    leg: &'a LegFigures,
+pub(super) struct Drawn<'a> {
+    pub side: Side,
+    pub leg: &'a LegFigures,
     rows: Vec<Vec<Point3<f64>>>,
     foot: Vec<Point3<f64>>,
 }
@@ -117,7 +117,8 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
 }
 
 impl<'a> Drawn<'a> {
-    fn of(record: &'a Record, side: Side) -> Option<Drawn<'a>> {
+    /// The leg of a side; `None` without a shape.
+    pub fn of(record: &'a Record, side: Side) -> Option<Drawn<'a>> {
         let leg = record.leg(side)?;
         let ShapeFigures { skin, scan, .. } = leg.shape.as_ref()?;
         let points = skin.points.as_points();
@@ -130,13 +131,14 @@ impl<'a> Drawn<'a> {
         Some(Drawn { side, leg, foot: foot.collect(), rows })
     }
 
-    fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
+    /// All of its points.
+    pub fn points(&self) -> impl Iterator<Item = &Point3<f64>> {
         self.rows.iter().flatten().chain(&self.foot)
     }
 }
 
 /// The range of a view along its right, mm; `None` if it shows nothing.
-fn extent(legs: &[Drawn], from: From) -> Option<[f64; 2]> {
+pub(super) fn extent(legs: &[Drawn], from: From) -> Option<[f64; 2]> {
     let shown = legs.iter().filter(|leg| from.shows(leg.side));
     let places = shown.flat_map(Drawn::points).map(|point| point.coords.dot(&from.right()));
     let none = [f64::INFINITY, f64::NEG_INFINITY];
@@ -145,12 +147,12 @@ fn extent(legs: &[Drawn], from: From) -> Option<[f64; 2]> {
 }
 
 /// One view.
-struct View {
-    from: From,
+pub(super) struct View {
+    pub from: From,
     /// Place of the body frame's origin, px.
-    left: f64,
-    floor: f64,
-    px_per_mm: f64,
+    pub left: f64,
+    pub floor: f64,
+    pub px_per_mm: f64,
 }
 
 impl View {
@@ -159,7 +161,8 @@ impl View {
         [self.left + across * self.px_per_mm, self.floor - point.z * self.px_per_mm]
     }
 
-    fn leg(&self, leg: &Drawn) -> Vec<Mark> {
+    /// The leg: skin, sections, levels, feature points.
+    pub fn leg(&self, leg: &Drawn) -> Vec<Mark> {
         let ends: Vec<[[f64; 2]; 2]> = leg.rows.iter().map(|row| self.ends(row)).collect();
         let up = ends.iter().map(|[left, _]| *left);
         let down = ends.iter().rev().map(|[_, right]| *right);
@@ -179,7 +182,7 @@ impl View {
     }
 
     /// The leftmost and the rightmost place of a row.
-    fn ends(&self, row: &[Point3<f64>]) -> [[f64; 2]; 2] {
+    pub fn ends(&self, row: &[Point3<f64>]) -> [[f64; 2]; 2] {
         let places = || row.iter().map(|point| self.at(point));
         let first = places().min_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
         let last = places().max_by(|a, b| a[0].total_cmp(&b[0])).unwrap_or_default();
@@ -228,7 +231,7 @@ impl View {
     }
 
     /// The side of the leg, as text below its foot.
-    fn below(&self, leg: &Drawn, language: Language) -> Option<Mark> {
+    pub fn below(&self, leg: &Drawn, language: Language) -> Option<Mark> {
         let [left, right] = extent(std::slice::from_ref(leg), self.from)?;
         let x = self.left + f64::midpoint(left, right) * self.px_per_mm;
         let at = [x, self.floor + 20.0];
@@ -265,12 +268,12 @@ impl View {
 }
 
 /// The available outlines at the levels, with their names.
-fn outlines(leg: &LegFigures) -> impl Iterator<Item = (&str, &OutlineFigures)> {
+pub(super) fn outlines(leg: &LegFigures) -> impl Iterator<Item = (&str, &OutlineFigures)> {
     leg.sections.iter().filter_map(|at| Some((at.level.as_str(), at.outline.as_ref()?)))
 }
 
 /// An outline in the body frame; `None` if the record contains neither its plane nor the leg's axis.
-fn ring(leg: &LegFigures, outline: &OutlineFigures) -> Option<Vec<Point3<f64>>> {
+pub(super) fn ring(leg: &LegFigures, outline: &OutlineFigures) -> Option<Vec<Point3<f64>>> {
     let axis = leg.axis.as_ref();
     let front = Vector3::from(outline.front.or(axis.map(|axis| axis.front))?);
     let lateral = Vector3::from(outline.lateral.or(axis.map(|axis| axis.lateral))?);

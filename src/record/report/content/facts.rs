@@ -139,7 +139,7 @@ impl Report<'_> {
     pub(super) fn legend(&self) -> Section {
         let entries = [
             "report.legend.girth",
-            "report.legend.length",
+            "report.legend.height",
             "report.legend.margin",
             "report.legend.marks",
             "report.legend.difference",

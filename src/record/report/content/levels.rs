@@ -1,124 +1,197 @@
-//! Girths and lengths at the levels, and the differences between the legs there.
+//! The measuring sheet: girth and height at every level in the order of order forms, feet, inside leg.
 
 use super::super::words::short;
-use super::{Figure, LevelColumns, LevelFigures, LevelRow, Levels, Report};
+use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
 use crate::leg::{Level, Side};
 use crate::record::report::Mark;
-use crate::record::schema::{EstimateFigures, LandmarkFigures, LegFigures};
+use crate::record::rounding::cm_words;
+use crate::record::schema::{EstimateFigures, FootFigures, LandmarkFigures, LegFigures};
 
 impl Report<'_> {
     pub(super) fn levels(&self) -> Levels {
-        let (shown, others): (Vec<_>, Vec<_>) =
-            Level::ALL.into_iter().rev().partition(|level| self.record.has_row(*level));
-        let names: Vec<&str> = others.iter().map(|level| level.name()).collect();
-        let left_out = (!names.is_empty())
-            .then(|| self.filled("report.levels.left_out", &[("levels", &names.join(", "))]));
         Levels {
-            title: self.text("report.levels.title"),
-            columns: LevelColumns {
-                level: self.text("report.levels.level"),
+            title: self.text("report.sheet.title"),
+            columns: SheetColumns {
+                level: self.text("report.sheet.level"),
                 legs: Side::FROM_FRONT.map(|side| self.leg_heading(side)),
-                girth: self.text("report.levels.girth"),
-                length: self.text("report.levels.length"),
-                difference: self.text("report.levels.difference"),
+                girth: self.text("report.sheet.girth"),
+                height: self.text("report.sheet.height"),
+                by_hand: self.text("report.sheet.by_hand"),
             },
-            rows: shown.into_iter().map(|level| self.row(level)).collect(),
-            left_out,
+            rows: Level::ALL.into_iter().rev().map(|level| self.row(level)).collect(),
+            lengths: self.lengths(),
+            doubts: self.doubts_of_levels(),
             tilted: self.tilted(),
         }
     }
 
-    /// Levels that are searched on every leg always have a row, the others if there is a figure.
     fn row(&self, level: Level) -> LevelRow {
         LevelRow {
             level: level.name().to_owned(),
             place: self.language.word("level", level.name()).to_owned(),
-            is_sought: Level::SOUGHT.contains(&level),
+            is_needed: self.garment().levels().contains(&level),
             legs: Side::FROM_FRONT.map(|side| self.level(side, level)),
-            difference: self.difference(level),
         }
     }
 
     fn level(&self, side: Side, level: Level) -> LevelFigures {
-        let name = level.name();
         let Some(leg) = self.record.leg(side) else {
-            return missing(self.no_leg(side));
+            return missing(self.no_leg(side).to_owned());
         };
-        match (leg.landmarks.get(name), leg.estimates.get(name)) {
-            (Some(found), _) => self.found(found),
-            (None, Some(estimate)) => self.estimated(level, estimate),
-            (None, None) => missing(self.no_level(side, name)),
+        match found(leg, level) {
+            Found::Landmark(of) => self.found(level, of),
+            Found::Estimate(of) => self.estimated(level, of),
+            Found::None => missing(self.no_level(side, level)),
         }
     }
 
-    fn found(&self, found: &LandmarkFigures) -> LevelFigures {
+    fn found(&self, level: Level, found: &LandmarkFigures) -> LevelFigures {
         let mark = if found.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
-        let length = match found.surface_length_mm {
-            Some(mm) => Figure::cm(mm, found.height_sd_mm, mark, self.language),
-            None => Figure::missing(self.on_the_foot()),
+        let height = match level >= Level::B {
+            true => Figure::cm(found.height_mm, found.height_sd_mm, mark, self.language),
+            false => Figure::plain(NO_HEIGHT),
         };
         let girth = Figure::cm(found.girth_tape_mm, found.girth_sd_mm, mark, self.language);
-        LevelFigures { girth, length, doubts: self.short(&found.doubts) }
+        LevelFigures { girth, height }
     }
 
     fn estimated(&self, level: Level, of: &EstimateFigures) -> LevelFigures {
         let figure = |mm, sd_mm| Figure::cm(mm, sd_mm, Mark::Estimated, self.language);
-        let length = if level < Level::B {
-            Figure::missing(self.on_the_foot())
-        } else {
-            let height = figure(of.height_mm, of.height_sd_mm);
-            Figure { value: format!("h {}", height.value), ..height }
+        let height = match level >= Level::B {
+            true => figure(of.height_mm, of.height_sd_mm),
+            false => Figure::plain(NO_HEIGHT),
         };
-        LevelFigures {
-            girth: figure(of.girth_tape_mm, of.girth_sd_mm),
-            length,
-            doubts: self.short(&of.doubts),
-        }
+        LevelFigures { girth: figure(of.girth_tape_mm, of.girth_sd_mm), height }
     }
 
-    fn on_the_foot(&self) -> &'static str {
-        self.language.text("report.missing.on_foot")
-    }
-
-    fn short(&self, doubts: &[String]) -> Vec<String> {
-        doubts.iter().map(|code| short(code, self.language)).collect()
-    }
-
-    /// Why a level has no figure on a leg that was measured.
-    fn no_level(&self, side: Side, level: &str) -> &'static str {
-        let (absent, implausible) = ("level-absent", "level-implausible");
-        if self.is_found(absent, side, Some(level)) {
-            self.language.text("report.missing.level_absent")
-        } else if self.is_found(implausible, side, Some(level)) {
-            self.language.text("report.missing.level_implausible")
+    /// Why a level has no figure on a leg that was measured; where the other leg has it, also the girth at
+    /// the other leg's height.
+    fn no_level(&self, side: Side, level: Level) -> String {
+        let is_found = |code| self.is_found(code, side, Some(level.name()));
+        let why = if is_found("level-absent") {
+            "report.missing.level_absent"
+        } else if is_found("level-implausible") {
+            "report.missing.level_implausible"
         } else {
-            self.language.text("report.missing.level_not_seen")
-        }
-    }
-
-    fn difference(&self, level: Level) -> Figure {
-        let levels = self.record.differences.iter().flat_map(|of| &of.levels);
-        let mut of_level = levels.filter(|at| at.level == level.name());
-        match of_level.next() {
-            Some(at) => Figure::cm_difference(at.girth_tape_mm, at.girth_sd_mm, self.language),
-            None if self.is_estimated_only(level) => {
-                Figure::missing(self.language.text("report.missing.only_estimated"))
+            "report.missing.level_not_seen"
+        };
+        match self.girth_at_other_height(side, level) {
+            Some((height_mm, girth_mm)) => {
+                let [height, girth] = [height_mm, girth_mm].map(|mm| cm_words(mm, self.language));
+                let words: [(&str, &dyn std::fmt::Display); 3] =
+                    [("why", &self.text(why)), ("height", &height), ("girth", &girth)];
+                self.filled("report.missing.level_at_other", &words)
             }
-            None => Figure::missing(self.language.text("report.missing.not_on_both")),
+            None => self.text(why),
         }
     }
 
-    /// Whether both legs have a level, but at least one of them only by estimate.
-    fn is_estimated_only(&self, level: Level) -> bool {
-        let has = |leg: &LegFigures| {
-            let name = level.name();
-            leg.landmarks.contains_key(name) || leg.estimates.contains_key(name)
+    /// Height of the level on the other leg, and the girth of this leg there, mm.
+    fn girth_at_other_height(&self, side: Side, level: Level) -> Option<(f64, f64)> {
+        let other = Side::FROM_FRONT.into_iter().find(|other| *other != side)?;
+        let height_mm = self.record.leg(other)?.landmarks.get(level.name())?.height_mm;
+        Some((height_mm, girth_mm(self.record.leg(side)?, height_mm)?))
+    }
+
+    /// Foot and inside leg, which have one figure a leg.
+    fn lengths(&self) -> Vec<SheetRow> {
+        let foot = |key: &'static str, of: fn(&FootFigures) -> f64| SheetRow {
+            head: self.text(key),
+            figures: Side::FROM_FRONT.map(|side| self.foot(side, of)),
         };
-        self.legs().into_iter().all(|leg| leg.is_some_and(has))
+        vec![
+            foot("report.sheet.foot_length", |foot| foot.length_mm),
+            foot("report.sheet.foot_breadth", |foot| foot.breadth_mm),
+            self.inside_leg(),
+        ]
+    }
+
+    fn foot(&self, side: Side, of: fn(&FootFigures) -> f64) -> Figure {
+        match self.record.leg(side).map(|leg| leg.foot.as_ref()) {
+            Some(Some(foot)) => Figure::plain(cm_words(of(foot), self.language)),
+            Some(None) => Figure::missing(self.language.text("report.missing.foot_not_seen")),
+            None => Figure::missing(self.no_leg(side)),
+        }
+    }
+
+    /// The height of the crotch, which both legs share.
+    fn inside_leg(&self) -> SheetRow {
+        let body = &self.record.body;
+        let is_doubted = self.record.findings.iter().any(|of| of.code == "crotch-uncertain");
+        let mark = if is_doubted { Mark::Doubtful } else { Mark::Sure };
+        let figure = |side: Side| match (self.record.leg(side), body.crotch_height_mm) {
+            (Some(_), Some(mm)) => Figure::cm(mm, body.crotch_sd_mm, mark, self.language),
+            (Some(_), None) => Figure::missing(self.language.text("report.missing.level_not_seen")),
+            (None, _) => Figure::missing(self.no_leg(side)),
+        };
+        SheetRow {
+            head: self.text("report.sheet.inside_leg"),
+            figures: Side::FROM_FRONT.map(figure),
+        }
+    }
+
+    /// The doubts about figures of the sheet, a line for each leg that has any: `Right leg – B1: height
+    /// uncertain; C: skin partly not seen`.
+    fn doubts_of_levels(&self) -> Vec<String> {
+        let of_leg = |side: Side| {
+            let leg = self.record.leg(side)?;
+            let of_level = |level: Level| {
+                let codes = match found(leg, level) {
+                    Found::Landmark(of) => &of.doubts,
+                    Found::Estimate(of) => &of.doubts,
+                    Found::None => return None,
+                };
+                let words: Vec<String> =
+                    codes.iter().map(|code| short(code, self.language)).collect();
+                (!words.is_empty()).then(|| format!("{}: {}", level.name(), words.join(", ")))
+            };
+            let levels: Vec<String> = Level::ALL.into_iter().rev().filter_map(of_level).collect();
+            let leg = self.leg_heading(side);
+            (!levels.is_empty()).then(|| format!("{leg} – {}.", levels.join("; ")))
+        };
+        Side::FROM_FRONT.into_iter().filter_map(of_leg).collect()
     }
 }
 
-fn missing(why: &str) -> LevelFigures {
-    let figure = || Figure::missing(why);
-    LevelFigures { girth: figure(), length: figure(), doubts: Vec::new() }
+/// In the place of the height of a level on the foot, where the tape is not level.
+const NO_HEIGHT: &str = "–";
+
+/// What a leg has of a level.
+enum Found<'a> {
+    Landmark(&'a LandmarkFigures),
+    Estimate(&'a EstimateFigures),
+    None,
+}
+
+/// A knee that lies below D by its proportion is no knee, so it has no figures.
+fn found(leg: &LegFigures, level: Level) -> Found<'_> {
+    let estimate = leg.estimates.get(level.name());
+    match (leg.landmarks.get(level.name()), estimate) {
+        (Some(found), _) => Found::Landmark(found),
+        (None, Some(of)) if !of.doubts.iter().any(|doubt| doubt == "below-d") => {
+            Found::Estimate(of)
+        }
+        (None, _) => Found::None,
+    }
+}
+
+/// The girth of a leg at a height, mm, between the two sections around it; `None` where one was not measured.
+fn girth_mm(leg: &LegFigures, height_mm: f64) -> Option<f64> {
+    let curve = &leg.girth_curve;
+    let measured: Vec<(f64, Option<f64>)> = curve
+        .height_mm
+        .iter()
+        .zip(&curve.tape_mm)
+        .filter_map(|(height_mm, tape_mm)| Some(((*height_mm)?, *tape_mm)))
+        .collect();
+    let around =
+        measured.windows(2).find(|pair| pair[0].0 <= height_mm && height_mm <= pair[1].0)?;
+    let [(low_mm, low), (high_mm, high)] = around.try_into().ok()?;
+    let share = if high_mm > low_mm { (height_mm - low_mm) / (high_mm - low_mm) } else { 0.0 };
+    Some(low? + share * (high? - low?))
+}
+
+fn missing(why: String) -> LevelFigures {
+    let figure = || Figure::missing(&why);
+    LevelFigures { girth: figure(), height: figure() }
 }

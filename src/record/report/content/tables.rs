@@ -1,15 +1,15 @@
-//! Volumes, slices, feet, and requested heights.
+//! Both legs at the same heights, requested heights, volumes and slices.
 
 use super::{Figure, Report, Table, TableRow};
 use crate::leg::Side;
 use crate::record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures};
 use crate::record::report::Mark;
 use crate::record::rounding::cm_words;
-use crate::record::schema::FootFigures;
+use crate::record::schema::LegFigures;
 
 impl Report<'_> {
     pub(super) fn tables(&self) -> Vec<Table> {
-        let tables = [Some(self.volumes()), self.asked(), self.feet(), self.slices()];
+        let tables = [self.same_heights(), self.asked(), Some(self.volumes()), self.slices()];
         tables.into_iter().flatten().collect()
     }
 
@@ -106,41 +106,55 @@ impl Report<'_> {
 
     fn girth_asked(&self, side: Side, index: usize) -> Figure {
         let Some(leg) = self.record.leg(side) else { return Figure::missing(self.no_leg(side)) };
-        let girth = leg.at.get(index).and_then(|at| Some((at, at.girth_tape_mm?)));
-        let Some((at, girth_mm)) = girth else {
-            return Figure::missing(self.language.text("report.missing.height_not_seen"));
-        };
-        let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
-        Figure::cm(girth_mm, at.girth_sd_mm, mark, self.language)
+        match leg.at.get(index) {
+            Some(at) => self.girth_at(at),
+            None => Figure::missing(self.language.text("report.missing.height_not_seen")),
+        }
     }
 
-    fn feet(&self) -> Option<Table> {
-        let legs = self.legs();
-        legs.iter().flatten().any(|leg| leg.foot.is_some()).then(|| {
-            let figure = |side: Side, of: fn(&FootFigures) -> f64| {
-                let foot = self.record.leg(side).map(|leg| leg.foot.as_ref());
-                match foot {
-                    Some(Some(foot)) => Figure::plain(cm_words(of(foot), self.language)),
-                    Some(None) => {
-                        Figure::missing(self.language.text("report.missing.foot_not_seen"))
-                    }
-                    None => Figure::missing(self.no_leg(side)),
-                }
-            };
-            let row = |head: String, of: fn(&FootFigures) -> f64| TableRow {
-                head,
-                figures: Side::FROM_FRONT.map(|side| figure(side, of)).into(),
-            };
-            Table {
-                title: self.text("report.feet.title"),
-                explanation: None,
-                columns: self.columns(self.text("report.feet.measure"), &[]),
-                rows: vec![
-                    row(self.text("report.feet.length"), |foot| foot.length_mm),
-                    row(self.text("report.feet.breadth"), |foot| foot.breadth_mm),
-                ],
-            }
+    /// Both legs at the same heights above the floor; `None` if the record has fewer than two legs with such
+    /// girths. Levels are no place to compare legs: B1 of one may lie centimetres above that of the other.
+    fn same_heights(&self) -> Option<Table> {
+        let [Some(right), Some(left)] = Side::FROM_FRONT.map(|side| self.record.leg(side)) else {
+            return None;
+        };
+        let pairs = same_heights(right, left);
+        let row = |[right, left]: &[&AtFigures; 2]| TableRow {
+            head: cm_words(right.height_mm, self.language),
+            figures: vec![
+                self.girth_at(right),
+                self.girth_at(left),
+                self.girth_difference(right, left),
+            ],
+        };
+        (!pairs.is_empty()).then(|| Table {
+            title: self.text("report.same_heights.title"),
+            explanation: Some(self.text("report.same_heights.explanation")),
+            columns: self.columns(
+                self.text("report.same_heights.height"),
+                &[self.text("report.same_heights.difference")],
+            ),
+            rows: pairs.iter().rev().map(row).collect(),
         })
+    }
+
+    fn girth_at(&self, at: &AtFigures) -> Figure {
+        let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
+        match at.girth_tape_mm {
+            Some(mm) => Figure::cm(mm, at.girth_sd_mm, mark, self.language),
+            None => Figure::missing(self.language.text("report.missing.height_not_seen")),
+        }
+    }
+
+    fn girth_difference(&self, right: &AtFigures, left: &AtFigures) -> Figure {
+        match (right.girth_tape_mm, left.girth_tape_mm) {
+            (Some(right_mm), Some(left_mm)) => {
+                let sds = right.girth_sd_mm.zip(left.girth_sd_mm);
+                let sd_mm = sds.map(|(right, left)| right.hypot(left));
+                Figure::cm_difference(left_mm - right_mm, sd_mm, self.language)
+            }
+            _ => Figure::missing(self.language.text("report.missing.not_compared")),
+        }
     }
 
     /// Volumes of the slices of 4 cm; `None` if no leg has any.
@@ -174,4 +188,13 @@ impl Report<'_> {
             None => Figure::missing(self.language.text("report.missing.slice_not_whole")),
         }
     }
+}
+
+/// The girths of two legs at each height that both have, right and left, lowest first.
+pub(in crate::record) fn same_heights<'a>(
+    right: &'a LegFigures,
+    left: &'a LegFigures,
+) -> Vec<[&'a AtFigures; 2]> {
+    let other = |at: &AtFigures| left.profile.iter().find(|other| other.height_mm == at.height_mm);
+    right.profile.iter().filter_map(|at| Some([at, other(at)?])).collect()
 }

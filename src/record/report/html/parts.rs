@@ -4,9 +4,7 @@ use super::markup::{element, escaped, figure, foreign, section, wide, words};
 use crate::leg::Side;
 use crate::record::picture::figures::Figure as Drawn;
 use crate::record::picture::svg;
-use crate::record::report::content::{
-    Content, LevelFigures, LevelRow, Note, Section, Table, Weight,
-};
+use crate::record::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
 use crate::record::report::{Figure, Mark};
 
 /// The patient, and when the scan was taken.
@@ -18,40 +16,12 @@ pub(super) fn header(content: &Content) -> String {
     element("header", "", &[title, patient, taken].join("\n"))
 }
 
-/// The girths at B, B1, C and D in large letters, the right leg on the left.
-pub(super) fn key_figures(content: &Content) -> String {
-    let rows = || content.levels.rows.iter().filter(|row| row.is_sought);
-    let leg = |(index, side): (usize, Side)| {
-        let entries: String = rows().map(|row| key_figure(row, &row.legs[index])).collect();
-        let heading = words("h3", "", &content.levels.columns.legs[index]);
-        let class = format!(" class=\"leg {}\"", side.word());
-        element("div", &class, &format!("{heading}\n{}", element("dl", "", &entries)))
-    };
-    let legs: String = Side::FROM_FRONT.into_iter().enumerate().map(leg).collect();
-    let summary = words("a", " href=\"#notes\"", &content.summary);
-    let summary = element("p", " class=\"summary\"", &summary);
-    section("key", &content.key, &(element("div", " class=\"legs\"", &legs) + &summary))
-}
-
-fn key_figure(row: &LevelRow, of: &LevelFigures) -> String {
-    let name = format!("<dt>{} {}</dt>", words("b", "", &row.level), words("span", "", &row.place));
-    let value = |value: &Figure| {
-        let before = if value.mark == Mark::Estimated { "~" } else { "" };
-        let unit = if value.is_missing() { "" } else { " <span class=\"unit\">cm</span>" };
-        let margin = value
-            .margin
-            .as_ref()
-            .map(|margin| format!(" <span class=\"margin\">±&nbsp;{}</span>", escaped(margin)));
-        let doubt =
-            if value.mark == Mark::Doubtful { "<span class=\"mark\"> ?</span>" } else { "" };
-        let class = if value.is_missing() { "missing" } else { "value" };
-        format!(
-            "<dd><span class=\"{class}\">{before}{}</span>{unit}{}{doubt}</dd>",
-            escaped(&value.value),
-            margin.unwrap_or_default()
-        )
-    };
-    element("div", "", &format!("{name}{}", value(&of.girth)))
+/// What is to be done before the patient dresses.
+pub(super) fn verdict(content: &Content) -> String {
+    let [first, rest @ ..] = content.verdict.sentences.as_slice() else { return String::new() };
+    let rest: String = rest.iter().map(|sentence| words("p", "", sentence)).collect();
+    let class = format!(" class=\"verdict {}\"", content.verdict.kind.word());
+    element("div", &class, &(words("p", " class=\"first\"", first) + &rest))
 }
 
 /// Doubts and findings.
@@ -89,31 +59,37 @@ fn note(content: &Content, note: &Note) -> String {
     element("li", &format!(" class=\"{class}\""), &inside.collect::<Vec<_>>().join("\n"))
 }
 
-/// Girths and lengths at all levels.
-pub(super) fn levels(content: &Content) -> String {
+/// The measuring sheet with both legs beside it, and what a person fills in on paper.
+pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let (levels, columns) = (&content.levels, &content.levels.columns);
     let column = |text: &str| words("th", " scope=\"col\"", text);
     let legs: String = Side::FROM_FRONT
         .into_iter()
         .zip(&columns.legs)
         .map(|(side, leg)| {
-            let attributes = format!(" scope=\"colgroup\" colspan=\"2\" class=\"{}\"", side.word());
+            let attributes = format!(" scope=\"colgroup\" colspan=\"3\" class=\"{}\"", side.word());
             words("th", &attributes, leg)
         })
         .collect();
-    let over = " scope=\"col\" rowspan=\"2\"";
-    let first = words("th", over, &columns.level) + &legs + &words("th", over, &columns.difference);
-    let second = [&columns.girth, &columns.length, &columns.girth, &columns.length];
-    let second: String = second.into_iter().map(|text| column(text)).collect();
-    let head = element("tr", "", &first) + &element("tr", "", &second);
+    let first = words("th", " scope=\"col\" rowspan=\"2\"", &columns.level) + &legs;
+    let by_hand = words("th", " scope=\"col\" class=\"by-hand\"", &columns.by_hand);
+    let of_leg = column(&columns.girth) + &column(&columns.height) + &by_hand;
+    let head = element("tr", "", &first) + &element("tr", "", &of_leg.repeat(2));
     let rows: String = levels.rows.iter().map(level).collect();
-    let groups = "<colgroup><col></colgroup><colgroup span=\"2\"></colgroup>\
-                  <colgroup span=\"2\"></colgroup><colgroup><col></colgroup>";
-    let inside = groups.to_owned() + &element("thead", "", &head) + &element("tbody", "", &rows);
+    let lengths: String = levels.lengths.iter().map(length).collect();
+    let groups = "<colgroup><col></colgroup><colgroup span=\"3\"></colgroup>\
+                  <colgroup span=\"3\"></colgroup>";
+    let head = groups.to_owned() + &element("thead", "", &head);
+    let inside = head + &element("tbody", "", &(rows + &lengths));
     let table = wide("levels", &element("table", " class=\"levels\"", &inside));
-    let below = levels.left_out.iter().chain(&levels.tilted);
+    let below = levels.doubts.iter().chain(&levels.tilted);
     let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
-    section("levels", &levels.title, &(table + &below))
+    let legs = drawn.iter().find(|drawn| drawn.name == "sheet").map(|drawn| {
+        let marks = svg::embedded(&drawn.picture.title, drawn.picture.size, &drawn.marks);
+        element("figure", " class=\"sheet\"", &marks)
+    });
+    let sheet = table + &legs.unwrap_or_default() + &below + &open_fields(content);
+    section("levels", &levels.title, &sheet)
 }
 
 fn level(row: &LevelRow) -> String {
@@ -125,18 +101,42 @@ fn level(row: &LevelRow) -> String {
             cells += &words("td", " colspan=\"2\" class=\"missing\"", &leg.girth.value);
         } else {
             cells += &figure(&leg.girth);
-            cells += &figure(&leg.length);
+            cells += &figure(&leg.height);
         }
+        cells += BY_HAND;
     }
-    cells += &figure(&row.difference);
-    element("tr", if row.is_sought { " class=\"sought\"" } else { "" }, &cells)
+    element("tr", if row.is_needed { " class=\"needed\"" } else { "" }, &cells)
+}
+
+/// A length, which has one figure a leg.
+fn length(row: &SheetRow) -> String {
+    let of_leg = |of: &Figure| {
+        let class = if of.is_missing() { " class=\"missing\"" } else { "" };
+        let margin = of.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
+        let doubt = if of.mark == Mark::Doubtful { " ?" } else { "" };
+        let shown = format!("{}{margin}{doubt}", of.value);
+        words("td", &format!(" colspan=\"2\"{class}"), &shown) + BY_HAND
+    };
+    let cells: String = row.figures.iter().map(of_leg).collect();
+    element("tr", "", &(words("th", " scope=\"row\"", &row.head) + &cells))
+}
+
+/// A cell that is left open on paper.
+const BY_HAND: &str = "<td class=\"by-hand\"></td>";
+
+/// The fields of an order that a scan cannot give, for paper.
+fn open_fields(content: &Content) -> String {
+    let names: String = content.open.names.iter().map(|name| words("li", "", name)).collect();
+    let title = words("h3", "", &content.open.title);
+    element("div", " class=\"open print-only\"", &(title + &element("ul", "", &names)))
 }
 
 /// The pictures of the method.
 pub(super) fn pictures(content: &Content, drawn: &[Drawn]) -> String {
     let missing =
         content.pictures.missing.as_ref().map(|text| words("p", " class=\"aside\"", text));
-    let figures: String = drawn.iter().map(|drawn| picture(content, drawn)).collect();
+    let shown = drawn.iter().filter(|drawn| drawn.name != "sheet");
+    let figures: String = shown.map(|drawn| picture(content, drawn)).collect();
     section("pictures", &content.pictures.title, &(missing.unwrap_or_default() + &figures))
 }
 
@@ -158,7 +158,7 @@ pub(super) fn view(content: &Content) -> String {
     element("div", " class=\"screen-only\"", &section("view", &content.pictures.view, &place))
 }
 
-/// Volumes, requested heights, feet, slices.
+/// Both legs at the same heights, requested heights, volumes, slices.
 pub(super) fn tables(content: &Content) -> String {
     let part = |(index, of): (usize, &Table)| {
         let id = format!("table-{index}");

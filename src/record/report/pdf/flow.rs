@@ -133,6 +133,34 @@ impl<'a> Flow<'a> {
         self.space(14.0);
     }
 
+    /// Height that is left on the page, pt.
+    pub(super) fn room(&self) -> f64 {
+        BODY[1] - self.y
+    }
+
+    /// Draws a picture without a caption, at most this high, pt.
+    pub(super) fn drawing(&mut self, picture: &Picture, height_max: f64) {
+        let [width, height] = picture.size;
+        let scale = (WIDTH / width).min(height_max / height).min(LARGEST_SCALE);
+        let figure = self.sheets.tags.add_figure(&picture.title);
+        let at = [COLUMN[0] + (WIDTH - width * scale) / 2.0, self.y];
+        self.sheets.draw(figure, |pen| drawing::draw(pen, picture, at, scale));
+        self.y += height * scale;
+    }
+
+    /// Writes the name of a field at its left, on a line from there to its right, pt.
+    pub(super) fn field(&mut self, name: &str, [left, right]: [f64; 2]) {
+        let y = self.y;
+        let name = writable(name);
+        let element = self.sheets.tags.add(ROOT, StructRole::P);
+        self.sheets.draw(element, |pen| {
+            pen.words(&name, [left, y - 2.5], Anchor::Start, SMALL_TYPE, Ink::Muted);
+        });
+        let page = self.sheets.current();
+        let from = left + SMALL_TYPE.width(&name) + 4.0;
+        self.sheets.decorate(page, |pen| pen.rule([[from, y], [right, y]], Ink::Muted, 0.5));
+    }
+
     /// Height of a picture with its caption if `above` pt come before it, pt.
     pub(super) fn picture_height(&self, picture: &Picture, captions: [&str; 2], above: f64) -> f64 {
         let [title, text] = captions;

@@ -4,6 +4,7 @@ mod document;
 mod drawing;
 mod flow;
 mod letters;
+mod measuring_sheet;
 mod packing;
 mod parts;
 mod sheet;
@@ -15,7 +16,6 @@ use thiserror::Error;
 
 use self::flow::Flow;
 use super::Content;
-use crate::language::Language;
 use crate::record::Record;
 use crate::record::picture::figures::Figure;
 
@@ -39,21 +39,20 @@ impl PdfFault {
     }
 }
 
-/// Makes the PDF of a record in a language, with its figures in that language. The same record gives the
-/// same bytes.
+/// Makes the PDF of a record with its content and with figures in the same language. The same record gives
+/// the same bytes.
 ///
 /// # Errors
 /// If a font cannot be subset, which the tests rule out.
-pub fn paper(record: &Record, language: Language, figures: &[Figure]) -> Result<Vec<u8>, PdfFault> {
-    let content = Content::of(record, language);
-    let mut flow = Flow::new(&content);
-    parts::front(&mut flow, &content);
-    parts::levels(&mut flow, &content.levels);
-    parts::notes(&mut flow, &content);
+pub fn paper(record: &Record, content: &Content, figures: &[Figure]) -> Result<Vec<u8>, PdfFault> {
+    let mut flow = Flow::new(content);
+    measuring_sheet::write(&mut flow, content, figures);
+    parts::notes(&mut flow, content);
     parts::tables(&mut flow, &content.tables);
+    parts::pictures(&mut flow, &content.pictures, figures);
     parts::section(&mut flow, &content.surfaces);
     parts::section(&mut flow, &content.legend);
-    parts::pictures(&mut flow, &content.pictures, figures);
+    parts::facts(&mut flow, content);
     parts::landmarks(&mut flow, &content.landmarks);
-    document::bytes(flow.finished(), record, &content)
+    document::bytes(flow.finished(), record, content)
 }

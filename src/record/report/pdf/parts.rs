@@ -2,14 +2,12 @@
 
 use pdf_writer::types::StructRole;
 
-use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_ROOM, SMALL_TYPE, TITLE_TYPE};
+use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_ROOM, SMALL_TYPE};
 use super::table::{Cell, Row, Table};
 use super::wrap::Type;
 use crate::record::picture::figures::Figure as Drawn;
 use crate::record::picture::{Anchor, Ink};
-use crate::record::report::content::{
-    self, Content, LevelRow, Levels, Note, PictureWords, Section, Weight,
-};
+use crate::record::report::content::{self, Content, Note, PictureWords, Section, Weight};
 use crate::record::report::{Figure, Mark};
 
 /// Letter size of the table of all figures, which has many columns, pt.
@@ -18,79 +16,30 @@ const DENSE: f64 = 7.0;
 /// A note or paragraph of up to this height stays on one page, pt.
 const WHOLE_MAX: f64 = 150.0;
 
-/// The patient, and where the record comes from.
-pub(super) fn front(flow: &mut Flow<'_>, content: &Content) {
-    flow.text(&content.title, StructRole::H1, TITLE_TYPE, Ink::Text);
-    flow.space(4.0);
-    let fact = |fact: &content::Fact| Row {
+/// Where the record comes from.
+pub(super) fn facts(flow: &mut Flow<'_>, content: &Content) {
+    let table = Table {
+        heads: Vec::new(),
+        rows: content.facts.iter().map(fact).collect(),
+        is_ruled: false,
+    };
+    flow.heading(&content.origin, table.first_height());
+    table.write(flow);
+}
+
+/// A fact, with its name before it.
+pub(super) fn fact(fact: &content::Fact) -> Row {
+    Row {
         cells: vec![
             Cell::new(&fact.name, SMALL_TYPE, Anchor::Start).inked(Ink::Muted),
             Cell::new(&fact.value, SMALL_TYPE, Anchor::Start),
         ],
         is_joined: true,
-    };
-    let rows = content.facts.iter().map(fact).collect();
-    Table { heads: Vec::new(), rows, is_ruled: false }.write(flow);
-}
-
-/// Girths and lengths at the levels of both legs.
-pub(super) fn levels(flow: &mut Flow<'_>, levels: &Levels) {
-    let columns = &levels.columns;
-    let head = |words: &str, anchor: Anchor| {
-        Cell::new(words, Type { is_bold: true, ..SMALL_TYPE }, anchor).inked(Ink::Muted)
-    };
-    let [right, left] = &columns.legs;
-    let leg = |words: &str, ink: Ink| Cell::new(words, BOLD_TYPE, Anchor::End).inked(ink).over(2);
-    let nothing = |span: usize| head("", Anchor::Start).over(span);
-    let first = vec![nothing(2), leg(right, Ink::Right), leg(left, Ink::Left), nothing(1)];
-    let mut second = vec![head(&columns.level, Anchor::Start).over(2)];
-    for words in [&columns.girth, &columns.length, &columns.girth, &columns.length] {
-        second.push(head(words, Anchor::End));
     }
-    second.push(head(&columns.difference, Anchor::End));
-    let heads = [first, second].map(|cells| Row { cells, is_joined: false }).into();
-    let rows = levels.rows.iter().flat_map(level).collect();
-    let table = Table { heads, rows, is_ruled: true };
-    flow.heading(&levels.title, table.first_height());
-    table.write(flow);
-    for below in levels.left_out.iter().chain(&levels.tilted) {
-        flow.space(3.0);
-        flow.text(below, StructRole::P, SMALL_TYPE, Ink::Muted);
-    }
-}
-
-/// A level, with its doubts below it.
-fn level(row: &LevelRow) -> Vec<Row> {
-    let name = Type { is_bold: row.is_sought, ..BODY_TYPE };
-    let mut cells = vec![
-        Cell::new(&row.level, name, Anchor::Start),
-        Cell::new(&row.place, SMALL_TYPE, Anchor::Start).inked(Ink::Muted),
-    ];
-    for leg in &row.legs {
-        if leg.girth.is_missing() {
-            // One reason for both columns.
-            cells.push(figure(&leg.girth, SMALL_TYPE).over(2));
-        } else {
-            cells.push(figure(&leg.girth, BODY_TYPE));
-            cells.push(figure(&leg.length, BODY_TYPE));
-        }
-    }
-    cells.push(figure(&row.difference, BODY_TYPE));
-    let mut rows = vec![Row { cells, is_joined: false }];
-    if row.legs.iter().any(|leg| !leg.doubts.is_empty()) {
-        let doubts = |index: usize| {
-            let words = row.legs[index].doubts.join(", ");
-            Cell::new(&words, SMALL_TYPE, Anchor::End).inked(Ink::Muted).over(2)
-        };
-        let nothing = |span: usize| Cell::new("", SMALL_TYPE, Anchor::Start).over(span);
-        let cells = vec![nothing(2), doubts(0), doubts(1), nothing(1)];
-        rows.push(Row { cells, is_joined: true });
-    }
-    rows
 }
 
 /// A figure with its uncertainty and the mark that shows how to read it.
-fn figure(figure: &Figure, letters: Type) -> Cell {
+pub(super) fn figure(figure: &Figure, letters: Type) -> Cell {
     let margin = figure.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
     let [before, behind] = match figure.mark {
         Mark::Estimated => ["~", ""],
@@ -137,7 +86,7 @@ fn note(flow: &mut Flow<'_>, note: &Note) {
     }
 }
 
-/// Volumes, requested heights, feet, slices.
+/// Both legs at the same heights, requested heights, volumes, slices.
 pub(super) fn tables(flow: &mut Flow<'_>, tables: &[content::Table]) {
     for table in tables {
         figures(flow, table, BODY_TYPE, Anchor::End);
@@ -184,10 +133,9 @@ fn figures(flow: &mut Flow<'_>, table: &content::Table, letters: Type, words: An
     laid.write(flow);
 }
 
-/// Whether a text is a number: `12.3`, `+4`, `h 56.0`.
+/// Whether a text is a number: `12.3`, `+4`.
 fn has_figure(words: &str) -> bool {
-    let figure = words.strip_prefix("h ").unwrap_or(words);
-    figure.trim_start_matches(['+', '−']).chars().all(|of| of.is_ascii_digit() || ".,".contains(of))
+    words.trim_start_matches(['+', '−']).chars().all(|of| of.is_ascii_digit() || ".,".contains(of))
 }
 
 /// A heading with paragraphs.
@@ -207,7 +155,7 @@ pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[Drawn
     let missing = words.missing.as_ref();
     let said = missing.map_or(0.0, |words| Flow::height_of(words, BODY_TYPE) + 3.0);
     let above = HEADING_ROOM + said;
-    let first = drawn.first();
+    let first = drawn.iter().find(|drawn| drawn.name != "sheet");
     let first = first
         .map_or(0.0, |first| flow.picture_height(&first.picture, captions(words, first), above));
     flow.heading(&words.title, said + first);
@@ -215,7 +163,7 @@ pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[Drawn
         flow.text(missing, StructRole::P, BODY_TYPE, Ink::Text);
         flow.space(3.0);
     }
-    for drawn in drawn {
+    for drawn in drawn.iter().filter(|drawn| drawn.name != "sheet") {
         let [title, text] = captions(words, drawn);
         flow.picture(&drawn.picture, title, text);
     }

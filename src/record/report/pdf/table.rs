@@ -15,6 +15,9 @@ const PADDING: f64 = 2.2;
 /// The largest width that a column gets for a single word, pt. A longer word is broken.
 const WORD_MAX: f64 = 110.0;
 
+/// The width of a box for a figure by hand, pt.
+const BOX_WIDTH: f64 = 36.0;
+
 /// The smallest letters of a table, pt.
 const SIZE_MIN: f64 = 5.5;
 
@@ -29,12 +32,20 @@ pub(super) struct Cell {
     span: usize,
     /// Whether its text stays on one line, as for a figure with its uncertainty.
     is_whole: bool,
+    /// Whether it is a box for a figure by hand.
+    is_box: bool,
 }
 
 impl Cell {
     pub(super) fn new(words: &str, letters: Type, anchor: Anchor) -> Cell {
         let words = writable(words);
-        Cell { words, letters, ink: Ink::Text, anchor, span: 1, is_whole: false }
+        Cell { words, letters, ink: Ink::Text, anchor, span: 1, is_whole: false, is_box: false }
+    }
+
+    /// A box for a figure by hand.
+    pub(super) fn to_fill_in() -> Cell {
+        let is_box = true;
+        Cell { is_box, ..Cell::new("", Type { size: SIZE_MIN, is_bold: false }, Anchor::Start) }
     }
 
     pub(super) fn inked(self, ink: Ink) -> Cell {
@@ -205,6 +216,9 @@ impl<'t> Laid<'t> {
         let first_line =
             self.places(row).iter().map(|(cell, ..)| self.letters(cell).size).fold(0.0, f64::max);
         for (cell, left, width) in self.places(row) {
+            if cell.is_box {
+                self.draw_box(flow, row, [left, left + width - GAP]);
+            }
             let letters = self.letters(cell);
             let x = left + cell.anchor.share() * (width - GAP);
             let written: Vec<(String, f64)> = self
@@ -229,6 +243,15 @@ impl<'t> Laid<'t> {
         flow.y += self.height(row);
     }
 
+    /// Draws the sides of a box that is as high as its row; the lines between rows close it.
+    fn draw_box(&self, flow: &mut Flow<'_>, row: &Row, sides: [f64; 2]) {
+        let (top, bottom) = (flow.y, flow.y + self.height(row));
+        let page = flow.sheets.current();
+        flow.sheets.decorate(page, |pen| {
+            sides.into_iter().for_each(|x| pen.rule([[x, top], [x, bottom]], Ink::Muted, 0.5));
+        });
+    }
+
     fn rule(&self, flow: &mut Flow<'_>, ink: Ink) {
         let right = COLUMN[0] + self.widths.iter().sum::<f64>() - GAP;
         if self.table.is_ruled {
@@ -240,6 +263,9 @@ impl<'t> Laid<'t> {
 
 /// Width of the longest word of a cell, with an upper limit.
 fn longest_word(cell: &Cell) -> f64 {
+    if cell.is_box {
+        return BOX_WIDTH;
+    }
     if cell.is_whole {
         return cell.letters.width(&cell.words);
     }

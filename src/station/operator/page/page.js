@@ -150,12 +150,14 @@ function scanCard(scan, canAct, showsIds) {
   const drawing = showsIds && scan.files.includes("legs.svg")
     ? make("img", { class: "drawing", src: `/scan/${scan.scan}/legs.svg`, alt: label("drawing"), loading: "lazy" })
     : null;
-  const findings = scan.measures.findings
-    ? make("p", { class: "quiet" }, `${scan.measures.findings} ${label("findings")}`)
-    : null;
+  const { verdict, to_do, findings: count } = scan.measures;
+  const findings = [
+    ...to_do.map((sentence) => make("p", { class: verdict === "complete" ? "quiet" : "bad" }, sentence)),
+    count ? make("p", { class: "quiet" }, `${count} ${label("findings")}`) : null,
+  ];
   return make("article", { class: drawing ? "card scan" : "card scan without" },
     drawing ? make("div", {}, drawing) : null,
-    make("div", { class: "about" }, about(scan, canAct, findings, links(scan, showsIds))),
+    make("div", { class: "about" }, about(scan, canAct, ...findings, links(scan, showsIds))),
     make("div", { class: "measures" }, measures(scan.measures)));
 }
 

@@ -61,9 +61,9 @@ fn read_summaries(desk: &Arc<Desk>, records: Vec<(String, PathBuf)>) {
     }
     let desk = Arc::clone(desk);
     spawn_blocking(move || {
-        let language = desk.core.config.language;
+        let config = &desk.core.config;
         for (scan, folder) in due {
-            let told = summaries::read(&folder, language);
+            let told = summaries::read(&folder, config.language, config.garment);
             desk.summaries.note(scan, folder, told, desk.core.now());
         }
         desk.summaries.all_read();

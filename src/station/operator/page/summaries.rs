@@ -11,6 +11,7 @@ use std::time::Duration;
 use crate::flow::page::Told;
 use crate::flow::page::files::in_order;
 use crate::language::Language;
+use crate::record::garment::Garment;
 use crate::record::{Record, RecordSummary};
 use crate::store::{revision, sums};
 
@@ -95,11 +96,11 @@ impl Summaries {
 }
 
 /// What the record in this folder, or its latest revision, says. Blocks as long as the store does.
-pub fn read(folder: &Path, language: Language) -> Told {
+pub fn read(folder: &Path, language: Language, garment: Garment) -> Told {
     let folder = revision::latest(folder);
     let record = record(&folder.join("record.json"));
     Told {
-        measures: record.map(|record| RecordSummary::of(&record, language)),
+        measures: record.map(|record| RecordSummary::of(&record, language, garment)),
         files: names(&folder),
         unmeasured: None,
     }

@@ -1,0 +1,63 @@
+//! What is to be done, in words.
+
+use std::fmt::Display;
+
+use super::{Completeness, Item, Kind};
+use crate::language::Language;
+use crate::leg::Side;
+
+impl Completeness {
+    /// What is to be done in sentences, the most important first; at least one.
+    pub fn sentences(&self, language: Language) -> Vec<String> {
+        let garment = language.word("garment", self.garment.name());
+        if self.kind() == Kind::Complete {
+            return vec![language.filled("completeness.complete", &[("garment", &garment)])];
+        }
+        let mut said = Vec::new();
+        if !self.again.is_empty() {
+            let why: Vec<&str> = self
+                .again
+                .iter()
+                .map(|why| language.word("completeness.again", why.key()))
+                .collect();
+            said.push(language.filled("completeness.scan_again", &[("why", &why.join(", "))]));
+        }
+        let legs = self.items_by_leg(language);
+        if !legs.is_empty() {
+            let key = if self.again.is_empty() {
+                "completeness.by_hand"
+            } else {
+                "completeness.or_by_hand"
+            };
+            let words: [(&str, &dyn Display); 2] = [("items", &legs), ("garment", &garment)];
+            said.push(language.filled(key, &words));
+        }
+        let checks = self.checks.iter();
+        said.extend(
+            checks.map(|check| language.word("completeness.check", check.key()).to_owned()),
+        );
+        said
+    }
+
+    /// `right C, D · left D`; empty if nothing is to be measured by hand.
+    fn items_by_leg(&self, language: Language) -> String {
+        let of_leg = |(side, items): (Side, &Vec<Item>)| {
+            let names: Vec<&str> = items.iter().map(|item| item.name(language)).collect();
+            let leg = language.word("completeness.leg", side.word());
+            (!names.is_empty()).then(|| format!("{leg} {}", names.join(", ")))
+        };
+        let legs = Side::FROM_FRONT.into_iter().zip(&self.by_hand);
+        legs.filter_map(of_leg).collect::<Vec<_>>().join(" · ")
+    }
+}
+
+impl Item {
+    /// The short name: `C`, or a word.
+    fn name(self, language: Language) -> &'static str {
+        match self {
+            Item::Level(level) => level.name(),
+            Item::Foot => language.text("completeness.item.foot"),
+            Item::InsideLeg => language.text("completeness.item.inside_leg"),
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! What is to be done before the patient dresses: from findings, doubts and the ordered garment, on every
+//! surface in the same words.
+
+#![allow(clippy::unwrap_used)]
+
+use std::sync::LazyLock;
+
+use gaiter::language::Language;
+use gaiter::leg::Method;
+use gaiter::record::Record;
+use gaiter::record::completeness::{Completeness, Kind};
+use gaiter::record::garment::Garment;
+use gaiter::record::schema::FindingNote;
+use support::geometry::bodies::{export, record_of};
+
+/// A body of which every level was found, without findings.
+static RECORD: LazyLock<Record> = LazyLock::new(|| {
+    let mut record = record_of(&export("f_average_clean"), &Method::default()).1;
+    record.findings.clear();
+    for leg in &mut record.legs {
+        leg.landmarks.values_mut().for_each(|found| found.doubts.clear());
+    }
+    record
+});
+
+fn finding(code: &str, leg: Option<&str>, level: Option<&str>) -> FindingNote {
+    FindingNote {
+        code: code.to_owned(),
+        severity: "warning".to_owned(),
+        leg: leg.map(str::to_owned),
+        level: level.map(str::to_owned),
+        message: String::new(),
+        says: None,
+    }
+}
+
+/// The record after a change to its right leg.
+fn with_right(change: impl Fn(&mut gaiter::record::schema::LegFigures)) -> Record {
+    let mut record = RECORD.clone();
+    record.legs.iter_mut().filter(|leg| leg.side == "right").for_each(change);
+    record
+}
+
+fn doubted(level: &str, doubt: &str) -> Record {
+    with_right(|leg| leg.landmarks.get_mut(level).unwrap().doubts = vec![doubt.to_owned()])
+}
+
+fn found(finding: FindingNote) -> Record {
+    Record { findings: vec![finding], ..RECORD.clone() }
+}
+
+fn said(record: &Record, garment: Garment) -> String {
+    Completeness::of(record, garment).sentences(Language::En).join(" ")
+}
+
+#[test]
+fn a_whole_record_is_complete_for_a_calf_stocking_and_estimates_are_not_measures() {
+    assert_eq!(Completeness::of(&RECORD, Garment::Ad).kind(), Kind::Complete);
+    assert_eq!(
+        said(&RECORD, Garment::Ad),
+        "Complete: all measures for a calf stocking (AD) were taken."
+    );
+    assert_eq!(said(&RECORD, Garment::Af), "Measure by hand: right F, E · left F, E.");
+    assert_eq!(said(&RECORD, Garment::Ag), "Measure by hand: right F, E · left F, E.");
+}
+
+#[test]
+fn what_is_missing_or_doubtful_is_measured_by_hand_if_the_garment_needs_it() {
+    let without = |level: &'static str| with_right(move |leg| drop(leg.landmarks.remove(level)));
+    for (record, garment, expected) in [
+        (without("C"), Garment::Ad, "Measure by hand: right C."),
+        (without("Y"), Garment::Ad, "Measure by hand: right Y."),
+        (without("A"), Garment::Ad, "Complete: all measures for a calf stocking (AD) were taken."),
+        (without("G"), Garment::Ad, "Complete: all measures for a calf stocking (AD) were taken."),
+        (without("G"), Garment::Ag, "Measure by hand: right G, F, E · left F, E."),
+        (doubted("B1", "flat"), Garment::Ad, "Measure by hand: right B1."),
+        (
+            doubted("G", "gap"),
+            Garment::Ad,
+            "Complete: all measures for a calf stocking (AD) were taken.",
+        ),
+        // The tape bridges folds, as the figure says.
+        (
+            doubted("C", "folds"),
+            Garment::Ad,
+            "Complete: all measures for a calf stocking (AD) were taken.",
+        ),
+        (with_right(|leg| leg.foot = None), Garment::Ad, "Measure by hand: right foot."),
+    ] {
+        assert_eq!(said(&record, garment), expected);
+    }
+}
+
+#[test]
+fn what_another_scan_would_do_better_comes_first() {
+    for (record, garment, expected) in [
+        (
+            doubted("C", "cloth"),
+            Garment::Ad,
+            "Scan again: with bare legs. Or measure by hand: right C.",
+        ),
+        (
+            doubted("C", "scatter"),
+            Garment::Ad,
+            "Scan again: standing still. Or measure by hand: right C.",
+        ),
+        (
+            found(finding("leg-not-measured", Some("left"), None)),
+            Garment::Ad,
+            "Scan again: both legs whole in view.",
+        ),
+        (found(finding("feet-cut", None, None)), Garment::Ad, "Scan again: barefoot."),
+        (
+            found(finding("floor-uneven", None, None)),
+            Garment::Ad,
+            "Scan again: both feet flat on the floor.",
+        ),
+        // The leg has all that a calf stocking needs.
+        (
+            found(finding("leg-cut", Some("left"), None)),
+            Garment::Ad,
+            "Complete: all measures for a calf stocking (AD) were taken.",
+        ),
+        (
+            found(finding("thighs-touch", None, None)),
+            Garment::Ad,
+            "Complete: all measures for a calf stocking (AD) were taken.",
+        ),
+    ] {
+        assert_eq!(said(&record, garment), expected);
+        let kind = Completeness::of(&record, garment).kind();
+        assert_eq!(kind == Kind::ScanAgain, expected.starts_with("Scan again"), "{expected}");
+    }
+    let mut touching = doubted("G", "gap");
+    touching.findings = vec![finding("thighs-touch", None, None)];
+    let expected = "Scan again: legs apart. Or measure by hand: right G, F, E · left F, E.";
+    assert_eq!(said(&touching, Garment::Ag), expected);
+    let implausible = with_right(|leg| drop(leg.landmarks.remove("C")));
+    let note = finding("level-implausible", Some("right"), Some("C"));
+    let implausible = Record { findings: vec![note], ..implausible };
+    let expected = "Scan again: a girth was found that no leg has. Or measure by hand: right C.";
+    assert_eq!(said(&implausible, Garment::Ad), expected);
+}
+
+#[test]
+fn what_a_person_must_make_sure_of_is_never_complete() {
+    for code in
+        ["facing-unchecked", "ord-sides", "ord-unit", "proportions", "no-faces", "not-vouched"]
+    {
+        for garment in Garment::ALL {
+            let verdict = Completeness::of(&found(finding(code, None, None)), garment);
+            assert_eq!(verdict.kind(), Kind::ByHand, "{code}");
+            for language in Language::ALL {
+                let last = verdict.sentences(language).pop().unwrap();
+                assert!(last.ends_with('.') && last.len() > 20, "{code}: {last}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_scan_of_one_leg_is_not_asked_for_the_other() {
+    let mut record = RECORD.clone();
+    record.legs.retain(|leg| leg.side == "left");
+    assert_eq!(Completeness::of(&record, Garment::Ad).kind(), Kind::Complete);
+}
