@@ -32,8 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         let record: Record = serde_json::from_slice(&fs::read(&path)?)?;
         for language in Language::ALL {
             let drawn = figures::all(&record, language);
-            let paper = report::paper(&record, language, &drawn)?;
-            let milliseconds = fastest_ms(|| report::paper(&record, language, &drawn));
+            let content = Content::of(&record, language, Garment::default());
+            let paper = report::paper(&record, &content, &drawn)?;
+            let milliseconds = fastest_ms(|| report::paper(&record, &content, &drawn));
             let stem = format!("{index}-{}", language.tag());
             println!("{stem} {path}: {} bytes in {milliseconds:.1} ms", paper.len());
             fs::write(Path::new(&out).join(format!("{stem}.pdf")), paper)?;
