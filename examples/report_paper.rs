@@ -10,8 +10,10 @@ use std::time::Instant;
 use std::{env, fs};
 
 use gaiter::language::Language;
+use gaiter::record::Record;
+use gaiter::record::garment::Garment;
 use gaiter::record::picture::{Theme, figures, png};
-use gaiter::record::{Record, report};
+use gaiter::record::report::{self, Content};
 
 /// The other work of a machine makes single times longer, never shorter.
 const TIMES: usize = 20;
