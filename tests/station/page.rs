@@ -263,7 +263,7 @@ fn a_record_that_lacks_measures_ends_in_attention_with_what_to_measure_by_hand()
     let site = Site::of(&booth, "local");
     assert_eq!(decide(&site, &json!({"ask": "name_next", "patient": "4711"})).status, 200);
     looked(&booth);
-    let mut stream = site.stream(&site.operator());
+    let stream = site.stream(&site.operator());
     // Of this body's ankle and heel too little is to be seen.
     booth.export("4711_a.obj", &coarse_body(0));
     let light = stream.map(|state| state["light"].clone());
