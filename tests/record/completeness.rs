@@ -132,9 +132,12 @@ fn what_another_scan_would_do_better_comes_first() {
         assert_eq!(kind == Kind::ScanAgain, expected.starts_with("Scan again"), "{expected}");
     }
     let mut touching = doubted("G", "gap");
-    touching.findings = vec![finding("thighs-touch", None, None)];
     let expected = "Scan again: legs apart. Or measure by hand: right G, F, E · left F, E.";
-    assert_eq!(said(&touching, Garment::Ag), expected);
+    for code in ["thighs-touch", "crotch-uncertain"] {
+        touching.findings = vec![finding(code, None, None)];
+        assert_eq!(said(&touching, Garment::Ag), expected);
+        assert_eq!(Completeness::of(&touching, Garment::Ad).kind(), Kind::Complete);
+    }
     let implausible = with_right(|leg| drop(leg.landmarks.remove("C")));
     let note = finding("level-implausible", Some("right"), Some("C"));
     let implausible = Record { findings: vec![note], ..implausible };

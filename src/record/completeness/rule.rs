@@ -68,7 +68,9 @@ impl Needs<'_> {
             "leg-cut" => self.lacks_a_level(finding).then_some(Again::WholeLegs),
             "level-implausible" => self.is_needed(finding).then_some(Again::Implausible),
             "crotch-not-seen" => self.reaches_the_thigh().then_some(Again::LegsApart),
-            "thighs-touch" => self.is_thigh_doubted().then_some(Again::LegsApart),
+            "thighs-touch" | "crotch-uncertain" => {
+                self.is_thigh_doubted().then_some(Again::LegsApart)
+            }
             "thigh-axis-missing" => self.reaches_the_thigh().then_some(Again::StraightKnees),
             "floor-uneven" => Some(Again::FeetFlat),
             "feet-cut" => Some(Again::Barefoot),
