@@ -162,6 +162,27 @@ fn what_a_person_must_make_sure_of_is_never_complete() {
 }
 
 #[test]
+fn a_leg_that_is_cut_off_above_what_is_needed_needs_no_other_scan() {
+    let mut cut = found(finding("leg-cut", Some("right"), None));
+    assert_eq!(Completeness::of(&cut, Garment::Af).kind(), Kind::ByHand, "E and F are estimates");
+    let right = cut.legs.iter_mut().find(|leg| leg.side == "right").unwrap();
+    ["F", "G"].into_iter().for_each(|level| {
+        right.landmarks.remove(level);
+        right.estimates.remove(level);
+    });
+    for garment in [Garment::Af, Garment::Ag] {
+        assert_eq!(Completeness::of(&cut, garment).kind(), Kind::ScanAgain);
+    }
+    assert_eq!(Completeness::of(&cut, Garment::Ad).kind(), Kind::Complete);
+}
+
+#[test]
+fn a_record_without_legs_is_never_complete() {
+    let record = Record { legs: Vec::new(), ..RECORD.clone() };
+    assert_eq!(said(&record, Garment::Ad), "Scan again: both legs whole in view.");
+}
+
+#[test]
 fn a_scan_of_one_leg_is_not_asked_for_the_other() {
     let mut record = RECORD.clone();
     record.legs.retain(|leg| leg.side == "left");

@@ -19,6 +19,7 @@ impl Completeness {
             record.findings.iter().filter_map(|finding| needs.again(finding)).collect();
         let legs = record.legs.iter();
         again.extend(legs.flat_map(|leg| needs.doubts(leg)).filter_map(again_for_doubt));
+        again.extend(record.legs.is_empty().then_some(Again::WholeLegs));
         again.sort_unstable();
         again.dedup();
         let mut checks: Vec<Check> = record.findings.iter().filter_map(check).collect();
@@ -87,11 +88,12 @@ impl Needs<'_> {
         self.garment.levels().iter().any(|needed| level == Some(needed.name()))
     }
 
-    /// Whether the leg of a finding lacks a level that is needed.
+    /// Whether the leg of a finding has neither figures nor an estimate of a level that is needed.
     fn lacks_a_level(&self, finding: &FindingNote) -> bool {
         let leg = self.record.legs.iter().find(|leg| finding.leg.as_deref() == Some(&leg.side));
         leg.is_some_and(|leg| {
-            self.garment.levels().iter().any(|level| !leg.landmarks.contains_key(level.name()))
+            let mut names = self.garment.levels().iter().map(|level| level.name());
+            names.any(|name| !leg.landmarks.contains_key(name) && !leg.estimates.contains_key(name))
         })
     }
 
