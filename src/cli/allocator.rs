@@ -7,7 +7,7 @@ use std::process::Command;
 use crate::station::measure::ALLOCATOR;
 
 /// Replaces this process by the same program with the same arguments and the settings of the C library's
-/// allocator, which it reads only when a program starts: 5 to 7 % less processor time. Returns where they are
+/// allocator, which it reads only when a program starts: 4 to 7 % less processor time. Returns where they are
 /// set already, by a person or by this, and where the program cannot be started again: then it measures as it
 /// is. Must run before anything is read or written.
 pub fn restart_with_settings() {
