@@ -135,7 +135,7 @@ impl Fault {
 /// Writes the report's files and returns their paths.
 fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
     let record = read(&args.record)?;
-    if record.findings.iter().any(|finding| finding.code == NOT_VOUCHED) {
+    if record.has_finding(NOT_VOUCHED) {
         complain(format_args!(
             "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it; the report \
              says so",

@@ -65,8 +65,12 @@ pub const LANGUAGES: Words<Language> =
     &[(Language::En.tag(), Language::En), (Language::De.tag(), Language::De)];
 
 /// `report.garment`, `--garment`
-pub const GARMENTS: Words<Garment> =
-    &[("AD", Garment::Ad), ("AF", Garment::Af), ("AG", Garment::Ag), ("AT", Garment::At)];
+pub const GARMENTS: Words<Garment> = &[
+    (Garment::Ad.name(), Garment::Ad),
+    (Garment::Af.name(), Garment::Af),
+    (Garment::Ag.name(), Garment::Ag),
+    (Garment::At.name(), Garment::At),
+];
 
 /// `--figures`
 pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg), ("png", FigureFormat::Png)];

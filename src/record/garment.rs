@@ -21,7 +21,7 @@ impl Garment {
     pub const ALL: [Garment; 4] = [Garment::Ad, Garment::Af, Garment::Ag, Garment::At];
 
     /// The name on order forms and in the configuration.
-    pub fn name(self) -> &'static str {
+    pub const fn name(self) -> &'static str {
         match self {
             Garment::Ad => "AD",
             Garment::Af => "AF",

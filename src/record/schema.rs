@@ -67,6 +67,11 @@ impl Record {
         self.legs.iter().find(|leg| leg.side == side.word())
     }
 
+    /// Whether there is a finding of this code.
+    pub fn has_finding(&self, code: &str) -> bool {
+        self.findings.iter().any(|finding| finding.code == code)
+    }
+
     /// Whether a level has a row in tables: it is searched on every leg, or a leg has it.
     pub fn has_row(&self, level: Level) -> bool {
         let name = level.name();

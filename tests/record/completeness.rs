@@ -183,6 +183,18 @@ fn a_record_without_legs_is_never_complete() {
 }
 
 #[test]
+fn every_code_that_it_goes_by_is_one_that_findings_and_doubts_have() {
+    let rule = include_str!("../../src/record/completeness/rule.rs");
+    let words = rule.split('"').skip(1).step_by(2);
+    let codes: Vec<&str> = words.filter(|word| !word.is_empty()).collect();
+    assert!(codes.len() >= 15, "{codes:?}");
+    for code in codes {
+        let is_known = Language::En.find(&format!("finding.{code}.title")).is_some();
+        assert!(is_known, "no finding or doubt has the code {code}");
+    }
+}
+
+#[test]
 fn a_scan_of_one_leg_is_not_asked_for_the_other() {
     let mut record = RECORD.clone();
     record.legs.retain(|leg| leg.side == "left");

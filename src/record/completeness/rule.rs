@@ -48,7 +48,7 @@ impl Needs<'_> {
     }
 
     fn is_crotch_sure(&self) -> bool {
-        let is_doubted = self.record.findings.iter().any(|of| of.code == "crotch-uncertain");
+        let is_doubted = self.record.has_finding("crotch-uncertain");
         self.record.body.crotch_height_mm.is_some() && !is_doubted
     }
 

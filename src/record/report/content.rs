@@ -248,7 +248,7 @@ impl Content {
         let completeness = Completeness::of(record, garment);
         let report = Report { record, language, completeness: &completeness };
         let notes = report.notes();
-        let is_vouched = record.findings.iter().all(|finding| finding.code != NOT_VOUCHED);
+        let is_vouched = !record.has_finding(NOT_VOUCHED);
         let title = if is_vouched { "report.title" } else { "report.title_not_vouched" };
         Content {
             language,

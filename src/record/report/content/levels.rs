@@ -117,7 +117,7 @@ impl Report<'_> {
     /// The height of the crotch, which both legs share.
     fn inside_leg(&self) -> SheetRow {
         let body = &self.record.body;
-        let is_doubted = self.record.findings.iter().any(|of| of.code == "crotch-uncertain");
+        let is_doubted = self.record.has_finding("crotch-uncertain");
         let mark = if is_doubted { Mark::Doubtful } else { Mark::Sure };
         let figure = |side: Side| match (self.record.leg(side), body.crotch_height_mm) {
             (Some(_), Some(mm)) => Figure::cm(mm, body.crotch_sd_mm, mark, self.language),

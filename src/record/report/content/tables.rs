@@ -191,10 +191,7 @@ impl Report<'_> {
 }
 
 /// The girths of two legs at each height that both have, right and left, lowest first.
-pub(in crate::record) fn same_heights<'a>(
-    right: &'a LegFigures,
-    left: &'a LegFigures,
-) -> Vec<[&'a AtFigures; 2]> {
+fn same_heights<'a>(right: &'a LegFigures, left: &'a LegFigures) -> Vec<[&'a AtFigures; 2]> {
     let other = |at: &AtFigures| left.profile.iter().find(|other| other.height_mm == at.height_mm);
     right.profile.iter().filter_map(|at| Some([at, other(at)?])).collect()
 }
