@@ -13,7 +13,7 @@ use gaiter::language::Language;
 use gaiter::record::Record;
 use gaiter::record::garment::Garment;
 use gaiter::record::picture::{Theme, figures, png};
-use gaiter::record::report::{self, Content};
+use gaiter::record::report::{self, Content, Print};
 
 /// The other work of a machine makes single times longer, never shorter.
 const TIMES: usize = 20;
@@ -35,8 +35,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         for language in Language::ALL {
             let drawn = figures::all(&record, language);
             let content = Content::of(&record, language, Garment::default());
-            let paper = report::paper(&record, &content, &drawn)?;
-            let milliseconds = fastest_ms(|| report::paper(&record, &content, &drawn));
+            let paper = report::paper(&record, &content, &drawn, Print::default())?;
+            let milliseconds =
+                fastest_ms(|| report::paper(&record, &content, &drawn, Print::default()));
             let stem = format!("{index}-{}", language.tag());
             println!("{stem} {path}: {} bytes in {milliseconds:.1} ms", paper.len());
             fs::write(Path::new(&out).join(format!("{stem}.pdf")), paper)?;

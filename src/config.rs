@@ -36,6 +36,7 @@ use crate::flow::retention::Retention;
 use crate::language::Language;
 use crate::leg::Method;
 use crate::record::garment::Garment;
+use crate::record::report::Print;
 pub use capture::{CaptureConfig, PatientConfig};
 pub use fault::{ConfigFault, What};
 pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
@@ -70,6 +71,8 @@ pub struct Config {
     pub language: Language,
     /// `[report]`: the garment that is usually ordered.
     pub garment: Garment,
+    /// `[report]`: the paper, and how much of the report is printed.
+    pub print: Print,
     /// `[measure]`: limits on the measurement of one scan.
     pub measure: MeasureConfig,
     /// `[store]`

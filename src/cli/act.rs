@@ -3,7 +3,7 @@
 
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 
-use super::args::{AskArgs, OneArgs, PatientVerb};
+use super::args::{AskArgs, OneArgs, PatientVerb, UnassignArgs};
 use super::{Exit, ask, complain};
 use crate::station::operator::control::protocol::Request;
 
@@ -26,8 +26,12 @@ pub fn assign(args: &OneArgs) -> Exit {
 }
 
 /// Takes a scan back from its patient.
-pub fn unassign(args: &OneArgs) -> Exit {
-    ask::sentence(&args.ask, &Request::Unassign { scan: args.scan.clone() })
+pub fn unassign(args: &UnassignArgs) -> Exit {
+    let (scan, asking) = (args.of.scan.clone(), &args.of.ask);
+    match args.from {
+        true => with_patient(asking, |patient| Request::Unassign { scan, patient: Some(patient) }),
+        false => ask::sentence(asking, &Request::Unassign { scan, patient: None }),
+    }
 }
 
 /// Marks a refused or held scan as needing no further decision.

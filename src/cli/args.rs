@@ -23,7 +23,9 @@ use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up, Winding};
 use crate::record::FigureFormat;
 use crate::record::garment::Garment;
 use crate::station::measure::VERB;
-pub use asking::{AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs};
+pub use asking::{
+    AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs, UnassignArgs,
+};
 pub use calibrate::CalibrateArgs;
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
@@ -125,11 +127,12 @@ pub enum Verb {
     /// Take a scan back from its patient: its record goes to _unassigned and leaves the patient's folder
     ///
     /// Notes that people put into the record's folder go with it. Delete results that the practice
-    /// software already has in that software.
-    Unassign(OneArgs),
-    /// Close a refused scan, or a held one that already belongs to a patient: it needs no decision
+    /// software already has in that software. A scan that belongs to more than one patient stays with the
+    /// others.
+    Unassign(UnassignArgs),
+    /// Close a scan that was refused, is held, or is stored without a patient: it needs no decision
     ///
-    /// The station no longer asks about it. `retention` in the configuration sets how long its
+    /// The station no longer asks about it. A record that is stored stays where it is. `retention` in the configuration sets how long its
     /// bytes are kept; until then it can still be tried again or assigned.
     GiveUp(OneArgs),
     /// Set, clear or show the patient of the next scan

@@ -119,16 +119,17 @@ struct Choices {
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
     fn of(args: &ExtractArgs) -> Result<Choices, Exit> {
-        let (mut method, mut output, language, garment) = match &args.config {
+        let (mut method, mut output, language, garment, print) = match &args.config {
             Some(path) => {
                 let config = config::read(path).map_err(|error| explain_config(&error))?;
-                (config.method, config.output, config.language, config.garment)
+                (config.method, config.output, config.language, config.garment, config.print)
             }
             None => Default::default(),
         };
         let report = ReportChoice {
             language: args.language.unwrap_or(language),
             garment: args.garment.unwrap_or(garment),
+            print,
             figures: args.figures.iter().flatten().copied().collect(),
         };
         method.scope = args.scope.unwrap_or(method.scope);

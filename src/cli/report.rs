@@ -9,6 +9,7 @@ use serde_json::json;
 
 use super::args::ReportArgs;
 use super::{Exit, complain, print, shown};
+use crate::record::report::Print;
 use crate::record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
 use crate::record::{
     FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
@@ -142,8 +143,13 @@ fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
             shown(args.record.display())
         ));
     }
-    let choice =
-        ReportChoice { language: args.language, garment: args.garment, ..ReportChoice::default() };
+    let print = Print { paper: args.paper, has_appendix: args.appendix };
+    let choice = ReportChoice {
+        language: args.language,
+        garment: args.garment,
+        print,
+        ..ReportChoice::default()
+    };
     let files = report_files(&record, &choice)?;
     if args.out.join(SUMS).symlink_metadata().is_ok() {
         return Err(Fault::RecordFolder(args.out.clone()));

@@ -11,7 +11,7 @@ use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::words::{
     ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, GARMENTS, KNOTS, LANGUAGES,
-    SCOPES, SURFACES, TAPES, UNITS, UPS, WINDINGS, Words, faces_up_or_down,
+    PAPERS, SCOPES, SURFACES, TAPES, UNITS, UPS, WINDINGS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -21,6 +21,7 @@ use crate::cad::Output;
 use crate::flow::retention::Retention;
 use crate::leg::Method;
 use crate::leg::method::{AxisFit, B1, LevelChoices, SurfaceMethod, Tape};
+use crate::record::report::Print;
 
 /// Reads the text of a configuration.
 ///
@@ -96,6 +97,8 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let output = output(reader);
     let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
     let garment = reader.text("report.garment", Default("AD"), parse::word(GARMENTS));
+    let paper = reader.text("report.paper", Default("A4"), parse::word(PAPERS));
+    let appendix = reader.flag("report.appendix", "false");
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let store_mode = reader.text("store.folder.mode", Default("private"), parse::word(ACCESSES));
@@ -161,6 +164,7 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         output: output?,
         language: language?.value,
         garment: garment?.value,
+        print: Print { paper: paper?.value, has_appendix: appendix?.value },
         measure: measure?,
         store: StoreConfig {
             folder: FolderStoreConfig { path: store?.value, access: store_mode?.value },

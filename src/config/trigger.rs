@@ -107,22 +107,24 @@ pub enum ReaderPlace {
     Keys(InputPlace),
 }
 
-const SERIAL_SAY: [&str; 6] = [
+const SERIAL_SAY: [&str; 7] = [
     "trigger.serial.say.ready",
     "trigger.serial.say.armed",
     "trigger.serial.say.receiving",
     "trigger.serial.say.done",
     "trigger.serial.say.attention",
     "trigger.serial.say.no_export",
+    "trigger.serial.say.paused",
 ];
 
-const USB_SAY: [&str; 6] = [
+const USB_SAY: [&str; 7] = [
     "trigger.usb.say.ready",
     "trigger.usb.say.armed",
     "trigger.usb.say.receiving",
     "trigger.usb.say.done",
     "trigger.usb.say.attention",
     "trigger.usb.say.no_export",
+    "trigger.usb.say.paused",
 ];
 
 /// A place that may be omitted.
@@ -280,8 +282,9 @@ fn keys(reader: &mut Reader) -> (Option<Option<KeysTrigger>>, Optional<InputPlac
     (made(), device)
 }
 
-/// What is sent for each signal; signals without a text are left out.
-fn say(reader: &mut Reader, keys: [&'static str; 6]) -> Option<Say> {
+/// What is sent for each signal; signals without a text are left out. A pause without a text is told as
+/// attention: a light must not stay green through it.
+fn say(reader: &mut Reader, keys: [&'static str; 7]) -> Option<Say> {
     let mut ask = |key| reader.text(key, Absent::Default(""), port::bytes);
     let said = keys.map(&mut ask);
     let mut say = Say::new();
@@ -290,6 +293,11 @@ fn say(reader: &mut Reader, keys: [&'static str; 6]) -> Option<Say> {
         if !bytes.is_empty() {
             say.insert(signal, bytes);
         }
+    }
+    if let (false, Some(attention)) =
+        (say.contains_key(&Signal::Paused), say.get(&Signal::Attention).cloned())
+    {
+        say.insert(Signal::Paused, attention);
     }
     Some(say)
 }

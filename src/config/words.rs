@@ -15,6 +15,7 @@ use crate::leg::method::{
 };
 use crate::record::FigureFormat;
 use crate::record::garment::Garment;
+use crate::record::report::Paper;
 
 /// The choices for `method.b1`; the distance for the second has a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -71,6 +72,10 @@ pub const GARMENTS: Words<Garment> = &[
     (Garment::Ag.name(), Garment::Ag),
     (Garment::At.name(), Garment::At),
 ];
+
+/// `report.paper` and `--paper`
+pub const PAPERS: Words<Paper> =
+    &[(Paper::A4.name(), Paper::A4), (Paper::Letter.name(), Paper::Letter)];
 
 /// `--figures`
 pub const FIGURES: Words<FigureFormat> = &[("svg", FigureFormat::Svg), ("png", FigureFormat::Png)];

@@ -64,6 +64,39 @@ pub enum Filter {
     Held,
 }
 
+/// What to search for among all scans.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Search {
+    /// The beginning of a scan's id, or a part of a patient's id; everything if empty.
+    pub text: String,
+    /// The state.
+    pub state: Option<SearchState>,
+    /// First seen at this time or later.
+    pub from: Option<Timestamp>,
+    /// First seen before this time.
+    pub until: Option<Timestamp>,
+    /// Only scans whose record lacks measures.
+    pub incomplete: bool,
+    /// How many of the newest to leave out.
+    pub offset: u32,
+    /// The largest number of scans.
+    pub limit: u32,
+}
+
+/// The states to search for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SearchState {
+    /// It waits for a decision.
+    Undecided,
+    /// It was refused.
+    Refused,
+    /// A patient has its record.
+    Delivered,
+    /// Its record is stored without a patient.
+    Unassigned,
+}
+
 /// The words for the filters, in the order in which a scan meets them.
 pub const FILTERS: [(&str, Filter); 4] = [
     ("spooled", Filter::Spooled),
@@ -121,6 +154,9 @@ pub struct Summary {
     /// Why it no longer needs a decision, although it was refused or held: `given-up`, `superseded` or
     /// `let-go`.
     pub closed: Option<String>,
+    /// Measures must be taken by hand, or the patient scanned again.
+    #[serde(default)]
+    pub incomplete: bool,
 }
 
 /// One delivery.

@@ -18,13 +18,13 @@ pub fn acquired(
     first_seen: Timestamp,
 ) -> Acquired {
     if let Some(at) = pressed_at {
-        return Acquired { at, from: AcquiredFrom::Press };
+        return Acquired::new(at, AcquiredFrom::Press);
     }
     let plausible =
         |at: &Timestamp| at.as_second() >= EARLIEST && at.duration_since(first_seen) <= AHEAD;
     match file_time.filter(plausible) {
-        Some(at) => Acquired { at, from: AcquiredFrom::FileTime },
-        None => Acquired { at: first_seen, from: AcquiredFrom::Unknown },
+        Some(at) => Acquired::new(at, AcquiredFrom::FileTime),
+        None => Acquired::new(first_seen, AcquiredFrom::Unknown),
     }
 }
 
@@ -40,14 +40,14 @@ mod tests {
     fn a_plausible_file_time_is_believed() {
         let seen = at("2026-11-21T09:15:00Z");
         let file = at("2026-11-21T09:14:58Z");
-        let expected = Acquired { at: file, from: AcquiredFrom::FileTime };
+        let expected = Acquired::new(file, AcquiredFrom::FileTime);
         assert_eq!(acquired(None, Some(file), seen), expected);
     }
 
     #[test]
     fn the_time_of_a_clock_that_was_never_set_is_not() {
         let seen = at("2026-11-21T09:15:00Z");
-        let expected = Acquired { at: seen, from: AcquiredFrom::Unknown };
+        let expected = Acquired::new(seen, AcquiredFrom::Unknown);
         for file in [None, Some(at("1970-01-01T00:00:00Z")), Some(at("2026-11-22T09:15:01Z"))] {
             assert_eq!(acquired(None, file, seen), expected);
         }
@@ -56,7 +56,7 @@ mod tests {
     #[test]
     fn the_press_is_the_best_that_is_known() {
         let (press, seen) = (at("2026-11-21T09:14:00Z"), at("2026-11-21T09:15:00Z"));
-        let expected = Acquired { at: press, from: AcquiredFrom::Press };
+        let expected = Acquired::new(press, AcquiredFrom::Press);
         assert_eq!(acquired(Some(press), Some(seen), seen), expected);
     }
 }

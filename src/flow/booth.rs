@@ -56,17 +56,20 @@ pub enum Signal {
     Attention,
     /// No export arrived after a press.
     NoExport,
+    /// The operator has paused the station: exports stay where they are.
+    Paused,
 }
 
 impl Signal {
     /// All of them, in the order in which they are documented.
-    pub const ALL: [Signal; 6] = [
+    pub const ALL: [Signal; 7] = [
         Signal::Ready,
         Signal::Armed,
         Signal::Receiving,
         Signal::Done,
         Signal::Attention,
         Signal::NoExport,
+        Signal::Paused,
     ];
 
     /// Its stable word, in the configuration and in `status --json`.
@@ -78,6 +81,7 @@ impl Signal {
             Signal::Done => "done",
             Signal::Attention => "attention",
             Signal::NoExport => "no_export",
+            Signal::Paused => "paused",
         }
     }
 }

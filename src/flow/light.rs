@@ -14,21 +14,43 @@ const STANDS: Duration = Duration::from_secs(1);
 const DONE_STANDS: Duration = Duration::from_secs(30);
 
 /// How the last scan ended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Outcome {
     /// Its record is in every store.
     Delivered,
     /// Its record is in every store, and some measures must be taken by hand or the patient scanned again.
-    Incomplete,
-    /// It was refused, or the operator must say whose it is.
-    NeedsPerson,
+    Incomplete {
+        /// What is to be done with the patient, in sentences.
+        to_do: Vec<String>,
+    },
+    /// The operator must say whose it is.
+    Held {
+        /// Why, as a stable code.
+        code: String,
+    },
+    /// It cannot be measured, or its record cannot be stored.
+    Refused {
+        /// Why, as a stable code.
+        code: String,
+    },
+    /// A patient was to be named, and the id could not be read.
+    NameUnread,
+}
+
+impl Outcome {
+    /// Whether a person must see it before the next patient.
+    pub fn needs_person(&self) -> bool {
+        !matches!(self, Outcome::Delivered)
+    }
 }
 
 /// The current situation at the station.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Scene {
     /// The station is not ready, and has reported it.
     pub not_ready: bool,
+    /// The operator has paused it.
+    pub paused: bool,
     /// No export arrived after the last press.
     pub missed: bool,
     /// The station waits for the export of a press.
@@ -42,9 +64,12 @@ pub struct Scene {
 /// The alarm for an export that did not arrive. The light has its own signal for it.
 pub const NO_EXPORT: &str = "no-export";
 
+/// The complaint that the operator has paused the station. The light has its own signal for it.
+pub const PAUSED: &str = "paused";
+
 /// Whether the station is not ready in a way for which the light has no signal of its own.
 pub fn is_not_ready(complaints: &[Complaint]) -> bool {
-    complaints.iter().any(|complaint| complaint.code != NO_EXPORT)
+    complaints.iter().any(|complaint| ![NO_EXPORT, PAUSED].contains(&complaint.code.as_str()))
 }
 
 /// The light, and since when it shows its signal.
@@ -63,7 +88,8 @@ impl Light {
     /// What it shows now.
     pub fn show(&mut self, scene: &Scene, now: Duration) -> Signal {
         let wanted = wanted(scene, now);
-        let at_once = wanted == Signal::Armed;
+        // What a person has just done is answered at once.
+        let at_once = wanted == Signal::Armed || is_of_pause(wanted) || is_of_pause(self.shown);
         if wanted != self.shown && (at_once || now.saturating_sub(self.since) >= STANDS) {
             (self.shown, self.since) = (wanted, now);
         }
@@ -71,17 +97,21 @@ impl Light {
     }
 }
 
-/// The most important signal comes first. A new press is answered even if the operator has not dealt
-/// with an earlier scan; if the station is not ready, nothing else counts.
+fn is_of_pause(signal: Signal) -> bool {
+    signal == Signal::Paused
+}
+
+/// The most important signal comes first. If the station is not ready, nothing else counts. A scan that
+/// ended after the press and needs a person counts more than an export that is still expected; a press
+/// forgets how earlier scans ended, so it is answered.
 fn wanted(scene: &Scene, now: Duration) -> Signal {
     match scene {
         Scene { not_ready: true, .. } => Signal::Attention,
+        Scene { paused: true, .. } => Signal::Paused,
         Scene { busy: true, .. } => Signal::Receiving,
-        Scene { armed: true, .. } => Signal::Armed,
         // The export that is missing may be the one that was held.
-        Scene { last: Some((Outcome::NeedsPerson | Outcome::Incomplete, _)), .. } => {
-            Signal::Attention
-        }
+        Scene { last: Some((outcome, _)), .. } if outcome.needs_person() => Signal::Attention,
+        Scene { armed: true, .. } => Signal::Armed,
         Scene { missed: true, .. } => Signal::NoExport,
         Scene { last: Some((Outcome::Delivered, at)), .. }
             if now.saturating_sub(*at) < DONE_STANDS =>
@@ -130,12 +160,15 @@ mod tests {
     #[test]
     fn a_record_that_lacks_measures_is_never_done_and_stays_until_the_next_press() {
         let mut light = Light::new(at(0));
-        let scene = Scene { last: Some((Outcome::Incomplete, at(10))), ..Scene::default() };
+        let scene = Scene {
+            last: Some((Outcome::Incomplete { to_do: Vec::new() }, at(10))),
+            ..Scene::default()
+        };
         for later in [20, 400, 36_000] {
             assert_eq!(light.show(&scene, at(later)), Signal::Attention);
         }
-        let armed = Scene { armed: true, ..scene };
-        assert_eq!(light.show(&armed, at(36_001)), Signal::Armed);
+        let pressed = Scene { armed: true, last: None, ..scene };
+        assert_eq!(light.show(&pressed, at(36_001)), Signal::Armed);
     }
 
     #[test]
@@ -160,13 +193,16 @@ mod tests {
         let no_export =
             Complaint { code: NO_EXPORT.to_owned(), message: String::new(), remedy: String::new() };
         assert!(!is_not_ready(&[]) && !is_not_ready(std::slice::from_ref(&no_export)));
+        let paused = Complaint { code: PAUSED.to_owned(), ..no_export.clone() };
+        assert!(!is_not_ready(&[paused]));
         assert!(is_not_ready(&[no_export, Complaint::journal()]));
     }
 
     #[test]
     fn what_a_person_must_see_stays_until_the_next_press() {
         let mut light = Light::new(at(0));
-        let held = Scene { last: Some((Outcome::NeedsPerson, at(10))), ..Scene::default() };
+        let outcome = Outcome::Held { code: "capture-unclear".to_owned() };
+        let held = Scene { last: Some((outcome, at(10))), ..Scene::default() };
         assert_eq!(light.show(&held, at(20)), Signal::Attention);
         assert_eq!(light.show(&held, at(20) + 3600 * SECOND), Signal::Attention);
         let both = Scene { missed: true, ..held };
@@ -175,5 +211,33 @@ mod tests {
         assert_eq!(light.show(&missed, at(20) + 3700 * SECOND), Signal::NoExport);
         let armed = Scene { armed: true, ..missed };
         assert_eq!(light.show(&armed, at(20) + 3701 * SECOND), Signal::Armed);
+    }
+
+    #[test]
+    fn a_held_or_refused_scan_is_shown_although_another_export_is_expected() {
+        let code = || "scan-empty".to_owned();
+        for outcome in [
+            Outcome::Held { code: code() },
+            Outcome::Refused { code: code() },
+            Outcome::Incomplete { to_do: Vec::new() },
+            Outcome::NameUnread,
+        ] {
+            let mut light = Light::new(at(0));
+            let last = Some((outcome, at(10)));
+            let scene = Scene { armed: true, last, ..Scene::default() };
+            assert_eq!(light.show(&scene, at(20)), Signal::Attention, "{scene:?}");
+        }
+    }
+
+    #[test]
+    fn a_pause_is_shown_at_once_and_so_is_its_end_and_a_fault_counts_more() {
+        let mut light = Light::new(at(0));
+        assert_eq!(light.show(&Scene::default(), at(10)), Signal::Ready);
+        let paused = Scene { paused: true, armed: true, ..Scene::default() };
+        assert_eq!(light.show(&paused, at(10)), Signal::Paused);
+        assert_eq!(light.show(&Scene::default(), at(10)), Signal::Ready);
+        let mut light = Light::new(at(0));
+        let broken = Scene { not_ready: true, ..paused };
+        assert_eq!(light.show(&broken, at(20)), Signal::Attention);
     }
 }

@@ -110,6 +110,17 @@ pub struct Acquired {
     pub at: Timestamp,
     /// The source of the time.
     pub from: AcquiredFrom,
+    /// How far the clock at the scanner was ahead of UTC then, minutes; absent if it is not known. People
+    /// are shown the local time.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub utc_offset_min: Option<i16>,
+}
+
+impl Acquired {
+    /// A time of acquisition in UTC.
+    pub fn new(at: Timestamp, from: AcquiredFrom) -> Acquired {
+        Acquired { at, from, utc_offset_min: None }
+    }
 }
 
 /// The source of a time of acquisition.

@@ -8,7 +8,7 @@ use super::garment::Garment;
 use super::picture::figures::{self, Figure};
 use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};
-use super::report::{self, Content, PdfFault};
+use super::report::{self, Content, PdfFault, Print};
 use crate::language::Language;
 
 /// The report as an HTML page.
@@ -31,6 +31,8 @@ pub struct ReportChoice {
     pub language: Language,
     /// The garment that is ordered: the sheet says what it lacks.
     pub garment: Garment,
+    /// What the report is printed on, and how much of it.
+    pub print: Print,
     /// The formats in which each figure also gets a file of its own. If empty, it is only in the report.
     pub figures: BTreeSet<FigureFormat>,
 }
@@ -73,7 +75,10 @@ pub(super) fn page(
     choice: &ReportChoice,
     figures: &[Figure],
 ) -> Result<RecordFile, serde_json::Error> {
-    Ok(file(PAGE, report::page(record, &content(record, choice), figures)?.into_bytes()))
+    Ok(file(
+        PAGE,
+        report::page(record, &content(record, choice), figures, choice.print.paper)?.into_bytes(),
+    ))
 }
 
 pub(super) fn paper(
@@ -81,7 +86,7 @@ pub(super) fn paper(
     choice: &ReportChoice,
     figures: &[Figure],
 ) -> Result<RecordFile, PdfFault> {
-    Ok(file(PAPER, report::paper(record, &content(record, choice), figures)?))
+    Ok(file(PAPER, report::paper(record, &content(record, choice), figures, choice.print)?))
 }
 
 fn content(record: &Record, choice: &ReportChoice) -> Content {

@@ -63,8 +63,6 @@ struct Inner {
     orders: Vec<OrderCame>,
     missed: bool,
     last: Option<(Outcome, Duration)>,
-    /// What is to be done with the patient of the last scan, in sentences.
-    to_do: Vec<String>,
 }
 
 impl Inner {
@@ -116,7 +114,6 @@ impl Inner {
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
             last: None,
-            to_do: Vec::new(),
         })
     }
 
@@ -191,7 +188,7 @@ pub struct WhoIsNext {
     has_button: bool,
     next: Vec<String>,
     awaited_for: Vec<String>,
-    to_do: Vec<String>,
+    last: Option<Outcome>,
 }
 
 impl WhoIsNext {
@@ -204,7 +201,7 @@ impl WhoIsNext {
             next: &self.next,
             awaited_for: &self.awaited_for,
             is_in_doubt: self.state.is_in_doubt,
-            to_do: &self.to_do,
+            last: self.last.as_ref(),
         }
     }
 }
@@ -238,11 +235,8 @@ impl Booth {
         let has_button = !self.core.config.buttons().is_empty();
         let inner = self.inner();
         let (next, awaited_for) = (inner.captures.next_ids(), inner.captures.awaited_ids());
-        let to_do = match inner.last {
-            Some((Outcome::Incomplete, _)) => inner.to_do.clone(),
-            _ => Vec::new(),
-        };
-        WhoIsNext { state, has_button, next, awaited_for, to_do }
+        let last = inner.last.as_ref().map(|(outcome, _)| outcome.clone());
+        WhoIsNext { state, has_button, next, awaited_for, last }
     }
 
     /// Locks the captures. Blocks during writes to the journal.
@@ -277,13 +271,13 @@ impl Booth {
         }
     }
 
-    /// Notes that a scan ended or needs an operator, and what is to be done with its patient. Blocks.
-    pub fn ended(&self, scan: &ScanId, outcome: Outcome, to_do: &[String]) {
+    /// Notes that a scan ended or needs an operator. Blocks.
+    pub fn ended(&self, scan: &ScanId, outcome: Outcome) {
         let now = self.core.now();
         let mut inner = self.inner();
-        if inner.in_work.remove(scan) || outcome == Outcome::NeedsPerson {
+        let is_waiting = matches!(outcome, Outcome::Held { .. } | Outcome::Refused { .. });
+        if inner.in_work.remove(scan) || is_waiting {
             inner.last = Some((outcome, now));
-            inner.to_do = to_do.to_vec();
         }
     }
 
@@ -314,10 +308,11 @@ impl Booth {
         let coming = self.glance().sights.iter().any(|folder| !folder.coming.is_empty());
         Scene {
             not_ready,
+            paused: self.core.is_paused(),
             missed: inner.missed,
             armed: inner.captures.is_armed(),
             busy: coming || !inner.in_work.is_empty(),
-            last: inner.last,
+            last: inner.last.clone(),
         }
     }
 }

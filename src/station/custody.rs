@@ -277,8 +277,8 @@ impl Custody {
         Ok(gone)
     }
 
-    /// Removes scans from quarantine that were refused before a time. Returns how many. The journal
-    /// still knows them, so that their exports are not taken in again.
+    /// Removes scans that were refused, or given up without a record, before a time. Returns how many. The
+    /// journal still knows them, so that their exports are not taken in again.
     pub fn let_go_quarantined(&self, before: Timestamp) -> Result<usize, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let mut gone = io("giving up refused files", self.quarantine.remove_notes(before))?;
@@ -289,6 +289,15 @@ impl Custody {
                 }
                 let removed = io("giving up a refused scan", self.quarantine.remove(&scan))?;
                 gone += usize::from(removed);
+            }
+        }
+        // A held scan that was given up before it had a record.
+        for scan in io("listing the spool", self.spool.entries())? {
+            let rests = self.journal.rests_since(&scan, ScanState::Delivered, before)?;
+            if rests && !self.journal.has_served(&scan)? {
+                self.journal.let_go_of(&scan)?;
+                io("giving up spooled bytes", self.spool.remove(&scan))?;
+                gone += 1;
             }
         }
         Ok(gone)

@@ -32,7 +32,7 @@ test("a scan arrives, and the light goes through its states", async () => {
     await watchLight(page);
     await page.getByRole("button", { name: "Name the next patient" }).click();
     await page.getByLabel("Patient's id").fill("4711");
-    await page.getByRole("button", { name: "OK" }).click();
+    await page.getByRole("button", { name: "Name", exact: true }).click();
     await light(page, "armed");
     await shoot(page, "armed");
     await station.looked();
@@ -68,15 +68,16 @@ test("assign, take back, retry and release work by clicking", async () => {
     await light(page, "ready");
 
     station.export("nobody.obj", body(1));
-    const card = page.locator("#scans_body article").first();
-    await card.getByRole("button", { name: "Assign" }).click();
+    const nobodys = page.locator("#undecided_body article");
+    await nobodys.getByRole("button", { name: "Assign …", exact: true }).click();
     await page.getByLabel("Patient's id").fill("not one");
-    await page.getByRole("button", { name: "OK" }).click();
+    await page.getByRole("button", { name: "Assign", exact: true }).click();
     await page.locator("#question_fault").getByText("not a valid patient id").waitFor();
     assert.equal(await page.getByLabel("Patient's id").inputValue(), "not one", "what was typed is lost");
     await page.getByLabel("Patient's id").fill("4711");
     await page.getByLabel("Patient's id").press("Enter");
-    await card.getByText("4711").waitFor();
+    const card = page.locator("#scans_body article").filter({ hasText: "4711" });
+    await card.getByRole("button", { name: "Take back" }).waitFor();
     const question = page.locator("#question");
     await card.getByRole("button", { name: "Take back" }).click();
     assert.match(await question.textContent(), /Take back from 4711.*leaves 4711's folder/s);
@@ -112,14 +113,14 @@ test("pause and resume, name and call off", async () => {
     await page.goto(station.link());
     await light(page, "ready");
     await page.getByRole("button", { name: "Pause" }).click();
-    await light(page, "attention");
-    assert.match(await page.locator("#sentence").textContent(), /paused/);
+    await light(page, "paused");
+    assert.match(await page.locator("#sentence").textContent(), /Resume to continue/);
     await shoot(page, "paused");
     await page.getByRole("button", { name: "Resume" }).click();
     await light(page, "ready");
     await page.getByRole("button", { name: "Name the next patient" }).click();
     await page.getByLabel("Patient's id").fill("4711");
-    await page.getByRole("button", { name: "OK" }).click();
+    await page.getByRole("button", { name: "Name", exact: true }).click();
     await light(page, "armed");
     await page.getByRole("button", { name: "Call off" }).click();
     await page.locator("#question").getByRole("button", { name: "Call off" }).click();
@@ -141,7 +142,7 @@ test("the stream survives a restart of the station without reload", async () => 
     station.export("4711_a.obj", body(2));
     await light(page, "done");
     await page.getByRole("button", { name: "Pause" }).click();
-    await light(page, "attention");
+    await light(page, "paused");
     assert.ok(await page.evaluate(() => window.isTheSamePage), "it was loaded anew");
   });
 });
@@ -162,7 +163,7 @@ test("a page of another version loads itself anew, once", async () => {
     await light(page, "ready");
     // The page is as it was, and yet is not loaded a third time when the next snapshot comes.
     station.verb("pause");
-    await light(page, "attention");
+    await light(page, "paused");
     assert.equal(loads, 2);
   });
 });
@@ -195,7 +196,7 @@ test("hostile ids show as text, and nothing of them runs", async () => {
     const name = async (id) => {
       await page.getByRole("button", { name: "Name the next patient" }).click();
       await page.getByLabel("Patient's id").fill(id);
-      await page.getByRole("button", { name: "OK" }).click();
+      await page.getByRole("button", { name: "Name", exact: true }).click();
     };
     for (const [n, id] of ids.entries()) {
       // What turns the direction of writing could make one id look like another.
@@ -221,7 +222,7 @@ test("whatever the station says, the page shows it as text and stays in its boun
     const { page, context, noted } = await tab(browser, station, { viewport: { width: 1000, height: 800 } });
     const hostile = ["<script>window.hacked=1</script>", "<img src=x onerror=window.hacked=1>", "\"'`&lt;", "\u202e4711\u2066", "W".repeat(500)];
     const scan = (patients) => ({
-      scan: sha256(patients[0]), at: "2026-11-22T10:00:00Z", state: "held", word: "Held", code: "<b>", patients,
+      scan: sha256(patients[0]), of: "", incomplete: false, at: "2026-11-22T10:00:00Z", state: "held", word: "Held", code: "<b>", patients,
       advice: { what: "<i>", next: "</p>" }, candidates: patients.map((id) => ({ id, shown: id })), acts: ["assign"], measures: null, files: [], unmeasured: null,
     });
     await context.route("**/stream*", (route) => route.fulfill({ status: 503, body: "" }));
@@ -257,7 +258,7 @@ test("axe-core finds nothing wrong, in both themes and languages, on page and ki
       station.export("nobody.obj", body(5));
       await until("the scans", async () => {
         const { scans, undecided } = await station.state();
-        return undecided.length === 1 && scans.filter((scan) => scan.measures).length === 2;
+        return undecided.length === 2 && [...undecided, ...scans].filter((scan) => scan.measures).length === 2;
       });
       for (const colorScheme of ["light", "dark"]) {
         const { page } = await tab(browser, station, { colorScheme, viewport: { width: 1280, height: 800 }, locale: language });
@@ -266,6 +267,9 @@ test("axe-core finds nothing wrong, in both themes and languages, on page and ki
         await page.waitForSelector("td.girth");
         await shoot(page, `page-${language}-${colorScheme}`);
         assert.deepEqual(await violations(page), [], `page ${language} ${colorScheme}`);
+        await page.locator("#search > summary").click();
+        await page.locator("#search_body details").nth(2).waitFor();
+        assert.deepEqual(await violations(page), [], `search ${language} ${colorScheme}`);
         await page.locator("#next_body button").first().click();
         assert.deepEqual(await violations(page), [], `question ${language} ${colorScheme}`);
         await shoot(page, `question-${language}-${colorScheme}`);

@@ -14,7 +14,7 @@ use gaiter::leg::{Level, Method, extract};
 use gaiter::record::garment::Garment;
 use gaiter::record::gdt::{AttachmentFields, Charset, GdtRules, result};
 use gaiter::record::picture::figures;
-use gaiter::record::report::{self, Content, Mark};
+use gaiter::record::report::{self, Content, Mark, Paper};
 use gaiter::record::{
     FigureFormat, Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile, Source,
     SourceKind, record_files, report_files, sha256,
@@ -48,7 +48,7 @@ fn german() -> ReportChoice {
 
 fn made_page(record: &Record, language: Language) -> String {
     let content = Content::of(record, language, Garment::Ad);
-    report::page(record, &content, &figures::all(record, language)).unwrap()
+    report::page(record, &content, &figures::all(record, language), Paper::A4).unwrap()
 }
 
 fn file(name: &str) -> String {

@@ -11,7 +11,7 @@ use gaiter::language::Language;
 use gaiter::leg::Method;
 use gaiter::record::garment::Garment;
 use gaiter::record::picture::figures;
-use gaiter::record::report::{self, Content};
+use gaiter::record::report::{self, Content, Print};
 use gaiter::record::{Patient, Record, Source, SourceKind};
 use support::geometry::bodies::{export, record_of};
 
@@ -145,8 +145,12 @@ fn places<'a>(bytes: &'a [u8], what: &'a [u8]) -> impl Iterator<Item = usize> + 
 }
 
 fn paper(record: &Record, language: Language) -> Vec<u8> {
+    printed(record, language, Print { has_appendix: true, ..Print::default() })
+}
+
+fn printed(record: &Record, language: Language, print: Print) -> Vec<u8> {
     let content = Content::of(record, language, Garment::Ad);
-    report::paper(record, &content, &figures::all(record, language)).unwrap()
+    report::paper(record, &content, &figures::all(record, language), print).unwrap()
 }
 
 /// The words of a paper on all its pages, lines joined.
@@ -309,4 +313,41 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
             assert!(words.contains(text.unwrap().as_str()), "{text:?} in {words}");
         }
     }
+}
+
+#[test]
+fn without_the_appendix_the_paper_has_four_pages_at_most_and_no_table_in_mm() {
+    for language in LANGUAGES {
+        for paper in [report::Paper::A4, report::Paper::Letter] {
+            let print = Print { paper, has_appendix: false };
+            let pages = Paper::of(&printed(&RECORD, language, print)).pages();
+            assert!(pages.len() <= 4, "{} pages on {paper:?}", pages.len());
+            let appendix = language.text("report.pictures.appendix");
+            assert!(pages.iter().all(|page| !page.contains(appendix)), "{pages:?}");
+        }
+    }
+    assert!(said(&RECORD, Language::En).iter().any(|page| page.contains("Engineering figures")));
+}
+
+#[test]
+fn a_letter_page_keeps_its_upper_edge_and_nothing_is_below_its_lower_one() {
+    let print = Print { paper: report::Paper::Letter, has_appendix: true };
+    let paper = Paper::of(&printed(&RECORD, Language::En, print));
+    let pages = paper.objects.values().filter(|(head, _)| head.contains("/Type /Page\n"));
+    let mut count = 0;
+    for (head, _) in pages {
+        let sides = head.split("/MediaBox [").nth(1).unwrap().split(']').next().unwrap();
+        let sides: Vec<f64> = sides.split_whitespace().map(|side| side.parse().unwrap()).collect();
+        assert!((sides[2] - sides[0] - 612.0).abs() < 0.02, "{sides:?}");
+        assert!((sides[3] - sides[1] - 792.0).abs() < 0.02, "{sides:?}");
+        let content = &paper.objects[&Paper::referred(head, "/Contents").unwrap()].1;
+        let text = String::from_utf8_lossy(content);
+        // Pictures have coordinates of their own, with y down.
+        let lowest = text.lines().filter_map(|line| line.strip_suffix(" Tm"));
+        let lowest = lowest.filter(|line| line.starts_with("1 0 0 1 "));
+        let lowest = lowest.filter_map(|line| line.split_whitespace().nth(5)?.parse::<f64>().ok());
+        assert!(lowest.fold(f64::MAX, f64::min) > sides[1] + 20.0, "text below the edge");
+        count += 1;
+    }
+    assert!(count > 4);
 }

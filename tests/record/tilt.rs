@@ -8,7 +8,7 @@ use gaiter::language::Language;
 use gaiter::leg::Method;
 use gaiter::record::Record;
 use gaiter::record::garment::Garment;
-use gaiter::record::report::{self, Content};
+use gaiter::record::report::{self, Content, Paper};
 use support::geometry::bodies::{export, record_of};
 use support::page::words;
 
@@ -43,7 +43,8 @@ fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_tol
     assert_eq!(told(&record), [[english], [german]]);
     for (language, sentence) in [(Language::En, english), (Language::De, german)] {
         let page =
-            report::page(&record, &Content::of(&record, language, Garment::Ad), &[]).unwrap();
+            report::page(&record, &Content::of(&record, language, Garment::Ad), &[], Paper::A4)
+                .unwrap();
         assert!(words(&page).contains(sentence), "{language:?}");
     }
 }

@@ -186,7 +186,7 @@ fn who_is_named_without_a_button_is_shown_and_not_replaced_unasked() {
     let booth = booth("");
     let daemon = booth.start();
     let site = Site::of(&booth, "local");
-    assert_eq!(next(&booth), "Nobody is named.");
+    assert_eq!(next(&booth), "No patient is named.");
     assert_eq!(code(&name(&site, "no one", false)), "patient-id-not-allowed");
     assert_eq!(name(&site, "4711", false).status, 200);
     assert_eq!(next(&booth), "4711's export is expected.");

@@ -57,6 +57,17 @@ pub struct OneArgs {
     pub ask: AskArgs,
 }
 
+/// `gaiter unassign`
+#[derive(Debug, clap::Args)]
+pub struct UnassignArgs {
+    /// Which scan.
+    #[command(flatten)]
+    pub of: OneArgs,
+    /// Ask for the patient's id: needed if the scan belongs to more than one patient
+    #[arg(long)]
+    pub from: bool,
+}
+
 /// `gaiter explain`
 #[derive(Debug, clap::Args)]
 pub struct ExplainArgs {

@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use super::of_words;
-use crate::config::words::{GARMENTS, LANGUAGES};
+use crate::config::words::{GARMENTS, LANGUAGES, PAPERS};
 use crate::language::Language;
 use crate::record::garment::Garment;
+use crate::record::report::Paper;
 
 /// `gaiter report`
 #[derive(Debug, clap::Args)]
@@ -19,6 +20,12 @@ pub struct ReportArgs {
     /// The garment that is ordered: the sheet says which of its measures are missing
     #[arg(long, value_parser = of_words(GARMENTS), default_value = "AD")]
     pub garment: Garment,
+    /// The paper of the PDF, and of what a browser prints
+    #[arg(long, value_parser = of_words(PAPERS), default_value = "A4")]
+    pub paper: Paper,
+    /// End the PDF with the engineering figures: the fit of the surface, and every figure in mm
+    #[arg(long)]
+    pub appendix: bool,
     /// Folder for the report [default: the current folder]
     #[arg(long, value_name = "DIR", default_value = ".", hide_default_value = true)]
     pub out: PathBuf,

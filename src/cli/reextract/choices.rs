@@ -30,6 +30,7 @@ impl Choices {
         let choice = ReportChoice {
             language: config.language,
             garment: config.garment,
+            print: config.print,
             ..ReportChoice::default()
         };
         Ok(Choices::Configured(Box::new((config.method, config.output, choice))))

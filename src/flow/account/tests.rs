@@ -20,6 +20,7 @@ fn whole(state: ScanState, delivery: DeliveryState, attempts: u64) -> Whole {
             code: refused.then(|| "scan-empty".to_owned()),
             message: refused.then(|| "the file is empty".to_owned()),
             closed: None,
+            incomplete: false,
         },
         deliveries: vec![Delivered {
             patient: Some("4711".to_owned()),

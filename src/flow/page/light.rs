@@ -2,8 +2,9 @@
 
 use serde::Serialize;
 
-use super::reasons::Advice;
+use super::reasons::{Advice, of_held, of_refused};
 use crate::flow::booth::Signal;
+use crate::flow::light::Outcome;
 use crate::language::Language;
 
 /// The light on the page.
@@ -32,8 +33,8 @@ pub struct Situation<'a> {
     pub awaited_for: &'a [String],
     /// A press may have been missed.
     pub is_in_doubt: bool,
-    /// What is to be done with the patient of the last scan before he or she dresses, in sentences.
-    pub to_do: &'a [String],
+    /// How the last scan since the last press ended; `None` if none has ended since.
+    pub last: Option<&'a Outcome>,
 }
 
 /// The light; `first` is the most serious fault, if there is one.
@@ -46,15 +47,35 @@ pub(super) fn shown(
     let decide = language.text("page.decide");
     let step = language.text(next_step(booth));
     let sentence = match (booth.signal, first) {
-        (Signal::Attention, Some(advice)) => format!("{} {}", advice.what, advice.next),
+        (Signal::Attention, Some(advice)) => advice.in_a_row(),
         // The patient waits, a decision can wait.
-        (Signal::Attention, None) if !booth.to_do.is_empty() => booth.to_do.join(" "),
-        (Signal::Attention, None) if is_any_undecided => decide.to_owned(),
-        (Signal::Ready, _) if is_any_undecided => format!("{step} {decide}"),
+        (Signal::Attention, None) => match booth.last.and_then(|last| of_last(last, language)) {
+            Some(sentence) => sentence,
+            None if is_any_undecided => decide.to_owned(),
+            None => step.to_owned(),
+        },
+        (Signal::Ready | Signal::Done, _) if is_any_undecided => format!("{step} {decide}"),
         _ => step.to_owned(),
     };
     let signal = booth.signal.word();
     LightShown { signal, word: language.word("page.light", signal), sentence }
+}
+
+/// What the last scan needs from a person at the booth; `None` if nothing.
+fn of_last(last: &Outcome, language: Language) -> Option<String> {
+    let text = |key| language.text(key);
+    Some(match last {
+        Outcome::Delivered => return None,
+        Outcome::Incomplete { to_do } => to_do.join(" "),
+        Outcome::Held { code } => {
+            let why = of_held(code, language).what;
+            format!("{} {why} {}", text("page.step.held"), text("page.step.decide_held"))
+        }
+        Outcome::Refused { code } => {
+            format!("{} {}", text("page.step.refused"), of_refused(code, language).in_a_row())
+        }
+        Outcome::NameUnread => text("page.step.name_unread").to_owned(),
+    })
 }
 
 /// The key of the sentence on what to do next.
@@ -68,6 +89,7 @@ fn next_step(booth: &Situation<'_>) -> &'static str {
         (Signal::Receiving, _) => "page.step.receiving",
         (Signal::Done, _) => "page.step.done",
         (Signal::Attention, _) => "page.step.attention",
+        (Signal::Paused, _) => "page.step.paused",
         (Signal::NoExport, true) => "page.step.no_export",
         (Signal::NoExport, false) => "page.step.no_export_without_button",
     }

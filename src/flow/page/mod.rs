@@ -11,6 +11,7 @@ mod light;
 mod next;
 mod parts;
 mod reasons;
+pub mod rows;
 mod scans;
 
 use jiff::Timestamp;
@@ -24,7 +25,7 @@ pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;
 pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
-pub use scans::{ScanShown, Told, is_held, record_folder, shown as scan_shown};
+pub use scans::{ScanShown, Told, is_held, of as row_key, record_folder, shown as scan_shown};
 
 /// Name and number of the snapshot's schema.
 pub const SCHEMA: &str = "gaiter.page/1";

@@ -20,6 +20,11 @@ impl Advice {
         Advice { what: what.into(), next: next.into() }
     }
 
+    /// Both sentences.
+    pub(super) fn in_a_row(&self) -> String {
+        format!("{} {}", self.what, self.next)
+    }
+
     /// The advice for a code in a table of texts; `None` for an unknown code.
     fn of(table: &str, code: &str, language: Language) -> Option<Advice> {
         let what = language.find(&format!("{table}.{code}.what"))?;

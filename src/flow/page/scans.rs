@@ -6,6 +6,7 @@ use jiff::Timestamp;
 use serde::Serialize;
 
 use super::reasons::{Advice, of_held, of_refused};
+use super::rows::key;
 use super::{PatientShown, distinct};
 use crate::flow::account::{Delivered, Whole};
 use crate::flow::patient::identity::{PATIENTS_DIFFER, SAME_SCAN_OTHER_PATIENT};
@@ -18,6 +19,8 @@ use crate::record::{RecordSummary, shown};
 pub struct ScanShown {
     /// Its id, all digits.
     pub scan: String,
+    /// The key of its patient's row, in addresses of this row's files; empty without a patient's record.
+    pub of: String,
     /// When the station first saw it.
     pub at: Timestamp,
     /// `spooled`, `delivered`, `unassigned`, `withdrawing`, `held`, `refused` or `closed`; it decides
@@ -37,12 +40,22 @@ pub struct ScanShown {
     pub again: Option<PatientShown>,
     /// What the operator can decide.
     pub acts: Vec<&'static str>,
+    /// Measures must be taken by hand, or the patient scanned again, as far as the journal knows.
+    pub incomplete: bool,
     /// Its measures, once its record was read; for a held scan, those of its preview.
     pub measures: Option<RecordSummary>,
     /// The files of its record, or of its preview.
     pub files: Vec<String>,
     /// Why a held scan has no preview.
     pub unmeasured: Option<String>,
+}
+
+impl ScanShown {
+    /// Whether an operator must decide about it.
+    pub fn needs_decision(&self) -> bool {
+        let is_unassigned = self.state == Place::Unassigned.word() && self.acts.contains(&LEAVE);
+        is_unassigned || [Place::Refused, Place::Held].map(Place::word).contains(&self.state)
+    }
 }
 
 /// What was read from a scan's record, or from the preview of a held scan.
@@ -70,6 +83,24 @@ enum Place {
     Somebodys,
 }
 
+impl Place {
+    /// The stable word; it decides colour and sign.
+    fn word(self) -> &'static str {
+        match self {
+            Place::Refused => "refused",
+            Place::Held => "held",
+            Place::Closed => "closed",
+            Place::Withdrawing => "withdrawing",
+            Place::Waiting => "spooled",
+            Place::Unassigned => "unassigned",
+            Place::Somebodys => "delivered",
+        }
+    }
+}
+
+/// The act that leaves a record where it is, without a patient.
+const LEAVE: &str = "leave";
+
 /// A scan as the page shows it.
 pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     let place = place(whole);
@@ -87,15 +118,7 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         Place::Held => Some(of_held(code, language)),
         _ => None,
     });
-    let state = match place {
-        Place::Refused => "refused",
-        Place::Held => "held",
-        Place::Closed => "closed",
-        Place::Withdrawing => "withdrawing",
-        Place::Waiting => "spooled",
-        Place::Unassigned => "unassigned",
-        Place::Somebodys => "delivered",
-    };
+    let state = place.word();
     let word = match place {
         Place::Closed => {
             let why = whole.summary.closed.as_deref().unwrap_or_default();
@@ -106,8 +129,10 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     };
     let acts = acts(place, code.as_deref(), whole);
     let unmeasured = told.unmeasured.as_deref().filter(|_| place == Place::Held);
+    let of = of(whole).unwrap_or_default();
     ScanShown {
         scan: whole.scan.clone(),
+        of,
         at: whole.summary.first_seen,
         state,
         word,
@@ -117,10 +142,19 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         candidates: candidates(place, &acts, whole),
         again: again(place, whole),
         acts,
+        incomplete: whole.summary.incomplete,
         measures: told.measures.clone(),
         files: told.files.clone(),
         unmeasured: unmeasured.map(|code| no_preview(code, language)),
     }
+}
+
+/// The key of the row of the only patient who has a record of a scan.
+pub fn of(whole: &Whole) -> Option<String> {
+    let theirs = theirs(whole);
+    let mut has_record = whole.deliveries.iter().filter(|of| of.is_there());
+    let only = theirs.first().filter(|_| theirs.len() == 1)?;
+    has_record.any(|of| of.patient.as_deref() == Some(only)).then(|| key(&whole.scan, only))
 }
 
 /// Why there is no picture of a held scan.
@@ -147,6 +181,8 @@ fn place(whole: &Whole) -> Place {
         Place::Withdrawing
     } else if has_owner {
         Place::Somebodys
+    } else if is_closed && is_any(DeliveryState::Held) {
+        Place::Closed
     } else {
         Place::Unassigned
     }
@@ -162,28 +198,28 @@ fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
         Place::Refused => vec!["retry", "give_up"],
         // Its bytes are gone; they come back with another export of the scan.
         Place::Closed if whole.summary.closed.as_deref() == Some("let-go") => Vec::new(),
-        Place::Closed => vec!["retry"],
+        Place::Closed if whole.summary.state == ScanState::Refused.word() => vec!["retry"],
+        Place::Closed => vec!["assign"],
         // It already belongs to a patient, so an assignment would be refused.
         Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) && is_for_one => {
             vec!["release", "give_up"]
         }
         Place::Held if code == Some(SAME_SCAN_OTHER_PATIENT) => vec!["give_up"],
-        Place::Held if is_guess || !is_for_one => vec!["assign"],
-        Place::Held => vec!["release", "assign"],
+        Place::Held if is_guess || !is_for_one => vec!["assign", "give_up"],
+        Place::Held => vec!["release", "assign", "give_up"],
         Place::Waiting if whole.deliveries.iter().any(|delivery| delivery.attempts > 0) => {
             vec!["retry"]
         }
         Place::Waiting | Place::Withdrawing => Vec::new(),
-        Place::Unassigned => vec!["assign"],
-        // If two patients have records, a person who sees both must take the wrong one away.
-        Place::Somebodys if theirs(whole).len() > 1 => Vec::new(),
+        Place::Unassigned if whole.summary.closed.is_some() => vec!["assign"],
+        Place::Unassigned => vec!["assign", LEAVE],
         Place::Somebodys => vec!["unassign"],
     }
 }
 
 /// To whom a held scan can be given with one click, without the patient to whom a release gives it.
 fn candidates(place: Place, acts: &[&str], whole: &Whole) -> Vec<PatientShown> {
-    if place != Place::Held || !acts.contains(&"assign") {
+    if ![Place::Held, Place::Closed].contains(&place) || !acts.contains(&"assign") {
         return Vec::new();
     }
     let released = if acts.contains(&"release") { theirs(whole) } else { BTreeSet::new() };

@@ -45,8 +45,10 @@ pub struct Content {
     pub levels: Levels,
     /// What a person fills in beside it.
     pub open: OpenFields,
-    /// The tables that follow: both legs at the same heights, volumes, slices, requested heights.
+    /// The tables that follow: both legs at the same heights, requested heights, volumes.
     pub tables: Vec<Table>,
+    /// The volumes of slices; `None` if there are none.
+    pub slices: Option<Table>,
     /// How well the surface follows the scan, at least one sentence per leg.
     pub surfaces: Section,
     /// Doubts and findings, most important first.
@@ -221,6 +223,8 @@ pub enum Weight {
 pub struct PictureWords {
     /// The heading.
     pub title: String,
+    /// The heading of the appendix.
+    pub appendix: String,
     /// What each figure of [`crate::record::picture::figures`] shows.
     pub captions: Vec<Caption>,
     /// The text if a leg of the record has no shape; `None` if all have one.
@@ -265,6 +269,7 @@ impl Content {
             levels: report.levels(),
             open: report.open_fields(),
             tables: report.tables(),
+            slices: report.slices(),
             surfaces: report.surfaces(),
             summary: report.summary(&notes.entries),
             notes,

@@ -8,9 +8,11 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
-use super::{Content, VIEWER};
+use super::print::APPENDIX;
+use super::{Content, Paper, VIEWER};
+use crate::language::{Piece, pieces};
 use crate::record::Record;
-use crate::record::picture::figures::Figure;
+use crate::record::picture::figures::{Figure, SHEET};
 use crate::record::picture::svg;
 
 /// The style sheet of the page.
@@ -28,10 +30,11 @@ pub fn page(
     record: &Record,
     content: &Content,
     figures: &[Figure],
+    paper: Paper,
 ) -> Result<String, serde_json::Error> {
     // `<` in the JSON's strings could end the script element, and it occurs nowhere else in JSON.
     let json = serde_json::to_string(record)?.replace('<', "\\u003c");
-    let style = format!("{STYLE}{}", svg::dark_rules());
+    let style = format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(content, paper));
     let script = format!("{VIEWER}\n{BEGIN}");
     Ok(format!(
         "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}\
@@ -41,6 +44,36 @@ pub fn page(
         head(content, &policy(&style, &script)),
         body(content, figures),
     ))
+}
+
+/// The rules for paper: its format, and the patient and the number on every page.
+fn printed_margins(content: &Content, paper: Paper) -> String {
+    let number = content.language.text("report.page_number");
+    let number: String = pieces(number)
+        .map(|piece| match piece {
+            Piece::Words(words) => css_string(words),
+            Piece::Place { name: "page", .. } => " counter(page) ".to_owned(),
+            Piece::Place { .. } => " counter(pages) ".to_owned(),
+        })
+        .collect();
+    format!(
+        "@page {{ size: {}; @top-left {{ content: {}; }} @top-right {{ content: {}; }} \
+         @bottom-left {{ content: {}; }} @bottom-right {{ content: {number}; }} }}\n",
+        paper.name(),
+        css_string(&content.patient),
+        css_string(&content.taken),
+        css_string(&content.title),
+    )
+}
+
+/// A text as a string of a style sheet. What is not a letter or digit is escaped: it could end the string
+/// or the style element.
+fn css_string(text: &str) -> String {
+    let escaped = |of: char| match of {
+        of if of.is_alphanumeric() => of.to_string(),
+        of => format!("\\{:x} ", u32::from(of)),
+    };
+    format!("\"{}\"", text.chars().map(escaped).collect::<String>())
 }
 
 fn head(content: &Content, policy: &str) -> String {
@@ -67,17 +100,24 @@ fn policy(style: &str, script: &str) -> String {
 }
 
 fn body(content: &Content, figures: &[Figure]) -> String {
+    let (appendix, pictures): (Vec<&Figure>, Vec<&Figure>) = figures
+        .iter()
+        .filter(|figure| figure.name != SHEET)
+        .partition(|figure| APPENDIX.contains(&figure.name));
     let parts = [
-        parts::verdict(content),
-        parts::levels(content, figures),
+        parts::tools(content),
+        element(
+            "div",
+            " class=\"first-page\"",
+            &(parts::verdict(content) + &parts::levels(content, figures)),
+        ),
         parts::view(content),
         parts::notes(content),
+        parts::pictures("pictures", &content.pictures.title, content, &pictures),
         parts::tables(content),
-        parts::pictures(content, figures),
-        parts::entries("surfaces", &content.surfaces),
         parts::entries("legend", &content.legend),
-        parts::landmarks(content),
         parts::facts(content),
+        parts::appendix(content, &appendix),
     ];
     format!("{}{}", parts::header(content), element("main", "", &parts.concat()))
 }

@@ -4,6 +4,7 @@ pub mod content;
 mod figure;
 mod html;
 mod pdf;
+mod print;
 mod viewer;
 mod words;
 
@@ -11,4 +12,5 @@ pub use content::Content;
 pub use figure::{Figure, Mark};
 pub use html::page;
 pub use pdf::{PdfFault, paper};
+pub use print::{Paper, Print};
 pub use viewer::VIEWER;

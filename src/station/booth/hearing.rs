@@ -59,7 +59,7 @@ impl Booth {
     ) -> Result<(), JournalError> {
         let Some(Patient { id, .. }) = self.core.identity.patient(id, by) else {
             warn!(event = "finding", code = ID_NOT_ALLOWED);
-            self.inner().last = Some((Outcome::NeedsPerson, self.core.now()));
+            self.inner().last = Some((Outcome::NameUnread, self.core.now()));
             return self.unread(by);
         };
         let (mut inner, now) = (self.inner(), self.core.now());

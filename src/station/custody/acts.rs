@@ -4,6 +4,7 @@
 use std::collections::BTreeSet;
 use std::sync::PoisonError;
 
+use super::decided::by_operator;
 use super::{Custody, CustodyFault, intake_of, io};
 use crate::flow::decision::{Decided, Ruling};
 use crate::flow::{DeliveryState, ScanId};
@@ -40,7 +41,7 @@ impl Custody {
         }
         let decisions = io("reading decisions", self.decisions.of(scan))?;
         match Ruling::of(&decisions).is_given_up() {
-            true => self.decide(scan, Decided::Retried, None, |journal, number| {
+            true => self.decide(scan, &[(Decided::Retried, None)], |journal, number| {
                 journal.retried(scan, &refused, Some(number))
             })?,
             false => self.journal.retried(scan, &refused, None)?,
@@ -70,14 +71,14 @@ impl Custody {
         if !self.bytes_to_spool(scan)? {
             return Ok(Acted::NoBytes);
         }
-        self.decide(scan, Decided::Released, patient.clone(), |journal, number| {
+        self.decide(scan, &[(Decided::Released, patient)], |journal, number| {
             journal.released(scan, &theirs, number)
         })?;
         Ok(Acted::Done(theirs.len()))
     }
 
-    /// Takes a scan back from its patient, `owner`, so that it is unassigned again. `stored` is as in
-    /// [`Custody::assign`].
+    /// Takes a scan back from a patient, `owner`: it stays with the other patients it belongs to, or is
+    /// unassigned again. `stored` is as in [`Custody::assign`].
     pub fn unassign(
         &self,
         row: &ScanRow,
@@ -85,16 +86,23 @@ impl Custody {
         stored: Option<StoredScan>,
     ) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        if self.journal.owners(&row.scan)? != [owner] {
+        let mut others = self.journal.owners(&row.scan)?;
+        let Some(place) = others.iter().position(|id| id == owner) else {
             // Another decision was made in the meantime.
             return Ok(Acted::Nothing);
-        }
-        if !self.bring_back(row, None, stored)? {
+        };
+        others.remove(place);
+        let stay: Vec<Patient> = others.iter().map(|id| by_operator(id)).collect();
+        if !self.bring_back(row, stay.first(), stored)? {
             return Ok(Acted::NoBytes);
         }
-        let stores = self.stores_for(None);
-        self.decide(&row.scan, Decided::Unassigned, Some(owner.to_owned()), |journal, number| {
-            journal.unassigned(&row.scan, &stores, number)
+        let stores = self.stores_for(stay.first());
+        let taken = (Decided::Unassigned, Some(owner.to_owned()));
+        // Those who keep it are named again: the first decision takes it from all.
+        let kept = others.into_iter().map(|id| (Decided::Released, Some(id)));
+        let decisions: Vec<_> = [taken].into_iter().chain(kept).collect();
+        self.decide(&row.scan, &decisions, |journal, number| {
+            journal.unassigned(&row.scan, &stay, &stores, number)
         })?;
         Ok(Acted::Done(stores.len()))
     }
@@ -135,21 +143,21 @@ impl Custody {
             return Ok(Acted::NoBytes);
         }
         let stores = self.stores_for(Some(patient));
-        let id = Some(patient.id.clone());
-        self.decide(&row.scan, Decided::Assigned, id, |journal, number| {
+        let decision = (Decided::Assigned, Some(patient.id.clone()));
+        self.decide(&row.scan, &[decision], |journal, number| {
             journal.assigned(&row.scan, patient, &stores, number)
         })?;
         Ok(Acted::Done(stores.len()))
     }
 
-    /// Closes a scan that was refused, or is held although it already belongs to a patient: it needs no
-    /// further decision. Its bytes are kept as long as other bytes that are no longer needed.
+    /// Closes a scan that was refused, is held, or is stored without a patient: it needs no further
+    /// decision. Its bytes are kept as long as other bytes that are no longer needed.
     pub fn give_up(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         if !self.journal.may_be_given_up(scan)? {
             return Ok(Acted::Nothing);
         }
-        self.decide(scan, Decided::GivenUp, None, |journal, number| {
+        self.decide(scan, &[(Decided::GivenUp, None)], |journal, number| {
             journal.given_up(scan, number)
         })?;
         Ok(Acted::Done(0))

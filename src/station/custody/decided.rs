@@ -24,24 +24,33 @@ struct Known {
 impl Known {
     /// The patients the scan belongs to according to the decisions.
     fn patients(&self) -> Vec<Patient> {
-        let ids = self.ruling.patients().iter().cloned();
-        ids.map(|id| Patient { id, sources: vec![Source::of(SourceKind::Operator)] }).collect()
+        self.ruling.patients().iter().map(|id| by_operator(id)).collect()
     }
 }
 
+/// The patient of this id, by an operator's decision.
+pub(super) fn by_operator(id: &str) -> Patient {
+    Patient { id: id.to_owned(), sources: vec![Source::of(SourceKind::Operator)] }
+}
+
 impl Custody {
-    /// Stores a decision, then applies it to the journal. If the journal fails, the decision is removed
-    /// again: a failed command has no effect. The caller holds the custody lock.
+    /// Stores decisions that belong together, then applies them to the journal. If the journal fails, they
+    /// are removed again: a failed command has no effect. The caller holds the custody lock.
     pub(super) fn decide(
         &self,
         scan: &ScanId,
-        what: Decided,
-        patient: Option<String>,
+        decided: &[(Decided, Option<String>)],
         change: impl FnOnce(&Journal, usize) -> Result<(), JournalError>,
     ) -> Result<(), CustodyFault> {
         let before = io("reading decisions", self.decisions.of(scan))?;
         let mut decisions = before.clone();
-        decisions.push(Decision { at: Timestamp::now(), what, patient });
+        let at = Timestamp::now();
+        let decision = |(what, patient): &(Decided, Option<String>)| Decision {
+            at,
+            what: *what,
+            patient: patient.clone(),
+        };
+        decisions.extend(decided.iter().map(decision));
         io("keeping a decision", self.decisions.keep(scan, &decisions))?;
         let changed = change(&self.journal, decisions.len());
         if changed.is_err() {

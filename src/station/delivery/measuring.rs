@@ -11,13 +11,14 @@ use tracing::{info, warn};
 use crate::flow::acquired::acquired;
 use crate::flow::confinement::{Confine, Confinement};
 use crate::flow::facts::Alarm;
-use crate::record::{Patient, Provenance, RecordFile};
+use crate::record::{Acquired, Patient, Provenance, RecordFile};
 use crate::station::core::Core;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::measure::{
     self, Answer, Blame, ConfineFault, Job, MeasureFault, Measured, Trouble,
 };
 use crate::station::runtime::causes::chain;
+use crate::station::runtime::clock::utc_offset_min;
 
 /// How often a measurement that may have failed because of the scan is tried before the scan is
 /// refused.
@@ -172,10 +173,11 @@ fn job(
     };
     let config = &core.config;
     let series = core.custody.phantom_series();
+    let acquired = acquired(row.pressed_at, row.file_time, row.first_seen);
     let provenance = Provenance {
         station: Some(config.station.id.clone()),
         patient,
-        acquired: Some(acquired(row.pressed_at, row.file_time, row.first_seen)),
+        acquired: Some(Acquired { utc_offset_min: utc_offset_min(acquired.at), ..acquired }),
         phantom_check: series.and_then(|series| series.last_before(row.first_seen)),
         ..Provenance::of_scan(row.scan.to_string())
     };

@@ -116,14 +116,17 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
             })
             .map_err(|fault| of_store(fault, row))?;
         store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
+        if !to_do.is_empty() {
+            core.custody.journal().lacks_measures(&due.scan)?;
+        }
         core.custody.delivered(due, &receipt.folder)?;
         let state = core.custody.journal().scan(&due.scan)?.map(|row| row.state);
         if state == Some(ScanState::Delivered) {
             let outcome = match to_do.is_empty() {
                 true => light::Outcome::Delivered,
-                false => light::Outcome::Incomplete,
+                false => light::Outcome::Incomplete { to_do: to_do.clone() },
             };
-            booth.ended(&due.scan, outcome, to_do);
+            booth.ended(&due.scan, outcome);
         }
         let (scan, store) = (short(&due.scan), &due.store);
         info!(event = "scan-delivered", scan, store, already_there = receipt.already_there);
@@ -197,7 +200,7 @@ fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
                 }
                 warn!(event = "scan-refused", scan, code);
                 let scan = Some(scan);
-                booth.ended(&due.scan, light::Outcome::NeedsPerson, &[]);
+                booth.ended(&due.scan, light::Outcome::Refused { code: code.to_string() });
                 core.observer.tell(StationEvent::Refused { scan, code, message });
                 return Ended::ForGood;
             }

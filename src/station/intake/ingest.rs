@@ -128,8 +128,8 @@ pub fn take(
     let read = settled.writing.read();
     let found = Found { began, format, is_cut_short, read, companions: &companions };
     let (verdict, not_an_id) = admit(booth, export, &found, says)?;
-    if let Verdict::Held(_) = verdict {
-        booth.ended(&export.scan, Outcome::NeedsPerson, &[]);
+    if let Verdict::Held(code) = verdict {
+        booth.ended(&export.scan, Outcome::Held { code: code.to_owned() });
     }
     let scan = export.scan.short();
     if not_an_id {

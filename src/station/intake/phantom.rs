@@ -78,7 +78,7 @@ fn measured(
     let now = Timestamp::now();
     let now = Timestamp::from_second(now.as_second()).unwrap_or(now);
     let provenance = Provenance {
-        acquired: Some(Acquired { at: now, from: AcquiredFrom::Unknown }),
+        acquired: Some(Acquired::new(now, AcquiredFrom::Unknown)),
         ..Provenance::of_scan(export.scan.to_string())
     };
     let job = Job::new(&core.config, provenance, format.ending(), export.bytes.len() as u64);

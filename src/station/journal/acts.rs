@@ -73,34 +73,28 @@ impl Journal {
         })
     }
 
-    /// Applies an operator's decision to take a scan back from its patient: it is unassigned again.
-    /// Delivered records are withdrawn when the unassigned one is in the same store.
+    /// Applies an operator's decision to take a scan back from a patient: it stays with the others it
+    /// belongs to, or is unassigned again. A delivered record is withdrawn when one that stays is in the
+    /// same store.
     pub fn unassigned(
         &self,
         scan: &ScanId,
+        stay: &[Patient],
         stores: &[&str],
         number: usize,
     ) -> Result<(), JournalError> {
         self.change(|transaction| {
-            let taken = owners(transaction, scan)?;
-            belongs_to(transaction, scan, &[], stores)?;
+            let mut taken = owners(transaction, scan)?;
+            taken.retain(|id| stay.iter().all(|stays| stays.id != *id));
+            belongs_to(transaction, scan, stay, stores)?;
             let detail = json!({ "patients": taken, "by": "operator", "decision": number });
             history::append(transaction, Some(scan), Event::Unassigned, &detail)
         })
     }
 
-    /// Reports whether an operator may give up a scan: it was refused, or is held although it already
-    /// belongs to a patient.
+    /// Reports whether an operator may give up a scan: it waits for a decision.
     pub fn may_be_given_up(&self, scan: &ScanId) -> Result<bool, JournalError> {
-        let connection = self.connection();
-        let mut query = connection.prepare_cached(
-            "SELECT state = 'refused' FROM scans WHERE sha256 = ?1 AND closed IS NULL",
-        )?;
-        let mut rows = query.query([scan.as_str()])?;
-        let Some(row) = rows.next()? else { return Ok(false) };
-        let is_refused: bool = row.get(0)?;
-        let is_held = count(&connection, scan, DeliveryState::Held)? > 0;
-        Ok(is_refused || is_held && !owners(&connection, scan)?.is_empty())
+        self.is_undecided(scan)
     }
 
     /// Applies an operator's decision to give a scan up: it needs no further decision.

@@ -79,6 +79,13 @@ impl Journal {
         })
     }
 
+    /// Notes that the record of a scan lacks measures: a person must take them by hand or scan again.
+    pub fn lacks_measures(&self, scan: &ScanId) -> Result<(), JournalError> {
+        let noted = "UPDATE scans SET incomplete = 1 WHERE sha256 = ?1 AND incomplete = 0";
+        self.connection().prepare_cached(noted)?.execute([scan.as_str()])?;
+        Ok(())
+    }
+
     /// Records that a store will never take a record, if other deliveries of the scan are pending.
     /// Returns whether that is so. If not, nothing is changed: the scan is to be refused.
     pub fn refused_at_store(&self, due: &Due, code: &str) -> Result<bool, JournalError> {
@@ -151,11 +158,15 @@ pub(super) fn finish_if_done(
 /// Reports whether the spooled bytes of a scan are no longer needed: none of its deliveries is pending,
 /// refused, or held for a decision that is still open.
 pub(super) fn has_served(connection: &Connection, scan: &ScanId) -> Result<bool, JournalError> {
+    // What was given up before any record was made of it is nowhere else.
     let mut query = connection.prepare_cached(
         "SELECT NOT EXISTS (
              SELECT 1 FROM deliveries JOIN scans USING (sha256)
              WHERE sha256 = ?1 AND (deliveries.state IN ('pending', 'refused')
-                                    OR deliveries.state = 'held' AND closed IS NULL))",
+                                    OR deliveries.state = 'held' AND (closed IS NULL
+                                       OR NOT EXISTS (SELECT 1 FROM deliveries AS made
+                                                      WHERE made.sha256 = scans.sha256
+                                                            AND made.state = 'delivered'))))",
     )?;
     Ok(query.query_row([scan.as_str()], |row| row.get(0))?)
 }

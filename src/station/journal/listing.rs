@@ -1,6 +1,7 @@
 //! Queries of operators and monitors: counts, the oldest scan, lists, everything about one scan.
 
 mod newest;
+mod search;
 
 use std::collections::BTreeMap;
 
@@ -134,7 +135,8 @@ impl Journal {
         let viewer = self.viewer();
         let connection = viewer.unchecked_transaction()?;
         let mut query = connection.prepare_cached(
-            "SELECT state, first_seen, file_time, format, size, code, message, closed, candidates
+            "SELECT state, first_seen, file_time, format, size, code, message, closed, candidates,
+                    incomplete
              FROM scans WHERE sha256 = ?1",
         )?;
         let found = query.query_row([scan.as_str()], |row| {
@@ -147,6 +149,7 @@ impl Journal {
                 code: row.get(5)?,
                 message: row.get(6)?,
                 closed: row.get(7)?,
+                incomplete: row.get(9)?,
             };
             Ok((summary, ids(row, 8)?))
         });

@@ -46,7 +46,9 @@ impl Journal {
                      WHERE state = ?1 AND changed_at < ?2 AND NOT EXISTS (
                          SELECT 1 FROM deliveries AS open WHERE open.sha256 = scans.sha256
                          AND (open.state IN ('pending', 'withdrawing')
-                              OR open.state = 'held' AND scans.closed IS NULL)))",
+                              OR open.state = 'held' AND (scans.closed IS NULL OR NOT EXISTS (
+                                  SELECT 1 FROM deliveries AS made
+                                  WHERE made.sha256 = scans.sha256 AND made.state = 'delivered')))))",
                 [delivered, &before],
             )?;
             let scans = transaction.execute(

@@ -14,7 +14,7 @@ pub(super) const KNOWN: i64 = STEPS.len() as i64;
 type Step = fn(&Transaction<'_>) -> Result<(), JournalError>;
 
 /// From an empty file to the current schema. A released step is never changed.
-const STEPS: [Step; 4] = [
+const STEPS: [Step; 5] = [
     |transaction| Ok(transaction.execute_batch(FIRST)?),
     |transaction| {
         transaction.execute_batch(SECOND)?;
@@ -26,6 +26,7 @@ const STEPS: [Step; 4] = [
         transaction.execute_batch(FOURTH)?;
         captures::upgrade(transaction)
     },
+    |transaction| Ok(transaction.execute_batch(FIFTH)?),
 ];
 
 /// `patient` is '' if no patient was named. `sources` is JSON. `next_at` tells operators when the next
@@ -139,6 +140,14 @@ CREATE TABLE orders (
     mtime_ns TEXT NOT NULL,
     digest   TEXT NOT NULL
 ) STRICT;
+";
+
+/// `incomplete` of a scan: its record lacks measures that must be taken by hand, or the patient should be
+/// scanned again. The indexes serve the search by patient and time, and the list of unassigned records.
+const FIFTH: &str = "
+ALTER TABLE scans ADD COLUMN incomplete INTEGER NOT NULL DEFAULT 0;
+CREATE INDEX scans_by_first_seen ON scans (first_seen);
+CREATE INDEX deliveries_by_patient ON deliveries (patient);
 ";
 
 /// The tables of the current schema.

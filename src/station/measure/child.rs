@@ -76,6 +76,7 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
     let choice = ReportChoice {
         language: config.language,
         garment: config.garment,
+        print: config.print,
         ..ReportChoice::default()
     };
     let scan = ScanFile { bytes: scan, format, ord };

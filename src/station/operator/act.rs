@@ -23,9 +23,10 @@ pub enum Act {
     Release,
     /// A scan that came in without a patient, or is held, belongs to the patient with this id.
     Assign(String),
-    /// A scan does not belong to its patient: it becomes unassigned again.
-    Unassign,
-    /// A refused scan, or a held one that already belongs to a patient, needs no decision any more.
+    /// A scan does not belong to the patient of this id, or to its only patient: it stays with the others
+    /// or becomes unassigned again.
+    Unassign(Option<String>),
+    /// A scan that was refused, is held, or is stored without a patient needs no decision any more.
     GiveUp,
     /// The next scan belongs to this patient.
     NameNext {
@@ -117,7 +118,7 @@ pub fn act(
         Act::Retry => retry(core, known(core, scan)?),
         Act::Release => release(core, known(core, scan)?),
         Act::Assign(id) => assign(core, known(core, scan)?, id),
-        Act::Unassign => unassign(core, known(core, scan)?),
+        Act::Unassign(from) => unassign(core, known(core, scan)?, from.as_deref()),
         Act::GiveUp => give_up(core, known(core, scan)?),
         Act::NameNext { id, by, replaces } => return name_next(booth, id, *by, *replaces),
         Act::CallOff => return call_off(booth),
@@ -178,8 +179,8 @@ fn give_up(core: &Core, row: ScanRow) -> Result<String, ActFault> {
             Ok(format!("scan {scan} is given up: it needs no decision any more"))
         }
         Acted::Nothing | Acted::NoBytes | Acted::Several | Acted::Somebodys => {
-            let why = "it was not refused, and it is not held beside another patient's record, or \
-                       it was given up before; there is nothing to give up";
+            let why = "the scan waits for no decision, or it was given up before; there is nothing \
+                       to give up";
             Err(ActFault::NoOccasion(why))
         }
     }
@@ -203,22 +204,35 @@ fn assign(core: &Core, row: ScanRow, id: &str) -> Result<String, ActFault> {
     }
 }
 
-fn unassign(core: &Core, row: ScanRow) -> Result<String, ActFault> {
+fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, ActFault> {
     let owners = core.custody.journal().owners(&row.scan)?;
-    let owner = match owners.as_slice() {
-        [] => return Err(ActFault::NoOccasion("it is unassigned; there is nothing to take back")),
-        [owner] => owner,
-        _ => {
-            let why = "it belongs to more than one patient: remove the wrong record by hand";
+    let owner = match (owners.as_slice(), from) {
+        ([], _) => {
+            let why = "the scan is unassigned; there is nothing to take back";
+            return Err(ActFault::NoOccasion(why));
+        }
+        ([owner], None) => owner,
+        (owners, Some(from)) => owners.iter().find(|owner| *owner == from).ok_or(
+            ActFault::NoOccasion("the scan does not belong to this patient; nothing was changed"),
+        )?,
+        (_, None) => {
+            let why = "the scan belongs to more than one patient: say from whom it is taken back \
+                       (gaiter unassign --from)";
             return Err(ActFault::NoOccasion(why));
         }
     };
+    let stays = owners.len() > 1;
     let scan = short(&row.scan);
     let unassign = |stored| core.custody.unassign(&row, owner, stored);
     match with_bytes(core, &row.scan, Some(owner), unassign)? {
         Acted::Done(_) => {
             info!(event = "scan-unassigned", scan);
-            let said = format!("scan {scan} is unassigned again; its record goes to _unassigned");
+            let said = match stays {
+                true => {
+                    format!("scan {scan} is taken back from this patient and stays with the other")
+                }
+                false => format!("scan {scan} is unassigned again; its record goes to _unassigned"),
+            };
             let of_practice = core.stores.iter().any(|store| !store.gives_back());
             Ok(match of_practice {
                 true => format!("{said}; delete what was given to the practice software there"),

@@ -3,6 +3,8 @@
 use std::fs;
 use std::time::Duration;
 
+use jiff::Timestamp;
+use jiff::tz::TimeZone;
 use rustix::time::{ClockId, clock_gettime};
 
 /// The daemon's monotonic clock. It counts from the boot of the machine, so that a time in the journal
@@ -35,6 +37,12 @@ impl Clock {
     pub fn boot(&self) -> &str {
         &self.boot
     }
+}
+
+/// How far this machine's local time was ahead of UTC at a time, minutes.
+pub fn utc_offset_min(at: Timestamp) -> Option<i16> {
+    let seconds = TimeZone::system().to_offset(at).seconds();
+    i16::try_from(seconds / 60).ok()
 }
 
 /// The time since the machine was booted, including its sleeps.

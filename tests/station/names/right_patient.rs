@@ -244,7 +244,7 @@ fn a_name_that_the_journal_could_not_keep_names_nobody() {
     let (code, said) = room.try_name("1002");
     assert_eq!(code, Some(74), "{said}");
     drop(lock);
-    assert!(room.said(&["patient", "show"]).contains("Nobody is named"));
+    assert!(room.said(&["patient", "show"]).contains("No patient is named"));
     room.press();
     room.write("a.obj", &coarse_body(1));
     room.booth.wait_for_records(1);

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic)]
 
 /// Elements without an end.
-const VOID: [&str; 4] = ["meta", "col", "br", "!doctype"];
+const VOID: [&str; 5] = ["meta", "col", "br", "input", "!doctype"];
 
 /// Fails where an element is not closed in its order, an attribute is not in double quotes, or an id
 /// stands twice. Content of scripts and styles is passed over.

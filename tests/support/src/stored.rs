@@ -22,7 +22,7 @@ pub fn store(root: &Path, patient: &str, at: &str, bytes: &[u8], method: &Method
     let provenance = Provenance {
         station: Some("booth-1".to_owned()),
         patient: Some(Patient { id: patient.to_owned(), sources }),
-        acquired: Some(Acquired { at: acquired, from: AcquiredFrom::FileTime }),
+        acquired: Some(Acquired::new(acquired, AcquiredFrom::FileTime)),
         ..Provenance::of_scan(sha256(bytes))
     };
     let scan = ScanFile { bytes, format: Format::Obj, ord: None };

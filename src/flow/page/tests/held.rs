@@ -21,12 +21,12 @@ fn a_held_scan_offers_its_candidates_and_a_release_only_where_exactly_one_patien
         choices(patients, "export-late", candidates)
     };
     let ids = |ids: &[&str]| ids.iter().map(|id| (*id).to_owned()).collect::<Vec<_>>();
-    assert_eq!(late(&[Some("1")], &[]), (ids(&[]), vec!["release", "assign"]));
-    assert_eq!(late(&[Some("1"), Some("2")], &[]), (ids(&[]), vec!["assign"]));
-    assert_eq!(late(&[Some("1")], &["1", "2"]), (ids(&["1", "2"]), vec!["assign"]));
+    assert_eq!(late(&[Some("1")], &[]), (ids(&[]), vec!["release", "assign", "give_up"]));
+    assert_eq!(late(&[Some("1"), Some("2")], &[]), (ids(&[]), vec!["assign", "give_up"]));
+    assert_eq!(late(&[Some("1")], &["1", "2"]), (ids(&["1", "2"]), vec!["assign", "give_up"]));
     // A release does the same as the only candidate's button.
-    assert_eq!(late(&[Some("1")], &["1"]), (ids(&[]), vec!["release", "assign"]));
-    assert_eq!(late(&[None], &["1"]), (ids(&["1"]), vec!["assign"]));
+    assert_eq!(late(&[Some("1")], &["1"]), (ids(&[]), vec!["release", "assign", "give_up"]));
+    assert_eq!(late(&[None], &["1"]), (ids(&["1"]), vec!["assign", "give_up"]));
     let other = "same-scan-other-patient";
     assert_eq!(choices(&[Some("1")], other, &["1", "2"]), (ids(&[]), vec!["release", "give_up"]));
     assert_eq!(choices(&[Some("1"), Some("2")], other, &["1", "2"]), (ids(&[]), vec!["give_up"]));

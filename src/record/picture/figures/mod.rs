@@ -27,7 +27,7 @@ pub struct Figure {
 /// All figures for which the record has data, in reading order.
 pub fn all(record: &Record, language: Language) -> Vec<Figure> {
     let figures = [
-        ("sheet", sheet::picture(record, language)),
+        (SHEET, sheet::picture(record, language)),
         ("views", views::picture(record, language)),
         ("girths", girths::picture(record, language)),
         ("sections", sections::picture(record, language)),
@@ -57,6 +57,9 @@ pub fn overview(figures: &[Figure], language: Language) -> String {
     }
     svg::file(language.text("picture.views"), [width, height], &marks)
 }
+
+/// The name of the figure on the measuring sheet.
+pub const SHEET: &str = "sheet";
 
 /// The names of the figures that show both legs at a glance.
 const OVERVIEW: [&str; 2] = ["views", "girths"];

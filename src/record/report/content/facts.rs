@@ -1,7 +1,7 @@
 //! Where a record comes from, in words.
 
 use jiff::Timestamp;
-use jiff::tz::TimeZone;
+use jiff::tz::{Offset, TimeZone};
 
 use super::{Fact, Report, Section};
 use crate::record::phantom::{CheckResult, LastCheck};
@@ -26,14 +26,19 @@ impl Report<'_> {
 
     fn time(&self) -> String {
         match &self.record.acquired {
-            Some(acquired) => self.utc(acquired.at),
+            Some(acquired) => self.local(acquired.at),
             None => self.text("report.fact.time_unknown"),
         }
     }
 
-    /// Date and time in the format of the language.
-    fn utc(&self, at: Timestamp) -> String {
-        at.to_zoned(TimeZone::UTC).strftime(self.language.text("report.time")).to_string()
+    /// Date and time at the scanner in the format of the language; UTC, and marked so, if the record does
+    /// not hold how the two differ.
+    fn local(&self, at: Timestamp) -> String {
+        let offset = self.record.acquired.as_ref().and_then(|acquired| acquired.utc_offset_min);
+        let offset = offset.and_then(|min| Offset::from_seconds(i32::from(min) * 60).ok());
+        let zone = offset.map_or(TimeZone::UTC, TimeZone::fixed);
+        let words = at.to_zoned(zone).strftime(self.language.text("report.time")).to_string();
+        if offset.is_some() { words } else { words + " UTC" }
     }
 
     pub(super) fn facts(&self) -> Vec<Fact> {
@@ -105,7 +110,7 @@ impl Report<'_> {
 
     /// The last check with a body of known girths, in words.
     fn phantom(&self, check: &LastCheck) -> String {
-        let when = self.utc(check.at);
+        let when = self.local(check.at);
         let tolerance = shortest(check.tolerance_mm, self.language);
         let worst_mm = check.worst_mm.unwrap_or_default();
         let worst = signed(worst_mm, &tenths_words(worst_mm, self.language));

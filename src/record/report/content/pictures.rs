@@ -7,6 +7,7 @@ impl Report<'_> {
         let is_any_missing = self.record.legs.iter().any(|leg| leg.shape.is_none());
         PictureWords {
             title: self.text("report.pictures.title"),
+            appendix: self.text("report.pictures.appendix"),
             captions: self.captions(),
             missing: is_any_missing.then(|| self.text("report.pictures.missing")),
             view: self.text("report.pictures.view"),

@@ -9,7 +9,7 @@ use crate::record::schema::LegFigures;
 
 impl Report<'_> {
     pub(super) fn tables(&self) -> Vec<Table> {
-        let tables = [self.same_heights(), self.asked(), Some(self.volumes()), self.slices()];
+        let tables = [self.same_heights(), self.asked(), Some(self.volumes())];
         tables.into_iter().flatten().collect()
     }
 
@@ -158,7 +158,7 @@ impl Report<'_> {
     }
 
     /// Volumes of the slices of 4 cm; `None` if no leg has any.
-    fn slices(&self) -> Option<Table> {
+    pub(super) fn slices(&self) -> Option<Table> {
         let longest = self.record.legs.iter().map(|leg| &leg.volume.slices);
         let longest = longest.max_by_key(|slices| slices.len()).filter(|all| !all.is_empty())?;
         let row = |slice: &SliceFigures| {

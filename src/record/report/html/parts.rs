@@ -2,7 +2,7 @@
 
 use super::markup::{element, escaped, figure, foreign, section, wide, words};
 use crate::leg::Side;
-use crate::record::picture::figures::Figure as Drawn;
+use crate::record::picture::figures::{Figure as Drawn, SHEET};
 use crate::record::picture::svg;
 use crate::record::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
 use crate::record::report::{Figure, Mark};
@@ -84,7 +84,7 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let table = wide("levels", &element("table", " class=\"levels\"", &inside));
     let below = levels.doubts.iter().chain(&levels.tilted);
     let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
-    let legs = drawn.iter().find(|drawn| drawn.name == "sheet").map(|drawn| {
+    let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
         let marks = svg::embedded(&drawn.picture.title, drawn.picture.size, &drawn.marks);
         element("figure", " class=\"sheet\"", &marks)
     });
@@ -132,12 +132,35 @@ fn open_fields(content: &Content) -> String {
 }
 
 /// The pictures of the method.
-pub(super) fn pictures(content: &Content, drawn: &[Drawn]) -> String {
+pub(super) fn pictures(id: &str, title: &str, content: &Content, drawn: &[&Drawn]) -> String {
     let missing =
         content.pictures.missing.as_ref().map(|text| words("p", " class=\"aside\"", text));
-    let shown = drawn.iter().filter(|drawn| drawn.name != "sheet");
-    let figures: String = shown.map(|drawn| picture(content, drawn)).collect();
-    section("pictures", &content.pictures.title, &(missing.unwrap_or_default() + &figures))
+    let figures: String = drawn.iter().map(|drawn| picture(content, drawn)).collect();
+    section(id, title, &(missing.unwrap_or_default() + &figures))
+}
+
+/// The engineering figures, which few readers need: closed, and not printed while they are.
+pub(super) fn appendix(content: &Content, drawn: &[&Drawn]) -> String {
+    let title = &content.pictures.appendix;
+    let inside = [
+        words("summary", "", title),
+        pictures("fit", &content.pictures.title, content, drawn),
+        content.slices.as_ref().map(|of| whole_table("slices", of)).unwrap_or_default(),
+        entries("surfaces", &content.surfaces),
+        landmarks(content),
+    ];
+    element("details", " class=\"appendix\"", &inside.concat())
+}
+
+/// The buttons for printing.
+pub(super) fn tools(content: &Content) -> String {
+    let text = |key| content.language.text(key);
+    let print = words("button", " type=\"button\" id=\"print\"", text("report.print.button"));
+    let only = format!(
+        "<label><input type=\"checkbox\" id=\"first-only\"> {}</label>",
+        escaped(text("report.print.first_only"))
+    );
+    element("p", " class=\"tools screen-only\"", &(print + &only))
 }
 
 fn picture(content: &Content, drawn: &Drawn) -> String {
@@ -158,13 +181,14 @@ pub(super) fn view(content: &Content) -> String {
     element("div", " class=\"screen-only\"", &section("view", &content.pictures.view, &place))
 }
 
-/// Both legs at the same heights, requested heights, volumes, slices.
+/// Both legs at the same heights, requested heights, volumes.
 pub(super) fn tables(content: &Content) -> String {
-    let part = |(index, of): (usize, &Table)| {
-        let id = format!("table-{index}");
-        section(&id, &of.title, &table(&id, of, ""))
-    };
+    let part = |(index, of): (usize, &Table)| whole_table(&format!("table-{index}"), of);
     content.tables.iter().enumerate().map(part).collect()
+}
+
+fn whole_table(id: &str, of: &Table) -> String {
+    section(id, &of.title, &table(id, of, ""))
 }
 
 /// Every figure of the levels in mm.

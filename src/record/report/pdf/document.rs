@@ -8,10 +8,10 @@ use sha2::{Digest, Sha256};
 use super::PdfFault;
 use super::letters::{FontRefs, NAMES};
 use super::packing::packed;
-use super::sheet::{SIZE, Sheets};
+use super::sheet::{SIZE, Sheets, short};
 use super::tags::ROOT;
 use crate::record::Record;
-use crate::record::report::Content;
+use crate::record::report::{Content, Paper};
 
 /// The object numbers.
 struct Refs {
@@ -65,7 +65,7 @@ pub(super) fn bytes(
     pdf.set_file_id((id[..16].to_vec(), id[..16].to_vec()));
     write_catalog(&mut pdf, &refs, content);
     write_info(&mut pdf, refs.info, record, content);
-    write_pages(&mut pdf, &refs);
+    write_pages(&mut pdf, &refs, sheets.paper);
     write_tags(&mut pdf, &refs, &sheets);
     for (letters, refs) in sheets.letters.iter().zip(&refs.fonts) {
         letters.write(&mut pdf, refs)?;
@@ -84,12 +84,16 @@ fn write_catalog(pdf: &mut Pdf, refs: &Refs, content: &Content) {
     catalog.pair(Name(b"StructTreeRoot"), refs.tags);
 }
 
-fn write_pages(pdf: &mut Pdf, refs: &Refs) {
-    let [width, height] = SIZE.map(|side| side as f32);
+fn write_pages(pdf: &mut Pdf, refs: &Refs, paper: Paper) {
+    let [width, height] = paper.size_pt();
+    let (left, top) = ((SIZE[0] - width) / 2.0, SIZE[1]);
+    let sides = [left, top - height, left + width, top].map(short);
     pdf.pages(refs.tree).kids(refs.pages.iter().copied()).count(refs.pages.len() as i32);
     for (index, (page, content)) in refs.pages.iter().zip(&refs.contents).enumerate() {
         let mut page = pdf.page(*page);
-        page.parent(refs.tree).media_box(Rect::new(0.0, 0.0, width, height)).contents(*content);
+        page.parent(refs.tree)
+            .media_box(Rect::new(sides[0], sides[1], sides[2], sides[3]))
+            .contents(*content);
         page.struct_parents(index as i32);
         let mut resources = page.resources();
         let mut named = resources.fonts();

@@ -8,7 +8,7 @@ use super::tags::{ElementIndex, ROOT};
 use super::wrap::{Type, cut, lines};
 use crate::record::picture::font::writable;
 use crate::record::picture::{Anchor, Ink, Picture};
-use crate::record::report::Content;
+use crate::record::report::{Content, Paper};
 
 /// The column of the text, pt: left and right margins of 17 mm.
 pub(super) const COLUMN: [f64; 2] = [48.0, SIZE[0] - 48.0];
@@ -16,18 +16,21 @@ pub(super) const COLUMN: [f64; 2] = [48.0, SIZE[0] - 48.0];
 /// Its width, pt.
 pub(super) const WIDTH: f64 = COLUMN[1] - COLUMN[0];
 
-/// Top and bottom of the text, pt from the top of the page.
-const BODY: [f64; 2] = [66.0, SIZE[1] - 56.0];
+/// Top of the text, pt from the top of the page.
+const TOP: f64 = 66.0;
 
-/// The baselines of the head and of the foot of a page, pt from the top.
+/// Distance of the bottom of the text from the lower edge, pt.
+const BOTTOM_MARGIN: f64 = 56.0;
+
+/// The baselines of the head, pt from the top, and of the foot, pt from the lower edge.
 const HEAD: f64 = 42.0;
-const FOOT: f64 = SIZE[1] - 36.0;
+const FOOT_MARGIN: f64 = 36.0;
 
 /// A picture is printed at most as large as on a screen of 96 dots per inch, pt per px.
 const LARGEST_SCALE: f64 = 0.75;
 
 /// A picture may shrink by this factor to fit below the content before it.
-const SHRUNK_SCALE: f64 = 0.88;
+const SHRUNK_SCALE: f64 = 0.7;
 
 /// Space above a heading, pt.
 const HEADING_GAP: f64 = 15.0;
@@ -56,16 +59,21 @@ pub(super) struct Flow<'a> {
 }
 
 impl<'a> Flow<'a> {
-    pub(super) fn new(content: &'a Content) -> Flow<'a> {
-        let mut flow = Flow { sheets: Sheets::new(), content, y: 0.0 };
+    pub(super) fn new(content: &'a Content, paper: Paper) -> Flow<'a> {
+        let mut flow = Flow { sheets: Sheets::new(paper), content, y: 0.0 };
         flow.turn();
         flow
+    }
+
+    /// Bottom of the text, pt from the top of the page.
+    fn bottom(&self) -> f64 {
+        self.sheets.paper.size_pt()[1] - BOTTOM_MARGIN
     }
 
     /// Begins a new page and writes its head.
     pub(super) fn turn(&mut self) {
         self.sheets.turn();
-        self.y = BODY[0];
+        self.y = TOP;
         let page = self.sheets.current();
         let patient = writable(&self.content.patient);
         let whole = self.content.language.text("report.cut_id");
@@ -80,7 +88,7 @@ impl<'a> Flow<'a> {
 
     /// Begins a new page if less than this height is left, pt. Returns whether it did.
     pub(super) fn need(&mut self, height: f64) -> bool {
-        let is_full = self.y + height > BODY[1] + ROUNDING && self.y > BODY[0];
+        let is_full = self.y + height > self.bottom() + ROUNDING && self.y > TOP;
         if is_full {
             self.turn();
         }
@@ -93,7 +101,7 @@ impl<'a> Flow<'a> {
 
     /// Writes a heading that stays on the same page as the first `follows` pt after it.
     pub(super) fn heading(&mut self, words: &str, follows: f64) {
-        self.space(if self.y > BODY[0] { HEADING_GAP } else { 0.0 });
+        self.space(if self.y > TOP { HEADING_GAP } else { 0.0 });
         self.need(Flow::height_of(words, HEADING_TYPE) + 4.0 + follows);
         self.text(words, StructRole::H2, HEADING_TYPE, Ink::Text);
         self.space(4.0);
@@ -135,7 +143,7 @@ impl<'a> Flow<'a> {
 
     /// Height that is left on the page, pt.
     pub(super) fn room(&self) -> f64 {
-        BODY[1] - self.y
+        self.bottom() - self.y
     }
 
     /// Draws a picture without a caption, at most this high, pt.
@@ -171,23 +179,24 @@ impl<'a> Flow<'a> {
     fn scale(&self, picture: &Picture, title: &str, text: &str, above: f64) -> f64 {
         let [width, height] = picture.size;
         let caption = caption_height(title, text);
-        let room = BODY[1] - BODY[0] - caption - HEADING_TYPE.leading() - 4.0;
+        let room = self.bottom() - TOP - caption - HEADING_TYPE.leading() - 4.0;
         let scale = (WIDTH / width).min(room / height).min(LARGEST_SCALE);
-        let left = (BODY[1] - self.y - above - caption) / height;
+        let left = (self.bottom() - self.y - above - caption) / height;
         if left >= SHRUNK_SCALE * scale { scale.min(left) } else { scale }
     }
 
     /// Adds the page numbers and returns the pages.
     pub(super) fn finished(mut self) -> Sheets {
         let count = self.sheets.pages.len();
+        let foot = self.sheets.paper.size_pt()[1] - FOOT_MARGIN;
         let language = self.content.language;
         for page in 0..count {
             let number =
                 language.filled("report.page_number", &[("page", &(page + 1)), ("count", &count)]);
             let title = writable(&self.content.title);
             self.sheets.decorate(page, |pen| {
-                pen.words(&title, [COLUMN[0], FOOT], Anchor::Start, SMALL_TYPE, Ink::Muted);
-                pen.words(&number, [COLUMN[1], FOOT], Anchor::End, SMALL_TYPE, Ink::Muted);
+                pen.words(&title, [COLUMN[0], foot], Anchor::Start, SMALL_TYPE, Ink::Muted);
+                pen.words(&number, [COLUMN[1], foot], Anchor::End, SMALL_TYPE, Ink::Muted);
             });
         }
         self.sheets

@@ -10,7 +10,7 @@ use super::parts::{fact, figure};
 use super::table::{Cell, Row, Table};
 use super::wrap::Type;
 use crate::record::completeness::Kind;
-use crate::record::picture::figures::Figure as Drawn;
+use crate::record::picture::figures::{Figure as Drawn, SHEET};
 use crate::record::picture::{Anchor, Ink};
 use crate::record::report::Content;
 use crate::record::report::content::{
@@ -41,7 +41,7 @@ pub(super) fn write(flow: &mut Flow<'_>, content: &Content, figures: &[Drawn]) {
     Table { heads: Vec::new(), rows, is_ruled: false }.write(flow);
     flow.space(4.0);
     levels(flow, &content.levels);
-    if let Some(legs) = figures.iter().find(|drawn| drawn.name == "sheet") {
+    if let Some(legs) = figures.iter().find(|drawn| drawn.name == SHEET) {
         let room = flow.room() - fields_height(&content.open);
         if room >= DRAWING_MIN {
             flow.drawing(&legs.picture, room);

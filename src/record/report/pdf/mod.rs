@@ -15,9 +15,10 @@ mod wrap;
 use thiserror::Error;
 
 use self::flow::Flow;
-use super::Content;
+use super::print::APPENDIX;
+use super::{Content, Print};
 use crate::record::Record;
-use crate::record::picture::figures::Figure;
+use crate::record::picture::figures::{Figure, SHEET};
 
 /// Why there is no PDF.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -44,15 +45,28 @@ impl PdfFault {
 ///
 /// # Errors
 /// If a font cannot be subset, which the tests rule out.
-pub fn paper(record: &Record, content: &Content, figures: &[Figure]) -> Result<Vec<u8>, PdfFault> {
-    let mut flow = Flow::new(content);
+pub fn paper(
+    record: &Record,
+    content: &Content,
+    figures: &[Figure],
+    print: Print,
+) -> Result<Vec<u8>, PdfFault> {
+    let mut flow = Flow::new(content, print.paper);
+    let (appendix, pictures): (Vec<&Figure>, Vec<&Figure>) = figures
+        .iter()
+        .filter(|figure| figure.name != SHEET)
+        .partition(|figure| APPENDIX.contains(&figure.name));
     measuring_sheet::write(&mut flow, content, figures);
     parts::notes(&mut flow, content);
+    parts::pictures(&mut flow, &content.pictures.title, &content.pictures, &pictures);
     parts::tables(&mut flow, &content.tables);
-    parts::pictures(&mut flow, &content.pictures, figures);
-    parts::section(&mut flow, &content.surfaces);
     parts::section(&mut flow, &content.legend);
     parts::facts(&mut flow, content);
-    parts::landmarks(&mut flow, &content.landmarks);
+    if print.has_appendix {
+        parts::pictures(&mut flow, &content.pictures.appendix, &content.pictures, &appendix);
+        parts::tables(&mut flow, content.slices.as_slice());
+        parts::section(&mut flow, &content.surfaces);
+        parts::landmarks(&mut flow, &content.landmarks);
+    }
     document::bytes(flow.finished(), record, content)
 }

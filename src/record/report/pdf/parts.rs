@@ -86,7 +86,7 @@ fn note(flow: &mut Flow<'_>, note: &Note) {
     }
 }
 
-/// Both legs at the same heights, requested heights, volumes, slices.
+/// Both legs at the same heights, requested heights, volumes; slices.
 pub(super) fn tables(flow: &mut Flow<'_>, tables: &[content::Table]) {
     for table in tables {
         figures(flow, table, BODY_TYPE, Anchor::End);
@@ -151,19 +151,19 @@ pub(super) fn section(flow: &mut Flow<'_>, section: &Section) {
 }
 
 /// The pictures of the method, or why there are none.
-pub(super) fn pictures(flow: &mut Flow<'_>, words: &PictureWords, drawn: &[Drawn]) {
+pub(super) fn pictures(flow: &mut Flow<'_>, title: &str, words: &PictureWords, drawn: &[&Drawn]) {
     let missing = words.missing.as_ref();
     let said = missing.map_or(0.0, |words| Flow::height_of(words, BODY_TYPE) + 3.0);
     let above = HEADING_ROOM + said;
-    let first = drawn.iter().find(|drawn| drawn.name != "sheet");
-    let first = first
+    let first = drawn
+        .first()
         .map_or(0.0, |first| flow.picture_height(&first.picture, captions(words, first), above));
-    flow.heading(&words.title, said + first);
+    flow.heading(title, said + first);
     if let Some(missing) = missing {
         flow.text(missing, StructRole::P, BODY_TYPE, Ink::Text);
         flow.space(3.0);
     }
-    for drawn in drawn.iter().filter(|drawn| drawn.name != "sheet") {
+    for drawn in drawn {
         let [title, text] = captions(words, drawn);
         flow.picture(&drawn.picture, title, text);
     }

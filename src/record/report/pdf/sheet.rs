@@ -7,9 +7,10 @@ use super::letters::{Letters, NAMES};
 use super::tags::{ElementIndex, Tags};
 use super::wrap::Type;
 use crate::record::picture::{Anchor, Ink, Theme};
+use crate::record::report::Paper;
 
-/// A4, pt.
-pub(super) const SIZE: [f64; 2] = [595.28, 841.89];
+/// The sheet on which everything is laid out, pt. Other paper has the same upper edge and middle.
+pub(super) const SIZE: [f64; 2] = Paper::A4.size_pt();
 
 /// The pages of a PDF.
 pub(super) struct Sheets {
@@ -19,12 +20,14 @@ pub(super) struct Sheets {
     pub letters: [Letters; 2],
     /// The structure of the content.
     pub tags: Tags,
+    /// What it is printed on.
+    pub paper: Paper,
 }
 
 impl Sheets {
-    pub(super) fn new() -> Sheets {
+    pub(super) fn new(paper: Paper) -> Sheets {
         let letters = [false, true].map(Letters::new);
-        Sheets { pages: Vec::new(), letters, tags: Tags::new() }
+        Sheets { pages: Vec::new(), letters, tags: Tags::new(), paper }
     }
 
     /// Begins a new page, which becomes the current one.

@@ -127,10 +127,10 @@ fn a_decision_that_the_journal_did_not_take_is_none() {
     let custody = open(dir.path());
     let scan = sums::scan_id(BYTES);
     let fails = |_: &Journal, _| Err(JournalError::Gone);
-    custody.decide(&scan, Decided::GivenUp, None, fails).unwrap_err();
+    custody.decide(&scan, &[(Decided::GivenUp, None)], fails).unwrap_err();
     assert_eq!(custody.decisions.of(&scan).unwrap(), []);
-    custody.decide(&scan, Decided::Assigned, Some("1".to_owned()), |_, _| Ok(())).unwrap();
-    custody.decide(&scan, Decided::GivenUp, None, fails).unwrap_err();
+    custody.decide(&scan, &[(Decided::Assigned, Some("1".to_owned()))], |_, _| Ok(())).unwrap();
+    custody.decide(&scan, &[(Decided::GivenUp, None)], fails).unwrap_err();
     assert_eq!(custody.decisions.of(&scan).unwrap().len(), 1);
 }
 
@@ -238,10 +238,70 @@ fn a_held_duplicate_is_given_up_and_its_bytes_go_as_others_that_have_served() {
 }
 
 #[test]
-fn what_is_nobodys_yet_cannot_be_given_up() {
+fn a_held_scan_without_a_record_is_given_up_and_its_bytes_stay_as_those_of_a_refused_one() {
     let dir = tempfile::tempdir().unwrap();
     let custody = open(dir.path());
-    let held = Whose { held: Some("no-press"), ..says("4711") };
-    admit(&custody, held);
-    assert_eq!(custody.give_up(&sums::scan_id(BYTES)).unwrap(), Acted::Nothing);
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, Whose { held: Some("no-press"), ..says("4711") });
+    assert_eq!(custody.give_up(&scan).unwrap(), Acted::Done(0));
+    assert_eq!(custody.journal.undecided(9).unwrap(), []);
+    let later = Timestamp::now() + jiff::SignedDuration::from_hours(1);
+    assert_eq!(custody.let_go_spooled(later).unwrap(), 0, "no record holds these bytes");
+    assert_eq!(custody.forget(later).unwrap(), 0);
+    let row = custody.journal.scan(&scan).unwrap().unwrap();
+    assert_eq!(custody.assign(&row, &patient("0815"), None).unwrap(), Acted::Done(1));
+    assert_eq!(custody.journal.owners(&scan).unwrap(), ["0815"]);
+}
+
+#[test]
+fn the_bytes_of_what_was_given_up_without_a_record_go_with_the_time_of_refused_ones() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, Whose { held: Some("no-press"), ..says("4711") });
+    let later = Timestamp::now() + jiff::SignedDuration::from_hours(1);
+    assert_eq!(custody.let_go_quarantined(later).unwrap(), 0, "it still waits for a decision");
+    custody.give_up(&scan).unwrap();
+    assert_eq!(custody.let_go_quarantined(Timestamp::UNIX_EPOCH).unwrap(), 0);
+    assert_eq!(custody.let_go_quarantined(later).unwrap(), 1);
+    assert!(!custody.holds(&scan));
+}
+
+#[test]
+fn a_record_without_a_patient_waits_for_a_decision_until_it_is_left_so() {
+    let dir = tempfile::tempdir().unwrap();
+    let custody = open(dir.path());
+    let scan = sums::scan_id(BYTES);
+    admit(&custody, Whose::default());
+    assert_eq!(custody.journal.undecided(9).unwrap(), [], "its record is not made yet");
+    let due = custody.journal.pending().unwrap();
+    custody.delivered(&due[0], Path::new("/r/_unassigned/x")).unwrap();
+    assert_eq!(custody.journal.undecided(9).unwrap(), std::slice::from_ref(&scan));
+    assert_eq!(custody.journal.count_undecided().unwrap(), 1);
+    assert_eq!(custody.give_up(&scan).unwrap(), Acted::Done(0));
+    assert_eq!(custody.journal.undecided(9).unwrap(), []);
+    let row = custody.journal.scan(&scan).unwrap().unwrap();
+    let assigned = custody.assign(&row, &patient("4711"), Some(stored()));
+    assert_eq!(assigned.unwrap(), Acted::Done(1), "it can still be assigned");
+}
+
+#[test]
+fn a_scan_of_two_patients_is_taken_back_from_one_and_stays_with_the_other() {
+    for loses_journal in [false, true] {
+        let dir = tempfile::tempdir().unwrap();
+        let mut custody = open(dir.path());
+        let row = delivered(&custody);
+        admit(&custody, says("0815"));
+        custody.release(&row.scan).unwrap();
+        let due = custody.journal.pending().unwrap();
+        custody.delivered(&due[0], Path::new("/r/0815/x")).unwrap();
+        assert_eq!(custody.journal.owners(&row.scan).unwrap(), ["0815", "4711"]);
+        assert_eq!(custody.unassign(&row, "4711", Some(stored())).unwrap(), Acted::Done(1));
+        if loses_journal {
+            custody = rebuilt(custody, dir.path());
+            // The stores are searched at the start.
+            assert!(custody.contradicts(&found_record()).unwrap(), "4711's record must go");
+        }
+        assert_eq!(custody.journal.owners(&row.scan).unwrap(), ["0815"]);
+    }
 }

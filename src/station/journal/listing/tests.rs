@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::flow::DeliveryState::{Delivered as Done, Held, Pending};
+use crate::flow::account::{Search, SearchState};
 use crate::flow::capture::Judged;
 use crate::record::{Patient, Source, SourceKind};
 use crate::station::journal::{Entry, ScanRow};
@@ -132,4 +133,32 @@ fn a_scan_is_shown_whole_with_its_deliveries() {
     assert_eq!(whole.deliveries[0].patient, None);
     assert_eq!(journal.whole(&scan("1111")).unwrap().unwrap().deliveries.len(), 2);
     assert_eq!(journal.whole(&scan("9999")).unwrap(), None);
+}
+
+#[test]
+fn a_search_finds_scans_by_patient_id_time_and_state_newest_first_and_says_that_there_are_more() {
+    let (_dir, journal) = journal();
+    enter(&journal, "2222", 50, None, Done);
+    journal.lacks_measures(&scan("1111")).unwrap();
+    let all = Search { limit: 9, ..Search::default() };
+    let of = |search: &Search| -> Vec<String> {
+        let found = journal.search(search).unwrap();
+        found.iter().map(|scan| scan.as_str()[..4].to_owned()).collect()
+    };
+    let text = |text: &str| of(&Search { text: text.to_owned(), ..all.clone() });
+    assert_eq!(of(&all), ["abcd", "abce", "1111", "2222"]);
+    assert_eq!(text("ABC"), ["abcd", "abce"]);
+    assert_eq!(text("471"), ["abcd", "1111"], "a part of the patient's id");
+    assert_eq!(text("0815"), ["1111"], "also whom it is held for");
+    assert!(text("%").is_empty() && text("_").is_empty());
+    let at = |second| Some(Timestamp::from_second(second).unwrap());
+    assert_eq!(of(&Search { from: at(100), until: at(300), ..all.clone() }), ["abce", "1111"]);
+    let state = |state| of(&Search { state: Some(state), ..all.clone() });
+    assert_eq!(state(SearchState::Undecided), ["abce", "1111", "2222"]);
+    assert_eq!(state(SearchState::Refused), ["abce"]);
+    assert_eq!(state(SearchState::Delivered), ["1111"]);
+    assert_eq!(state(SearchState::Unassigned), ["2222"]);
+    assert_eq!(of(&Search { incomplete: true, ..all.clone() }), ["1111"]);
+    let part = Search { limit: 2, offset: 1, ..all };
+    assert_eq!(of(&part), ["abce", "1111", "2222"], "one more than the limit");
 }

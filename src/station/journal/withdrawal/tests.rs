@@ -143,7 +143,7 @@ impl World {
     fn unassign(&mut self) {
         if self.journal.owners(&scan()).unwrap().len() == 1 {
             self.number += 1;
-            self.journal.unassigned(&scan(), &STORES, self.number).unwrap();
+            self.journal.unassigned(&scan(), &[], &STORES, self.number).unwrap();
             self.decided.clear();
         }
     }

@@ -52,7 +52,9 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
         Request::Retry { scan } => acted(desk, Some(scan), &Act::Retry),
         Request::Release { scan } => acted(desk, Some(scan), &Act::Release),
         Request::Assign { scan, patient } => acted(desk, Some(scan), &Act::Assign(patient.clone())),
-        Request::Unassign { scan } => acted(desk, Some(scan), &Act::Unassign),
+        Request::Unassign { scan, patient } => {
+            acted(desk, Some(scan), &Act::Unassign(patient.clone()))
+        }
         Request::GiveUp { scan } => acted(desk, Some(scan), &Act::GiveUp),
         Request::NameNext { patient, replace } => {
             let (id, by) = (patient.clone(), SourceKind::Operator);

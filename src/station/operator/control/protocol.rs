@@ -67,12 +67,15 @@ pub enum Request {
         /// The patient's id.
         patient: String,
     },
-    /// A scan does not belong to its patient: it becomes unassigned again.
+    /// A scan does not belong to a patient: it becomes unassigned again, or stays with the others.
     Unassign {
         /// The beginning of its id.
         scan: String,
+        /// The patient's id; needed if it belongs to more than one.
+        #[serde(default)]
+        patient: Option<String>,
     },
-    /// A refused scan, or a held one that already belongs to a patient, needs no decision any more.
+    /// A scan that was refused, is held, or is stored without a patient needs no decision any more.
     GiveUp {
         /// The beginning of its id.
         scan: String,

@@ -13,11 +13,15 @@ use crate::record::report::VIEWER;
 use crate::record::sha256;
 use crate::station::operator::http::listeners::Way;
 
-const PAGE: &str = include_str!("page.html");
-const KIOSK: &str = include_str!("kiosk.html");
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = concat!(include_str!("decide.js"), include_str!("page.js"));
-const ICON: &str = include_str!("icon.svg");
+const PAGE: &str = include_str!("web/page.html");
+const KIOSK: &str = include_str!("web/kiosk.html");
+const STYLE: &str = include_str!("web/page.css");
+const SCRIPT: &str = concat!(
+    include_str!("web/decide.js"),
+    include_str!("web/search.js"),
+    include_str!("web/page.js")
+);
+const ICON: &str = include_str!("web/icon.svg");
 
 /// The content type of an answer for programs.
 pub const JSON: (HeaderName, &str) = (CONTENT_TYPE, "application/json");
@@ -89,7 +93,7 @@ mod tests {
             assert!(label.is_some(), "{key} has no words");
         }
         // The labels of decisions about a scan, and of its files, are found by their own names.
-        let acts = ["assign", "give_up", "release", "retry", "unassign"];
+        let acts = ["assign", "give_up", "leave", "release", "retry", "unassign"];
         let files = ["legs.svg", "record.json", "report.html", "report.pdf"];
         for (key, _) in Language::En.table("page.label") {
             let by_name = acts.contains(&key) || files.contains(&key);

@@ -8,11 +8,12 @@ use std::path::Path;
 use std::sync::Arc;
 
 use axum::body::Body;
-use axum::extract::{Path as Asked, State};
+use axum::extract::{Path as Asked, Query, State};
 use axum::http::{HeaderMap, Method, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use hyper::body::Bytes;
 use rustix::fs::Mode;
+use serde::Deserialize;
 use tokio::sync::{Semaphore, mpsc};
 use tokio::task::spawn_blocking;
 
@@ -32,11 +33,18 @@ enum NotServed {
     Changed,
 }
 
-/// `/scan/ID/FILE`: 404 for a missing file, 403 for a reader who may not see whose scan it is, 409 for a
+/// Which row of a scan.
+#[derive(Debug, Deserialize)]
+pub struct Row {
+    of: Option<String>,
+}
+
+/// `/scan/ID/FILE?of=KEY`: 404 for a missing file, 403 for a reader who may not see whose scan it is, 409 for a
 /// file that was changed since the record was made.
 pub async fn file(
     State(endpoint): State<Arc<HttpEndpoint>>,
     Asked((scan, name)): Asked<(String, String)>,
+    Query(row): Query<Row>,
     method: Method,
     headers: HeaderMap,
 ) -> Response {
@@ -54,10 +62,9 @@ pub async fn file(
     let (of, named) = (scan.clone(), name.clone());
     let opened = spawn_blocking(move || {
         let _reader = reader;
-        let whole = endpoint.desk.core.custody.journal().whole(&of);
-        let whole = whole.inspect_err(|error| endpoint.desk.core.check_corruption(error));
-        let whole = whole.ok().flatten().ok_or(NotServed::Absent)?;
-        let folder = snapshot::folder(&endpoint.desk, &whole).ok_or(NotServed::Absent)?;
+        let key = row.of.filter(|key| !key.is_empty());
+        let row = snapshot::row(&endpoint.desk, &of, key.as_deref()).ok_or(NotServed::Absent)?;
+        let folder = snapshot::folder(&endpoint.desk, &row).ok_or(NotServed::Absent)?;
         open(&revision::latest(&folder), &named)
     });
     match opened.await {

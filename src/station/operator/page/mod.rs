@@ -18,6 +18,7 @@ mod feed;
 mod files;
 mod guard;
 pub mod publish;
+mod search;
 mod snapshot;
 mod stream;
 mod summaries;
@@ -40,6 +41,8 @@ pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
     let read = Router::new()
         .route("/state", get(state))
         .route("/stream", get(stream::stream))
+        .route("/scans", get(search::scans))
+        .route("/scan/{scan}", get(search::one))
         .route("/scan/{scan}/{file}", get(files::file))
         .merge(assets::routes(endpoint));
     let routes = match endpoint.way {

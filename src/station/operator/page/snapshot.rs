@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use super::assets;
 use super::desk::Desk;
+use super::{assets, summaries};
 use crate::flow::ScanId;
-use crate::flow::account::Whole;
-use crate::flow::page::{self, Known, ScanShown, Shown};
+use crate::flow::account::{Search, Whole};
+use crate::flow::page::{self, Known, ScanShown, Shown, Told};
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::JournalError;
 use crate::station::overview::Overview;
@@ -18,35 +18,33 @@ const LAST: u32 = 12;
 const UNDECIDED: u32 = 20;
 
 /// The store whose folders the page reads.
-pub const STORE: &str = "folder";
+const STORE: &str = "folder";
 
 /// Takes a snapshot. Blocks, on the local disk only: what records say comes from the summaries. The
-/// second value names the records that the summaries should read.
+/// second value names the records that the summaries should read, by the key of their row.
 pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
     let core = &desk.core;
+    let language = core.config.language;
     let overview = Overview::take(core);
     let who_is_next = desk.booth.who_is_next();
     let journal = core.custody.journal();
-    let (mut records, of_list) = (Vec::new(), |ids: Result<Vec<ScanId>, JournalError>| {
-        let wholes = ids.and_then(|ids| {
-            let wholes = ids.iter().map(|id| journal.whole(id));
-            wholes.filter_map(Result::transpose).collect::<Result<Vec<Whole>, _>>()
-        });
-        let wholes = wholes.inspect_err(|error| core.check_corruption(error)).unwrap_or_default();
-        let shown: Vec<ScanShown> = wholes.iter().map(|whole| scan(desk, whole)).collect();
-        (wholes, shown)
-    });
-    let (held, undecided) = of_list(journal.undecided(UNDECIDED));
-    let (last, scans) = of_list(journal.newest(LAST));
-    for whole in held.iter().chain(&last) {
-        records.extend(folder(desk, whole).map(|folder| (whole.scan.clone(), folder)));
-    }
-    let waiting = overview
-        .tally
-        .as_ref()
-        .map_or(0, |tally| tally.held + tally.scans.get("refused").copied().unwrap_or_default());
-    let more = waiting.saturating_sub(undecided.len() as u64);
-    let version = assets::version(desk.core.config.language);
+    let waiting = rows(desk, journal.undecided(UNDECIDED));
+    let newest = rows(desk, journal.newest(LAST + UNDECIDED));
+    let mut records = Vec::new();
+    let mut show = |row: &Whole| {
+        records.extend(folder(desk, row).map(|folder| (row_name(row), folder)));
+        scan(desk, row)
+    };
+    let undecided: Vec<ScanShown> =
+        waiting.iter().map(&mut show).filter(ScanShown::needs_decision).collect();
+    // A scan stands in one list only: what waits for a decision stands above.
+    let decided = newest
+        .iter()
+        .filter(|row| !page::scan_shown(row, &Told::default(), language).needs_decision());
+    let scans = decided.take(LAST as usize).map(&mut show).collect();
+    let count = journal.count_undecided().inspect_err(|error| core.check_corruption(error));
+    let more = count.unwrap_or_default().saturating_sub(undecided.len() as u64);
+    let version = assets::version(language);
     let known = Known {
         page: &version,
         station: &core.config.station.id,
@@ -55,30 +53,82 @@ pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
         booth: who_is_next.situation(),
         now: overview.now,
     };
-    (page::shown(&known, undecided, more, scans, desk.core.config.language), records)
+    (page::shown(&known, undecided, more, scans, language), records)
 }
 
-fn scan(desk: &Desk, whole: &Whole) -> ScanShown {
-    let told = folder(desk, whole).and_then(|folder| desk.summaries.of(&whole.scan, &folder));
-    let mut told = told.unwrap_or_default();
-    if let Some(Preview::Impossible(code)) = preview(desk, whole) {
+/// The rows of these scans.
+fn rows(desk: &Desk, ids: Result<Vec<ScanId>, JournalError>) -> Vec<Whole> {
+    let journal = desk.core.custody.journal();
+    let wholes = ids.and_then(|ids| {
+        let wholes = ids.iter().map(|id| journal.whole(id));
+        wholes.filter_map(Result::transpose).collect::<Result<Vec<Whole>, _>>()
+    });
+    let wholes = wholes.inspect_err(|error| desk.core.check_corruption(error)).unwrap_or_default();
+    wholes.into_iter().flat_map(page::rows::rows).collect()
+}
+
+/// What tells the row of a scan from all others.
+fn row_name(row: &Whole) -> String {
+    format!("{}{}", row.scan, page::row_key(row).unwrap_or_default())
+}
+
+fn scan(desk: &Desk, row: &Whole) -> ScanShown {
+    let told = folder(desk, row).and_then(|folder| desk.summaries.of(&row_name(row), &folder));
+    shown(desk, row, told.unwrap_or_default())
+}
+
+/// The row of a scan with what its record tells.
+fn shown(desk: &Desk, row: &Whole, mut told: Told) -> ScanShown {
+    if let Some(Preview::Impossible(code)) = preview(desk, row) {
         told.unmeasured = Some(code);
     }
-    page::scan_shown(whole, &told, desk.core.config.language)
+    page::scan_shown(row, &told, desk.core.config.language)
 }
 
-/// The folder of the record that can be opened from a scan, if any; otherwise the preview of a held
+/// The scans that a search finds, without what their records tell, and whether there are more. Blocks, on
+/// the local disk only.
+pub fn found(desk: &Desk, search: &Search) -> (Vec<ScanShown>, bool) {
+    let ids = desk.core.custody.journal().search(search);
+    let has_more = ids.as_ref().is_ok_and(|ids| ids.len() > search.limit as usize);
+    let ids = ids.map(|ids| ids.into_iter().take(search.limit as usize).collect());
+    let told = Told::default;
+    (rows(desk, ids).iter().map(|row| shown(desk, row, told())).collect(), has_more)
+}
+
+/// The rows of one scan with what their records tell. Blocks as long as the store does.
+pub fn one(desk: &Desk, scan: &ScanId) -> Vec<ScanShown> {
+    let config = &desk.core.config;
+    let told = |row: &Whole| {
+        let folder = folder(desk, row)?;
+        Some(summaries::read(&folder, config.language, config.garment))
+    };
+    let rows = rows(desk, Ok(vec![scan.clone()]));
+    rows.iter().map(|row| shown(desk, row, told(row).unwrap_or_default())).collect()
+}
+
+/// The row of a scan with this key; without a key, its only row.
+pub fn row(desk: &Desk, scan: &ScanId, key: Option<&str>) -> Option<Whole> {
+    let mut rows = rows(desk, Ok(vec![scan.clone()]));
+    match key {
+        Some(key) => rows.into_iter().find(|row| page::row_key(row).as_deref() == Some(key)),
+        None if rows.len() == 1 => rows.pop(),
+        // A held scan's preview, or an unassigned record, is of no patient who has a record.
+        None => rows.into_iter().find(|row| page::row_key(row).is_none()),
+    }
+}
+
+/// The folder of the record that can be opened from a row, if any; otherwise the preview of a held
 /// scan.
-pub fn folder(desk: &Desk, whole: &Whole) -> Option<PathBuf> {
-    let record = page::record_folder(whole, STORE).map(PathBuf::from);
-    record.or_else(|| match preview(desk, whole) {
+pub fn folder(desk: &Desk, row: &Whole) -> Option<PathBuf> {
+    let record = page::record_folder(row, STORE).map(PathBuf::from);
+    record.or_else(|| match preview(desk, row) {
         Some(Preview::Made(folder)) => Some(folder),
         _ => None,
     })
 }
 
 /// What is known about the legs of a held scan.
-fn preview(desk: &Desk, whole: &Whole) -> Option<Preview> {
-    let scan = ScanId::parse(&whole.scan).ok().filter(|_| page::is_held(whole))?;
+fn preview(desk: &Desk, row: &Whole) -> Option<Preview> {
+    let scan = ScanId::parse(&row.scan).ok().filter(|_| page::is_held(row))?;
     desk.previews.get(&scan)
 }

@@ -14,7 +14,7 @@ const $ = (id) => document.getElementById(id);
 function make(name, properties = {}, ...children) {
   const element = document.createElement(name);
   for (const [key, value] of Object.entries(properties)) {
-    if (key === "class") element.className = value;
+    if (key === "class") element.className = value ?? "";
     else if (key === "on") element.addEventListener("click", value);
     else if (value !== undefined && value !== false) element.setAttribute(key, value === true ? "" : value);
   }
@@ -30,6 +30,7 @@ const SIGNS = {
   done: ["M14 54l26 26 46-58"],
   attention: ["M50 10L94 88H6z", "M50 38v24M50 75v.5"],
   no_export: ["M50 8a42 42 0 1 0 .1 0z", "M34 34l32 32M66 34L34 66"],
+  paused: ["M34 16v68", "M66 16v68"],
   good: ["M14 54l26 26 46-58"],
   wait: ["M50 12a38 38 0 1 0 .1 0z", "M50 28v24l16 10"],
   bad: ["M50 10L94 88H6z", "M50 38v24M50 75v.5"],
@@ -64,11 +65,13 @@ function redraw(id, value, build) {
 
 // ---- what is shown
 
-function time(at) {
+function time(at, isLong = false) {
   const date = new Date(at);
+  const now = new Date();
   const clock = { hour: "2-digit", minute: "2-digit", hourCycle: "h23" };
-  const isToday = date.toDateString() === new Date().toDateString();
-  const form = isToday ? clock : { day: "numeric", month: "short", ...clock };
+  const isToday = date.toDateString() === now.toDateString() && !isLong;
+  const year = isLong || date.getFullYear() !== now.getFullYear() ? { year: "numeric" } : {};
+  const form = isToday ? clock : { day: "numeric", month: "short", ...year, ...clock };
   return make("time", { datetime: at }, date.toLocaleString(root.lang, form));
 }
 
@@ -106,7 +109,7 @@ function patients(ids) {
 
 function about(scan, canAct, ...more) {
   const offered = [...scan.candidates.map((of) => candidate(scan, of)), ...(scan.again ? [scanAgain(scan, scan.again)] : [])];
-  const isMain = (key, at) => at === 0 && !["give_up", "unassign"].includes(key) && offered.length === 0;
+  const isMain = (key, at) => at === 0 && !["give_up", "unassign", "leave"].includes(key) && offered.length === 0;
   const buttons = canAct
     ? [...offered, ...scan.acts.map((key, at) => act(key, scan, isMain(key, at)))]
     : [];
@@ -124,13 +127,15 @@ function about(scan, canAct, ...more) {
 
 // The files of a record: those with words of their own, the others behind one more click.
 const opened = new Set();
+const address = (scan, file) => `/scan/${scan.scan}/${file}${scan.of ? `?of=${scan.of}` : ""}`;
+const rowKey = (scan) => `${scan.scan}${scan.of}`;
 function links(scan, showsIds) {
   if (!showsIds || !scan.files.length) return null;
   const anchor = (file) =>
-    make("a", { href: `/scan/${scan.scan}/${file}`, target: "_blank", rel: "noopener", "data-key": `${file} ${scan.scan}` }, label(file));
+    make("a", { href: address(scan, file), target: "_blank", rel: "noopener", "data-key": `${file} ${rowKey(scan)}` }, label(file));
   const anchors = scan.files.filter((file) => file in labels).map(anchor);
   if (scan.files.includes("record.json") && window.gaiterViewer) {
-    anchors.unshift(button(label("view"), `view ${scan.scan}`, () => view(scan)));
+    anchors.unshift(button(label("view"), `view ${rowKey(scan)}`, () => view(scan)));
   }
   const others = scan.files.filter((file) => !(file in labels)).map(anchor);
   return make("div", { "aria-label": label("files"), role: "group" },
@@ -139,21 +144,22 @@ function links(scan, showsIds) {
 
 // A redraw leaves it as open as it was.
 function otherFiles(scan, anchors) {
-  const details = make("details", { open: opened.has(scan.scan) },
-    make("summary", { "data-key": `files ${scan.scan}` }, label("all_files")), make("p", { class: "links" }, anchors));
-  details.addEventListener("toggle", () => (details.open ? opened.add(scan.scan) : opened.delete(scan.scan)));
+  const key = rowKey(scan);
+  const details = make("details", { open: opened.has(key) },
+    make("summary", { "data-key": `files ${key}` }, label("all_files")), make("p", { class: "links" }, anchors));
+  details.addEventListener("toggle", () => (details.open ? opened.add(key) : opened.delete(key)));
   return details;
 }
 
 function scanCard(scan, canAct, showsIds) {
   if (!scan.measures) return make("article", { class: "card scan plain" }, make("div", { class: "about" }, about(scan, canAct)));
   const drawing = showsIds && scan.files.includes("legs.svg")
-    ? make("img", { class: "drawing", src: `/scan/${scan.scan}/legs.svg`, alt: label("drawing"), loading: "lazy" })
+    ? make("img", { class: "drawing", src: address(scan, "legs.svg"), alt: label("drawing"), loading: "lazy" })
     : null;
   const { verdict, to_do, findings: count } = scan.measures;
   const findings = [
     ...to_do.map((sentence) => make("p", { class: verdict === "complete" ? "quiet" : "bad" }, sentence)),
-    count ? make("p", { class: "quiet" }, `${count} ${label("findings")}`) : null,
+    count ? make("p", { class: "quiet" }, label(count === 1 ? "finding" : "findings").replace("{count}", count)) : null,
   ];
   return make("article", { class: drawing ? "card scan" : "card scan without" },
     drawing ? make("div", {}, drawing) : null,
@@ -162,7 +168,8 @@ function scanCard(scan, canAct, showsIds) {
 }
 
 let viewed = null;
-async function view({ scan, state, word, patients }) {
+async function view(row) {
+  const { scan, state, word, patients } = row;
   const dialog = $("viewer");
   const place = make("div");
   const whose = patients.length ? `${label("patient")} ${patients.join(", ")}` : word;
@@ -171,7 +178,7 @@ async function view({ scan, state, word, patients }) {
   $("viewer_body").replaceChildren(place);
   dialog.showModal();
   try {
-    const record = await (await fetch(`/scan/${scan}/record.json`)).json();
+    const record = await (await fetch(address(row, "record.json"))).json();
     if (dialog.open) viewed = window.gaiterViewer.mount(place, record, { language: root.lang });
   } catch {
     place.textContent = label("away");
@@ -212,6 +219,22 @@ function showLight(light) {
   $("word").textContent = light.word;
   $("sentence").textContent = light.sentence;
   $("sign").replaceChildren(sign(light.signal));
+  if (isKiosk) fit();
+}
+
+// On a kiosk nothing can be scrolled: a long sentence is written smaller, down to a third.
+const FIT_LEAST = 0.33;
+const FIT_STEP = 0.04;
+function fit() {
+  const box = $("light");
+  const { paddingTop, paddingBottom } = getComputedStyle(box);
+  const room = () => box.clientHeight - parseFloat(paddingTop) - parseFloat(paddingBottom);
+  const tall = () => Math.max(...[...box.children].map((part) => part.offsetHeight));
+  const overflows = () => tall() > room() || box.scrollHeight > box.clientHeight || box.scrollWidth > box.clientWidth;
+  for (let scale = 1; scale >= FIT_LEAST; scale -= FIT_STEP) {
+    box.style.setProperty("--fit", scale);
+    if (!overflows()) return;
+  }
 }
 
 // A station that does not answer is not ready, whatever it said last.
@@ -230,13 +253,14 @@ function show(station) {
   const whole = { next: station.next, paused: station.paused, canAct };
   redraw("next_body", whole, () => nextPatient(station.next, station.paused, canAct && !isKiosk));
   if (isKiosk) {
-    const [newest] = station.scans;
+    const [newest] = [...station.undecided, ...station.scans].sort((a, b) => Date.parse(b.at) - Date.parse(a.at));
     redraw("last_body", newest ?? null, (scan) => scan
       ? [
           make("p", { class: "when" }, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
           scan.measures ? measures(scan.measures) : null,
         ]
       : make("p", { class: "quiet" }, label("no_scans")));
+    fit();
     return;
   }
   const reading = $("reading");
@@ -250,12 +274,22 @@ function show(station) {
     more ? make("p", { class: "more" }, `${more} ${label("more")}`) : null,
   ]);
   redraw("scans_body", { scans: station.scans, canAct, ids }, ({ scans }) => scans.length
-    ? scans.map((scan) => scanCard(scan, canAct && !["held", "refused"].includes(scan.state), ids))
+    ? scans.map((scan) => scanCard(scan, canAct, ids))
     : make("p", { class: "empty" }, label("no_scans")));
+  showDecided(station);
   redraw("complaints", station.complaints, (complaints) => complaints.map((complaint) =>
     make("li", {}, make("strong", { class: "bad" }, complaint.what), ` ${complaint.next} `,
       make("span", { class: "quiet" }, `${label("code")}: ${complaint.code}`))));
   redraw("parts", station.parts, (parts) => parts.map(part));
+}
+
+// The search follows decisions: what it lists may have changed.
+let decided = "";
+function showDecided({ undecided, scans, ids }) {
+  $("search").hidden = !ids;
+  const states = JSON.stringify([...undecided, ...scans].map(({ scan, of, state }) => [scan, of, state]));
+  if (decided && states !== decided) searchAgain();
+  decided = states;
 }
 
 // A page of another version loads itself anew, once for each version.
@@ -324,8 +358,10 @@ async function begin() {
   connect();
 }
 
+if (isKiosk) window.addEventListener("resize", fit);
 window.addEventListener("hashchange", () => { if (takeToken()) begin(); });
 if (!isKiosk) {
+  beginSearch();
   $("question_no").addEventListener("click", () => $("question").close());
   $("viewer_no").addEventListener("click", () => $("viewer").close());
   $("viewer").addEventListener("close", () => {

@@ -83,7 +83,7 @@ async function decide(body) {
 // Asks before it decides: for a patient's id, or whether it is meant. An id that is refused stays, to be
 // corrected. `send` may ask on.
 let asked = 0;
-function question({ title, hint, wantsId = false, yes = label("send"), send }) {
+function question({ title, hint, wantsId = false, yes, send }) {
   const [dialog, field, fault] = [$("question"), $("question_id"), $("question_fault")];
   const mine = asked += 1;
   $("question_title").replaceChildren(...[title].flat());
@@ -130,23 +130,28 @@ const verb = (key) => label(key).replace(/ …$/, "");
 
 // A decision on a scan, which is asked for with whose it is and what comes of it.
 function act(key, scan, isMain) {
-  const send = (patient) => ask({ ask: key, scan: scan.scan, patient: patient || undefined });
+  const verbs = { leave: "give_up" };
+  const send = (patient) => ask({ ask: verbs[key] ?? key, scan: scan.scan, patient: patient || undefined });
+  // Of several patients who have the scan, this row's is meant.
+  const takeBack = () => send(scan.patients.length === 1 ? scan.patients[0] : undefined);
   const [patient] = scan.patients.length === 1 ? scan.patients : [];
   const named = (words, plain) => (patient === undefined ? label(plain) : phrase(label(words), { patient }));
+  const about = (words) => (patient === undefined ? verb(key) : phrase(label(words), { patient }));
   const asks = {
     retry: () => decide({ ask: key, scan: scan.scan }),
-    assign: () => question({ title: verb(key), hint: label("assign_hint"), wantsId: true, send }),
+    assign: () => question({ title: verb(key), hint: label("assign_hint"), wantsId: true, yes: verb(key), send }),
     release: () => question({
       title: patient === undefined ? verb(key) : phrase(label("release_to"), { patient }),
       hint: named("release_to_hint", "release_hint"), yes: verb(key), send,
     }),
     unassign: () => question({
       title: patient === undefined ? verb(key) : phrase(label("unassign_from"), { patient }),
-      hint: named("unassign_from_hint", "unassign_hint"), yes: verb(key), send,
+      hint: named("unassign_from_hint", "unassign_hint"), yes: verb(key), send: takeBack,
     }),
-    give_up: () => question({ title: verb(key), hint: label("give_up_hint"), yes: verb(key), send }),
+    give_up: () => question({ title: about("give_up_of"), hint: label("give_up_hint"), yes: verb(key), send }),
+    leave: () => question({ title: verb(key), hint: label("leave_hint"), yes: verb(key), send }),
   };
-  return button(label(key), `${key} ${scan.scan}`, asks[key], isMain);
+  return button(label(key), `${key} ${rowKey(scan)}`, asks[key], isMain);
 }
 
 // A button for each of those whose scan it may be.
@@ -167,7 +172,7 @@ async function nameAs(patient) {
 
 function nameNext(next) {
   const hint = [`${label("name_hint")} `, sentence(next)].flat();
-  question({ title: verb("name"), hint, wantsId: true, send: nameAs });
+  question({ title: verb("name"), hint, wantsId: true, yes: label("name_yes"), send: nameAs });
 }
 
 // The patient of a refused scan is named to be scanned again.

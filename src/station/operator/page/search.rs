@@ -1,0 +1,88 @@
+//! The search among all scans, and one scan with what its record tells.
+
+use std::sync::Arc;
+
+use axum::extract::{Path as Asked, Query, State};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse, Response};
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use tokio::task::spawn_blocking;
+
+use super::endpoint::HttpEndpoint;
+use super::{assets, snapshot};
+use crate::flow::ScanId;
+use crate::flow::account::{Search, SearchState};
+use crate::flow::page::ScanShown;
+
+/// How many scans one answer lists.
+const LIMIT: u32 = 50;
+
+/// The query of a search.
+#[derive(Debug, Deserialize)]
+pub struct Asks {
+    #[serde(default)]
+    text: String,
+    state: Option<SearchState>,
+    from: Option<Timestamp>,
+    until: Option<Timestamp>,
+    #[serde(default)]
+    incomplete: bool,
+    #[serde(default)]
+    offset: u32,
+}
+
+/// The scans that were found.
+#[derive(Debug, Serialize)]
+struct Found {
+    scans: Vec<ScanShown>,
+    /// Where the next part begins, if there is one.
+    next: Option<u32>,
+}
+
+/// `/scans?text=…&state=…&from=…&until=…&incomplete=true&offset=…`: the scans, newest first; 403 for a
+/// reader who may not see whose scans these are.
+pub async fn scans(
+    State(endpoint): State<Arc<HttpEndpoint>>,
+    Query(asks): Query<Asks>,
+    headers: HeaderMap,
+) -> Response {
+    if !endpoint.shows_ids(&headers, None) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    let Asks { text, state, from, until, incomplete, offset } = asks;
+    let search = Search { text, state, from, until, incomplete, offset, limit: LIMIT };
+    let found = spawn_blocking(move || {
+        let (scans, has_more) = snapshot::found(&endpoint.desk, &search);
+        Found { scans, next: has_more.then_some(offset.saturating_add(LIMIT)) }
+    });
+    answer(found.await.ok())
+}
+
+/// `/scan/ID`: the rows of one scan with what their records tell.
+pub async fn one(
+    State(endpoint): State<Arc<HttpEndpoint>>,
+    Asked(scan): Asked<String>,
+    headers: HeaderMap,
+) -> Response {
+    let Ok(scan) = ScanId::parse(&scan) else { return StatusCode::NOT_FOUND.into_response() };
+    if !endpoint.shows_ids(&headers, None) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    // A store that does not answer holds a few readers and no more.
+    let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
+        return StatusCode::SERVICE_UNAVAILABLE.into_response();
+    };
+    let rows = spawn_blocking(move || {
+        let _reader = reader;
+        snapshot::one(&endpoint.desk, &scan)
+    });
+    answer(rows.await.ok())
+}
+
+fn answer(of: Option<impl Serialize>) -> Response {
+    match of.and_then(|of| serde_json::to_string(&of).ok()) {
+        Some(text) => ([assets::JSON], text).into_response(),
+        None => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
+}
