@@ -90,6 +90,10 @@ pub struct OutlineFigures {
 pub struct ShapeFigures {
     /// The measured skin.
     pub skin: GridFigures,
+    /// The skin of the foot, below the lowest row; null if the scan has no triangles there. Older records
+    /// lack it.
+    #[serde(default)]
+    pub foot: Option<MeshFigures>,
     /// The surface with its error; null if there is none.
     pub surface: Option<SurfaceGridFigures>,
     /// A share of the scan's own points.
@@ -120,6 +124,15 @@ pub struct SurfaceGridFigures {
     pub error: Packed,
 }
 
+/// Triangles, coarser than the scan's.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct MeshFigures {
+    /// x, y, z of each point in 0.1 mm.
+    pub points: Packed,
+    /// The indices of each triangle's three points, counted from 0.
+    pub triangles: Packed,
+}
+
 /// Points in no particular order.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct CloudFigures {
@@ -143,6 +156,12 @@ impl Packed {
     fn errors(errors: &[Option<f64>]) -> Packed {
         let packed = |error: &Option<f64>| error.map_or(UNSEEN, |mm| whole(mm, ERROR_UNIT_MM));
         Packed(errors.iter().map(packed).collect())
+    }
+
+    /// `None` if an index does not fit.
+    fn indices(triangles: &[[u16; 3]]) -> Option<Packed> {
+        let packed = triangles.iter().flatten().map(|index| i16::try_from(*index).ok());
+        packed.collect::<Option<Vec<i16>>>().map(Packed)
     }
 
     /// The numbers as points, mm; `None` for a point that was not seen. Drops an incomplete triple.
@@ -245,7 +264,7 @@ pub(super) fn outline(leg: &LegAxis, at: &LevelSection) -> OutlineFigures {
 
 /// A leg's shape.
 pub(super) fn shape(report: &LegReport) -> ShapeFigures {
-    let Shape { skin, surface, scan } = &report.shape;
+    let Shape { skin, foot, surface, scan } = &report.shape;
     let place = |row: &'_ Option<Vec<Point3<f64>>>, j: usize| row.as_ref().map(|row| row[j]);
     let places: Vec<Option<Point3<f64>>> =
         skin.iter().flat_map(|row| (0..COLUMNS).map(move |j| place(row, j))).collect();
@@ -262,6 +281,12 @@ pub(super) fn shape(report: &LegReport) -> ShapeFigures {
             columns: COLUMNS,
             points: Packed::points(places.iter().map(Option::as_ref)),
         },
+        foot: foot.as_ref().and_then(|foot| {
+            Some(MeshFigures {
+                points: Packed::points(foot.points.iter().map(Some)),
+                triangles: Packed::indices(&foot.triangles)?,
+            })
+        }),
         surface: surface.as_ref().zip(map).map(|(rows, map)| grid(rows, map)),
         scan: CloudFigures { points: Packed::points(scan.iter().map(Some)) },
     }
@@ -280,6 +305,12 @@ mod tests {
         assert_eq!(back, packed);
         let [Some(seen), None] = back.as_points()[..] else { panic!("{back:?}") };
         assert!((seen - Point3::new(-123.4, 0.1, 2000.0)).norm() < 1e-9, "{seen}");
+    }
+
+    #[test]
+    fn an_index_that_does_not_fit_gives_no_triangles() {
+        assert_eq!(Packed::indices(&[[0, 1, 32_767]]), Some(Packed(vec![0, 1, 32_767])));
+        assert_eq!(Packed::indices(&[[0, 1, 32_768]]), None);
     }
 
     #[test]

@@ -5,6 +5,7 @@ pub(super) mod cylindrical;
 pub mod error_map;
 pub(super) mod extent;
 pub mod fit_error;
+pub mod foot_skin;
 pub mod grid;
 pub mod hole;
 pub mod nurbs;

@@ -5,6 +5,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Point3;
 
 use super::error_map::{self, ErrorMap};
+use super::foot_skin::FootSkin;
 use super::nurbs::LegSurface;
 use super::ridge_parametrization::Columns;
 use crate::leg::parting::segment::Leg;
@@ -33,6 +34,8 @@ const GOLDEN: f64 = 0.618_033_988_749_894_9;
 pub struct Shape {
     /// Rows of the measured skin, upwards; `None` where a row is not closed.
     pub skin: Vec<Option<Vec<Point3<f64>>>>,
+    /// The skin below the lowest row; `None` without triangles or rows.
+    pub foot: Option<FootSkin>,
     /// The surface, row by row at the positions of `error_map`; `None` without a surface.
     pub surface: Option<Vec<Vec<Point3<f64>>>>,
     /// A sample of the scan's own points.
@@ -56,10 +59,13 @@ impl Shape {
             let plane = sections.axis.plane(section.along_mm);
             (0..COLUMNS).map(|j| section.point(&plane, error_map::angle(j))).collect()
         };
+        let lowest = rows.clone().find_map(|row| row.section.as_ref());
         let skin = rows.map(|row| row.section.as_ref().map(ring)).collect();
         let points = leg.mesh.points();
         Shape {
             skin,
+            foot: lowest
+                .and_then(|section| FootSkin::of(leg, &sections.axis.plane(section.along_mm))),
             surface: surface.map(|leg| rows_of(&leg.surface, &leg.columns, &leg.error_map)),
             scan: share(points, SCAN_POINTS),
         }
