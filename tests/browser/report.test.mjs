@@ -13,6 +13,8 @@ import { gunzipSync } from "node:zlib";
 
 import { chromium } from "playwright-core";
 
+import { decodePng, swipe } from "./viewer_page.mjs";
+
 const root = resolve(import.meta.dirname, "../..");
 const gaiter = resolve(root, process.env.GAITER_BIN ?? "target/debug/gaiter");
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -97,6 +99,122 @@ test("the legs are drawn to be turned: the canvas is not of one colour", async (
     const before = await canvas.screenshot();
     await page.getByRole("button", { name: "Back" }).click();
     assert.notDeepEqual(await canvas.screenshot(), before);
+  });
+});
+
+test("the view stands right after the verdict and the measuring sheet and says whose legs it shows", async () => {
+  const whose = { ...record, patient: { id: "4711", sources: [] } };
+  await onPage(report("whose", whose, "en"), {}, async (page) => {
+    const headings = await page.locator("h2").allTextContents();
+    assert.deepEqual(headings.slice(0, 2), ["Measuring sheet", "The legs in 3D – 4711"]);
+    assert.ok(await page.getByRole("application", { name: "4711" }).isVisible());
+    assert.equal(await page.locator(".sheet:visible").count(), 0, "the flat drawing is for paper");
+    await page.emulateMedia({ media: "print" });
+    assert.equal(await page.locator(".sheet:visible").count(), 1);
+  });
+});
+
+test("the tape tells the sheet's own figures at the levels and the profile's in between, within 1 mm", async () => {
+  await onPage(report("plain", record, "en"), {}, async (page) => {
+    const slider = page.getByRole("slider");
+    const girthCm = async (side) => {
+      const text = await page.locator(".gaiter-tape output strong").filter({ hasText: side === "left" ? "Left" : "Right" }).textContent();
+      return { text, cm: Number(text.match(/leg ([0-9.]+) cm/)[1]) };
+    };
+    let compared = 0;
+    for (const { side, profile, landmarks } of record.legs) {
+      for (const { height_mm: height, girth_tape_mm: girth } of profile.filter((row) => row.girth_tape_mm !== null)) {
+        await slider.fill(String(height));
+        const { cm } = await girthCm(side);
+        assert.ok(Math.abs(10 * cm - girth) <= 1, `${side} ${height}: ${cm} and ${girth}`);
+        compared += 1;
+      }
+      await slider.fill("60");
+      await slider.focus();
+      const seen = [];
+      for (let step = 0; step < 10; step += 1) {
+        await page.keyboard.press("PageUp");
+        const { text, cm } = await girthCm(side);
+        const level = text.match(/[(]([A-G]1?)[)]$/);
+        if (!level) continue;
+        assert.equal(cm, Math.round(landmarks[level[1]].girth_tape_mm) / 10, text);
+        seen.push(level[1]);
+      }
+      assert.ok(["B", "B1", "C", "D"].every((level) => seen.includes(level)), `${seen}`);
+    }
+    assert.ok(compared > 20, `${compared}`);
+  });
+});
+
+test("both feet are shown whole, and the legs fill the view's height or width", async () => {
+  for (const [width, height] of [[1280, 900], [390, 844]]) {
+    await onPage(report("plain", record, "de"), { viewport: { width, height } }, async (page) => {
+      await page.getByRole("button", { name: "Vorn", exact: true }).click();
+      for (const name of ["Maßband", "Messpunkte mit Umfang"]) await page.getByLabel(name, { exact: true }).setChecked(false);
+      const stage = page.locator(".gaiter-stage");
+      await stage.scrollIntoViewIfNeeded();
+      await page.waitForTimeout(200);
+      const image = decodePng(await stage.screenshot());
+      const drawn = Array.from({ length: image.height }, (_, y) => Array.from({ length: image.width }, (__, x) => x)
+        .filter((x) => { const [red, , blue] = image.pixel(x, y); return red > blue + 15 && red < 230; }));
+      const lowest = (holds) => drawn.findLastIndex((row) => row.some(holds));
+      const feet = [lowest((x) => x < image.width / 2), lowest((x) => x >= image.width / 2)];
+      assert.ok(feet.every((y) => y > image.height / 2 && y < image.height - 4), `${feet} of ${image.height}`);
+      // From the highest skin to the sole: the crotch's height and more by the scale of the bar.
+      const bar = await page.locator(".gaiter-bar").evaluate((of) => [parseFloat(of.style.width), parseFloat(of.textContent)]);
+      const tallMm = (Math.max(...feet) - drawn.findIndex((row) => row.length > 20)) / (bar[0] / (10 * bar[1]));
+      assert.ok(Math.abs(tallMm - record.body.crotch_height_mm) < 30, `${tallMm} mm`);
+      const across = drawn.flat().reduce(([low, high], x) => [Math.min(low, x), Math.max(high, x)], [Infinity, -Infinity]);
+      const filled = [(across[1] - across[0]) / image.width, tallMm * bar[0] / (10 * bar[1]) / image.height];
+      assert.ok(across[0] > 4 && across[1] < image.width - 4 && (filled[0] > 0.5 || filled[1] > 0.8), `${filled}`);
+    });
+  }
+});
+
+test("on a phone both legs, their levels and the tape are in view, nothing is cut and all can be read", async () => {
+  for (const language of ["en", "de"]) {
+    await onPage(report("plain", record, language), { viewport: { width: 390, height: 844 }, hasTouch: true }, async (page) => {
+      const stage = page.locator(".gaiter-stage");
+      await stage.scrollIntoViewIfNeeded();
+      await page.waitForTimeout(200);
+      const frame = await stage.boundingBox();
+      assert.ok(frame.height < 844 && frame.x >= 0 && frame.x + frame.width <= 390);
+      const labels = await page.locator(".gaiter-stage span:visible").evaluateAll((spans) => spans.map((span) =>
+        ({ text: span.textContent, size: parseFloat(getComputedStyle(span).fontSize), ...span.getBoundingClientRect().toJSON() })));
+      const texts = labels.map(({ text }) => text);
+      const point = language === "de" ? "," : ".";
+      for (const { landmarks } of record.legs) {
+        for (const level of ["B", "B1", "C", "D"]) {
+          const said = `c${level} ${(Math.round(landmarks[level].girth_tape_mm) / 10).toFixed(1).replace(".", point)}`;
+          assert.ok(texts.some((text) => text.startsWith(said)), `${said} in ${texts}`);
+        }
+      }
+      assert.ok(texts.includes("R") && texts.includes("L"), `${texts}`);
+      for (const { text, size, left, right, top, bottom } of labels) {
+        assert.ok(size >= 12, `${text}: ${size} px`);
+        assert.ok(left >= frame.x && right <= frame.x + frame.width && top >= frame.y - 1 && bottom <= frame.y + frame.height + 1, text);
+      }
+      assert.equal(await overhang(page), 0);
+      await shoot(page, `report-${language}-phone`);
+    });
+  }
+});
+
+test("the wheel over the view scrolls the page, and so does a finger", async () => {
+  await onPage(report("plain", record, "en"), { hasTouch: true }, async (page) => {
+    const canvas = page.locator("#view-place canvas");
+    await canvas.scrollIntoViewIfNeeded();
+    const box = await canvas.boundingBox();
+    const at = () => page.evaluate(() => window.scrollY);
+    let before = await at();
+    await page.mouse.click(box.x + 40, box.y + 300);
+    await page.mouse.wheel(0, 200);
+    await page.waitForTimeout(400);
+    assert.ok(await at() >= before + 200);
+    before = await at();
+    await swipe(page, [box.x + 40, 400], 150);
+    await page.waitForTimeout(200);
+    assert.ok(await at() < before - 100);
   });
 });
 

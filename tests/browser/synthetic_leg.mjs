@@ -45,12 +45,15 @@ export function base64(values) {
   return bytes.toString("base64");
 }
 
-function grid(side, [low, high], rows, columns) {
+function grid(side, [low, high], rows, columns, widerMm = 0) {
   const points = [];
   for (let row = 0; row < rows; row += 1) {
     const height = low + ((high - low) * row) / (rows - 1);
     for (let column = 0; column < columns; column += 1) {
-      points.push(...pointMm(side, height, -180 + (360 * column) / columns));
+      const [x, y, z] = pointMm(side, height, -180 + (360 * column) / columns);
+      const out = [x - (side === "left" ? 1 : -1) * AXIS_X_MM, y];
+      const share = widerMm / Math.hypot(...out);
+      points.push(x + share * out[0], y + share * out[1], z);
     }
   }
   return { rows, columns, points: base64(points.map((mm) => mm * 10)) };
@@ -79,13 +82,23 @@ function section(side, level) {
   };
 }
 
-/** The tape girth the record gives a level: told apart on the two legs, mm. */
-export function girthMm(side, level) {
-  return 2 * Math.PI * radiusMm(LEVELS_MM[level], 90) + (side === "left" ? 3 : 0);
+/** The tape girth at a height: told apart on the two legs, mm. */
+export function girthAtMm(side, height) {
+  return 2 * Math.PI * radiusMm(height, 90) + (side === "left" ? 3 : 0);
 }
 
-/** One leg of a record; `errorMm(row, column)` gives the surface's error. */
-export function leg(side, errorMm = () => 0, { rows, columns } = { rows: 60, columns: 72 }) {
+/** The tape girth the record gives a level, mm. */
+export const girthMm = (side, level) => girthAtMm(side, LEVELS_MM[level]);
+
+/** The girth curve: a row every 5 mm, none measured between two heights. */
+function girthCurve(side, [from, to] = [800, 800]) {
+  const height_mm = Array.from({ length: 119 }, (_, at) => 100 + 5 * at);
+  return { height_mm, tape_mm: height_mm.map((height) => (height > from && height < to ? null : girthAtMm(side, height))) };
+}
+
+/** One leg of a record; `errorMm(row, column)` gives the surface's error, `widerMm` is how much the skin stands
+ *  out, and between the heights `openMm` no girth was measured. */
+export function leg(side, errorMm = () => 0, { rows = 60, columns = 72, widerMm = 0, openMm = undefined } = {}) {
   const [levels, sign] = [Object.keys(LEVELS_MM), side === "left" ? 1 : -1];
   const scan = [];
   for (let at = 0; at < 3000; at += 1) scan.push(...pointMm(side, (TOP_MM * at) / 3000, (at * 137.508) % 360));
@@ -99,8 +112,10 @@ export function leg(side, errorMm = () => 0, { rows, columns } = { rows: 60, col
     features: levels.flatMap((level) => FEATURES.map(([label, kind, angle_deg]) => ({
       level, label, kind, angle_deg, position_mm: pointMm(side, LEVELS_MM[level], angle_deg), curvature_per_mm: 0.02,
     }))),
+    girth_curve: girthCurve(side, openMm),
+    profile: [{ height_mm: 160, girth_tape_mm: girthAtMm(side, 160), doubts: [] }],
     shape: {
-      skin: grid(side, [0, TOP_MM], 2 * rows, columns),
+      skin: grid(side, [0, TOP_MM], 2 * rows, columns, widerMm),
       surface: { ...grid(side, SURFACE_MM, rows, columns), error: errors(rows, columns, errorMm) },
       scan: { points: base64(scan.map((mm) => mm * 10)) },
     },

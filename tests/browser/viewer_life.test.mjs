@@ -4,7 +4,7 @@ import { readFile } from "node:fs/promises";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 
-import { leg, record } from "./synthetic_leg.mjs";
+import { base64, leg, record } from "./synthetic_leg.mjs";
 import { LAYERS, mount, picture, press, settled, showOnly, start } from "./viewer_page.mjs";
 
 const AXE = createRequire(import.meta.url).resolve("axe-core/axe.min.js");
@@ -93,7 +93,8 @@ test("axe finds no violation, in both themes and with all layers on", () => onPa
 
 test("every control is reached by the tab key and shows where the focus is", () => onPage(async (page) => {
   await mount(page, record());
-  const controls = await page.locator(".gaiter-viewer :is(button, input:enabled, canvas)").count();
+  await page.locator(".gaiter-viewer details").evaluate((details) => { details.open = true; });
+  const controls = await page.locator(".gaiter-viewer :is(button, input:enabled, canvas, summary)").count();
   const seen = new Set();
   for (let at = 0; at < controls; at += 1) {
     await page.keyboard.press("Tab");
@@ -186,6 +187,8 @@ test("whatever stands at any place of a record, there is a picture or a sentence
   small.legs[0].landmarks = { B: small.legs[0].landmarks.B };
   small.legs[0].sections.length = 1;
   small.legs[0].features.length = 1;
+  small.legs[0].girth_curve = { height_mm: [10, 15, 20], tape_mm: [300, 301, 302] };
+  small.legs[0].shape.foot = { points: base64([0, 0, 0, 100, 0, 0, 0, 100, 0]), triangles: base64([0, 1, 2]) };
   const outcomes = await page.evaluate(([given, places]) => {
     const values = [null, NaN, 1e300, "%%%", "AAAA", [NaN, null, "x"], {}];
     // Draws at once instead of with the next frame: there are many records to go through.

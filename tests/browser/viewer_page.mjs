@@ -9,7 +9,7 @@ import { chromium } from "playwright-core";
 const VIEWER = new URL("../../src/record/report/viewer/", import.meta.url);
 
 /** The parts of the script in the order of their names, as the program has them. */
-async function script() {
+export async function script() {
   const names = (await readdir(VIEWER)).sort();
   return (await Promise.all(names.map((name) => readFile(new URL(name, VIEWER), "utf8")))).join("");
 }
@@ -72,8 +72,26 @@ export async function settled(page) {
   }));
 }
 
+/** Moves one finger from a place up or down the page. */
+export async function swipe(page, [x, y], byPx) {
+  const session = await page.context().newCDPSession(page);
+  const touch = (type, touchPoints) => session.send("Input.dispatchTouchEvent", { type, touchPoints });
+  await touch("touchStart", [{ x, y }]);
+  for (let step = 1; step <= 20; step += 1) await touch("touchMove", [{ x, y: y + byPx * step / 20 }]);
+  await touch("touchEnd", []);
+}
+
+/** Waits until the page has been scrolled this far; a strict page allows no predicate as text. */
+export async function scrolled(page, leastPx) {
+  for (let tries = 0; tries < 100; tries += 1) {
+    if (await page.evaluate(() => window.scrollY) >= leastPx) return settled(page);
+    await page.waitForTimeout(50);
+  }
+  throw new Error(`the page is not scrolled by ${leastPx} px`);
+}
+
 /** The layers' names. */
-export const LAYERS = ["Scan points", "Skin", "Surface", "Error of the surface", "Sections", "Levels with girth", "Feature points"];
+export const LAYERS = ["Tape", "Other leg, mirrored", "Scan points", "Skin", "Surface", "Error of the surface", "Sections", "Levels with girth", "Feature points"];
 
 /** Presses a button by its name. */
 export async function press(page, name, times = 1) {
@@ -83,6 +101,7 @@ export async function press(page, name, times = 1) {
 
 /** Shows these layers and no others. */
 export async function showOnly(page, names) {
+  await page.locator(".gaiter-viewer details").evaluate((details) => { details.open = true; });
   for (const name of LAYERS) {
     const box = page.getByLabel(name, { exact: true });
     if (await box.isEnabled()) await box.setChecked(names.includes(name));

@@ -4,5 +4,8 @@
   document.getElementById("print").addEventListener("click", () => window.print());
   const record = JSON.parse(document.getElementById("record").textContent);
   const place = document.getElementById("view-place");
-  gaiterViewer.mount(place, record, { language: document.documentElement.lang });
+  const patient = document.querySelector("h1").textContent;
+  gaiterViewer.mount(place, record, { language: document.documentElement.lang, patient });
+  // The sheet's own drawing shows the same legs and levels; it is for paper and for where there is no view.
+  if (place.querySelector("canvas")) document.body.classList.add("viewing");
 }

@@ -174,11 +174,14 @@ fn picture(content: &Content, drawn: &Drawn) -> String {
     element("figure", &format!(" class=\"{}\"", drawn.name), &inside)
 }
 
-/// The place of the interactive 3D view.
+/// The place of the interactive 3D view, under a heading that says whose legs it shows.
 pub(super) fn view(content: &Content) -> String {
     let sentence = words("p", "", &content.pictures.no_script);
     let place = element("div", " id=\"view-place\"", &sentence);
-    element("div", " class=\"screen-only\"", &section("view", &content.pictures.view, &place))
+    let whose = format!("{} – {}", escaped(&content.pictures.view), foreign(&content.patient));
+    let heading = element("h2", " id=\"view\"", &whose);
+    let inside = element("section", " aria-labelledby=\"view\"", &(heading + &place));
+    element("div", " class=\"screen-only\"", &inside)
 }
 
 /// Both legs at the same heights, requested heights, volumes.

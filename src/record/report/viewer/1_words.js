@@ -1,39 +1,46 @@
 // The 3D view of a record's legs in plain WebGL: no library, no network. The parts of this folder are one
 // script, in the order of their names.
 //
-// `gaiterViewer.mount(element, record, {language: "en"|"de"})` fills `element` with the view of a
-// parsed record.json and returns `{destroy()}`. A record without shapes, a damaged one or a browser
-// without WebGL gives a sentence. Downwards: words → reading → geometry → camera → GPU → labels → page.
+// `gaiterViewer.mount(element, record, {language: "en"|"de", patient})` fills `element` with the view of
+// a parsed record.json and returns `{destroy()}`; `patient` is the id as the page shows it, if it does.
+// A record without shapes, a damaged one or a browser without WebGL gives a sentence. Downwards:
+// words → reading → geometry → tape → camera → GPU → labels → inputs → page.
 // Lengths are millimetres in the body frame: +Z up, −Y where the toes point, +X the patient's left.
 "use strict";
 
 globalThis.gaiterViewer = (() => {
   const WORDS = {
     en: {
-      title: "3D view of the legs", look: "View", show: "Show", point: ".",
+      title: "3D view of the legs", look: "View", show: "Show", more: "More layers", point: ".",
       front: "Front", back: "Back", fromLeft: "Patient's left", fromRight: "Patient's right", feet: "From below",
       nearer: "Zoom in", farther: "Zoom out", reset: "Reset",
-      left: "left", right: "right", leftLeg: "Left leg", rightLeg: "Right leg",
+      left: "left", right: "right", leftLeg: "Left leg", rightLeg: "Right leg", leftLetter: "L", rightLetter: "R",
       scan: "Scan points", skin: "Skin", surface: "Surface", error: "Error of the surface",
       sections: "Sections", landmarks: "Levels with girth", features: "Feature points",
+      tape: "Tape", ghost: "Other leg, mirrored",
+      tapeHeight: "Tape: height above the floor", notMeasured: "not measured", girths: "c: girth in cm",
+      ghostHelp: "The other leg is mirrored and laid over this one by the axis of the shank. Where it shows, it stands out beyond this one: it is thicker there, or held differently.",
       peak: "peak", valley: "valley", unseen: "not seen",
       legend: "Skin outside (+) or inside (−) the surface, mm",
-      help: "Drag or arrow keys turn; wheel, pinch, + and − zoom; shift and drag, two fingers or shift and arrow keys move; double click or 0 resets.",
+      help: "Turn: drag, two fingers, or arrow keys. Zoom: + and −, Ctrl and wheel, or two fingers. Move: Shift and drag, or Shift and arrow keys. Double click or 0 resets. Tape: drag it along the leg, or use the slider; Page Up and Page Down go from level to level.",
       noShape: "This record holds no shape of the legs, so there is nothing to show in 3D.",
       unreadable: "The shape of the legs in this record is damaged and cannot be shown.",
       damaged: "Parts of the shape in this record are damaged and are left out.",
       noWebgl: "This browser cannot show the 3D view (no WebGL).",
     },
     de: {
-      title: "3D-Ansicht der Beine", look: "Ansicht", show: "Zeigen", point: ",",
+      title: "3D-Ansicht der Beine", look: "Ansicht", show: "Zeigen", more: "Weitere Ebenen", point: ",",
       front: "Vorn", back: "Hinten", fromLeft: "Links (Patient)", fromRight: "Rechts (Patient)", feet: "Von unten",
       nearer: "Vergrößern", farther: "Verkleinern", reset: "Zurücksetzen",
-      left: "links", right: "rechts", leftLeg: "Linkes Bein", rightLeg: "Rechtes Bein",
+      left: "links", right: "rechts", leftLeg: "Linkes Bein", rightLeg: "Rechtes Bein", leftLetter: "L", rightLetter: "R",
       scan: "Scanpunkte", skin: "Haut", surface: "Oberfläche", error: "Fehler der Oberfläche",
       sections: "Schnitte", landmarks: "Messpunkte mit Umfang", features: "Merkmalspunkte",
+      tape: "Maßband", ghost: "Anderes Bein, gespiegelt",
+      tapeHeight: "Maßband: Höhe über dem Boden", notMeasured: "nicht gemessen", girths: "c: Umfang in cm",
+      ghostHelp: "Das andere Bein ist gespiegelt und an der Achse des Unterschenkels über dieses gelegt. Wo es zu sehen ist, steht es über dieses hinaus: Es ist dort dicker oder wird anders gehalten.",
       peak: "Gipfel", valley: "Tal", unseen: "nicht gesehen",
       legend: "Haut außerhalb (+) oder innerhalb (−) der Oberfläche, mm",
-      help: "Ziehen oder Pfeiltasten drehen; Mausrad, zwei Finger, + und − vergrößern oder verkleinern; Umschalttaste und Ziehen, zwei Finger oder Umschalttaste und Pfeiltasten verschieben; Doppelklick oder 0 setzt zurück.",
+      help: "Drehen: ziehen, zwei Finger oder Pfeiltasten. Vergrößern und verkleinern: + und −, Strg und Mausrad oder zwei Finger. Verschieben: Umschalttaste und ziehen oder Umschalttaste und Pfeiltasten. Doppelklick oder 0 setzt zurück. Maßband: am Bein entlang ziehen oder Schieberegler; Bild auf und Bild ab gehen von Messpunkt zu Messpunkt.",
       noShape: "Dieser Datensatz enthält keine Form der Beine; in 3D gibt es nichts zu zeigen.",
       unreadable: "Die Form der Beine in diesem Datensatz ist beschädigt und kann nicht gezeigt werden.",
       damaged: "Teile der Form in diesem Datensatz sind beschädigt und fehlen hier.",
@@ -41,37 +48,50 @@ globalThis.gaiterViewer = (() => {
     },
   };
 
-  // Colours in the light and the dark theme; a page may set `--gaiter-NAME`. Error colours run
-  // blue–white–orange, which colour-blind people tell apart.
+  // Colours in the light and the dark theme; a page may set `--gaiter-NAME`. Error colours are those of the
+  // report's flat figure in both themes: purple–white–orange, which colour-blind people tell apart.
   const COLOURS = {
     ground: ["#f6f7f9", "#14181e"], ink: ["#1b2430", "#e8ecf1"], line: ["#747d8a", "#8993a1"],
     left: ["#00695a", "#4fd1b5"], right: ["#ab2a1d", "#ff937f"],
     scan: ["#3a3f4a", "#d5dae2"], skin: ["#d3bba7", "#b79f8c"], surface: ["#86aed0", "#6d97bb"],
     peak: ["#ffb000", "#ffb000"], valley: ["#6a3df0", "#9a7bff"],
-    below: ["#1f5fb0", "#2f74cc"], middle: ["#f7f7f4", "#f7f7f4"], above: ["#b85a00", "#d96f0a"],
-    unseen: ["#8b8d90", "#77797c"], rim: ["#16181c", "#16181c"], focus: ["#0b57d0", "#8ab4f8"],
+    below: ["#542788", "#542788"], middle: ["#f7f7f7", "#f7f7f7"], above: ["#b35806", "#b35806"],
+    unseen: ["#9a9a9a", "#9a9a9a"], rim: ["#16181c", "#16181c"], focus: ["#0b57d0", "#8ab4f8"],
+    tape: ["#ffd83d", "#ffd83d"],
   };
 
   const VIEWS = { front: [0, 0], back: [180, 0], fromLeft: [90, 0], fromRight: [-90, 0], feet: [0, -90] }; // yaw, pitch in degrees
-  const START = [0, 12]; // The view at first and after a reset: from the front, a little from above.
-  const LAYERS = ["scan", "skin", "surface", "error", "sections", "landmarks", "features"];
-  const SHOWN_FIRST = ["skin", "surface", "sections", "landmarks", "features"];
+  const START = [0, 8]; // The view at first and after a reset: from the front, a little from above.
+  const FIRST_LAYERS = ["tape", "ghost", "landmarks"];
+  const MORE_LAYERS = ["skin", "surface", "error", "sections", "features", "scan"];
+  const SHOWN_FIRST = ["skin", "tape", "sections", "landmarks"];
 
   const MOST_POINTS = 400_000; // Of one grid or cloud: more would not be a record of ours.
   const MOST_ITEMS = 100; // Of sections, levels and feature points of a leg each.
   const FARTHEST_MM = 4000; // No coordinate of a body lies farther out.
-  const UNSEEN = -32768; // Stands in error grids where nothing was seen.
+  const UNSEEN = -32768; // Stands in grids where nothing was seen.
+  const ERROR_MM = 1; // Where the error's colours are full; the report's flat figure has the same scale.
   const RING_MM = 1.3; // Half the thickness of a drawn section.
-  // How far layers that lie on one another are lifted towards the eye, so that they do not flicker.
-  const LIFT_MM = { skin: 0, surface: 1, error: 1.3, scan: 1.8, ring: 2, feature: 4, landmark: 2000 };
+  // How far layers that lie on one another are lifted towards the eye, so that they do not flicker. The ghost
+  // sinks, so that it shows only where it is clearly thicker.
+  const LIFT_MM = { ghost: -1, skin: 0, surface: 1, error: 1.3, scan: 1.8, ring: 2, tape: 5, tapeFace: 5.6, feature: 7, landmark: 2000 };
   const TURN_DEG_PER_PX = 0.4, KEY_TURN_DEG = 10, KEY_MOVE_PX = 40, KEY_ZOOM = 1.25;
   const ZOOM = [0.5, 40]; // Least and most, 1 fits the legs into the canvas.
-  const MARGIN_PX = [130, 46]; // Room for labels beside and over the legs.
-  const LEADER_PX = 16; // From the legs to the label of a level.
+  const MARGIN_PX = [92, 30]; // Room for labels beside and over the legs.
+  const MARGIN_SHARE = 0.21; // Of a narrow canvas' width, each side.
+  const NARROW_PX = 480; // Below this the labels are short.
+  const LEADER_PX = 12; // From the legs to the label of a level.
   const MOST_CANVAS_PX = 4096, MOST_BAR_PX = 120;
   const ZOOM_PER_WHEEL_PX = 0.0015;
   const NEAR_PX_PER_MM = 1.5; // From here on feature points show their labels.
   const HOVER_PX = 14; // A pointer this near to a feature point shows its label.
-  const SCROLL_PAUSE_MS = 300; // Wheel turns closer together are one scroll of the page.
   const WHEEL_LINE_PX = 30; // What a wheel's line is worth where a browser counts lines.
+
+  const CURVE_GAP_MM = 12; // Rows of the girth curve are 5 mm apart; nothing is guessed over a wider gap.
+  const SKIN_GAP_MM = 25; // Rows of the drawn skin are 10 mm apart.
+  const AT_LEVEL_MM = 0.5; // A tape this near to a level is at it: half a step of the slider.
+  const DOUBT_REACH_MM = 20; // A doubt of the profile reaches half of its 40 mm.
+  const TAPE_PX = 3.5; // Half the width of the drawn tape.
+  const GRAB_PX = 12; // A mouse this near to the tape takes it.
+  const LEAST_RISE = 0.2; // Seen more steeply than this (cosine), a drag does not say which height is meant.
 

@@ -26,7 +26,8 @@
     return integers && integers.length % 3 === 0 ? Float32Array.from(integers, (tenths) => tenths / 10) : null;
   }
 
-  /** A grid that is closed around, with pairs of error in mm and 1 where it was seen; or null. */
+  /** A grid that is closed around, with pairs of error in mm and 1 where it was seen; or null. Rows of which
+   *  a point was not seen have no triangles. */
   function readGrid(source) {
     const { rows, columns } = source;
     if (!isCount(rows, 2) || !isCount(columns, 3) || rows * columns > MOST_POINTS) return null;
@@ -39,7 +40,24 @@
       errors = new Float32Array(2 * rows * columns);
       hundredths.forEach((value, at) => errors.set(value === UNSEEN ? [0, 0] : [value / 100, 1], 2 * at));
     }
-    return { rows, columns, points, errors, normals: normalsOf(rows, columns, points) };
+    const isSeen = Array.from({ length: rows }, (_, row) =>
+      points.subarray(3 * row * columns, 3 * (row + 1) * columns).every((part) => part > UNSEEN / 10));
+    return { rows, columns, points, errors, isSeen, normals: normalsOf(rows, columns, points), triangles: trianglesOf(rows, columns, isSeen) };
+  }
+
+  /** A mesh of points and triangles; or null. */
+  function readMesh(source) {
+    const [points, triangles] = [readPoints(source.points), readIntegers(source.triangles)];
+    if (!points || !triangles || triangles.length % 3 !== 0) return null;
+    if (triangles.some((index) => index < 0 || 3 * index >= points.length)) return null;
+    return { points, triangles: Uint32Array.from(triangles), errors: null, normals: meshNormalsOf(points, triangles) };
+  }
+
+  /** The frame of a leg: where its shank's axis meets the floor, and unit vectors; or null. */
+  function readFrame(axis) {
+    if (!isObject(axis)) return null;
+    const frame = { foot: axis.foot_mm, arms: [axis.front, axis.lateral, axis.direction] };
+    return isPoint(frame.foot) && frame.arms.every((arm) => isPoint(arm) && Math.abs(Math.hypot(...arm) - 1) < 0.01) ? frame : null;
   }
 
   /** A section as a ring: its points, its centre and a thin tube to draw; or null. */
@@ -62,13 +80,16 @@
       const around = 2 * Math.PI * Math.floor(cell / columns) / sides;
       tube.set(at(cell % columns, RING_MM * Math.sin(around), RING_MM * Math.cos(around)), 3 * cell);
     }
-    const grid = { rows: sides + 1, columns, points: tube, errors: null, normals: normalsOf(sides + 1, columns, tube) };
+    const normals = normalsOf(sides + 1, columns, tube);
+    const grid = { points: tube, errors: null, normals, triangles: trianglesOf(sides + 1, columns) };
     return { level: section.level, centre, outline: radii.map((_, index) => at(index, 0, 0)), grid };
   }
 
+  const hasDoubts = ({ doubts }) => Array.isArray(doubts) && doubts.length > 0;
+
   /** The levels that have a ring, a girth or both. */
   function readLevels(source, rings) {
-    const levels = new Map(rings.map((ring) => [ring.level, { level: ring.level, ring, place: ring.centre, girthMm: null }]));
+    const levels = new Map(rings.map((ring) => [ring.level, { level: ring.level, ring, place: ring.centre, girthMm: null, heightMm: null }]));
     const { foot_mm: foot, direction } = isObject(source.axis) ? source.axis : {};
     const landmarks = isObject(source.landmarks) ? Object.entries(source.landmarks) : [];
     for (const [level, landmark] of landmarks.slice(0, MOST_ITEMS)) {
@@ -80,8 +101,8 @@
         levels.set(level, { level, ring: null, place: foot.map((f, k) => f + along * direction[k]) });
       }
       if (!levels.has(level)) continue;
-      const isDoubted = Array.isArray(landmark.doubts) && landmark.doubts.length > 0;
-      Object.assign(levels.get(level), { girthMm: landmark.girth_tape_mm, isDoubted });
+      const heightMm = isPlace(landmark.height_mm) ? landmark.height_mm : null;
+      Object.assign(levels.get(level), { girthMm: landmark.girth_tape_mm, heightMm, isDoubted: hasDoubts(landmark) });
     }
     // Where labels compete for room, B, C and D go before B1.
     return [...levels.values()].sort((a, b) => a.level.length - b.level.length);
@@ -109,15 +130,25 @@
     });
     const leg = {
       side: source.side,
+      frame: readFrame(source.axis),
       skin: read(shape.skin, readGrid),
+      foot: read(shape.foot, readMesh),
       surface: read(shape.surface, readGrid),
       scan: read(shape.scan, (scan) => readPoints(scan.points)),
       levels: readLevels(source, rings),
       features,
+      runs: read(source.girth_curve, readRuns) || [],
+      doubtedMm: list(source.profile, (row) => row).filter((row) => isPlace(row.height_mm) && hasDoubts(row)).map((row) => row.height_mm),
     };
     if (!leg.skin && !leg.surface && !leg.scan) return null;
-    const clouds = [leg.skin && leg.skin.points, leg.surface && leg.surface.points, leg.scan].filter(Boolean);
-    return Object.assign(leg, { box: boxOf(clouds), balls: ballsOf(leg.skin || leg.surface) });
+    const tube = leg.skin || leg.surface;
+    // Scans without triangles and older records have no mesh of the foot; its points stand for it.
+    const rows = leg.skin ? rowsOf(leg.skin) : [];
+    const lowestMm = rows.length ? rows[0].heightMm : Infinity;
+    const dots = leg.foot || !leg.scan ? [] : [...leg.scan].filter((_, at) => leg.scan[at - at % 3 + 2] < lowestMm);
+    Object.assign(leg, { rows, footDots: Float32Array.from(dots) });
+    const clouds = [leg.skin, leg.surface, leg.foot].filter(Boolean).map((grid) => grid.points);
+    return Object.assign(leg, { box: boxOf([...clouds, leg.footDots]), balls: ballsOf(tube) });
   }
 
   /** What of a record can be drawn, and the key of a sentence about the rest or null. */
@@ -131,7 +162,12 @@
       if (leg) legs.push(leg);
     }
     if (legs.length === 0) return { legs, note: damaged ? "unreadable" : "noShape" };
-    const errors = legs.map((leg) => leg.surface && leg.surface.errors).filter(Boolean);
-    return { legs, note: damaged ? "damaged" : null, rangeMm: rangeOf(errors), box: boxOf(legs.map((leg) => leg.box)) };
+    for (const leg of legs) {
+      const other = legs.find((one) => one !== leg && one.frame && leg.frame);
+      leg.ghost = other ? [other.skin, other.foot].filter(Boolean).map((grid) => mirroredOnto(grid, other.frame, leg.frame)) : [];
+    }
+    // The patient's right leg first, as everywhere in the report.
+    legs.sort((a, b) => (a.side < b.side ? 1 : -1));
+    return { legs, note: damaged ? "damaged" : null, box: boxOf(legs.map((leg) => leg.box)), tapeMm: tapeRange(legs) };
   }
 

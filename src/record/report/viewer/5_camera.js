@@ -26,7 +26,7 @@
     }
 
     get pxPerMm() {
-      const room = [this.width - 2 * Math.min(MARGIN_PX[0], this.width / 4), this.height - 2 * MARGIN_PX[1]];
+      const room = [this.width - 2 * Math.min(MARGIN_PX[0], this.width * MARGIN_SHARE), this.height - 2 * MARGIN_PX[1]];
       return this.zoom * Math.max(0.02, Math.min(room[0] / this.sizeMm[0], room[1] / this.sizeMm[1]));
     }
 

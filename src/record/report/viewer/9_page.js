@@ -1,37 +1,45 @@
-  // ---- Page: elements, colours, pointers, keys. Styles go in by script, which a strict CSP allows. ----
+  // ---- Page: elements and colours. Styles go in by script, which a strict CSP allows. ----
 
   const STYLE = `
     .gaiter-viewer { padding: 8px; background: var(--v-ground); color: var(--v-ink); color-scheme: light dark; font: 14px/1.4 system-ui, sans-serif; }
     .gaiter-viewer fieldset { display: inline-flex; flex-wrap: wrap; gap: 4px 12px; margin: 0 12px 6px 0; padding: 0; border: 0; min-width: 0; }
     .gaiter-viewer legend { float: left; padding: 4px 0; font-weight: 600; }
-    .gaiter-viewer button { padding: 4px 10px; font: inherit; color: inherit; background: none; border: 1px solid var(--v-line); border-radius: 4px; }
+    .gaiter-viewer button { min-width: 32px; padding: 4px 10px; font: inherit; color: inherit; background: none; border: 1px solid var(--v-line); border-radius: 4px; }
     .gaiter-viewer label { display: inline-flex; align-items: center; gap: 4px; min-height: 28px; }
+    .gaiter-viewer summary { width: fit-content; padding: 4px 0; }
     .gaiter-viewer :focus-visible { outline: 3px solid var(--v-focus); outline-offset: 1px; }
-    .gaiter-viewer p { margin: 6px 0 0; }
+    .gaiter-viewer p { margin: 6px 0 0; max-width: 70rem; }
     .gaiter-viewer [hidden] { display: none; }
-    .gaiter-stage { position: relative; overflow: hidden; height: clamp(320px, 70vh, 760px); }
-    .gaiter-stage canvas { display: block; width: 100%; height: 100%; touch-action: none; cursor: grab; }
+    .gaiter-stage { position: relative; overflow: hidden; height: clamp(320px, 76vh, 860px); }
+    .gaiter-stage canvas { display: block; width: 100%; height: 100%; touch-action: pan-y; cursor: grab; }
     .gaiter-stage canvas:focus-visible { outline-offset: -3px; }
     .gaiter-stage span, .gaiter-stage i { position: absolute; left: 0; top: 0; pointer-events: none; }
     .gaiter-stage span { padding: 0 4px; white-space: nowrap; background: var(--v-ground); border-radius: 3px; font-size: 13px; }
+    .gaiter-stage .gaiter-side { font-size: 16px; font-weight: 700; }
+    .gaiter-stage .gaiter-reading { border: 2px solid currentcolor; font-weight: 700; }
     .gaiter-stage i { height: 1px; background: currentcolor; transform-origin: 0 0; }
+    .gaiter-stage .gaiter-grip { width: 44px; height: 44px; margin: -22px 0 0 -22px; background: none; pointer-events: auto; touch-action: none; cursor: ns-resize; }
+    .gaiter-grip::before { content: "↕"; position: absolute; inset: 12px; border: 2px solid var(--v-rim); border-radius: 50%; background: var(--v-tape); color: var(--v-rim); font: 700 12px/16px system-ui, sans-serif; text-align: center; }
     .gaiter-swatch { width: 20px; height: 8px; border-radius: 4px; }
     .gaiter-foot { display: flex; flex-wrap: wrap; gap: 4px 8px; align-items: center; min-height: 28px; }
-    .gaiter-bar { border: solid var(--v-ink); border-width: 0 1px 1px; text-align: center; }`;
+    .gaiter-bar { border: solid var(--v-ink); border-width: 0 1px 1px; text-align: center; }
+    .gaiter-tape { display: flex; flex-wrap: wrap; gap: 2px 16px; align-items: center; padding: 4px 0; }
+    .gaiter-tape input { flex: 1 1 14rem; min-width: 0; min-height: 28px; margin: 0; accent-color: var(--v-ink); }
+    .gaiter-tape output { display: flex; flex-wrap: wrap; gap: 2px 16px; font-size: 18px; font-weight: 600; font-variant-numeric: tabular-nums; }
+    @media (max-width: 40rem) {
+      .gaiter-viewer { padding: 4px 0; }
+      .gaiter-stage { height: clamp(320px, 112vw, 70vh); }
+      .gaiter-stage span { padding: 0 2px; font-size: 12px; }
+      .gaiter-viewer fieldset { gap: 4px 6px; margin-right: 0; }
+      .gaiter-viewer button { padding: 4px 7px; }
+    }`;
 
-  /** An element; all text goes in as text. */
-  function make(name, attributes, ...children) {
-    const element = document.createElement(name);
-    for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-    element.append(...children);
-    return element;
-  }
-
-  /** A patch of a colour or of a blend of colours. */
+  /** A patch of a colour or of a blend of colours; of what was not seen, hatched as in the picture. */
   function swatch(...names) {
     const element = make("span", { class: "gaiter-swatch" });
     const colours = names.map((name) => `var(--v-${name})`);
     element.style.background = names.length > 1 ? `linear-gradient(to right, ${colours})` : colours[0];
+    if (names[0] === "unseen") element.style.backgroundImage = "repeating-linear-gradient(-45deg, rgb(0 0 0 / 0.25) 0 3px, transparent 3px 6px)";
     return element;
   }
 
@@ -46,14 +54,82 @@
 
   let mounted = 0;
 
+  /** The tape around both legs at one height, with its slider and what it reads. */
+  class Tape {
+    constructor(scene, words, redraw) {
+      Object.assign(this, { scene, words, redraw, readings: new Map(), curves: new Map(), heightMm: 0 });
+      if (!scene.tapeMm) return;
+      const [low, high] = scene.tapeMm;
+      const id = `gaiter-tape-${mounted}`;
+      this.slider = make("input", { id, type: "range", min: low, max: high, step: 1 });
+      this.output = make("output", { for: id, "aria-live": "off" });
+      this.element = make("div", { class: "gaiter-tape" }, make("label", { for: id }, words.tapeHeight), this.slider, this.output);
+      this.slider.addEventListener("input", () => this.set(Number(this.slider.value)));
+      this.slider.addEventListener("keydown", (event) => {
+        if (event.key !== "PageUp" && event.key !== "PageDown") return;
+        event.preventDefault();
+        this.toNextLevel(event.key === "PageUp");
+      });
+      const calf = scene.legs[0].levels.find((level) => level.level === "C" && level.heightMm !== null);
+      this.set(calf ? calf.heightMm : (low + high) / 2);
+    }
+
+    /** Moves the tape to a height and reads it. */
+    set(heightMm) {
+      const { scene: { legs, tapeMm }, words } = this;
+      if (!tapeMm) return;
+      this.heightMm = Math.max(tapeMm[0], Math.min(tapeMm[1], heightMm));
+      const said = legs.map((leg) => {
+        const reading = tapeReading(leg, this.heightMm);
+        this.readings.set(leg, reading);
+        this.curves.set(leg, reading && tapeCurve(leg, this.heightMm));
+        if (!reading) return `${words[`${leg.side}Leg`]} ${words.notMeasured}`;
+        const level = reading.level ? ` (${reading.level})` : "";
+        return `${words[`${leg.side}Leg`]} ${inCm(reading.girthMm, words)} cm${reading.isDoubted ? " ?" : ""}${level}`;
+      });
+      const height = `${inCm(this.heightMm, words)} cm`;
+      this.slider.value = Math.round(this.heightMm);
+      this.slider.setAttribute("aria-valuetext", [height, ...said].join(", "));
+      this.output.replaceChildren(make("strong", {}, height), ...said.map((text, at) => {
+        const element = make("strong", {}, text);
+        element.style.color = `var(--v-${legs[at].side})`;
+        return element;
+      }));
+      this.redraw();
+    }
+
+    /** Moves the tape to the next level of any leg, upwards or downwards. */
+    toNextLevel(isUp) {
+      const heights = levelHeights(this.scene.legs);
+      const next = isUp ? heights.find((height) => height > this.heightMm + AT_LEVEL_MM)
+        : heights.findLast((height) => height < this.heightMm - AT_LEVEL_MM);
+      if (next !== undefined) this.set(next);
+    }
+
+    /** The bands to draw by leg, edge and face, as thick as they are to look. */
+    bands(pxPerMm) {
+      const thick = (curve, px) => bandOf(curve, px / pxPerMm);
+      const drawn = [...this.curves].filter(([, curve]) => curve && curve.length > 2);
+      return new Map(drawn.map(([leg, curve]) => [leg, [thick(curve, TAPE_PX), thick(curve, TAPE_PX - 1.25)]]));
+    }
+  }
+
   class Viewer {
-    constructor(root, gl, scene, words) {
-      Object.assign(this, { root, gl, scene, words, canvas: gl.canvas, camera: new Camera(scene.box), gpu: new Gpu(gl, scene.legs) });
-      Object.assign(this, { pointers: new Map(), hovered: null, scrolledAt: -Infinity, ended: new AbortController() });
+    constructor(root, gl, scene, words, title) {
+      Object.assign(this, { root, gl, scene, words, title, canvas: gl.canvas, camera: new Camera(scene.box), gpu: new Gpu(gl, scene.legs) });
+      Object.assign(this, { hovered: null, ended: new AbortController(), theme: matchMedia("(prefers-color-scheme: dark)") });
+      mounted += 1;
       this.shows = { left: true, right: true };
-      LAYERS.forEach((layer) => { this.shows[layer] = SHOWN_FIRST.includes(layer) && this.has(layer); });
+      this.tape = new Tape(scene, words, () => this.redraw());
+      [...FIRST_LAYERS, ...MORE_LAYERS].forEach((layer) => { this.shows[layer] = SHOWN_FIRST.includes(layer) && this.has(layer); });
+      if (!this.has("skin")) this.shows.surface = this.has("surface");
+      this.labels = new Labels(this);
       this.build();
-      this.listen();
+      const inputs = new Inputs(this, this.ended.signal);
+      this.grips.forEach((grip) => inputs.addGrip(grip));
+      inputs.on(this.theme, "change", () => this.recolour());
+      this.observer = new ResizeObserver(() => this.redraw());
+      this.observer.observe(this.canvas);
       this.recolour();
     }
 
@@ -62,151 +138,72 @@
       return this.scene.legs.some((leg) => ({
         ...leg, error: leg.surface && leg.surface.errors, sections: leg.levels.some((level) => level.ring),
         landmarks: leg.levels.some((level) => level.girthMm !== null), features: leg.features.length,
+        tape: this.scene.tapeMm, ghost: leg.ghost.length,
       })[layer]);
     }
 
     build() {
       const { words, camera, scene } = this;
-      const button = (key, act) => {
-        const element = make("button", { type: "button" }, words[key]);
+      const button = (key, act, sign) => {
+        const element = make("button", { type: "button", ...(sign ? { "aria-label": words[key], title: words[key] } : {}) }, sign || words[key]);
         element.addEventListener("click", () => { act(); this.redraw(); });
         return element;
       };
       const check = (key, text, ...colours) => {
         const box = make("input", { type: "checkbox" });
-        Object.assign(box, { checked: this.shows[key], disabled: LAYERS.includes(key) && !this.has(key) });
+        Object.assign(box, { checked: this.shows[key], disabled: key in this.shows && !(key in { left: 0, right: 0 }) && !this.has(key) });
         box.addEventListener("change", () => { this.shows[key] = box.checked; this.redraw(); });
         return make("label", {}, box, text, ...colours.map((colour) => swatch(colour)));
       };
+      const layers = (keys) => keys.map((layer) => check(layer, words[layer], ...(layer in COLOURS ? [layer] : [])));
       const group = (title, ...children) => make("fieldset", {}, make("legend", {}, title), ...children);
-      const help = make("p", { id: `gaiter-viewer-help-${mounted += 1}` }, words.help);
-      const named = { tabindex: 0, role: "application", "aria-label": words.title, "aria-describedby": help.id };
+      const help = make("p", { id: `gaiter-viewer-help-${mounted}` }, words.help);
+      const named = { tabindex: 0, role: "application", "aria-label": this.title, "aria-describedby": help.id };
       Object.entries(named).forEach(([key, value]) => this.canvas.setAttribute(key, value));
-      this.overlay = make("div", { "aria-hidden": "true" });
       this.bar = make("div", { class: "gaiter-bar" });
       this.legend = this.makeLegend();
+      this.ghostHelp = make("p", {}, words.ghostHelp);
+      this.grips = scene.legs.map(() => make("i", { class: "gaiter-grip" }));
+      this.labels.overlay.append(...this.grips);
       this.root.append(
         group(words.look, ...Object.keys(VIEWS).map((key) => button(key, () => camera.look(VIEWS[key]))),
-          button("nearer", () => camera.zoomBy(KEY_ZOOM)), button("farther", () => camera.zoomBy(1 / KEY_ZOOM)),
+          button("nearer", () => camera.zoomBy(KEY_ZOOM), "+"), button("farther", () => camera.zoomBy(1 / KEY_ZOOM), "−"),
           button("reset", () => camera.look(START))),
-        group(words.show, ...scene.legs.map(({ side }) => check(side, words[`${side}Leg`], side)).reverse(),
-          ...LAYERS.map((layer) => check(layer, words[layer], ...(layer in COLOURS ? [layer] : [])))),
-        make("div", { class: "gaiter-stage" }, this.canvas, this.overlay),
-        make("div", { class: "gaiter-foot" }, this.bar, this.legend),
+        group(words.show, ...scene.legs.map(({ side }) => check(side, words[`${side}Leg`], side)), ...layers(FIRST_LAYERS)),
+        make("div", { class: "gaiter-stage" }, this.canvas, this.labels.overlay),
+        ...(this.tape.element ? [this.tape.element] : []),
+        make("div", { class: "gaiter-foot" }, this.bar, words.girths, this.legend), this.ghostHelp,
+        make("details", {}, make("summary", {}, words.more), make("div", { class: "gaiter-foot" }, ...layers(MORE_LAYERS))),
         help, ...(scene.note ? [make("p", {}, words[scene.note])] : []));
-      this.tags = this.makeTags();
     }
 
     makeLegend() {
-      const { scene: { rangeMm }, words } = this;
-      const range = String(rangeMm).replace(".", words.point);
+      const { words } = this;
       const colours = swatch("below", "middle", "above");
       colours.style.width = "140px";
-      return make("div", { class: "gaiter-foot" }, `${words.legend}: −${range}`, colours, `+${range}`, swatch("unseen"), words.unseen);
+      return make("div", { class: "gaiter-foot" }, `${words.legend}: −${ERROR_MM}`, colours, `+${ERROR_MM}`, swatch("unseen"), words.unseen);
     }
 
-    /** The labels, most important first: sides, the feature point under the pointer, levels, others. */
-    makeTags() {
-      const { words, scene } = this;
-      const tag = (rank, leg, places, say) => {
-        const made = { rank, leg, places, say, text: make("span", {}), line: make("i", {}) };
-        for (const { style } of [made.text, made.line]) style.color = `var(--v-${leg.side})`;
-        this.overlay.append(made.line, made.text);
-        return made;
-      };
-      return scene.legs.flatMap((leg) => [
-        tag(() => 0, leg, (size) => this.besideLeg(leg, size), () => words[`${leg.side}Leg`]),
-        ...leg.levels.map((level) => tag(() => 2, leg, (size, anchors) => this.besideLevel(leg, level, size, anchors), () =>
-          [level.level, words[leg.side], ...(this.shows.landmarks && level.girthMm ? [inCm(level.girthMm, words), level.isDoubted ? "cm ?" : "cm"] : [])].join(" "))),
-        ...leg.features.map((feature) => tag(() => (feature === this.hovered ? 1 : 3), leg, (size) => this.besideFeature(leg, feature, size), () =>
-          (feature === this.hovered ? [feature.label, feature.level, words[leg.side], words[feature.kind]].join(" · ") : feature.label))),
-      ]);
+    /** A handle on each tape, where it is nearest to the eye. */
+    placeGrips() {
+      const { camera, shows, tape, scene } = this;
+      this.grips.forEach((grip, at) => {
+        const curve = shows.tape && shows[scene.legs[at].side] && tape.curves.get(scene.legs[at]);
+        grip.hidden = !curve || camera.up[2] < LEAST_RISE;
+        if (grip.hidden) return;
+        const { middle } = planeOf(curve);
+        const front = curve.reduce((most, place) => (dot(place, camera.towards) > dot(most, camera.towards) ? place : most));
+        // One handle is enough where a leg stands behind the other.
+        grip.hidden = !this.labels.isSeen(scene.legs[at], { place: front, centre: null });
+        const [[, y], [x]] = [camera.project(front), camera.project(middle)];
+        grip.style.transform = `translate(${x}px, ${y}px)`;
+      });
     }
 
-    /** Over the leg, or a line farther where the other leg's name is; always on the canvas. */
-    besideLeg({ box }, [width, height]) {
-      const { camera } = this;
-      const corners = Array.from({ length: 8 }, (_, bits) => camera.project([0, 1, 2].map((k) => box[k + 3 * (bits >> k & 1)])));
-      const into = (value, room) => Math.max(0, Math.min(room, value));
-      const left = into(corners.reduce((sum, [x]) => sum + x / 8, -width / 2), camera.width - width);
-      const top = into(Math.min(...corners.map(([, y]) => y)) - height, camera.height - height);
-      return [0, -1, 1, 2].map((lines) => [left, top + lines * height]);
-    }
-
-    /** Beside the legs, on the side away from the other leg, with a line from the section. */
-    besideLevel(leg, level, [width, height], anchors) {
-      const { camera, shows } = this;
-      if (!(shows.sections && level.ring) && !(shows.landmarks && level.girthMm !== null)) return [];
-      const x = ({ box }) => camera.project(middleOf(box))[0];
-      const other = this.scene.legs.find((one) => one !== leg);
-      // Seen from the side the legs stand behind one another; then the left one's labels are on the right.
-      const away = other ? x(leg) - x(other) : 1;
-      const way = Math.sign(Math.abs(away) > 1 ? away : (leg.side === "left") - 0.5);
-      const outline = level.ring ? level.ring.outline.map((point) => [point, ...camera.project(point)]) : [[level.place, ...camera.project(level.place)]];
-      const [place, fromX, fromY] = outline.reduce((most, one) => (way * one[1] > way * most[1] ? one : most));
-      if (fromX < 0 || fromX > camera.width || fromY < 0 || fromY > camera.height) return [];
-      if (shows.landmarks && level.girthMm !== null) anchors.push(place);
-      let edge = fromX;
-      for (const { centre, radius } of this.scene.legs.filter(({ side }) => shows[side]).flatMap(({ balls }) => balls)) {
-        const [ballX, ballY] = camera.project(centre);
-        if (Math.abs(ballY - fromY) < height) edge = way * Math.max(way * edge, way * ballX + radius * camera.pxPerMm);
-      }
-      const left = Math.max(0, Math.min(camera.width - width, edge + way * LEADER_PX - (way < 0 ? width : 0)));
-      return [0, -1, 1, -2, 2].map((lines) =>
-        [left, fromY + (lines - 0.5) * height, fromX, fromY, way < 0 ? width : 0, height / 2]);
-    }
-
-    /** Around a feature point, where it is asked for: by the pointer, by coming near, by the keyboard. */
-    besideFeature(leg, feature, [width, height]) {
-      const { camera, shows } = this;
-      const asked = feature === this.hovered || camera.pxPerMm > NEAR_PX_PER_MM || this.canvas.matches(":focus-visible");
-      if (!asked || !shows.features || !this.isSeen(leg, feature)) return [];
-      const [x, y] = camera.project(feature.place);
-      return [[x + 8, y - height], [x - 8 - width, y - height], [x + 8, y], [x - 8 - width, y]];
-    }
-
-    /** Whether a feature point faces the eye and no shown leg stands before it. */
-    isSeen(leg, { place, centre }) {
-      const { towards } = this.camera;
-      if (centre && dot(minus(place, centre), towards) <= 0) return false;
-      return !this.scene.legs.some((other) => other !== leg && this.shows[other.side] && other.balls.some((ball) => {
-        const away = minus(ball.centre, place);
-        const ahead = dot(away, towards);
-        return ahead > 0 && Math.hypot(...plus(away, towards, -ahead)) < ball.radius;
-      }));
-    }
-
-    /** Puts every label at its first place that is free; returns where the levels' lines start. */
-    placeTags() {
-      const { width, height } = this.camera;
-      const [taken, anchors] = [[], new Map(this.scene.legs.map((leg) => [leg, []]))];
-      for (const tag of [...this.tags].sort((a, b) => a.rank() - b.rank())) {
-        const said = tag.say();
-        if (tag.said !== said || tag.size[0] === 0) {
-          tag.text.hidden = false;
-          tag.text.textContent = tag.said = said;
-          const box = tag.text.getBoundingClientRect();
-          tag.size = [box.width, box.height].map(Math.ceil);
-        }
-        const [w, h] = tag.size;
-        const places = this.shows[tag.leg.side] ? tag.places(tag.size, anchors.get(tag.leg)) : [];
-        const place = places.find(([x, y]) => x >= 0 && y >= 0 && x + w <= width && y + h <= height
-          && taken.every((box) => x + w <= box[0] || box[0] + box[2] <= x || y + h <= box[1] || box[1] + box[3] <= y));
-        tag.text.hidden = tag.line.hidden = !place;
-        if (!place) continue;
-        taken.push([place[0], place[1], w, h]);
-        tag.text.style.transform = `translate(${place[0]}px, ${place[1]}px)`;
-        this.drawLine(tag.line, place);
-      }
-      return anchors;
-    }
-
-    /** A line from a level's section to its label; other labels have none. */
-    drawLine(line, [left, top, fromX, fromY, atX, atY]) {
-      if (fromX === undefined) return;
-      const [x, y] = [left + atX - fromX, top + atY - fromY];
-      line.style.width = `${Math.hypot(x, y)}px`;
-      line.style.transform = `translate(${fromX}px, ${fromY}px) rotate(${Math.atan2(y, x)}rad)`;
+    hover(feature) {
+      if (feature === this.hovered) return;
+      this.hovered = feature;
+      this.redraw();
     }
 
     // -- Drawing, only when something has changed.
@@ -224,12 +221,22 @@
       const size = [Math.round(width * ratio), Math.round(height * ratio)];
       if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
       Object.assign(camera, { width, height });
-      const anchors = this.placeTags();
-      if (!gl.isContextLost()) this.gpu.draw(camera, this.colours, this.shows, this.scene.rangeMm, anchors, ratio);
+      const anchors = this.labels.place();
+      this.placeGrips();
+      const tapes = this.shows.tape ? this.tape.bands(camera.pxPerMm) : new Map();
+      if (!gl.isContextLost()) this.gpu.draw(camera, this.colours, this.shows, anchors, tapes, ratio);
       const cm = [50, 20, 10, 5, 2, 1, 0.5].find((length) => length * 10 * camera.pxPerMm <= MOST_BAR_PX) || 0.2;
       this.bar.style.width = `${cm * 10 * camera.pxPerMm}px`;
       this.bar.textContent = `${cm} cm`.replace(".", this.words.point);
       this.legend.hidden = !this.shows.error;
+      this.ghostHelp.hidden = !this.shows.ghost;
+      if (this.tape.element) this.tape.element.hidden = !this.shows.tape;
+    }
+
+    /** Makes everything of the GPU anew after a lost context. */
+    restore() {
+      this.gpu = new Gpu(this.gl, this.scene.legs);
+      this.redraw();
     }
 
     /** Takes the theme's colours, as the page set them or ours: as they are for CSS, 0 to 1 for WebGL. */
@@ -248,102 +255,6 @@
       this.redraw();
     }
 
-    // -- Pointers, wheel, keys.
-
-    listen() {
-      const { canvas, camera } = this;
-      const { signal } = this.ended;
-      const on = (target, names, act, options) => names.split(" ").forEach((name) =>
-        target.addEventListener(name, (event) => act.call(this, event), { signal, ...options }));
-      this.theme = matchMedia("(prefers-color-scheme: dark)");
-      on(this.theme, "change", this.recolour);
-      on(window, "resize", this.redraw);
-      on(window, "wheel", this.noteScroll, { capture: true, passive: true });
-      on(canvas, "wheel", this.wheel, { passive: false });
-      on(canvas, "pointerdown", this.press);
-      on(canvas, "pointermove", this.drag);
-      on(canvas, "pointerup pointercancel", (event) => this.pointers.delete(event.pointerId));
-      on(canvas, "pointerleave", () => this.hover(null));
-      on(canvas, "keydown", this.key);
-      on(canvas, "focus blur", this.redraw);
-      on(canvas, "dblclick", () => { camera.look(START); this.redraw(); });
-      on(canvas, "webglcontextlost", (event) => event.preventDefault());
-      on(canvas, "webglcontextrestored", () => { this.gpu = new Gpu(this.gl, this.scene.legs); this.redraw(); });
-      this.observer = new ResizeObserver(() => this.redraw());
-      this.observer.observe(canvas);
-    }
-
-    press(event) {
-      this.canvas.setPointerCapture(event.pointerId);
-      this.pointers.set(event.pointerId, [event.offsetX, event.offsetY]);
-      this.hover(null);
-    }
-
-    drag(event) {
-      const { camera, pointers } = this;
-      const now = [event.offsetX, event.offsetY];
-      const before = pointers.get(event.pointerId);
-      if (!before) return this.hover(this.featureAt(now));
-      const [x, y] = [now[0] - before[0], now[1] - before[1]];
-      pointers.set(event.pointerId, now);
-      const other = [...pointers].find(([id]) => id !== event.pointerId);
-      if (other) {
-        // Two fingers: the legs follow the fingers' middle and their distance.
-        const [fx, fy] = other[1];
-        const apart = (at) => Math.max(1, Math.hypot(at[0] - fx, at[1] - fy));
-        camera.move(x / 2, y / 2);
-        camera.zoomBy(apart(now) / apart(before), (now[0] + fx) / 2, (now[1] + fy) / 2);
-      } else if (event.shiftKey) camera.move(x, y);
-      else camera.turn(-x * TURN_DEG_PER_PX, y * TURN_DEG_PER_PX);
-      return this.redraw();
-    }
-
-    featureAt([x, y]) {
-      let [found, least] = [null, HOVER_PX];
-      for (const leg of this.shows.features ? this.scene.legs.filter(({ side }) => this.shows[side]) : []) {
-        for (const feature of leg.features) {
-          const [atX, atY] = this.camera.project(feature.place);
-          const away = Math.hypot(atX - x, atY - y);
-          if (away < least && this.isSeen(leg, feature)) [found, least] = [feature, away];
-        }
-      }
-      return found;
-    }
-
-    hover(feature) {
-      if (feature === this.hovered) return;
-      this.hovered = feature;
-      this.redraw();
-    }
-
-    /** A page that is being scrolled scrolls on when the canvas comes under the pointer. */
-    noteScroll(event) {
-      const scrolling = event.target !== this.canvas || event.timeStamp - this.scrolledAt < SCROLL_PAUSE_MS;
-      if (scrolling) this.scrolledAt = event.timeStamp;
-    }
-
-    wheel(event) {
-      if (event.timeStamp === this.scrolledAt) return;
-      event.preventDefault();
-      const turned = event.deltaY * (event.deltaMode ? WHEEL_LINE_PX : 1);
-      this.camera.zoomBy(Math.exp(-turned * ZOOM_PER_WHEEL_PX), event.offsetX, event.offsetY);
-      this.redraw();
-    }
-
-    key(event) {
-      const { camera } = this;
-      const [x, y] = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key] || [];
-      if (event.ctrlKey || event.altKey || event.metaKey) return;
-      if (x !== undefined && event.shiftKey) camera.move(x * KEY_MOVE_PX, y * KEY_MOVE_PX);
-      else if (x !== undefined) camera.turn(-x * KEY_TURN_DEG, y * KEY_TURN_DEG);
-      else if (event.key === "+" || event.key === "=") camera.zoomBy(KEY_ZOOM);
-      else if (event.key === "-") camera.zoomBy(1 / KEY_ZOOM);
-      else if (event.key === "0") camera.look(START);
-      else return;
-      event.preventDefault();
-      this.redraw();
-    }
-
     destroy() {
       this.ended.abort();
       this.observer.disconnect();
@@ -357,10 +268,11 @@
 
   /** Fills `element` with the view of a record; see the top of this file. */
   function mount(element, record, options) {
-    const language = options && options.language === "de" ? "de" : "en";
-    const words = WORDS[language];
+    const { language, patient } = options || {};
+    const words = WORDS[language === "de" ? "de" : "en"];
+    const title = patient ? `${words.title} – ${patient}` : words.title;
     const scene = readScene(record);
-    const root = make("section", { class: "gaiter-viewer", lang: language, "aria-label": words.title });
+    const root = make("section", { class: "gaiter-viewer", lang: language === "de" ? "de" : "en", "aria-label": title });
     element.replaceChildren(root);
     const gl = scene.legs.length ? openWebgl() : null;
     if (!gl) {
@@ -368,7 +280,7 @@
       return { destroy: () => root.remove() };
     }
     adoptStyle();
-    const viewer = new Viewer(root, gl, scene, words);
+    const viewer = new Viewer(root, gl, scene, words, title);
     return { destroy: () => viewer.destroy() };
   }
 
