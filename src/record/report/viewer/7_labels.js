@@ -89,10 +89,11 @@
       const way = -this.outward(leg);
       const beside = (side) => places.reduce((most, one) => (side * one[0] > side * most[0] ? one : most));
       const leader = this.isNarrow() ? LEADER_PX / 2 : LEADER_PX;
-      const at = (side) => [beside(side)[0] + (side < 0 ? -width - leader : leader), beside(side)[1] - height / 2, ...beside(side), side < 0 ? width : 0, height / 2];
+      const at = (side, lines = 0) => [beside(side)[0] + (side < 0 ? -width - leader : leader),
+        beside(side)[1] + (lines - 0.5) * height, ...beside(side), side < 0 ? width : 0, height / 2];
       const [middle, top, foot] = [(low + high - width) / 2, Math.min(...places.map(([, y]) => y)), Math.max(...places.map(([, y]) => y))];
       const clear = 2 * GRAB_PX;
-      return [at(way), [middle, top - height - clear], [middle, foot + clear], at(-way)];
+      return [at(way), at(way, 1), at(way, -1), [middle, top - height - clear], [middle, foot + clear], at(-way)];
     }
 
     /** Beside the legs, on the side away from the other leg, with a line from the section. */

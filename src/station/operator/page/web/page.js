@@ -179,7 +179,7 @@ async function view(row) {
   dialog.showModal();
   try {
     const record = await (await fetch(address(row, "record.json"))).json();
-    if (dialog.open) viewed = window.gaiterViewer.mount(place, record, { language: root.lang });
+    if (dialog.open) viewed = window.gaiterViewer.mount(place, record, { language: root.lang, patient: patients.join(", ") });
   } catch {
     place.textContent = label("away");
   }
