@@ -338,14 +338,14 @@ test("the wheel scrolls the page, also after a click into the view; with Ctrl it
   await page.mouse.wheel(0, 150);
   await scrolled(page, 150);
   assert.equal(await pxPerMm(page), before);
-  const scrolled = await page.evaluate(() => window.scrollY);
+  const top = await page.evaluate(() => window.scrollY);
   await page.keyboard.down("Control");
   await page.mouse.wheel(0, -300);
   await page.keyboard.up("Control");
   await settled(page);
   const near = await pxPerMm(page);
   assert.ok(near > 1.3 * before, `${near}`);
-  assert.equal(await page.evaluate(() => window.scrollY), scrolled);
+  assert.equal(await page.evaluate(() => window.scrollY), top);
 }));
 
 test("two fingers zoom", () => viewing(async (page) => {
