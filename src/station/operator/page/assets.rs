@@ -13,15 +13,15 @@ use crate::record::report::VIEWER;
 use crate::record::sha256;
 use crate::station::operator::http::listeners::Way;
 
-const PAGE: &str = include_str!("web/page.html");
-const KIOSK: &str = include_str!("web/kiosk.html");
-const STYLE: &str = include_str!("web/page.css");
+const PAGE: &str = include_str!("../web/page.html");
+const KIOSK: &str = include_str!("../web/kiosk.html");
+const STYLE: &str = include_str!("../web/page.css");
 const SCRIPT: &str = concat!(
-    include_str!("web/decide.js"),
-    include_str!("web/search.js"),
-    include_str!("web/page.js")
+    include_str!("../web/decide.js"),
+    include_str!("../web/search.js"),
+    include_str!("../web/page.js")
 );
-const ICON: &str = include_str!("web/icon.svg");
+const ICON: &str = include_str!("../web/icon.svg");
 
 /// The content type of an answer for programs.
 pub const JSON: (HeaderName, &str) = (CONTENT_TYPE, "application/json");
