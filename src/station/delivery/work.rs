@@ -66,6 +66,9 @@ fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, Setback> 
         Outcome::Files { files, to_do } => {
             note_measured(core, began.elapsed());
             booth.scan_measured(&row.scan)?;
+            if !to_do.is_empty() {
+                core.custody.journal().lacks_measures(&row.scan)?;
+            }
             Ok(Ready { row, files, to_do })
         }
         Outcome::Refused { code, message } => {
@@ -116,9 +119,6 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
             })
             .map_err(|fault| of_store(fault, row))?;
         store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
-        if !to_do.is_empty() {
-            core.custody.journal().lacks_measures(&due.scan)?;
-        }
         core.custody.delivered(due, &receipt.folder)?;
         let state = core.custody.journal().scan(&due.scan)?.map(|row| row.state);
         if state == Some(ScanState::Delivered) {
