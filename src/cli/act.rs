@@ -3,7 +3,7 @@
 
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 
-use super::args::{AskArgs, OneArgs, PatientVerb, UnassignArgs};
+use super::args::{AskArgs, AssignArgs, OneArgs, PatientVerb, UnassignArgs};
 use super::{Exit, ask, complain};
 use crate::station::operator::control::protocol::Request;
 
@@ -21,8 +21,12 @@ pub fn release(args: &OneArgs) -> Exit {
 }
 
 /// Assigns a scan to a patient.
-pub fn assign(args: &OneArgs) -> Exit {
-    with_patient(&args.ask, |patient| Request::Assign { scan: args.scan.clone(), patient })
+pub fn assign(args: &AssignArgs) -> Exit {
+    let AssignArgs { one, stray } = args;
+    if stray.is_some() {
+        return not_an_argument(&format!("gaiter assign {}", one.scan));
+    }
+    with_patient(&one.ask, |patient| Request::Assign { scan: one.scan.clone(), patient })
 }
 
 /// Takes a scan back from its patient.
@@ -42,12 +46,23 @@ pub fn give_up(args: &OneArgs) -> Exit {
 /// Sets, clears or shows the patient of the next scan.
 pub fn patient(verb: &PatientVerb) -> Exit {
     match verb {
+        PatientVerb::Set(args) if args.stray.is_some() => not_an_argument("gaiter patient set"),
         PatientVerb::Set(args) => {
-            with_patient(args, |patient| Request::NameNext { patient, replace: true })
+            with_patient(&args.ask, |patient| Request::NameNext { patient, replace: true })
         }
         PatientVerb::Clear(args) => ask::sentence(args, &Request::CallOff),
         PatientVerb::Show(args) => ask::sentence(args, &Request::Next),
     }
+}
+
+/// Says how to give a patient's id, instead of on the command line.
+fn not_an_argument(command: &str) -> Exit {
+    complain(format_args!(
+        "gaiter: a patient's id is never an argument, because every user of the machine can read \
+         arguments; nothing was changed\n  hint: run {command} and type the id when it is asked for, \
+         or hand it over on standard input"
+    ));
+    Exit::Usage
 }
 
 /// Reads the patient's id from the operator and sends the request with it.

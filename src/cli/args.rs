@@ -2,43 +2,48 @@
 
 mod asking;
 mod calibrate;
+mod examples;
+mod extract;
+mod groups;
 mod reextract;
 mod report;
 
-use std::num::NonZeroUsize;
-use std::ops::Range;
+use std::env;
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Parser, Subcommand};
+use clap::{Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 
-use crate::cad::FileKind;
-use crate::config::words::{
-    self, FACINGS, FIGURES, FILES, GARMENTS, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, WINDINGS,
-    Words,
-};
-use crate::language::Language;
-use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up, Winding};
-use crate::record::FigureFormat;
-use crate::record::garment::Garment;
+use crate::config::words::{self, Words};
 use crate::station::measure::VERB;
 pub use asking::{
-    AskArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, StatusArgs, UnassignArgs,
+    AskArgs, AssignArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, SetArgs, StatusArgs,
+    UnassignArgs,
 };
 pub use calibrate::CalibrateArgs;
+pub use extract::ExtractArgs;
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
 
-/// The configuration file that `run` and `check` read if no file is named.
+/// The station's configuration if neither `--config` nor the environment names one.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
+
+/// The variable of the environment that names the station's configuration.
+pub const CONFIG_VARIABLE: &str = "GAITER_CONFIG";
+
+/// The station's configuration if `--config` does not name one.
+fn usual_config() -> PathBuf {
+    let named = env::var_os(CONFIG_VARIABLE).filter(|path| !path.is_empty());
+    named.map_or_else(|| PathBuf::from(DEFAULT_CONFIG), PathBuf::from)
+}
 
 /// Measures both legs from a body scan.
 ///
 /// gaiter runs beside a body scanner. It takes every scan that the scanner exports, and writes girths
 /// and heights at B, B1, C and D, a surface and a report of both legs to the patient's folder.
 #[derive(Debug, Parser)]
-#[command(name = "gaiter", version, after_help = EXIT_CODES)]
+#[command(name = "gaiter", version)]
 pub struct Args {
     /// What to do.
     #[command(subcommand)]
@@ -48,12 +53,28 @@ pub struct Args {
 const EXIT_CODES: &str = "Exit codes: 0 done, 64 wrong command line, 65 a scan cannot be measured, \
 66 no such file, 70 internal error, 74 reading or writing failed, 78 fault in the configuration.";
 
+/// The whole command line, with examples and with its verbs in groups.
+pub fn command() -> Command {
+    let after = format!("{}\n\n{EXIT_CODES}", examples::of_gaiter());
+    groups::with_groups(examples::with_examples(Args::command().after_help(after)))
+}
+
+impl Args {
+    /// The arguments of this process.
+    ///
+    /// # Errors
+    /// clap's, with the text to print; also for the help and the version.
+    pub fn of_process() -> Result<Args, clap::Error> {
+        Args::from_arg_matches(&command().try_get_matches()?)
+    }
+}
+
 /// The verbs of gaiter.
 #[derive(Debug, Subcommand)]
 pub enum Verb {
-    /// Show a whole station at work with a simulated scanner; needs no configuration
+    /// Show a whole station at work, with a simulated scanner
     ///
-    /// Starts a real station in the new folder ./demo, lets a simulated scanner export a few scans
+    /// Needs no configuration. Starts a real station in the new folder ./demo, lets a simulated scanner export a few scans
     /// into it, and shows the measures and where the records are. Takes less than a minute.
     Demo(DemoArgs),
     /// Run the station: wait for scans and write records to the stores
@@ -66,15 +87,15 @@ pub enum Verb {
     /// Prints a table of both legs for each scan, and for several scans a summary with one row each.
     /// For a folder, measures all scans in it except hidden files, in the order of their names.
     Extract(ExtractArgs),
-    /// Measure a body of known girths, and say how far off scanner and method are
+    /// Measure a body of known girths to check scanner and method
     ///
-    /// Compares the girths of a cylinder, a cone or another body with the known ones. Changes nothing;
+    /// Says how far off they are: compares the girths of a cylinder, a cone or another body with the known ones. Changes nothing;
     /// a station keeps a series of such checks by itself if `phantom.girths` is configured. Exits with
     /// 65 also if a girth is beyond the tolerance.
     Calibrate(CalibrateArgs),
-    /// Measure the scans of a record store again, with the current method
+    /// Measure the scans of a record store again
     ///
-    /// If the result differs from the record, writes a new revision beside it, in a folder of the same
+    /// Uses the current method. If the result differs from the record, writes a new revision beside it, in a folder of the same
     /// name with _r2, _r3 …; never changes the old one. Prints at the end what changed and by how
     /// much. A station may run at the same time. A second run adds nothing.
     Reextract(ReextractArgs),
@@ -92,9 +113,9 @@ pub enum Verb {
     /// has none, tries the folders: whether exports can be read and records can be written. Run it as
     /// the station's user.
     Check(CheckArgs),
-    /// Show the state of the running station: ready, or what is wrong and what to do
+    /// Show whether the station is ready, or what to do
     ///
-    /// Exits with 0 when the station is ready and with 74 when it is not, or when no station runs.
+    /// Shows the state of the running station and, if it is not ready, what is wrong. Exits with 0 when the station is ready and with 74 when it is not, or when no station runs.
     /// Shows no patient's id and no file name. Run it as root or as the station's user.
     Status(StatusArgs),
     /// List the station's scans, newest first
@@ -104,7 +125,7 @@ pub enum Verb {
     /// Show one scan with its deliveries and the patient's id
     ///
     /// For a held scan, also shows the patients it may belong to and the folder with pictures of its
-    /// legs. Make sure that nobody else can see the screen.
+    /// legs. Make sure that no other person can see the screen.
     Show(OneArgs),
     /// Explain in one sentence why a file or a scan is where it is
     Explain(ExplainArgs),
@@ -115,7 +136,7 @@ pub enum Verb {
     Retry(OneArgs),
     /// Deliver a held scan to the patient it came in for
     ///
-    /// A scan is held when it is not certain whose it is, or when nobody pressed the button for it.
+    /// A scan is held when it is not certain whose it is, or when the button was not pressed for it.
     /// Look at it first: `gaiter show ID` shows why it is held and whose it may be. If it did not come
     /// in for exactly one patient, use `gaiter assign ID`.
     Release(OneArgs),
@@ -123,33 +144,35 @@ pub enum Verb {
     ///
     /// Asks for the patient's id, or reads it from standard input. It is never an argument, because
     /// every user of the machine can read those.
-    Assign(OneArgs),
-    /// Take a scan back from its patient: its record goes to _unassigned and leaves the patient's folder
+    Assign(AssignArgs),
+    /// Take a scan back from its patient
     ///
-    /// Notes that people put into the record's folder go with it. Delete results that the practice
-    /// software already has in that software. A scan that belongs to more than one patient stays with the
-    /// others.
+    /// Its record leaves the patient's folder and goes to _unassigned; a scan that belongs to more than one
+    /// patient stays with the others. Notes that people put into the record's folder go with it. Delete
+    /// results that the practice software already has in that software.
     Unassign(UnassignArgs),
-    /// Close a scan that was refused, is held, or is stored without a patient: it needs no decision
+    /// Close a scan that needs no decision any more
     ///
-    /// The station no longer asks about it. A record that is stored stays where it is. `retention` in the configuration sets how long its
+    /// For a scan that was refused, is held, or is stored without a patient. The station no longer asks
+    /// about it. A record that is stored stays where it is. `retention` in the configuration sets how long its
     /// bytes are kept; until then it can still be tried again or assigned.
     GiveUp(OneArgs),
     /// Set, clear or show the patient of the next scan
     #[command(subcommand)]
     Patient(PatientVerb),
-    /// Hand an order of the practice software (GDT 6302) to the running station
+    /// Hand an order of the practice software (GDT 6302) to the station
     ///
     /// For practice software that can start a program with the order's file. The order names the
     /// patient of the next scan. gaiter only reads the file; the practice software removes it.
     GdtOrder(OrderArgs),
-    /// Print the link to the operator's page, with the token; without the token the page is
-    /// read-only
+    /// Print the link to the operator's page, for decisions
     ///
-    /// Everybody who has the link can decide about scans. Open it on the station's machine, and do not
-    /// send it to anybody. The browser keeps the token.
+    /// The link holds the token; without the token the page is read-only. Everybody who has the link can decide
+    /// about scans: open it on the station's machine, and send it to no one. The browser keeps the token.
     Page(AskArgs),
-    /// Take in and deliver no scans until `gaiter resume`, not even after a restart
+    /// Take in and deliver no scans until `gaiter resume`
+    ///
+    /// A restart does not end the pause.
     Pause(AskArgs),
     /// Take in and deliver scans again after `gaiter pause`
     Resume(AskArgs),
@@ -169,7 +192,7 @@ pub enum PatientVerb {
     /// Asks for the patient's id, or reads it from standard input. It is never an argument, because
     /// every user of the machine can read those. The name waits for the next press of the button, or
     /// without a button for the next export. It is used once, and replaces a name that waits.
-    Set(AskArgs),
+    Set(SetArgs),
     /// Drop the waiting name and the presses whose export has not come
     Clear(AskArgs),
     /// Show who is next and whose exports are expected; shows patients' ids
@@ -206,77 +229,9 @@ const SHELLS: Words<Shell> = &[("bash", Shell::Bash), ("zsh", Shell::Zsh), ("fis
 /// `gaiter run`
 #[derive(Debug, clap::Args)]
 pub struct RunArgs {
-    /// The configuration of the station
-    #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG)]
+    /// The configuration of the station; the variable GAITER_CONFIG names another default
+    #[arg(long, value_name = "FILE", default_value_os_t = usual_config())]
     pub config: PathBuf,
-}
-
-/// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
-#[derive(Debug, clap::Args)]
-pub struct ExtractArgs {
-    /// The scan files, as the scanner exported them (.obj, .ply, .stl, .wrl, .xyz, .asc, .txt), or
-    /// folders of them
-    #[arg(value_name = "SCAN", required = true)]
-    pub scans: Vec<PathBuf>,
-    /// Also look for scans in folders within folders
-    #[arg(long)]
-    pub recursive: bool,
-    /// Number of scans to process at a time [default: number of processors]
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<NonZeroUsize>,
-    /// Print one JSON record per scan and line, for programs
-    #[arg(long)]
-    pub json: bool,
-    /// Also write a record folder for every scan: DIR/NAME-OF-SCAN/
-    #[arg(long, value_name = "DIR")]
-    pub out: Option<PathBuf>,
-    /// CAD files and meshes to make of each leg, with --out: --files step,iges,stl
-    #[arg(
-        long,
-        value_name = "KIND,…",
-        value_delimiter = ',',
-        value_parser = of_words(FILES),
-        requires = "out"
-    )]
-    pub files: Option<Vec<FileKind>>,
-    /// Also write each figure of the report as a file of its own, with --out
-    #[arg(
-        long,
-        value_name = "FORMAT,…",
-        value_delimiter = ',',
-        value_parser = of_words(FIGURES),
-        requires = "out"
-    )]
-    pub figures: Option<Vec<FigureFormat>>,
-    /// The language of the report, with --out [default: en, or that of --config]
-    #[arg(long, value_parser = of_words(LANGUAGES), requires = "out")]
-    pub language: Option<Language>,
-    /// The garment that is ordered: the sheet says which of its measures are missing [default: AD, or that of
-    /// --config]
-    #[arg(long, value_parser = of_words(GARMENTS))]
-    pub garment: Option<Garment>,
-    /// What the scan contains: a whole body, or one leg with its foot; the scan does not show its side
-    #[arg(long, value_parser = of_words(SCOPES))]
-    pub scope: Option<Scope>,
-    /// The unit of the scan's coordinates; auto finds it from the height of the body
-    #[arg(long, value_parser = of_words(UNITS))]
-    pub unit: Option<UnitChoice>,
-    /// The axis of the scan that points up [default: y]
-    #[arg(long, value_parser = of_words(UPS))]
-    pub up: Option<Up>,
-    /// The axis of the scan that the toes point along; auto finds it from the feet
-    #[arg(long, value_parser = of_words(FACINGS), allow_hyphen_values = true)]
-    pub facing: Option<FacingChoice>,
-    /// Which way round the scan's triangles are wound [default: outward]
-    #[arg(long, value_parser = of_words(WINDINGS))]
-    pub winding: Option<Winding>,
-    /// Heights above the floor at which girths are also measured, in cm: --at 10,20,30.5
-    #[arg(long, value_name = "CM,…", value_delimiter = ',', value_parser = height_mm)]
-    pub at: Option<Vec<f64>>,
-    /// Take scope, unit, up, facing, method, output and language from this configuration, unless an
-    /// option overrides them
-    #[arg(long, value_name = "FILE")]
-    pub config: Option<PathBuf>,
 }
 
 /// `gaiter measure`
@@ -289,19 +244,12 @@ pub struct MeasureArgs {
 /// `gaiter check`
 #[derive(Debug, clap::Args)]
 pub struct CheckArgs {
-    /// The configuration to check
-    #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG)]
+    /// The configuration to check; the variable GAITER_CONFIG names another default
+    #[arg(long, value_name = "FILE", default_value_os_t = usual_config())]
     pub config: PathBuf,
     /// Print the result as JSON, for programs
     #[arg(long)]
     pub json: bool,
-}
-
-/// Parses a height in cm and returns it in mm.
-fn height_mm(text: &str) -> Result<f64, String> {
-    let Range { start, end } = HEIGHTS_CM;
-    words::height_mm(text)
-        .ok_or_else(|| format!("a height in cm is more than {start} and less than {end}"))
 }
 
 /// A parser for the words of a table that the configuration uses too.
@@ -312,76 +260,8 @@ fn of_words<T: Copy + Send + Sync + 'static>(table: Words<T>) -> impl TypedValue
 
 #[cfg(test)]
 mod tests {
-    use clap::{CommandFactory, Parser};
-
-    use super::{Args, ExtractArgs, FILES, Verb, words};
-    use crate::leg::method::{Axis, FacingChoice, Unit, UnitChoice, Up};
-
-    fn extract(words: &[&str]) -> ExtractArgs {
-        let line = ["gaiter", "extract"].iter().chain(words);
-        match Args::try_parse_from(line).unwrap().verb {
-            Verb::Extract(args) => args,
-            other => panic!("{other:?}"),
-        }
-    }
-
     #[test]
     fn the_command_line_is_consistent() {
-        Args::command().debug_assert();
-    }
-
-    #[test]
-    fn a_negative_facing_is_a_value_and_not_an_option() {
-        for words in [["a.obj", "--facing", "-x"], ["--facing", "-x", "a.obj"]] {
-            let args = extract(&words);
-            assert_eq!(args.facing, Some(FacingChoice::Declared(Axis::MinusX)));
-            assert_eq!(args.scans.len(), 1);
-        }
-        let args = extract(&["a.obj", "--facing=+z"]);
-        assert_eq!(args.facing, Some(FacingChoice::Declared(Axis::PlusZ)));
-    }
-
-    #[test]
-    fn a_choice_that_was_not_made_is_left_open() {
-        let args = extract(&["a.obj", "b.obj", "--json"]);
-        assert_eq!((args.unit, args.up, args.facing), (None, None, None));
-        assert_eq!(args.scans.len(), 2);
-        assert!(args.json);
-        let args = extract(&["a.obj", "--unit", "in", "--up", "z"]);
-        assert_eq!(args.unit, Some(UnitChoice::Declared(Unit::In)));
-        assert_eq!(args.up, Some(Up::Z));
-    }
-
-    #[test]
-    fn heights_are_centimetres_with_or_without_decimals() {
-        assert_eq!(extract(&["a.obj"]).at, None);
-        for words in [["a.obj", "--at", "10,20,30.5"], ["--json", "--at=10,20,30.5", "a.obj"]] {
-            let args = extract(&words);
-            assert_eq!(args.at, Some(vec![100.0, 200.0, 305.0]));
-            assert_eq!(args.scans.len(), 1);
-        }
-    }
-
-    #[test]
-    fn files_are_words_with_commas_between_and_need_a_place() {
-        assert_eq!(extract(&["a.obj"]).files, None);
-        let args = extract(&["a.obj", "--out", "d", "--files", "step,stl-solid"]);
-        let kinds = ["step", "stl-solid"].map(|word| words::meaning(FILES, word).unwrap());
-        assert_eq!(args.files.as_deref(), Some(kinds.as_slice()));
-        let none = ["gaiter", "extract", "a.obj", "--files", "step"];
-        assert!(Args::try_parse_from(none).is_err(), "there is no folder to put them into");
-    }
-
-    #[test]
-    fn a_word_that_is_not_known_is_refused() {
-        for words in
-            [["--unit", "ft"], ["--up", "-y"], ["--facing", "x"], ["--at", "10,"], ["--at", "0"]]
-                .into_iter()
-                .chain(["step,dxf", "STEP", "step,", ""].map(|kinds| ["--files", kinds]))
-                .chain(["200", "-5", "nan", "inf", "ten", "10;20", ""].map(|cm| ["--at", cm]))
-        {
-            let line = ["gaiter", "extract", "a.obj", "--out", "d"].iter().chain(&words);
-            assert!(Args::try_parse_from(line).is_err(), "{words:?}");
-        }
+        super::command().debug_assert();
     }
 }

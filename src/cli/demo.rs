@@ -19,10 +19,11 @@ use tokio::time::timeout;
 
 use super::args::DemoArgs;
 use super::terminal::progress::Progress;
-use super::terminal::table;
+use super::terminal::{paint, screen, table};
 use super::{Exit, complain, explain_config, print};
 use crate::config::{self, Config};
 use crate::record::Record;
+use crate::record::garment::Garment;
 use crate::station::demo::button::{self, SimulatedButton};
 use crate::station::demo::scanner;
 use crate::station::{self, Orders, StationEvent};
@@ -306,7 +307,8 @@ fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
     let records = records(seen)?;
     for (folder, record) in &records {
         let patient = record.patient.as_ref().map_or("unassigned", |patient| &patient.id);
-        print(format_args!("\npatient {patient}: {}\n{}\n", folder.display(), table::of(record)))?;
+        let table = table::of(record, Garment::default(), screen::columns());
+        paint::print(format_args!("\npatient {patient}: {}\n{table}\n", folder.display()))?;
     }
     print(format_args!(
         "\n{} scans measured; {} could not be measured and led to no record; the reasons are \

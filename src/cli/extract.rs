@@ -1,10 +1,13 @@
 //! `gaiter extract`: measures scan files now, without a station.
 
 mod found;
+mod names;
 mod place;
 mod summary;
+mod upright;
 
 use std::collections::BTreeMap;
+use std::fmt::Display;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -12,14 +15,16 @@ use std::path::{Path, PathBuf};
 use super::args::ExtractArgs;
 use super::parallel::{in_order, usual_jobs};
 use super::terminal::progress::Progress;
-use super::terminal::{paint, table};
+use super::terminal::{paint, screen, table};
 use super::{Exit, complain, explain_config, ord, print, shown};
 use crate::cad::Output;
 use crate::config::{self, words};
+use crate::leg::method::Up;
 use crate::leg::{Method, Refusal, extract as measure};
 use crate::record::{self, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile};
 use crate::scan::Format;
 use found::{FolderFault, found};
+use names::Names;
 use place::{Foreign, put_folder};
 use summary::{Row, summary};
 
@@ -44,11 +49,21 @@ pub fn extract(args: &ExtractArgs) -> Exit {
     }
     // A folder may hold one scan today and many tomorrow, so the output has the same form for both.
     let several = scans.len() > 1 || args.scans.iter().any(|scan| scan.is_dir());
+    let names = Names::of(scans.iter().flatten().map(PathBuf::as_path));
+    let columns = screen::columns();
+    let run = Run { args, choices, names, columns, is_one_of_several: several };
+    if several
+        && !args.json
+        && let Some(folder) = run.names.folder()
+    {
+        // If it cannot be printed, neither can the tables, which report it.
+        let _ = print(format_args!("{folder}:\n\n"));
+    }
     let jobs = args.jobs.unwrap_or_else(usual_jobs);
     let progress = Progress::of(scans.len(), "measuring");
     let (mut worst, mut rows) = (Exit::Done, Vec::new());
     let work = |scan: &Result<PathBuf, FolderFault>| {
-        let measured = scan.as_ref().ok().map(|path| Measured::of(path, args, &choices));
+        let measured = scan.as_ref().ok().map(|path| Measured::of(path, args, &run.choices));
         progress.advance();
         measured
     };
@@ -58,8 +73,8 @@ pub fn extract(args: &ExtractArgs) -> Exit {
                 complain(format_args!("gaiter: {fault}"));
                 (fault.exit(), None)
             }
-            (Ok(path), Ok(Some(measured))) => delivered(path, measured, args, several),
-            (Ok(path), Err(panic)) => delivered(path, Err(FileFault::Panic(panic)), args, several),
+            (Ok(path), Ok(Some(measured))) => run.delivered(path, measured),
+            (Ok(path), Err(panic)) => run.delivered(path, Err(FileFault::Panic(panic))),
             (Ok(_), Ok(None)) => (Exit::Done, None),
         };
         let (exit, row) = progress.aside(told);
@@ -68,7 +83,7 @@ pub fn extract(args: &ExtractArgs) -> Exit {
     });
     drop(progress);
     if several && !args.json && !rows.is_empty() {
-        worst = worst.max(printed(paint::print(summary(&rows))));
+        worst = worst.max(printed(paint::print(summary(&rows, run.columns))));
     }
     worst
 }
@@ -83,29 +98,72 @@ fn printed(result: io::Result<()>) -> Exit {
     }
 }
 
-/// Prints the result for a file and writes its folder. Returns the exit and the file's summary row.
-fn delivered(
-    path: &Path,
-    measured: Result<Measured, FileFault>,
-    args: &ExtractArgs,
-    several: bool,
-) -> (Exit, Option<Row>) {
-    let name = shown(path.display());
-    match measured {
-        Ok(measured) => {
-            let exit = match measured.deliver(path, args, several) {
-                Ok(()) => Exit::Done,
-                Err(fault) => {
-                    complain(format_args!("gaiter: {name}: {fault}"));
-                    Exit::Io
-                }
-            };
-            (exit, Some(Row::measured(name, &measured.record)))
+/// What holds for all scans of one run.
+struct Run<'a> {
+    args: &'a ExtractArgs,
+    choices: Choices,
+    names: Names,
+    /// Width of the output, characters.
+    columns: usize,
+    /// Whether the tables of several scans follow each other.
+    is_one_of_several: bool,
+}
+
+impl Run<'_> {
+    /// Prints the result for a file and writes its folder. Returns the exit and the file's summary row.
+    fn delivered(&self, path: &Path, measured: Result<Measured, FileFault>) -> (Exit, Option<Row>) {
+        let complain = |fault: &dyn Display| {
+            complain(format_args!("gaiter: {}: {fault}", shown(path.display())));
+        };
+        let name = self.names.name(path);
+        match measured {
+            Ok(measured) => {
+                let exit = match self.deliver(path, &measured) {
+                    Ok(()) => Exit::Done,
+                    Err(fault) => {
+                        complain(&fault);
+                        Exit::Io
+                    }
+                };
+                (exit, Some(Row::measured(name, &measured.record, self.choices.report.garment)))
+            }
+            Err(fault) => {
+                complain(&fault);
+                (fault.exit(), Some(Row::not_measured(name, fault.code())))
+            }
         }
-        Err(fault) => {
-            complain(format_args!("gaiter: {name}: {fault}"));
-            (fault.exit(), Some(Row::not_measured(name, fault.code())))
+    }
+
+    /// Prints the record and, if `--out` is given, writes its folder.
+    fn deliver(&self, path: &Path, measured: &Measured) -> Result<(), Undelivered> {
+        let Measured { record, files } = measured;
+        if self.args.json {
+            print(format_args!("{}\n", serde_json::to_string(record)?))?;
+        } else {
+            let name = screen::shortened(&self.names.name(path), self.columns);
+            let table = table::of(record, self.choices.report.garment, self.columns);
+            paint::print(format_args!("{name}\n{table}\n"))?;
         }
+        // Written next to its place first, then moved there as a whole. It replaces an earlier record of
+        // the same scan. Anything else stays and is a fault.
+        if let (Some(out), Some(files)) = (&self.args.out, files) {
+            let folder = out.join(path.file_stem().unwrap_or_default());
+            put_folder(out, &folder, files, &record.scan.sha256)?;
+            if !self.args.json {
+                print(self.written(&folder, files))?;
+            }
+        }
+        if self.is_one_of_several && !self.args.json {
+            print("\n")?;
+        }
+        Ok(())
+    }
+
+    /// Where a record was written, and its files.
+    fn written(&self, folder: &Path, files: &[RecordFile]) -> String {
+        let names: Vec<&str> = files.iter().map(|file| file.name.as_str()).collect();
+        let said = format!("written to {}: {}", shown(folder.display()), names.join(", "));
+        screen::indented(&said, "  ", self.columns)
     }
 }
 
@@ -168,11 +226,12 @@ enum FileFault {
     #[error("is not a regular file (a pipe or a device)")]
     NotAFile,
     /// It cannot be measured.
-    #[error("cannot be measured [{}]: {refusal}", refusal.code())]
+    #[error("cannot be measured [{}]: {refusal}{}", refusal.code(), advice(*other_up))]
     Refused {
         /// Why not.
-        #[from]
         refusal: Refusal,
+        /// The axis with which it can be measured, if another one than the declared axis is up.
+        other_up: Option<Up>,
     },
     /// A fault of gaiter itself.
     #[error("cannot be measured [panic]: {0}")]
@@ -180,6 +239,19 @@ enum FileFault {
     /// A file of its record cannot be created.
     #[error("the record cannot be written: {0}")]
     Files(#[from] FilesFault),
+}
+
+impl From<Refusal> for FileFault {
+    fn from(refusal: Refusal) -> FileFault {
+        FileFault::Refused { refusal, other_up: None }
+    }
+}
+
+/// The option that measures a scan with another axis up.
+fn advice(other_up: Option<Up>) -> String {
+    other_up.map_or(String::new(), |up| {
+        format!("; the body stands along another axis: --up {} measures it", up.word())
+    })
 }
 
 impl FileFault {
@@ -197,7 +269,7 @@ impl FileFault {
         match self {
             FileFault::Unreadable(_) => "unreadable",
             FileFault::NotAFile => "no-regular-file",
-            FileFault::Refused { refusal } => refusal.code(),
+            FileFault::Refused { refusal, .. } => refusal.code(),
             FileFault::Panic(_) => "panic",
             FileFault::Files(_) => "record-not-written",
         }
@@ -221,7 +293,11 @@ impl Measured {
         let bytes = fs::read(path).map_err(FileFault::Unreadable)?;
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let format = Format::of_file_name(&name).map_err(Refusal::from)?;
-        let mut extraction = measure(&bytes, format, method)?;
+        let refused = |refusal: Refusal| {
+            let other_up = upright::other_up(&bytes, format, method, &refusal);
+            FileFault::Refused { refusal, other_up }
+        };
+        let mut extraction = measure(&bytes, format, method).map_err(refused)?;
         let (ord, opinions) = ord::opinions(path, &extraction);
         extraction.findings.extend(opinions);
         let provenance = Provenance::of_scan(record::sha256(&bytes));
@@ -235,23 +311,6 @@ impl Measured {
         let (record, mut files) = made?;
         record::add_scan(&mut files, format, bytes);
         Ok(Measured { record, files: Some(files) })
-    }
-
-    /// Prints the record and, if `--out` is given, writes its folder.
-    fn deliver(&self, path: &Path, args: &ExtractArgs, several: bool) -> Result<(), Undelivered> {
-        if args.json {
-            print(format_args!("{}\n", serde_json::to_string(&self.record)?))?;
-        } else {
-            if several {
-                print(format_args!("{}\n", shown(path.display())))?;
-            }
-            print(format_args!("{}\n", table::of(&self.record)))?;
-        }
-        // Written next to its place first, then moved there as a whole. It replaces an earlier record of
-        // the same scan. Anything else stays and is a fault.
-        let (Some(out), Some(files)) = (&args.out, &self.files) else { return Ok(()) };
-        let folder = out.join(path.file_stem().unwrap_or_default());
-        put_folder(out, &folder, files, &self.record.scan.sha256)
     }
 }
 

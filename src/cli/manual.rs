@@ -3,9 +3,9 @@
 
 use std::io::{self, Write};
 
-use clap::{Command, CommandFactory};
+use clap::Command;
 
-use super::args::{Args, CompletionsArgs, ManArgs};
+use super::args::{self, CompletionsArgs, ManArgs};
 use super::{Exit, complain, shown};
 use crate::record::schema::json_schema;
 
@@ -43,7 +43,7 @@ pub fn schema() -> Exit {
 
 /// The command line as users see it, without the verb that only the station calls.
 fn visible() -> Command {
-    let whole = Args::command();
+    let whole = args::command();
     let mut command = Command::new("gaiter");
     command = command.version(env!("CARGO_PKG_VERSION"));
     command = command.about(whole.get_about().cloned().unwrap_or_default());

@@ -25,7 +25,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::error::ErrorKind;
 
 use crate::config::ConfigError;
 use args::{Args, Verb};
@@ -33,7 +33,7 @@ pub use exit::Exit;
 
 /// Runs the verb of the command line. The exit codes are those of [`Exit`].
 pub fn main() -> ExitCode {
-    let exit = match Args::try_parse() {
+    let exit = match Args::of_process() {
         Ok(args) => dispatch(args.verb),
         Err(said) => explain(&said),
     };
@@ -79,6 +79,10 @@ fn explain(said: &clap::Error) -> Exit {
     let asked_for = !said.use_stderr();
     // clap writes to a closed pipe without a panic, and then no reader is left.
     let _ = said.print();
+    let is_patient = std::env::args_os().nth(1).is_some_and(|verb| verb == "patient");
+    if said.kind() == ErrorKind::InvalidSubcommand && is_patient {
+        complain("  hint: gaiter patient set asks for the id of the next patient");
+    }
     if asked_for { Exit::Done } else { Exit::Usage }
 }
 
@@ -135,7 +139,7 @@ pub fn explain_config(error: &ConfigError) -> Exit {
                 io::ErrorKind::PermissionDenied => {
                     "  hint: the station's user must be able to read it: chmod 644"
                 }
-                _ => "  hint: name the configuration with --config FILE",
+                _ => "  hint: name the configuration with --config FILE, or in GAITER_CONFIG",
             });
         }
         ConfigError::Faults { faults, .. } => {

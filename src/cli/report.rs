@@ -1,5 +1,7 @@
 //! `gaiter report`: writes the report of a record again, from `record.json` alone.
 
+mod found;
+
 use std::ffi::OsStr;
 use std::fs;
 use std::io;
@@ -16,9 +18,7 @@ use crate::record::{
 };
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
-
-/// The record's file within its folder.
-const RECORD: &str = "record.json";
+use found::{NotFound, found};
 
 /// Writes the report and prints its paths.
 pub fn report(args: &ReportArgs) -> Exit {
@@ -49,6 +49,9 @@ fn told(paths: &[PathBuf], as_json: bool) -> String {
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
 enum Fault {
+    /// There is none.
+    #[error(transparent)]
+    NotFound(#[from] NotFound),
     /// The record cannot be read.
     #[error("{}: {source}", shown(path.display()))]
     Unreadable {
@@ -119,9 +122,7 @@ enum Fault {
 impl Fault {
     fn exit(&self) -> Exit {
         match self {
-            Fault::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
-                Exit::NoFile
-            }
+            Fault::NotFound(_) => Exit::NoFile,
             Fault::NoRecord { .. }
             | Fault::OtherSchema { .. }
             | Fault::Changed { .. }
@@ -135,7 +136,11 @@ impl Fault {
 
 /// Writes the report's files and returns their paths.
 fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
-    let record = read(&args.record)?;
+    let found = found(&args.record)?;
+    if let Some(remark) = found.remark {
+        complain(format_args!("gaiter: {}: {remark}", shown(args.record.display())));
+    }
+    let record = read(found.path)?;
     if record.has_finding(NOT_VOUCHED) {
         complain(format_args!(
             "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it; the report \
@@ -184,8 +189,7 @@ fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
     put
 }
 
-fn read(path: &Path) -> Result<Record, Fault> {
-    let path = if path.is_dir() { path.join(RECORD) } else { path.to_owned() };
+fn read(path: PathBuf) -> Result<Record, Fault> {
     let bytes = match fs::read(&path) {
         Ok(bytes) => bytes,
         Err(source) => return Err(Fault::Unreadable { path, source }),

@@ -4,9 +4,10 @@ use std::fmt::Write;
 use std::os::unix::ffi::OsStringExt;
 
 use super::args::{ExplainArgs, Named, OneArgs, ScansArgs};
+use super::terminal::clock::local;
 use super::{Exit, ask, complain, shown};
 use crate::flow::account::{Happened, Listed, Whole};
-use crate::flow::health::{bytes, utc};
+use crate::flow::health::bytes;
 use crate::station::operator::control::protocol::{Answer, Request};
 
 /// Lists scans.
@@ -22,19 +23,13 @@ pub fn scans(args: &ScansArgs) -> Exit {
 /// One row per scan, newest first.
 pub fn list(scans: &[Listed]) -> String {
     if scans.is_empty() {
-        return "no scan\n".to_owned();
+        return "The station knows no such scan.\n".to_owned();
     }
     let mut text = format!(
-        "{:8}  {:23}  {:11}  {:6}  {:>8}  {}\n",
+        "{:8}  {:19}  {:11}  {:6}  {:>8}  {}\n",
         "scan", "first seen", "state", "format", "size", "why"
     );
     for scan in scans {
-        let state = match scan {
-            Listed { closed: Some(_), .. } => "closed",
-            Listed { held: true, .. } => "held",
-            Listed { withdrawing: true, .. } => "withdrawing",
-            Listed { state, .. } => state,
-        };
         let mut why = scan.code.clone().unwrap_or_default();
         if let Some(closed) = &scan.closed {
             why = format!("{closed} {why}");
@@ -43,9 +38,10 @@ pub fn list(scans: &[Listed]) -> String {
             why = format!("{} attempts {why}", scan.attempts);
         }
         let line = format!(
-            "{:8}  {:23}  {state:11}  {:6}  {:>8}  {}",
+            "{:8}  {:19}  {:11}  {:6}  {:>8}  {}",
             scan.scan,
-            utc(scan.first_seen),
+            local(scan.first_seen),
+            scan.shown_state(),
             scan.format,
             bytes(scan.size),
             shown(why.trim())
@@ -69,9 +65,9 @@ fn detail(whole: &Whole) -> String {
     let summary = &whole.summary;
     let mut rows = vec![
         ("scan", whole.scan.clone()),
-        ("state", summary.state.clone()),
-        ("first seen", utc(summary.first_seen)),
-        ("file's time", summary.file_time.map_or("unknown".to_owned(), utc)),
+        ("state", whole.shown_state().to_owned()),
+        ("first seen", local(summary.first_seen)),
+        ("file's time", summary.file_time.map_or("unknown".to_owned(), local)),
         ("format", format!("{}, {}", summary.format, bytes(summary.size))),
     ];
     if let Some(code) = &summary.code {
@@ -83,12 +79,12 @@ fn detail(whole: &Whole) -> String {
     rows.extend(whole.preview.clone().map(|folder| ("preview", folder)));
     for delivery in &whole.deliveries {
         rows.push(("", String::new()));
-        rows.push(("patient", delivery.patient.clone().unwrap_or_else(|| "nobody named".into())));
+        rows.push(("patient", delivery.patient.clone().unwrap_or_else(|| "none is named".into())));
         let code = delivery.code.as_ref().map_or(String::new(), |code| format!(" [{code}]"));
         let to_go = if delivery.is_to_go() { ", to be withdrawn" } else { "" };
         rows.push(("store", format!("{}: {}{code}{to_go}", delivery.store, delivery.state)));
         if delivery.attempts > 0 {
-            let next = delivery.next_at.map(|at| format!(", next {}", utc(at)));
+            let next = delivery.next_at.map(|at| format!(", next {}", local(at)));
             rows.push(("attempts", format!("{}{}", delivery.attempts, next.unwrap_or_default())));
         }
         rows.extend(delivery.folder.clone().map(|folder| ("record", folder)));
@@ -96,6 +92,7 @@ fn detail(whole: &Whole) -> String {
     rows.push(("", String::new()));
     rows.extend(whole.history.iter().map(|row| {
         let Happened { at, event, detail } = row;
+        let at = at.parse().map_or_else(|_| at.clone(), local);
         ("history", format!("{at}  {event}  {detail}"))
     }));
     let lines = rows.into_iter().map(|(label, value)| {

@@ -10,11 +10,12 @@ use jiff::Timestamp;
 
 use super::args::{AskArgs, StatusArgs};
 use super::ask::{self, AskFault};
+use super::terminal::clock::local;
 use super::terminal::paint::{self, painted};
 use super::terminal::screen::{self, wrapped};
 use super::{Exit, complain, scans, shown};
 use crate::flow::account::{Filter, Listed};
-use crate::flow::health::{ago, bytes, utc, words};
+use crate::flow::health::{ago, bytes, words};
 use crate::station::operator::control::protocol::{Answer, Request, SourceStatus, Status};
 
 /// How many of the last scans are shown. A screen of 24 lines has room for them.
@@ -108,7 +109,7 @@ fn table(look: &Look, columns: Option<usize>) -> String {
         let _ = writeln!(text, "    do: {}", lines.join("\n        "));
     }
     let within = columns.map(|columns| columns.saturating_sub(LABEL));
-    for (label, value) in rows(status) {
+    for (label, value) in rows(look) {
         let lines = wrapped(&shown(value), within).join(&format!("\n{:LABEL$}", ""));
         let label = painted(paint::LABEL, format_args!("{label:<9}"));
         let _ = writeln!(text, "{label}  {lines}");
@@ -119,8 +120,8 @@ fn table(look: &Look, columns: Option<usize>) -> String {
     text
 }
 
-fn rows(status: &Status) -> Vec<(String, String)> {
-    let now = status.now;
+fn rows(look: &Look) -> Vec<(String, String)> {
+    let (status, now) = (&look.status, look.status.now);
     let mut rows = vec![("light".to_owned(), at_booth(status))];
     rows.extend(status.booth.advice.clone().map(|advice| ("orders".to_owned(), advice)));
     rows.extend(around(status, now));
@@ -145,7 +146,9 @@ fn rows(status: &Status) -> Vec<(String, String)> {
     row("scans", counts);
     let last = status.last.as_ref().map(|last| {
         let (seen, ago) = (last.first_seen, ago(last.first_seen, now));
-        format!("{} seen {}, {ago} ago: {}", last.scan, utc(seen), last.state)
+        let listed = look.scans.iter().find(|scan| scan.scan == last.scan);
+        let state = listed.map_or(last.state.as_str(), Listed::shown_state);
+        format!("{} seen {}, {ago} ago: {state}", last.scan, local(seen))
     });
     row("last scan", last.unwrap_or_else(|| "none yet".to_owned()));
     let last =

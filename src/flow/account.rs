@@ -50,6 +50,24 @@ pub struct Listed {
     pub withdrawing: bool,
 }
 
+impl Listed {
+    /// Its state in a word for people, the same in every table.
+    pub fn shown_state(&self) -> &str {
+        shown_state(&self.state, self.closed.is_some(), self.held, self.withdrawing)
+    }
+}
+
+/// What matters most about a scan: a decision that is made or needed, then a record in the wrong place, then
+/// the state of the scan itself.
+fn shown_state(state: &str, is_closed: bool, is_held: bool, is_withdrawing: bool) -> &str {
+    match (is_closed, is_held, is_withdrawing) {
+        (true, ..) => "closed",
+        (_, true, _) => "held",
+        (_, _, true) => "withdrawing",
+        _ => state,
+    }
+}
+
 /// Which scans to list.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -121,6 +139,27 @@ pub struct Whole {
     pub preview: Option<String>,
     /// What happened to it, oldest first.
     pub history: Vec<Happened>,
+}
+
+impl Whole {
+    /// Its state in a word for people, the same in every table.
+    pub fn shown_state(&self) -> &str {
+        let in_state = |delivery: &Delivered, state: DeliveryState| delivery.state == state.word();
+        let is_held = self.deliveries.iter().any(|of| in_state(of, DeliveryState::Held));
+        // A record in a store that gets no other one in its place is left to the operator.
+        let is_replaced = |of: &Delivered| {
+            let mut others = self.deliveries.iter().filter(|other| other.store == of.store);
+            others.any(|other| {
+                in_state(other, DeliveryState::Pending) || in_state(other, DeliveryState::Refused)
+            })
+        };
+        let is_withdrawing = self
+            .deliveries
+            .iter()
+            .any(|of| in_state(of, DeliveryState::Withdrawing) || of.is_to_go() && is_replaced(of));
+        let summary = &self.summary;
+        shown_state(&summary.state, summary.closed.is_some(), is_held, is_withdrawing)
+    }
 }
 
 /// One row of a scan's history.

@@ -3,10 +3,11 @@
 use std::path::Path;
 
 use jiff::Timestamp;
+use jiff::tz::TimeZone;
 
 use super::export::companions;
 use super::facts::{Facts, IntakeState, SourceFacts, SourceState, WaitingFile};
-use super::health::utc;
+use super::health::local;
 
 /// Endings that scanners and copy programs use for unfinished files.
 pub const UNFINISHED: [&str; 2] = [".part", ".tmp"];
@@ -33,26 +34,30 @@ pub fn passed_over_by_name(name: &str) -> Option<&'static str> {
     is_unfinished.then_some("has the name of an unfinished file; it is taken in once it is renamed")
 }
 
-/// Explains in one sentence where a file is and why.
-pub fn of_file(facts: &Facts, path: &Path, known: Option<Known>) -> String {
+/// Explains in one sentence where a file is and why. Times are told in this time zone.
+pub fn of_file(facts: &Facts, path: &Path, known: Option<Known>, zone: &TimeZone) -> String {
     let source = facts.sources.iter().find(|source| {
         source.folder.as_ref().is_some_and(|folder| path != folder && path.starts_with(folder))
     });
     if let Some(file) = source.and_then(|source| source.waiting.get(path)) {
-        let again = if known.is_some() { "It has changed since it was taken: it" } else { "It" };
-        return format!("{again} {}.", waits(file, facts.intake));
+        let again = match known {
+            Some(_) => "The file has changed since it was taken: it",
+            None => "The file",
+        };
+        return format!("{again} {}.", waits(file, facts.intake, zone));
     }
     if let Some(known) = known {
-        return said(&known);
+        return said(&known, zone);
     }
     match source {
-        Some(source) => not_seen(source, path),
-        None => "It is not in an export folder of this station.".to_owned(),
+        Some(source) => not_seen(source, path, zone),
+        None => "The file is not in an export folder of this station.".to_owned(),
     }
 }
 
-fn waits(file: &WaitingFile, intake: IntakeState) -> String {
+fn waits(file: &WaitingFile, intake: IntakeState, zone: &TimeZone) -> String {
     let WaitingFile { why, since, overdue } = file;
+    let since = local(*since, zone);
     let late = if *overdue { ", longer than a file should wait" } else { "" };
     let shut = match intake {
         IntakeState::Open => String::new(),
@@ -64,47 +69,48 @@ fn waits(file: &WaitingFile, intake: IntakeState) -> String {
     format!("{why} (seen since {since}{late}){shut}")
 }
 
-fn said(known: &Known) -> String {
-    let scan = known.scan.as_ref().map_or("It".to_owned(), |scan| format!("Its scan {scan}"));
-    let at = known.at.map_or(String::new(), |at| format!(" ({})", utc(at)));
+fn said(known: &Known, zone: &TimeZone) -> String {
+    let scan = known.scan.as_ref();
+    let scan = scan.map_or("The file".to_owned(), |scan| format!("The file's scan {scan}"));
+    let at = known.at.map_or(String::new(), |at| format!(" ({})", local(at, zone)));
     format!("{scan} {}{at}.", known.state)
 }
 
-fn not_seen(source: &SourceFacts, path: &Path) -> String {
+fn not_seen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
     let ignored = path.ancestors().find_map(|place| Some((place, *source.ignored.get(place)?)));
     if let Some((place, why)) = ignored {
-        let which = if place == path { "It" } else { "It is in a folder that" };
+        let which = if place == path { "The file" } else { "The file is in a folder that" };
         return format!("{which} {why}.");
     }
-    let since = source.since;
+    let since = local(source.since, zone);
     match &source.state {
-        SourceState::NotLooked => "Its folder has not been looked at yet.".to_owned(),
+        SourceState::NotLooked => "The file's folder has not been looked at yet.".to_owned(),
         SourceState::OutOfReach(error) => {
-            format!("Its folder has been out of reach since {since}: {error}.")
+            format!("The file's folder has been out of reach since {since}: {error}.")
         }
         SourceState::NotMounted(why) => {
-            format!("Its folder has been ignored since {since}: the export folder {why}.")
+            format!("The file's folder has been ignored since {since}: the export folder {why}.")
         }
-        SourceState::Taken => "Another station on this machine uses its folder.".to_owned(),
-        SourceState::Stalled => format!("Its folder has not answered since {since}."),
-        SourceState::Watched => unseen(source, path),
+        SourceState::Taken => "Another station on this machine uses the file's folder.".to_owned(),
+        SourceState::Stalled => format!("The file's folder has not answered since {since}."),
+        SourceState::Watched => unseen(source, path, zone),
     }
 }
 
 /// A file that the last look did not find among the scans.
-fn unseen(source: &SourceFacts, path: &Path) -> String {
+fn unseen(source: &SourceFacts, path: &Path, zone: &TimeZone) -> String {
     let name = path.file_name().unwrap_or_default();
     if let Some(why) = passed_over_by_name(&name.to_string_lossy()) {
-        return format!("It {why}.");
+        return format!("The file {why}.");
     }
     if companions::is_companion(name) {
-        return "It is not a scan; it belongs to the scan of the same name.".to_owned();
+        return "The file is not a scan; it belongs to the scan of the same name.".to_owned();
     }
     match source.last_look {
         Some(at) => {
-            format!("No scan of that name was there at the last look, {}.", utc(at))
+            format!("No scan of that name was there at the last look, {}.", local(at, zone))
         }
-        None => "Its folder has not been looked through yet.".to_owned(),
+        None => "The file's folder has not been looked through yet.".to_owned(),
     }
 }
 
@@ -127,7 +133,7 @@ mod tests {
     }
 
     fn said(facts: &Facts, path: &str) -> String {
-        of_file(facts, Path::new(path), None)
+        of_file(facts, Path::new(path), None, &TimeZone::UTC)
     }
 
     fn waiting(why: &str, overdue: bool) -> WaitingFile {
@@ -141,7 +147,7 @@ mod tests {
         });
         assert_eq!(
             said(&facts, "/e/a.obj"),
-            "It is still being written (seen since 1970-01-01T00:00:01Z, longer than a file \
+            "The file is still being written (seen since 1970-01-01 00:00:01, longer than a file \
              should wait)."
         );
         facts.intake = IntakeState::Paused;
@@ -156,14 +162,14 @@ mod tests {
             Known { state: "was delivered".into(), at: Some(at(5)), scan: Some("0123abcd".into()) };
         let path = Path::new("/e/a.obj");
         assert_eq!(
-            of_file(&facts(|_| ()), path, Some(known.clone())),
-            "Its scan 0123abcd was delivered (1970-01-01 00:00:05 UTC)."
+            of_file(&facts(|_| ()), path, Some(known.clone()), &TimeZone::UTC),
+            "The file's scan 0123abcd was delivered (1970-01-01 00:00:05)."
         );
         let facts = facts(|source| {
             source.waiting.insert(path.into(), waiting("is still being written", false));
         });
-        let said = of_file(&facts, path, Some(known));
-        assert!(said.starts_with("It has changed since it was taken: it is still"), "{said}");
+        let said = of_file(&facts, path, Some(known), &TimeZone::UTC);
+        assert!(said.starts_with("The file has changed since it was taken: it is still"), "{said}");
     }
 
     #[test]
@@ -173,7 +179,7 @@ mod tests {
             (SourceState::OutOfReach("Permission denied".into()), "Permission denied"),
             (SourceState::NotMounted("lacks the marker".into()), "export folder lacks the marker"),
             (SourceState::Stalled, "has not answered since"),
-            (SourceState::Watched, "was there at the last look, 1970-01-01 00:01:00 UTC"),
+            (SourceState::Watched, "was there at the last look, 1970-01-01 00:01:00"),
         ];
         for (state, expected) in states {
             let facts = facts(|source| source.state = state);
@@ -189,12 +195,12 @@ mod tests {
             source.ignored.insert("/e/sub".into(), "is a folder");
         });
         for (path, expected) in [
-            ("/e/pipe.obj", "It is a pipe."),
-            ("/e/sub/deep/a.obj", "It is in a folder that is a folder."),
-            ("/e/.a.obj", "It is hidden; hidden files are ignored."),
-            ("/e/a.ord", "It is not a scan; it belongs to the scan of the same name."),
-            ("/f/a.obj", "It is not in an export folder of this station."),
-            ("/e", "It is not in an export folder of this station."),
+            ("/e/pipe.obj", "The file is a pipe."),
+            ("/e/sub/deep/a.obj", "The file is in a folder that is a folder."),
+            ("/e/.a.obj", "The file is hidden; hidden files are ignored."),
+            ("/e/a.ord", "The file is not a scan; it belongs to the scan of the same name."),
+            ("/f/a.obj", "The file is not in an export folder of this station."),
+            ("/e", "The file is not in an export folder of this station."),
         ] {
             assert_eq!(said(&facts, path), expected, "{path}");
         }

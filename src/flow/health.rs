@@ -7,6 +7,7 @@
 use std::time::Duration;
 
 use jiff::Timestamp;
+use jiff::tz::TimeZone;
 use serde::{Deserialize, Serialize};
 
 use super::Facts;
@@ -235,9 +236,9 @@ pub fn ago(since: Timestamp, now: Timestamp) -> String {
     age(since, now).map_or_else(|| "an unknown time".to_owned(), words)
 }
 
-/// A time in readable form, without a fraction.
-pub fn utc(time: Timestamp) -> String {
-    time.strftime("%Y-%m-%d %H:%M:%S UTC").to_string()
+/// A time in readable form in a time zone, without a fraction.
+pub fn local(time: Timestamp, zone: &TimeZone) -> String {
+    time.to_zoned(zone.clone()).strftime("%Y-%m-%d %H:%M:%S").to_string()
 }
 
 /// A duration in readable form, in the largest unit that fits and without a fraction.

@@ -3,12 +3,13 @@
 use sha2::{Digest, Sha256};
 
 use super::file::{RecordFile, file};
+use super::measure::csv;
 use super::picture::figures;
 use super::report::PdfFault;
 use super::report_files::{self, FilesFault, ReportChoice};
 use super::schema::FindingNote;
 use super::statement::Statement;
-use super::{Provenance, Record, compose, csv};
+use super::{Provenance, Record, compose};
 use crate::cad::{CadFault, FileHeader, Output};
 use crate::leg::finding::Severity;
 use crate::leg::{Extraction, Method, Side};
@@ -74,10 +75,9 @@ pub fn files_beside_scan(
     record.findings.extend(paper.as_ref().err().map(no_paper));
     let mut json = serde_json::to_vec_pretty(&record)?;
     json.push(b'\n');
-    let mut files = vec![
-        file("record.json", json),
-        file("measurements.csv", csv::measurements(&record).into_bytes()),
-    ];
+    let measurements = csv::measurements(&record, choice.garment, choice.language);
+    let mut files =
+        vec![file("record.json", json), file("measurements.csv", measurements.into_bytes())];
     files.push(report_files::drawing(&figures, choice.language));
     files.push(report_files::page(&record, choice, &figures)?);
     files.extend(paper);

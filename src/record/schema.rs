@@ -15,8 +15,8 @@ use super::provenance::{Acquired, Patient};
 use super::shape::{AxesFigures, AxisFigures, OutlineFigures, ShapeFigures};
 use super::statement::Statement;
 use super::surface::SurfaceFigures;
+use crate::leg::Side;
 use crate::leg::finding::Severity;
-use crate::leg::{Level, Side};
 
 /// Name and number of this schema.
 pub const SCHEMA: &str = "gaiter.leg-record/2";
@@ -70,14 +70,6 @@ impl Record {
     /// Whether there is a finding of this code.
     pub fn has_finding(&self, code: &str) -> bool {
         self.findings.iter().any(|finding| finding.code == code)
-    }
-
-    /// Whether a level has a row in tables: it is searched on every leg, or a leg has it.
-    pub fn has_row(&self, level: Level) -> bool {
-        let name = level.name();
-        let has =
-            |leg: &LegFigures| leg.landmarks.contains_key(name) || leg.estimates.contains_key(name);
-        Level::SOUGHT.contains(&level) || self.legs.iter().any(has)
     }
 }
 

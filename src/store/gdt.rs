@@ -26,6 +26,7 @@ use sha2::{Digest, Sha256};
 
 use super::{Delivery, FoundRecord, Misfit, Receipt, StoreFault};
 use crate::flow::ScanId;
+use crate::record::garment::Garment;
 use crate::record::gdt::rules::FileName;
 use crate::record::gdt::{self, GdtRules};
 use crate::record::{Record, hex};
@@ -37,6 +38,7 @@ use register::{Entry, Register};
 #[derive(Debug, Clone)]
 pub struct GdtStore {
     rules: GdtRules,
+    garment: Garment,
     attach: Attach,
     place: Place,
     register: Register,
@@ -49,18 +51,18 @@ impl GdtStore {
     /// Its name in the journal.
     pub const NAME: &str = "gdt";
 
-    /// Results in the exchange folder `folder` under names like `names`, written by the station
-    /// `station` with its register in `state_dir`. Times are in the time zone `zone`.
+    /// Results for orders of this garment in the exchange folder `folder` under names like `names`, written by
+    /// the station `station` with its register in `state_dir`. Times are in the time zone `zone`.
     pub fn new(
         folder: PathBuf,
         names: FileName,
-        (rules, attach): (GdtRules, Attach),
+        (rules, garment, attach): (GdtRules, Garment, Attach),
         (station, state_dir): (&str, PathBuf),
         zone: TimeZone,
     ) -> GdtStore {
         let register = Register::new(state_dir.join("handed-over"));
         let place = Place::new(folder, names, station);
-        GdtStore { rules, attach, place, register, zone, naming: Arc::default() }
+        GdtStore { rules, garment, attach, place, register, zone, naming: Arc::default() }
     }
 
     /// The exchange folder, as configured.
@@ -155,7 +157,7 @@ impl GdtStore {
         let acquired = record.acquired.as_ref().map_or(delivery.first_seen, |acquired| acquired.at);
         let taken = self.zone.to_datetime(acquired);
         let attachments = self.attach.attachments(key, delivery.files, self.place.folder());
-        let message = gdt::result(&record, &self.rules, taken, &attachments);
+        let message = gdt::result(&record, self.garment, &self.rules, taken, &attachments);
         let message = message.map_err(|fault| misfit(Misfit::Gdt(fault)))?;
         self.attach.write(key, delivery.files, &self.place)?;
         self.place.stage(key, &message)

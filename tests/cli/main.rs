@@ -1,5 +1,6 @@
-//! The command line as the real program: check, manual, reextract, terminal.
+//! The command line as the real program: check, asking, manual, reextract, terminal.
 
+mod asking;
 mod calibrate;
 mod check;
 mod config_faults;

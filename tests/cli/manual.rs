@@ -49,8 +49,19 @@ fn the_manual_has_a_page_for_every_verb_that_people_use() {
     assert_eq!(code(&gaiter(&["man", dir.path().to_str().unwrap()])), Some(0));
     let page = |name: &str| fs::read_to_string(dir.path().join(name)).unwrap();
     assert_eq!(page("gaiter.1"), stdout(&gaiter(&["man"])));
-    for verb in VERBS.into_iter().chain(["patient-set"]) {
+    let verb_of = |name: &str| name.strip_prefix("gaiter-")?.strip_suffix(".1").map(str::to_owned);
+    let names = fs::read_dir(dir.path()).unwrap().map(|entry| entry.unwrap().file_name());
+    let names: Vec<String> = names.filter_map(|name| verb_of(&name.to_string_lossy())).collect();
+    assert!(VERBS.into_iter().chain(["patient-set"]).all(|verb| names.iter().any(|n| n == verb)));
+    for verb in names {
         let text = page(&format!("gaiter-{verb}.1"));
+        let example = format!("gaiter {}", verb.replace('-', " "));
+        let text_plain = text.replace("\\-", "-").replace("give-up", "give up");
+        let example = example.replace("gdt order", "gdt-order");
+        assert!(
+            text_plain.contains("Examples:") && text_plain.contains(&example),
+            "{verb}:\n{text}"
+        );
         assert!(text.contains(".TH ") && text.contains(".SH SYNOPSIS"), "{verb}:\n{text}");
     }
     assert!(!dir.path().join(format!("gaiter-{HIDDEN}.1")).exists());

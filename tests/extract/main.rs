@@ -7,4 +7,5 @@ mod folder;
 mod measures;
 mod phantom;
 mod refusals;
+mod terminal;
 mod unreadable;

@@ -66,22 +66,42 @@ fn a_chosen_b1_is_named_in_the_method_and_at_the_level() {
     }
 }
 
+/// The cells of the lines after the head and the verdict, which has commas of its own.
+fn cells(text: &str) -> Vec<Vec<&str>> {
+    text.split("\r\n")
+        .skip(2)
+        .filter(|line| !line.is_empty())
+        .map(|l| l.split(',').collect())
+        .collect()
+}
+
 #[test]
-fn the_spreadsheet_has_a_line_for_every_level_of_both_legs() {
+fn the_spreadsheet_begins_with_the_verdict_and_has_a_line_for_every_level_in_the_order_of_the_sheet()
+ {
     let text = file(&MEASURED.0, "measurements.csv");
-    let lines: Vec<Vec<&str>> = text.lines().map(|line| line.split(',').collect()).collect();
-    assert_eq!(lines.len(), 1 + 2 * Level::ALL.len());
-    assert!(lines.iter().all(|cells| cells.len() == lines[0].len()), "{text}");
-    let doubts = lines[0].iter().position(|name| *name == "doubts").unwrap();
-    for cells in &lines[1..] {
-        let is_estimate = ["A", "E", "F"].contains(&cells[1]);
-        assert_eq!(cells[doubts].starts_with("estimate"), is_estimate, "{cells:?}");
-        assert_eq!(cells[5].is_empty(), is_estimate, "no contour is estimated: {cells:?}");
+    let mut lines = text.split("\r\n");
+    let head: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let verdict = lines.next().unwrap();
+    let said = "\"Complete: all measures for a calf stocking (AD) were taken.\"";
+    assert_eq!(verdict, format!(",verdict,complete,,,,,,,,,{said}"));
+    let rows = cells(&text);
+    let levels = ["G", "F", "E", "D", "C", "B1", "B", "Y", "A"];
+    let places: Vec<[&str; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
+    let expected = ["right", "left"].map(|leg| levels.map(|level| [leg, level])).concat();
+    assert_eq!(places, expected);
+    let at = |name: &str| head.iter().position(|its| *its == name).unwrap();
+    for row in rows {
+        assert_eq!(row.len(), head.len(), "{row:?}");
+        let is_estimate = ["A", "E", "F"].contains(&row[1]);
+        assert_eq!(row[at("state")], if is_estimate { "estimated" } else { "measured" }, "{row:?}");
+        assert_eq!(row[at("girth_contour_mm")].is_empty(), is_estimate, "{row:?}");
+        let is_on_foot = ["A", "Y"].contains(&row[1]);
+        assert_eq!(row[at("height_cm")].is_empty(), is_on_foot, "{row:?}");
     }
 }
 
 #[test]
-fn an_absent_level_has_an_empty_line_and_none_in_the_drawing() {
+fn a_level_that_was_not_found_says_so_in_the_spreadsheet_and_is_not_in_the_drawing() {
     let mut extraction = MEASURED.0.clone();
     for leg in &mut extraction.legs {
         leg.landmarks.retain(|landmark| landmark.level != Level::G);
@@ -90,7 +110,7 @@ fn an_absent_level_has_an_empty_line_and_none_in_the_drawing() {
     }
     let text = file(&extraction, "measurements.csv");
     for level in ["A", "E", "F", "G"] {
-        assert!(text.contains(&format!("left,{level},,,,,,,absent,,\r\n")), "{text}");
+        assert!(text.contains(&format!("left,{level},not found,,,,,,,,,\r\n")), "{text}");
     }
     let (plain, without) = (file(&MEASURED.0, "legs.svg"), file(&extraction, "legs.svg"));
     for mark in [">G ", ">≈ E ", ">≈ F ", "≈ A "] {

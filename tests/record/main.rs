@@ -9,6 +9,7 @@ mod gdt_orders;
 mod json_schema;
 mod levels;
 mod older_records;
+mod one_order;
 mod report_content;
 mod report_page;
 mod report_paper;

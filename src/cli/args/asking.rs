@@ -5,15 +5,15 @@ use std::path::PathBuf;
 
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::DEFAULT_CONFIG;
+use super::usual_config;
 use crate::flow::account::{FILTERS, Filter};
 use crate::station::operator::control::protocol::{DIGITS_LEAST, LIST_MOST};
 
 /// The options of every verb that queries a running station.
 #[derive(Debug, Clone, clap::Args)]
 pub struct AskArgs {
-    /// The configuration of the station to query
-    #[arg(long, value_name = "FILE", default_value = DEFAULT_CONFIG)]
+    /// The configuration of the station to query; the variable GAITER_CONFIG names another default
+    #[arg(long, value_name = "FILE", default_value_os_t = usual_config())]
     pub config: PathBuf,
     /// Print the answer as JSON, for programs
     #[arg(long)]
@@ -46,7 +46,7 @@ pub struct ScansArgs {
     pub ask: AskArgs,
 }
 
-/// `gaiter show`, `retry`, `release`, `assign`, `unassign` and `give-up`
+/// `gaiter show`, `retry`, `release`, `unassign` and `give-up`
 #[derive(Debug, clap::Args)]
 pub struct OneArgs {
     /// The scan: the first digits of its id, at least four, as `gaiter scans` and the log show them
@@ -66,6 +66,28 @@ pub struct UnassignArgs {
     /// Ask for the patient's id: needed if the scan belongs to more than one patient
     #[arg(long)]
     pub from: bool,
+}
+
+/// `gaiter assign`
+#[derive(Debug, clap::Args)]
+pub struct AssignArgs {
+    /// The scan, and the station to query.
+    #[command(flatten)]
+    pub one: OneArgs,
+    /// A patient's id that does not belong here: it is only taken to say so.
+    #[arg(hide = true)]
+    pub stray: Option<OsString>,
+}
+
+/// `gaiter patient set`
+#[derive(Debug, clap::Args)]
+pub struct SetArgs {
+    /// A patient's id that does not belong here: it is only taken to say so.
+    #[arg(hide = true)]
+    pub stray: Option<OsString>,
+    /// The station to query, and the output format.
+    #[command(flatten)]
+    pub ask: AskArgs,
 }
 
 /// `gaiter explain`

@@ -4,20 +4,33 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::cli::terminal::paint::{self, painted};
+use crate::cli::terminal::screen::{indented, shortened};
+use crate::cli::terminal::table::colour;
 use crate::flow::health::counted;
+use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::Record;
+use crate::record::completeness::{Completeness, Kind};
+use crate::record::garment::Garment;
+use crate::record::rounding::cm_words;
 
-/// The levels whose girths are shown: those of the paper.
-const LEVELS: [Level; 4] = [Level::B, Level::B1, Level::C, Level::D];
+/// The levels whose girths are shown, as on the measuring sheet: those of a stocking that ends below the
+/// knee.
+const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];
 
-/// Width of a girth column: mm with one decimal.
-const CELL: usize = 7;
+/// Width of a girth column: cm with one decimal.
+const CELL: usize = 6;
+
+/// Width of the columns after the name: the girths of both legs, and the longest verdict.
+const FIGURES: usize = 8 * CELL + "  scan again".len();
+
+/// Narrowest column of names.
+const NAME_LEAST: usize = 12;
 
 /// The row of one scan.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// The path as given on the command line, made safe to print.
+    /// The name within the folder of all scans, made safe to print.
     name: String,
     came: Came,
 }
@@ -26,9 +39,9 @@ pub struct Row {
 #[derive(Debug, Clone, PartialEq)]
 enum Came {
     Measured {
-        /// Tape girths, mm: left, then right.
+        /// Tape girths, mm: right, then left.
         girths_mm: [[Option<f64>; 4]; 2],
-        findings: usize,
+        verdict: Kind,
     },
     Not {
         /// Why it was not measured.
@@ -37,13 +50,14 @@ enum Came {
 }
 
 impl Row {
-    /// The row of a scan that was measured.
-    pub fn measured(name: String, record: &Record) -> Row {
-        let girths_mm = Side::BOTH.map(|side| {
+    /// The row of a scan that was measured, with the verdict for an order of this garment.
+    pub fn measured(name: String, record: &Record, garment: Garment) -> Row {
+        let girths_mm = Side::FROM_FRONT.map(|side| {
             let leg = record.leg(side);
             LEVELS.map(|level| Some(leg?.landmarks.get(level.name())?.girth_tape_mm))
         });
-        Row { name, came: Came::Measured { girths_mm, findings: record.findings.len() } }
+        let verdict = Completeness::of(record, garment).kind();
+        Row { name, came: Came::Measured { girths_mm, verdict } }
     }
 
     /// The row of a scan that was not measured.
@@ -52,18 +66,23 @@ impl Row {
     }
 }
 
-/// The summary with colours. Names come first and are never cut.
-pub fn summary(rows: &[Row]) -> String {
-    let wide = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0).max("scan".len());
-    let leg = |side: Side| format!("{:>1$}", format!("{} girth mm", side.word()), 4 * CELL);
+/// The summary with colours, in lines of at most this many characters: the names give way.
+pub fn summary(rows: &[Row], columns: usize) -> String {
+    let room = columns.saturating_sub(FIGURES).max(NAME_LEAST);
+    let wide = rows.iter().map(|row| row.name.chars().count()).max().unwrap_or(0);
+    let wide = wide.clamp("scan".len(), room);
+    let leg = |side: Side| format!("{:>1$}", format!("{} girth cm", side.word()), 4 * CELL);
+    let legs = Side::FROM_FRONT.map(leg).concat();
     let levels: String = LEVELS.iter().map(|level| format!("{:>CELL$}", level.name())).collect();
-    let mut text = format!("\n{:wide$}{}{}\n", "", leg(Side::Left), leg(Side::Right));
-    let _ = writeln!(text, "{:wide$}{levels}{levels}  findings", "scan");
+    let mut text = format!("{:wide$}{legs}\n", "");
+    let _ = writeln!(text, "{:wide$}{levels}{levels}  verdict", "scan");
     for Row { name, came } in rows {
+        let name = shortened(name, room);
         let _ = match came {
-            Came::Measured { girths_mm, findings } => {
+            Came::Measured { girths_mm, verdict } => {
                 let cells: String = girths_mm.iter().flatten().map(|girth| cell(*girth)).collect();
-                writeln!(text, "{name:wide$}{cells}  {findings:>8}")
+                let verdict = painted(colour(*verdict), said(*verdict));
+                writeln!(text, "{name:wide$}{cells}  {verdict}")
             }
             Came::Not { code } => {
                 let why = painted(paint::BAD, format_args!("not measured [{code}]"));
@@ -71,31 +90,45 @@ pub fn summary(rows: &[Row]) -> String {
             }
         };
     }
-    text + &totals(rows)
+    text + &indented(&totals(rows), "", columns)
 }
 
 fn cell(girth_mm: Option<f64>) -> String {
-    girth_mm.map_or_else(|| format!("{:>CELL$}", "-"), |mm| format!("{mm:CELL$.1}"))
+    let figure = girth_mm.map_or("-".to_owned(), |mm| cm_words(mm, Language::En));
+    format!("{figure:>CELL$}")
 }
 
-/// The totals: scans measured, scans not measured by reason, and findings.
+/// A verdict in a word or two.
+fn said(verdict: Kind) -> &'static str {
+    match verdict {
+        Kind::Complete => "complete",
+        Kind::ByHand => "by hand",
+        Kind::ScanAgain => "scan again",
+    }
+}
+
+/// The totals: scans measured, scans not measured by reason, and what is to be done with them.
 fn totals(rows: &[Row]) -> String {
-    let (mut findings, mut why) = (0, BTreeMap::<&str, usize>::new());
+    let (mut verdicts, mut why) = (BTreeMap::<Kind, usize>::new(), BTreeMap::<&str, usize>::new());
     for row in rows {
         match row.came {
-            Came::Measured { findings: more, .. } => findings += more,
+            Came::Measured { verdict, .. } => *verdicts.entry(verdict).or_default() += 1,
             Came::Not { code } => *why.entry(code).or_default() += 1,
         }
     }
     let not: usize = why.values().sum();
     let scans = counted(rows.len(), "scan");
     let mut text = format!("{scans}: {} measured", rows.len() - not);
+    let told: Vec<String> =
+        verdicts.iter().map(|(kind, count)| format!("{count} {}", said(*kind))).collect();
+    if !told.is_empty() {
+        let _ = write!(text, " ({})", told.join(", "));
+    }
     if not > 0 {
         let codes: Vec<String> =
             why.iter().map(|(code, count)| format!("{count} {code}")).collect();
         let _ = write!(text, ", {not} not measured ({})", codes.join(", "));
     }
-    let _ = writeln!(text, ", {}", counted(findings, "finding"));
     text
 }
 
@@ -105,12 +138,12 @@ mod tests {
 
     use super::*;
 
-    fn row(name: &str, girths_mm: [[Option<f64>; 4]; 2], findings: usize) -> Row {
-        Row { name: name.to_owned(), came: Came::Measured { girths_mm, findings } }
+    fn row(name: &str, girths_mm: [[Option<f64>; 4]; 2], verdict: Kind) -> Row {
+        Row { name: name.to_owned(), came: Came::Measured { girths_mm, verdict } }
     }
 
     #[test]
-    fn a_row_has_the_girths_of_the_left_leg_first_and_counts_each_finding_once() {
+    fn a_row_has_the_girths_of_the_right_leg_first_and_the_verdict() {
         let leg = |side: &str, girth_mm: f64| {
             json!({
                 "side": side, "tilt_deg": 1.0,
@@ -129,32 +162,32 @@ mod tests {
                      "points": 0, "triangles": 0},
             "body": {"stature_mm": null, "crotch_height_mm": null, "facing_deg": 0.0,
                      "facing_from": "feet", "from_export": vec![0.0; 16]},
-            "legs": [leg("right", 380.0), leg("left", 412.0)], "differences": null,
-            "findings": [{"code": "x", "severity": "info", "leg": null, "level": null,
-                          "message": ""}],
+            "legs": [leg("left", 412.0), leg("right", 380.0)], "differences": null,
+            "findings": [],
         });
         let record: Record = serde_json::from_value(record).unwrap();
-        let of = |girth_mm: f64| [None, None, Some(girth_mm), None];
-        let measured = Row::measured("a.obj".to_owned(), &record);
-        assert_eq!(measured, row("a.obj", [of(412.0), of(380.0)], 1));
+        let of = |girth_mm: f64| [None, Some(girth_mm), None, None];
+        let measured = Row::measured("a.obj".to_owned(), &record, Garment::Ad);
+        assert_eq!(measured, row("a.obj", [of(380.0), of(412.0)], Kind::ByHand));
     }
 
     #[test]
     fn every_scan_has_a_row_and_the_totals_count_them() {
-        let left = [Some(211.34), Some(287.0), Some(352.96), None];
+        let right = [None, Some(352.96), Some(287.0), Some(211.34)];
         let rows = [
-            row("day/4711_first.obj", [left, [None; 4]], 3),
+            row("day/4711_first.obj", [right, [None; 4]], Kind::ScanAgain),
+            row("4715.obj", [right, right], Kind::Complete),
             Row::not_measured("4712.obj".to_owned(), "no-leg"),
             Row::not_measured("4713.obj".to_owned(), "no-leg"),
         ];
-        let told = anstream::adapter::strip_str(&summary(&rows)).to_string();
-        let expected = "
-                                 left girth mm              right girth mm
-scan                    B     B1      C      D      B     B1      C      D  findings
-day/4711_first.obj  211.3  287.0  353.0      -      -      -      -      -         3
-4712.obj            not measured [no-leg]
-4713.obj            not measured [no-leg]
-3 scans: 1 measured, 2 not measured (2 no-leg), 3 findings
+        let told = anstream::adapter::strip_str(&summary(&rows, 76)).to_string();
+        let expected = "                          right girth cm           left girth cm
+scan                 D     C    B1     B     D     C    B1     B  verdict
+day/4711…rst.obj     -  35.3  28.7  21.1     -     -     -     -  scan again
+4715.obj             -  35.3  28.7  21.1     -  35.3  28.7  21.1  complete
+4712.obj          not measured [no-leg]
+4713.obj          not measured [no-leg]
+4 scans: 2 measured (1 complete, 1 scan again), 2 not measured (2 no-leg)
 ";
         assert_eq!(told, expected);
     }

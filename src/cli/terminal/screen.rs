@@ -31,6 +31,12 @@ pub fn size() -> Option<Size> {
     Some(told.map_or(USUAL, size))
 }
 
+/// The width of what standard output shows: that of the terminal, else `COLUMNS`, else the usual one.
+pub fn columns() -> usize {
+    let told = || env::var("COLUMNS").ok()?.parse().ok().filter(|columns| *columns > 0);
+    size().map(|size| size.columns).or_else(told).unwrap_or(USUAL.columns)
+}
+
 /// Whether standard output is a terminal on which text can be redrawn in place.
 pub fn can_renew() -> bool {
     let term = env::var_os("TERM");
@@ -54,6 +60,25 @@ pub fn wrapped(text: &str, columns: Option<usize>) -> Vec<String> {
     lines
 }
 
+/// A text in lines of at most this many characters, each with this before it and a line end after it; see
+/// [`wrapped`].
+pub fn indented(text: &str, before: &str, columns: usize) -> String {
+    let lines = wrapped(text, Some(columns.saturating_sub(before.chars().count())));
+    lines.iter().map(|line| format!("{before}{line}\n")).collect()
+}
+
+/// A name in at most this many characters: its middle gives way to an ellipsis.
+pub fn shortened(name: &str, most: usize) -> String {
+    let letters: Vec<char> = name.chars().collect();
+    if letters.len() <= most {
+        return name.to_owned();
+    }
+    let kept = most.saturating_sub(1);
+    let (head, tail) = (kept.div_ceil(2), kept / 2);
+    let part = |letters: &[char]| letters.iter().collect::<String>();
+    format!("{}…{}", part(&letters[..head]), part(&letters[letters.len() - tail..]))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -67,5 +92,14 @@ mod tests {
         assert_eq!(wrapped("one 0123456789", Some(5)), ["one", "0123456789"]);
         assert_eq!(wrapped(text, None), [text]);
         assert_eq!(wrapped("", Some(5)), [""]);
+        assert_eq!(indented("one two", "  ", 5), "  one\n  two\n");
+    }
+
+    #[test]
+    fn a_long_name_keeps_its_beginning_and_its_end() {
+        assert_eq!(shortened("4711_a.obj", 10), "4711_a.obj");
+        assert_eq!(shortened("4711_first.obj", 10), "4711_….obj");
+        assert_eq!(shortened("扫描扫描.obj", 5), "扫描…bj");
+        assert_eq!(shortened("abc", 1), "…");
     }
 }

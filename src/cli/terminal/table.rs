@@ -1,105 +1,182 @@
-//! The table of a record for people: both legs side by side, in centimetres with one decimal.
+//! The measures of a record for people, in the order of the measuring sheet: right leg first, from G down
+//! to A, girth and vertical height above the floor in centimetres.
 
 use std::fmt::Write;
 
+use super::paint::{self, painted};
+use super::screen::indented;
 use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::Record;
+use crate::record::chart::AtFigures;
+use crate::record::completeness::{Completeness, Kind};
+use crate::record::garment::Garment;
+use crate::record::measure::{Length, Measure};
+use crate::record::report::Mark;
 use crate::record::rounding::{cm_margin, cm_words};
-use crate::record::schema::LegFigures;
+use crate::record::schema::{FindingNote, LegFigures};
 
-/// The measures of a record as a table, with the findings below it and no line end after the last line.
-pub fn of(record: &Record) -> String {
-    let height = |mm: Option<f64>| mm.map_or("-".to_owned(), |mm| format!("{} cm", cm(mm)));
-    let mut text = format!(
-        "stature {}, crotch {}, unit {}{}\n",
-        height(record.body.stature_mm),
-        height(record.body.crotch_height_mm),
-        record.scan.unit,
-        if record.scan.unit_inferred { " (found)" } else { "" },
-    );
-    let sides = Side::BOTH.map(Side::word);
-    let legs = Side::BOTH.map(|side| record.leg(side));
-    let _ = writeln!(text, "        {:^24}  {:^24}", sides[0], sides[1]);
-    let _ = writeln!(text, "        {0:>11}  {1:>11}  {0:>11}  {1:>11}", "height cm", "girth cm");
-    for level in Level::ALL.into_iter().filter(|level| record.has_row(*level)) {
-        let level = level.name();
-        let [left, right] = legs.map(|leg| cells(leg, level));
-        let _ = writeln!(text, "  {level:<4}  {left}  {right}");
+/// Width of the column of level names, characters.
+const NAME: usize = 12;
+
+/// Width of a column of girths or heights: `~120.0 ±12.3` with a gap before it.
+const CELL: usize = 14;
+
+/// The marks before figures, as in the report, with what they mean.
+const LEGEND: [(Mark, &str, &str); 2] = [
+    (Mark::Estimated, "~", "estimated by the body's proportions, not measured"),
+    (Mark::Doubtful, "?", "doubtful"),
+];
+
+/// Instead of the height of a level on the foot, and of an uncertainty that is unknown.
+const NOTHING: &str = "-";
+
+/// The verdict for an order of this garment, the measures and the findings of a record, in lines of at most
+/// this many characters; without a line end after the last one.
+pub fn of(record: &Record, garment: Garment, columns: usize) -> String {
+    let mut text = verdict(record, garment, columns);
+    text += &body(record);
+    let legs: Vec<&LegFigures> =
+        Side::FROM_FRONT.into_iter().filter_map(|side| record.leg(side)).collect();
+    text += &measures(&legs);
+    text += &feet(&legs);
+    for (row, at) in legs.first().map_or(&[][..], |leg| &leg.at).iter().enumerate() {
+        let label = format!("at {} cm", at.height_mm / 10.0);
+        let cells: String = legs.iter().map(|leg| at_cells(leg.at.get(row))).collect();
+        let _ = writeln!(text, "  {label:<NAME$}{cells}");
     }
-    text += &feet(legs);
-    let missing: Vec<&str> =
-        Level::ALL.into_iter().filter(|level| !record.has_row(*level)).map(Level::name).collect();
-    if !missing.is_empty() {
-        let _ = writeln!(text, "  not measured on either leg: {}", missing.join(", "));
-    }
-    let asked = record.legs.first().map_or(&[][..], |leg| &leg.at);
-    for (row, at) in asked.iter().enumerate() {
-        let [left, right] = legs.map(|leg| at_cells(leg, row));
-        let label = format!("@{}", at.height_mm / 10.0);
-        let _ = writeln!(text, "  {label:<6}{left}  {right}");
-    }
-    for finding in &record.findings {
-        let place = [finding.leg.as_deref(), finding.level.as_deref()].into_iter().flatten();
-        let place: String = place.flat_map(|word| [word, " "]).collect();
-        let (severity, code) = (&finding.severity, &finding.code);
-        let _ = writeln!(text, "  {severity}: {place}[{code}] {}", finding.message);
+    for line in findings(&record.findings) {
+        text += &indented(&line, "  ", columns);
     }
     text.pop();
     text
 }
 
-/// The lengths of the feet, if at least one is known.
-fn feet(legs: [Option<&LegFigures>; 2]) -> String {
-    let lengths = legs.map(|leg| leg.and_then(|leg| leg.foot.as_ref()).map(|foot| foot.length_mm));
-    if lengths == [None, None] {
+/// The colour of a verdict, which only repeats what its words say.
+pub fn colour(kind: Kind) -> anstyle::Style {
+    match kind {
+        Kind::Complete => paint::GOOD,
+        Kind::ByHand => paint::CARE,
+        Kind::ScanAgain => paint::BAD,
+    }
+}
+
+fn verdict(record: &Record, garment: Garment, columns: usize) -> String {
+    let verdict = Completeness::of(record, garment);
+    let sentences = verdict.sentences(Language::En).join(" ");
+    let lines = indented(&sentences, "  ", columns);
+    lines.lines().map(|line| painted(colour(verdict.kind()), line) + "\n").collect()
+}
+
+fn body(record: &Record) -> String {
+    let height = |mm: Option<f64>| mm.map_or(NOTHING.to_owned(), |mm| format!("{} cm", cm(mm)));
+    format!(
+        "  stature {}, crotch {}, unit of the scan {}{}\n",
+        height(record.body.stature_mm),
+        height(record.body.crotch_height_mm),
+        record.scan.unit,
+        if record.scan.unit_inferred { " (found)" } else { "" },
+    )
+}
+
+/// The levels of the measured legs, and what their marks mean.
+fn measures(legs: &[&LegFigures]) -> String {
+    let sides: String =
+        legs.iter().map(|leg| format!("{:>1$}", format!("{} leg", leg.side), 2 * CELL)).collect();
+    let heads = format!("{:>CELL$}{:>CELL$}", "girth cm", "height cm").repeat(legs.len());
+    let mut text = format!("  {:NAME$}{sides}\n  {:NAME$}{heads}\n", "", "");
+    let mut marks = Vec::new();
+    for level in Level::ALL.into_iter().rev() {
+        let measures: Vec<_> = legs.iter().map(|leg| Measure::of(leg, level)).collect();
+        marks.extend(measures.iter().flatten().map(Measure::mark));
+        let cells: String = measures.iter().map(cells).collect();
+        let _ = writeln!(text, "  {:<NAME$}{cells}", level.name());
+    }
+    let used = LEGEND.into_iter().filter(|(mark, ..)| marks.contains(mark));
+    let used: Vec<String> = used.map(|(_, sign, meaning)| format!("{sign} {meaning}")).collect();
+    if !used.is_empty() {
+        let _ = writeln!(text, "  {}", used.join("; "));
+    }
+    text
+}
+
+/// Length and breadth of the feet, if one was seen.
+fn feet(legs: &[&LegFigures]) -> String {
+    if legs.iter().all(|leg| leg.foot.is_none()) {
         return String::new();
     }
-    let [left, right] = lengths.map(|mm| mm.map_or("-".to_owned(), cm));
-    format!("  foot  {left:>11}  {:>11}  {right:>11}\n", "")
-}
-
-/// Height and girth of one level of one leg, with their uncertainties. A dash means absent, one mark a
-/// doubt, another an estimate by proportion.
-fn cells(leg: Option<&LegFigures>, level: &str) -> String {
-    let landmark = leg.and_then(|leg| leg.landmarks.get(level)).map(|found| {
-        let doubt = doubt(&found.doubts);
-        let heights = (found.height_mm, found.height_sd_mm);
-        pair(["", doubt], heights, (found.girth_tape_mm, found.girth_sd_mm))
-    });
-    let estimate = || {
-        let estimate = leg.and_then(|leg| leg.estimates.get(level))?;
-        let heights = (estimate.height_mm, estimate.height_sd_mm);
-        Some(pair(["~", "~"], heights, (estimate.girth_tape_mm, estimate.girth_sd_mm)))
+    let pair = |[length, breadth]: [String; 2]| format!("{length:>CELL$}{breadth:>CELL$}");
+    let cells = |leg: &&LegFigures| match &leg.foot {
+        Some(foot) => pair([foot.length_mm, foot.breadth_mm].map(cm)),
+        None => pair([NOTHING, NOTHING].map(str::to_owned)),
     };
-    landmark.or_else(estimate).unwrap_or_else(|| format!("{:>11}  {:>11}", "-", "-"))
+    let cells: String = legs.iter().map(cells).collect();
+    let heads = pair(["length cm", "breadth cm"].map(str::to_owned)).repeat(legs.len());
+    format!("  {:NAME$}{heads}\n  {:<NAME$}{cells}\n", "", "foot")
 }
 
-/// Height and girth in cm with their marks and uncertainties.
-fn pair(marks: [&str; 2], height: (f64, Option<f64>), girth: (f64, Option<f64>)) -> String {
-    let cell = |mark: &str, (mm, sd)| format!("{mark}{}{}", cm(mm), worth(sd));
-    format!("{:>11}  {:>11}", cell(marks[0], height), cell(marks[1], girth))
-}
-
-/// The same as [`cells`], for the requested height in this row.
-fn at_cells(leg: Option<&LegFigures>, row: usize) -> String {
-    let at = leg.and_then(|leg| leg.at.get(row));
-    let girth = at.and_then(|at| Some((at, at.girth_tape_mm?)));
-    let Some((at, girth_mm)) = girth else {
-        return format!("{:>11}  {:>11}", "-", "-");
+/// Girth and height of one level of one leg, with their uncertainties.
+fn cells(measure: &Option<Measure<'_>>) -> String {
+    let Some(measure) = measure else {
+        return format!("{:>1$}", Language::En.text("report.missing.level_absent"), 2 * CELL);
     };
-    let girth = format!("{}{}{}", doubt(&at.doubts), cm(girth_mm), worth(at.girth_sd_mm));
-    format!("{:>11}  {girth:>11}", cm(at.height_mm))
+    let figure = |length: Length| format!("{}{}", sign(measure.mark()), with_margin(length));
+    let height = measure.height.map_or(NOTHING.to_owned(), figure);
+    format!("{:>CELL$}{height:>CELL$}", figure(measure.girth))
 }
 
-/// The mark for a doubt, if there is one.
-fn doubt(doubts: &[String]) -> &'static str {
-    if doubts.is_empty() { "" } else { "?" }
+/// The same as [`cells`], for a requested height, which is exact.
+fn at_cells(at: Option<&AtFigures>) -> String {
+    let Some((at, girth_mm)) = at.and_then(|at| Some((at, at.girth_tape_mm?))) else {
+        return format!("{:>1$}", Language::En.text("report.missing.level_absent"), 2 * CELL);
+    };
+    let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
+    let girth = with_margin(Length { mm: girth_mm, sd_mm: at.girth_sd_mm });
+    format!("{:>CELL$}{:>CELL$}", format!("{}{girth}", sign(mark)), cm(at.height_mm))
 }
 
-/// The uncertainty of a figure, as in the report.
-fn worth(sd_mm: Option<f64>) -> String {
-    sd_mm.map_or(String::new(), |sd_mm| format!(" ±{:.1}", cm_margin(sd_mm)))
+fn sign(mark: Mark) -> &'static str {
+    LEGEND.into_iter().find(|(its, ..)| *its == mark).map_or("", |(_, sign, _)| sign)
+}
+
+/// The findings in plain words: those of one code in a line, with the places that they are about.
+fn findings(findings: &[FindingNote]) -> Vec<String> {
+    let mut groups: Vec<Vec<&FindingNote>> = Vec::new();
+    for finding in findings {
+        let is_same = |group: &&mut Vec<&FindingNote>| {
+            let its = |of: &FindingNote| (of.code.clone(), of.severity.clone());
+            group.iter().any(|of| its(of) == its(finding))
+        };
+        match groups.iter_mut().find(is_same) {
+            Some(group) => group.push(finding),
+            None => groups.push(vec![finding]),
+        }
+    }
+    groups.iter().filter_map(|group| told(group)).collect()
+}
+
+/// Findings of one code: `warning: Skin partly not seen, right C, B · left C [gap]`.
+fn told(group: &[&FindingNote]) -> Option<String> {
+    let FindingNote { severity, code, message, .. } = group.first()?;
+    let title = Language::En.find(&format!("finding.{code}.title")).unwrap_or(message);
+    let of_leg = |side: Option<&str>| {
+        let of_leg: Vec<_> = group.iter().filter(|of| of.leg.as_deref() == side).collect();
+        let has = |level: &Level| of_leg.iter().any(|of| of.level.as_deref() == Some(level.name()));
+        let levels: Vec<&str> =
+            Level::ALL.iter().rev().filter(|level| has(level)).map(|level| level.name()).collect();
+        let place = format!("{} {}", side.unwrap_or_default(), levels.join(", "));
+        (!of_leg.is_empty() && !place.trim().is_empty()).then(|| place.trim().to_owned())
+    };
+    let sides = Side::FROM_FRONT.map(|side| Some(side.word())).into_iter().chain([None]);
+    let places: Vec<String> = sides.filter_map(of_leg).collect();
+    let comma = if places.is_empty() { "" } else { ", " };
+    Some(format!("{severity}: {title}{comma}{} [{code}]", places.join(" · ")))
+}
+
+/// A length in cm with its uncertainty, as in the report.
+fn with_margin(Length { mm, sd_mm }: Length) -> String {
+    let margin = sd_mm.map_or(String::new(), |sd_mm| format!(" ±{:.1}", cm_margin(sd_mm)));
+    format!("{}{margin}", cm(mm))
 }
 
 /// Millimetres in the clinic's unit: centimetres with one decimal.

@@ -10,6 +10,7 @@ pub mod line;
 pub mod order;
 pub mod result;
 pub mod rules;
+mod table;
 mod words;
 
 pub use charset::Charset;

@@ -1,17 +1,21 @@
-//! Writes a record as a result (6310): girths and heights of both legs as test blocks, a table for
-//! people, and the paths of the record's files.
+//! Writes a record as a result (6310): girths and heights of both legs as test blocks, the verdict and a
+//! table for people, and the paths of the record's files.
 //!
-//! Lengths are in centimetres with one decimal, as on a tape. Girths are those of a tape.
+//! Order and figures are those of the measuring sheet: the right leg first, from G down to A, girths by
+//! tape and vertical heights above the floor in centimetres with one decimal.
 
 use jiff::civil::DateTime;
 
 use super::line::{WriteFault, message};
 use super::rules::{AttachmentFields, GdtRules};
-use super::words;
+use super::{table, words};
 use crate::language::Language;
 use crate::leg::{Level, Side};
+use crate::record::completeness::Completeness;
+use crate::record::garment::Garment;
+use crate::record::measure::Measure;
 use crate::record::rounding::cm_words;
-use crate::record::schema::{FindingNote, LandmarkFigures, LegFigures, Record};
+use crate::record::schema::{FindingNote, Record};
 
 /// The kind of message for the result of an examination.
 const RESULT: u16 = 6310;
@@ -45,12 +49,14 @@ pub enum ResultFault {
 
 type Fields = Vec<(u16, String)>;
 
-/// Writes the message of a record. `taken` is the local time of its scan.
+/// Writes the message of a record, with the verdict for an order of this garment. `taken` is the local time
+/// of its scan.
 ///
 /// # Errors
 /// See [`ResultFault`].
 pub fn result(
     record: &Record,
+    garment: Garment,
     rules: &GdtRules,
     taken: DateTime,
     attachments: &[Attachment],
@@ -60,14 +66,18 @@ pub fn result(
     let mut fields = header(rules, record);
     fields.push((3000, patient.id.clone()));
     fields.extend([(6200, date.clone()), (6201, time.clone()), (8402, rules.procedure.clone())]);
-    for (leg, side) in sides(record) {
-        for level in Level::ALL.map(Level::name) {
-            let Some(found) = leg.landmarks.get(level) else { continue };
-            let block = Block { level, side, found, date: &date, time: &time, rules };
+    for (leg, side) in table::legs(record) {
+        for level in Level::ALL.into_iter().rev() {
+            // A number without its mark would be taken for a measured one, so estimates are only in the table.
+            let measured = Measure::of(leg, level).filter(|measure| !measure.is_estimate);
+            let Some(measure) = measured else { continue };
+            let block = Block { level, side, measure, date: &date, time: &time, rules };
             block.write(&mut fields);
         }
     }
-    fields.extend(table(record, rules).into_iter().map(|line| (6228, line)));
+    fields.extend(verdict(record, garment, rules).into_iter().map(|line| (6228, line)));
+    let table = table::lines(record).into_iter();
+    fields.extend(table.map(|line| (6228, words::written(&line, rules.charset))));
     fields.extend(comments(record, rules).into_iter().map(|line| (6227, line)));
     for attachment in attachments {
         fields.extend(of_attachment(attachment, &rules.attachment_fields));
@@ -86,19 +96,11 @@ fn header(rules: &GdtRules, record: &Record) -> Fields {
     fields
 }
 
-/// The legs of a record, each with its side.
-fn sides(record: &Record) -> impl Iterator<Item = (&LegFigures, Side)> {
-    let side = |leg: &LegFigures| {
-        [Side::Left, Side::Right].into_iter().find(|side| side.word() == leg.side)
-    };
-    record.legs.iter().filter_map(move |leg| Some((leg, side(leg)?)))
-}
-
-/// The two test blocks of a level: its girth, and its height above the floor.
+/// The test blocks of a level: its girth and, unless it is on the foot, its height above the floor.
 struct Block<'a> {
-    level: &'a str,
+    level: Level,
     side: Side,
-    found: &'a LandmarkFigures,
+    measure: Measure<'a>,
     date: &'a str,
     time: &'a str,
     rules: &'a GdtRules,
@@ -106,24 +108,25 @@ struct Block<'a> {
 
 impl Block<'_> {
     fn write(&self, fields: &mut Fields) {
-        let height = words::written("Höhe", self.rules.charset);
-        let figures =
-            [("L", "Umfang", self.found.girth_tape_mm), ("H", &height, self.found.height_mm)];
+        let Measure { girth, height, .. } = self.measure;
+        let figures = [("L", "Umfang", Some(girth)), ("H", "Höhe", height)];
         let letter = match self.side {
             Side::Left => "L",
             Side::Right => "R",
         };
-        for (kind, name, figure_mm) in figures {
-            let side = words::side(self.side);
+        let (level, side) = (self.level.name(), words::side(self.side));
+        for (kind, name, figure) in figures {
+            let Some(figure) = figure else { continue };
+            let name = words::written(&format!("{name} {level} {side}"), self.rules.charset);
             fields.extend([
-                (8410, format!("{kind}{}_{letter}", self.level)),
-                (8411, format!("{name} {} {side}", self.level)),
-                (8420, in_cm(figure_mm)),
+                (8410, format!("{kind}{level}_{letter}")),
+                (8411, name),
+                (8420, cm_words(figure.mm, Language::En)),
                 (8421, "cm".to_owned()),
                 (8432, self.date.to_owned()),
                 (8439, self.time.to_owned()),
             ]);
-            let doubts = self.found.doubts.iter();
+            let doubts = self.measure.doubts.iter();
             fields.extend(
                 doubts.map(|code| (8470, words::written(words::doubt(code), self.rules.charset))),
             );
@@ -131,36 +134,11 @@ impl Block<'_> {
     }
 }
 
-fn in_cm(figure_mm: f64) -> String {
-    cm_words(figure_mm, Language::En)
-}
-
-/// The figures for people, in columns of fixed width.
-fn table(record: &Record, rules: &GdtRules) -> Vec<String> {
-    let legs: Vec<(&LegFigures, Side)> = sides(record).collect();
-    let cell = |level: &str, side: Side, figure: fn(&LandmarkFigures) -> f64| {
-        let leg = legs.iter().find(|(_, its)| *its == side);
-        let found = leg.and_then(|(leg, _)| leg.landmarks.get(level));
-        found.map_or("-".to_owned(), |found| in_cm(figure(found)))
-    };
-    let mut lines = vec![row("Messung [cm]", "links", "rechts")];
-    let height = words::written("Höhe", rules.charset);
-    let girth: fn(&LandmarkFigures) -> f64 = |found| found.girth_tape_mm;
-    let above: fn(&LandmarkFigures) -> f64 = |found| found.height_mm;
-    for level in Level::ALL.map(Level::name) {
-        if !legs.iter().any(|(leg, _)| leg.landmarks.contains_key(level)) {
-            continue;
-        }
-        for (name, figure) in [("Umfang", girth), (&height, above)] {
-            let [left, right] = [Side::Left, Side::Right].map(|side| cell(level, side, figure));
-            lines.push(row(&format!("{name} {level}"), &left, &right));
-        }
-    }
-    lines
-}
-
-fn row(name: &str, left: &str, right: &str) -> String {
-    format!("{name:<14}{left:>8}{right:>8}")
+/// What is to be done for an order of this garment, in lines.
+fn verdict(record: &Record, garment: Garment, rules: &GdtRules) -> Vec<String> {
+    let sentences = Completeness::of(record, garment).sentences(Language::De);
+    let written = |sentence: &String| wrapped(&words::written(sentence, rules.charset));
+    sentences.iter().flat_map(written).collect()
 }
 
 /// What readers must know about the measurement. A sentence that the character set cannot write is

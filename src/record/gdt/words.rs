@@ -26,6 +26,7 @@ pub(super) fn written(text: &str, charset: Charset) -> String {
         ("Ü", "Ue"),
         ("ß", "ss"),
         ("–", "-"),
+        ("·", "/"),
     ];
     spelled.iter().fold(text.to_owned(), |text, (letter, as_ascii)| text.replace(letter, as_ascii))
 }

@@ -55,14 +55,25 @@ pub enum ActFault {
     #[error("no scan has this id")]
     Unknown,
     /// The scan's state does not allow the decision.
-    #[error("{0}")]
-    NoOccasion(&'static str),
+    #[error("scan {} {why}", scan.short())]
+    NoOccasion {
+        /// The scan.
+        scan: ScanId,
+        /// Its state, and what there is not to be done.
+        why: &'static str,
+    },
     /// It could belong to more than one patient, and the decision does not say to which.
-    #[error("it could belong to more than one patient: name the patient with gaiter assign")]
-    Several,
+    #[error(
+        "scan {} could belong to more than one patient: name the patient with gaiter assign {}",
+        .0.short(), .0.short()
+    )]
+    Several(ScanId),
     /// The bytes are gone.
-    #[error("its bytes are no longer at the station: export it again from the scanner")]
-    NoBytes,
+    #[error(
+        "the bytes of scan {} are no longer at the station: export it again from the scanner",
+        .0.short()
+    )]
+    NoBytes(ScanId),
     /// The id does not match `patient.pattern`.
     #[error("this is not a patient id that patient.pattern and patient.check_digit allow")]
     NotAnId,
@@ -89,9 +100,9 @@ impl ActFault {
         match self {
             ActFault::NoScan => "no-scan-named",
             ActFault::Unknown => "unknown-scan",
-            ActFault::NoOccasion(_) => "no-occasion",
-            ActFault::Several => "scan-of-several",
-            ActFault::NoBytes => "bytes-gone",
+            ActFault::NoOccasion { .. } => "no-occasion",
+            ActFault::Several(_) => "scan-of-several",
+            ActFault::NoBytes(_) => "bytes-gone",
             ActFault::NotAnId => "patient-id-not-allowed",
             ActFault::AnotherNamed => "another-is-named",
             ActFault::Somebodys => "scan-of-a-patient",
@@ -142,13 +153,14 @@ fn retry(core: &Core, row: ScanRow) -> Result<String, ActFault> {
             info!(event = "scan-retried", scan);
             Ok(format!("scan {scan} is measured again; {} to be made", deliveries(count)))
         }
-        Acted::NoBytes => Err(ActFault::NoBytes),
+        Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
         Acted::Nothing | Acted::Several | Acted::Somebodys => {
             let journal = core.custody.journal();
             let is_any = |state| journal.deliveries_in(&row.scan, state).map(|due| !due.is_empty());
             if !is_any(DeliveryState::Pending)? && !is_any(DeliveryState::Withdrawing)? {
-                let why = "it was not refused and nothing is pending; there is nothing to retry";
-                return Err(ActFault::NoOccasion(why));
+                let why =
+                    "was not refused, and no delivery of it waits: there is nothing to try again";
+                return Err(ActFault::NoOccasion { scan: row.scan, why });
             }
             core.retry_now(&row.scan);
             Ok(format!("scan {scan} is tried again now"))
@@ -163,10 +175,11 @@ fn release(core: &Core, row: ScanRow) -> Result<String, ActFault> {
             info!(event = "scan-released", scan);
             Ok(format!("scan {scan} is released; {} to be made", deliveries(count)))
         }
-        Acted::NoBytes => Err(ActFault::NoBytes),
-        Acted::Several => Err(ActFault::Several),
+        Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
+        Acted::Several => Err(ActFault::Several(row.scan)),
         Acted::Nothing | Acted::Somebodys => {
-            Err(ActFault::NoOccasion("it is not held; there is nothing to release"))
+            let why = "is not held: there is nothing to release";
+            Err(ActFault::NoOccasion { scan: row.scan, why })
         }
     }
 }
@@ -179,9 +192,8 @@ fn give_up(core: &Core, row: ScanRow) -> Result<String, ActFault> {
             Ok(format!("scan {scan} is given up: it needs no decision any more"))
         }
         Acted::Nothing | Acted::NoBytes | Acted::Several | Acted::Somebodys => {
-            let why = "the scan waits for no decision, or it was given up before; there is nothing \
-                       to give up";
-            Err(ActFault::NoOccasion(why))
+            let why = "waits for no decision, or was given up before: there is nothing to give up";
+            Err(ActFault::NoOccasion { scan: row.scan, why })
         }
     }
 }
@@ -200,25 +212,26 @@ fn assign(core: &Core, row: ScanRow, id: &str) -> Result<String, ActFault> {
             Ok(format!("scan {scan} is assigned; {} to be made", deliveries(count)))
         }
         Acted::Somebodys => Err(ActFault::Somebodys),
-        Acted::NoBytes | Acted::Nothing | Acted::Several => Err(ActFault::NoBytes),
+        Acted::NoBytes | Acted::Nothing | Acted::Several => Err(ActFault::NoBytes(row.scan)),
     }
 }
 
 fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, ActFault> {
     let owners = core.custody.journal().owners(&row.scan)?;
+    let no_occasion = |why| ActFault::NoOccasion { scan: row.scan.clone(), why };
     let owner = match (owners.as_slice(), from) {
         ([], _) => {
-            let why = "the scan is unassigned; there is nothing to take back";
-            return Err(ActFault::NoOccasion(why));
+            return Err(no_occasion("is unassigned: there is nothing to take back"));
         }
         ([owner], None) => owner,
-        (owners, Some(from)) => owners.iter().find(|owner| *owner == from).ok_or(
-            ActFault::NoOccasion("the scan does not belong to this patient; nothing was changed"),
-        )?,
+        (owners, Some(from)) => owners
+            .iter()
+            .find(|owner| *owner == from)
+            .ok_or_else(|| no_occasion("does not belong to this patient; nothing was changed"))?,
         (_, None) => {
-            let why = "the scan belongs to more than one patient: say from whom it is taken back \
-                       (gaiter unassign --from)";
-            return Err(ActFault::NoOccasion(why));
+            let why = "belongs to more than one patient: say from whom it is taken back (gaiter \
+                       unassign --from)";
+            return Err(no_occasion(why));
         }
     };
     let stays = owners.len() > 1;
@@ -240,9 +253,10 @@ fn unassign(core: &Core, row: ScanRow, from: Option<&str>) -> Result<String, Act
             })
         }
         Acted::Nothing | Acted::Several | Acted::Somebodys => {
-            Err(ActFault::NoOccasion("another operator has just decided whose it is"))
+            let why = "was just given to a patient, or taken back, by another operator";
+            Err(ActFault::NoOccasion { scan: row.scan, why })
         }
-        Acted::NoBytes => Err(ActFault::NoBytes),
+        Acted::NoBytes => Err(ActFault::NoBytes(row.scan)),
     }
 }
 
@@ -254,7 +268,7 @@ fn name_next(booth: &Booth, id: &str, by: SourceKind, replaces: bool) -> Result<
     })?;
     Ok(match next {
         NamedNext::Waits { in_doubt: true, .. } => {
-            "it is not certain whose press is next: its scan will be held; read the card at the \
+            "it is not certain whose press is next, so the next scan will be held: read the card at the \
              booth, or name the patient on the page or by gaiter patient set"
         }
         NamedNext::Waits { replaced: false, .. } => {
@@ -330,9 +344,9 @@ fn pause(core: &Core, paused: bool) -> Result<String, ActFault> {
     core.work.notify_one();
     Ok(match (paused, changed) {
         (true, true) => "paused: scans stay at the scanner until you resume".to_owned(),
-        (true, false) => "it is paused already".to_owned(),
-        (false, true) => "resumed".to_owned(),
-        (false, false) => "it was not paused".to_owned(),
+        (true, false) => "the station is paused already".to_owned(),
+        (false, true) => "resumed: scans are taken in again".to_owned(),
+        (false, false) => "the station was not paused".to_owned(),
     })
 }
 

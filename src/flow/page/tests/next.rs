@@ -16,7 +16,15 @@ fn who_is_next_is_named_with_a_button_and_without() {
     let ids = |ids: &[&str]| ids.iter().map(|id| (*id).to_owned()).collect::<Vec<_>>();
     let (none, one, two) = (ids(&[]), ids(&["4711"]), ids(&["4711", "0815"]));
     for (has_button, next_ids, awaited_for, awaited, english, german, hidden) in [
-        (true, &none, &none, 0, "No patient is named.", "Kein Patient ist benannt.", "No patient is named."),
+        (
+            true,
+            &none,
+            &none,
+            0,
+            "No patient is named.",
+            "Es ist kein Patient benannt.",
+            "No patient is named.",
+        ),
         (true, &one, &none, 0, "Next: 4711.", "Als Nächstes: 4711.", "The next patient is named."),
         (
             true,

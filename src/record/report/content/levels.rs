@@ -3,9 +3,10 @@
 use super::super::words::short;
 use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
 use crate::leg::{Level, Side};
+use crate::record::measure::{Length, Measure};
 use crate::record::report::Mark;
 use crate::record::rounding::cm_words;
-use crate::record::schema::{EstimateFigures, FootFigures, LandmarkFigures, LegFigures};
+use crate::record::schema::{FootFigures, LegFigures};
 
 impl Report<'_> {
     pub(super) fn levels(&self) -> Levels {
@@ -38,30 +39,18 @@ impl Report<'_> {
         let Some(leg) = self.record.leg(side) else {
             return missing(self.no_leg(side).to_owned());
         };
-        match found(leg, level) {
-            Found::Landmark(of) => self.found(level, of),
-            Found::Estimate(of) => self.estimated(level, of),
-            Found::None => missing(self.no_level(side, level)),
+        match Measure::of(leg, level) {
+            Some(measure) => self.measured(&measure),
+            None => missing(self.no_level(side, level)),
         }
     }
 
-    fn found(&self, level: Level, found: &LandmarkFigures) -> LevelFigures {
-        let mark = if found.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
-        let height = match level >= Level::B {
-            true => Figure::cm(found.height_mm, found.height_sd_mm, mark, self.language),
-            false => Figure::plain(NO_HEIGHT),
-        };
-        let girth = Figure::cm(found.girth_tape_mm, found.girth_sd_mm, mark, self.language);
-        LevelFigures { girth, height }
-    }
-
-    fn estimated(&self, level: Level, of: &EstimateFigures) -> LevelFigures {
-        let figure = |mm, sd_mm| Figure::cm(mm, sd_mm, Mark::Estimated, self.language);
-        let height = match level >= Level::B {
-            true => figure(of.height_mm, of.height_sd_mm),
-            false => Figure::plain(NO_HEIGHT),
-        };
-        LevelFigures { girth: figure(of.girth_tape_mm, of.girth_sd_mm), height }
+    fn measured(&self, measure: &Measure<'_>) -> LevelFigures {
+        let figure = |Length { mm, sd_mm }| Figure::cm(mm, sd_mm, measure.mark(), self.language);
+        LevelFigures {
+            girth: figure(measure.girth),
+            height: measure.height.map_or_else(|| Figure::plain(NO_HEIGHT), figure),
+        }
     }
 
     /// Why a level has no figure on a leg that was measured; where the other leg has it, also the girth at
@@ -136,13 +125,8 @@ impl Report<'_> {
         let of_leg = |side: Side| {
             let leg = self.record.leg(side)?;
             let of_level = |level: Level| {
-                let codes = match found(leg, level) {
-                    Found::Landmark(of) => &of.doubts,
-                    Found::Estimate(of) => &of.doubts,
-                    Found::None => return None,
-                };
-                let words: Vec<String> =
-                    codes.iter().map(|code| short(code, self.language)).collect();
+                let codes = Measure::of(leg, level)?.doubts.iter();
+                let words: Vec<String> = codes.map(|code| short(code, self.language)).collect();
                 (!words.is_empty()).then(|| format!("{}: {}", level.name(), words.join(", ")))
             };
             let levels: Vec<String> = Level::ALL.into_iter().rev().filter_map(of_level).collect();
@@ -155,25 +139,6 @@ impl Report<'_> {
 
 /// In the place of the height of a level on the foot, where the tape is not level.
 const NO_HEIGHT: &str = "–";
-
-/// What a leg has of a level.
-enum Found<'a> {
-    Landmark(&'a LandmarkFigures),
-    Estimate(&'a EstimateFigures),
-    None,
-}
-
-/// A knee that lies below D by its proportion is no knee, so it has no figures.
-fn found(leg: &LegFigures, level: Level) -> Found<'_> {
-    let estimate = leg.estimates.get(level.name());
-    match (leg.landmarks.get(level.name()), estimate) {
-        (Some(found), _) => Found::Landmark(found),
-        (None, Some(of)) if !of.doubts.iter().any(|doubt| doubt == "below-d") => {
-            Found::Estimate(of)
-        }
-        (None, _) => Found::None,
-    }
-}
 
 /// The girth of a leg at a height, mm, between the two sections around it; `None` where one was not measured.
 fn girth_mm(leg: &LegFigures, height_mm: f64) -> Option<f64> {

@@ -5,6 +5,7 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::Path;
 
 use jiff::Timestamp;
+use jiff::tz::TimeZone;
 
 use super::protocol::{
     Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, PhantomStatus, Request, SourceStatus, Status,
@@ -47,7 +48,10 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
         Request::ExplainFile { path } => {
             let path = Path::new(OsStr::from_bytes(path));
             let known = known(desk, path);
-            known.map(|known| Answer::Sentence(of_file(&desk.core.board.facts(), path, known)))
+            known.map(|known| {
+                let facts = desk.core.board.facts();
+                Answer::Sentence(of_file(&facts, path, known, &TimeZone::system()))
+            })
         }
         Request::Retry { scan } => acted(desk, Some(scan), &Act::Retry),
         Request::Release { scan } => acted(desk, Some(scan), &Act::Release),
@@ -216,12 +220,12 @@ impl From<ActFault> for Fault {
         let kind = match fault {
             ActFault::Unknown => FaultKind::Unknown,
             ActFault::NoScan
-            | ActFault::NoOccasion(_)
-            | ActFault::Several
+            | ActFault::NoOccasion { .. }
+            | ActFault::Several(_)
             | ActFault::NotAnId
             | ActFault::AnotherNamed
             | ActFault::Somebodys => FaultKind::Request,
-            ActFault::NoBytes
+            ActFault::NoBytes(_)
             | ActFault::Custody(_)
             | ActFault::Journal(_)
             | ActFault::Store(_) => FaultKind::Failed,

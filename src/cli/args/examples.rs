@@ -1,0 +1,199 @@
+//! The examples of every verb, for `--help` and the manual pages. A test holds them against the command
+//! line: each is understood, and no verb is without one.
+
+use clap::Command;
+
+/// The examples of one verb.
+struct Examples {
+    /// The words of the verb: `patient set`; empty for gaiter itself.
+    verb: &'static str,
+    /// Command lines, each with what it does.
+    lines: &'static [[&'static str; 2]],
+}
+
+const fn of(verb: &'static str, lines: &'static [[&'static str; 2]]) -> Examples {
+    Examples { verb, lines }
+}
+
+/// All examples, in the order of [`GROUPS`](super::groups::GROUPS).
+const EXAMPLES: &[Examples] = &[
+    of(
+        "",
+        &[
+            ["gaiter demo", "shows a whole station at work; needs no configuration"],
+            ["gaiter extract 4711.obj --out measured", "measures a scan and writes its record"],
+            ["gaiter status", "shows whether the station is ready"],
+            ["gaiter help extract", "shows the options and more examples of a verb"],
+        ],
+    ),
+    of("demo", &[["gaiter demo", "leaves the records in ./demo/records"]]),
+    of(
+        "extract",
+        &[
+            ["gaiter extract 4711.obj", "prints the measures of one scan"],
+            [
+                "gaiter extract scans --out measured",
+                "also writes a record for each scan of a folder",
+            ],
+            ["gaiter extract 4711.obj --garment AG", "says what a thigh stocking still needs"],
+            ["gaiter extract 4711.obj --up z", "measures an export whose z axis points up"],
+            [
+                "gaiter extract 4711.obj --at 10,20,30.5",
+                "also measures girths at these heights, cm",
+            ],
+            ["gaiter extract scans --json", "prints one record a line, for programs"],
+        ],
+    ),
+    of(
+        "calibrate",
+        &[
+            ["gaiter calibrate cylinder.obj --girths 35.2", "compares a cylinder of 35.2 cm girth"],
+            [
+                "gaiter calibrate cone.obj --girths 10:35.2,30:38.1",
+                "compares girths at two heights",
+            ],
+        ],
+    ),
+    of(
+        "reextract",
+        &[
+            ["gaiter reextract /srv/records --dry-run", "shows what would change"],
+            ["gaiter reextract /srv/records/4711", "measures the scans of one patient again"],
+            ["gaiter reextract /srv/records --since 2026-11-21", "leaves older scans alone"],
+        ],
+    ),
+    of(
+        "report",
+        &[
+            ["gaiter report /srv/records/4711", "reports the newest record of a patient"],
+            ["gaiter report record.json --language de --garment AG --out berichte", "in German"],
+        ],
+    ),
+    of(
+        "check",
+        &[
+            ["gaiter check", "checks the configuration of this machine's station"],
+            ["gaiter check --config station.toml", "checks another configuration"],
+        ],
+    ),
+    of("run", &[["gaiter run --config station.toml", "runs a station until Ctrl-C"]]),
+    of(
+        "status",
+        &[
+            ["gaiter status", "shows one screen"],
+            ["gaiter status --watch", "keeps showing it, until Ctrl-C"],
+        ],
+    ),
+    of("pause", &[["gaiter pause", "leaves new scans at the scanner"]]),
+    of("resume", &[["gaiter resume", "takes them in"]]),
+    of(
+        "patient",
+        &[
+            ["gaiter patient set", "asks for the id of the next patient"],
+            ["gaiter patient show", "shows who is next"],
+        ],
+    ),
+    of("patient set", &[["gaiter patient set", "asks for the id of the next patient"]]),
+    of("patient clear", &[["gaiter patient clear", "drops the name that waits"]]),
+    of("patient show", &[["gaiter patient show", "shows who is next"]]),
+    of(
+        "scans",
+        &[
+            ["gaiter scans", "lists the last 20 scans"],
+            ["gaiter scans --state held", "lists those that wait for a decision"],
+        ],
+    ),
+    of("show", &[["gaiter show 1a2b3c4d", "shows a scan by the first digits of its id"]]),
+    of(
+        "explain",
+        &[
+            ["gaiter explain /srv/scanner/export/4711.obj", "says what became of an export"],
+            ["gaiter explain 1a2b3c4d", "says why a scan is where it is"],
+        ],
+    ),
+    of("page", &[["gaiter page", "prints the link for decisions"]]),
+    of(
+        "gdt-order",
+        &[["gaiter gdt-order /srv/gdt/order.gdt", "names the patient of the next scan"]],
+    ),
+    of("retry", &[["gaiter retry 1a2b3c4d", "measures the scan again"]]),
+    of("release", &[["gaiter release 1a2b3c4d", "delivers the scan to its patient"]]),
+    of("assign", &[["gaiter assign 1a2b3c4d", "asks for the id of the patient"]]),
+    of("unassign", &[["gaiter unassign 1a2b3c4d", "takes the scan back from its patient"]]),
+    of("give-up", &[["gaiter give-up 1a2b3c4d", "ends the question about the scan"]]),
+    of("schema", &[["gaiter schema", "prints the JSON Schema"]]),
+    of("completions", &[["gaiter completions bash", "prints a script for bash"]]),
+    of(
+        "man",
+        &[
+            ["gaiter man", "prints the main page"],
+            ["gaiter man /usr/local/share/man/man1", "writes the pages of all verbs there"],
+        ],
+    ),
+];
+
+/// The command line with the examples below the help of each verb.
+pub fn with_examples(command: Command) -> Command {
+    EXAMPLES.iter().filter(|of| !of.verb.is_empty()).fold(command, |command, of| {
+        let words: Vec<&str> = of.verb.split(' ').collect();
+        add(command, &words, of.text())
+    })
+}
+
+/// The examples of gaiter itself.
+pub fn of_gaiter() -> String {
+    EXAMPLES.iter().filter(|of| of.verb.is_empty()).map(Examples::text).collect()
+}
+
+/// Adds a text to the help of the verb of these words.
+fn add(command: Command, words: &[&str], text: String) -> Command {
+    match words {
+        [] => command.after_help(text),
+        [word, rest @ ..] => command.mut_subcommand(*word, |verb| add(verb, rest, text)),
+    }
+}
+
+impl Examples {
+    /// The lines begin with blanks, so that a manual page keeps them apart.
+    fn text(&self) -> String {
+        let line = |[line, does]: &[&str; 2]| format!("\n  {line}\n      {does}");
+        format!("Examples:{}", self.lines.iter().map(line).collect::<String>())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::cli::args::command;
+
+    /// The words of all visible verbs, those of `patient` too.
+    fn verbs(command: &Command, before: &str) -> Vec<String> {
+        let visible = command.get_subcommands().filter(|verb| !verb.is_hide_set());
+        let named = |verb: &Command| format!("{before} {}", verb.get_name()).trim().to_owned();
+        visible.flat_map(|verb| [vec![named(verb)], verbs(verb, &named(verb))].concat()).collect()
+    }
+
+    #[test]
+    fn every_verb_has_examples_and_every_example_is_of_a_verb() {
+        let all: BTreeSet<String> = verbs(&command(), "").into_iter().collect();
+        let shown = EXAMPLES.iter().map(|of| of.verb.to_owned()).filter(|verb| !verb.is_empty());
+        assert_eq!(shown.collect::<BTreeSet<String>>(), all);
+        assert!(all.contains("patient set") && all.len() > 20);
+    }
+
+    #[test]
+    fn every_example_is_understood_and_is_of_its_verb() {
+        for Examples { verb, lines } in EXAMPLES {
+            assert!(!lines.is_empty(), "{verb}");
+            for [line, _] in *lines {
+                let words: Vec<&str> = line.split(' ').collect();
+                let understood = command().try_get_matches_from(&words);
+                let is_help = words.get(1) == Some(&"help");
+                assert!(understood.is_ok() || is_help, "{line}: {understood:?}");
+                assert!(line.starts_with(format!("gaiter {verb}").trim_end()), "{line}");
+            }
+        }
+    }
+}
