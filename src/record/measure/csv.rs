@@ -34,7 +34,7 @@ pub fn measurements(record: &Record, garment: Garment, language: Language) -> St
     for leg in Side::FROM_FRONT.into_iter().filter_map(|side| record.leg(side)) {
         for level in Level::ALL.into_iter().rev() {
             let cells = Measure::of(leg, level)
-                .map_or_else(|| not_found(), |measure| of_level(leg, level, &measure));
+                .map_or_else(not_found, |measure| of_level(leg, level, &measure));
             text.push_str(&format!("{},{},{cells}\r\n", leg.side, level.name()));
         }
         for at in &leg.at {
