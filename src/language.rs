@@ -161,7 +161,7 @@ mod tests {
         let own: Vec<_> = Language::De.table("leg").collect();
         let heading = ("heading.left", "Linkes Bein");
         assert_eq!(own[0], heading);
-        assert_eq!(own.len(), 4);
+        assert_eq!(own.len(), 8);
         assert!(Language::De.table("le").next().is_none());
     }
 }

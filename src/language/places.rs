@@ -9,7 +9,8 @@ pub enum Piece<'a> {
     Place {
         /// Its name.
         name: &'a str,
-        /// What follows the colon, such as the number of decimals; empty without one.
+        /// What follows the colon: the number of decimals, `*` for all of them, `cm` for a length in mm that
+        /// is shown in whole cm, `around` for an angle that is shown as a part of the leg; empty without one.
         form: &'a str,
     },
 }

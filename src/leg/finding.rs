@@ -11,6 +11,7 @@ use crate::leg::frame::soles::FloorDoubt;
 use crate::leg::frame::stance::FeetUnclear;
 use crate::leg::levels::at_height::NoGirth;
 use crate::leg::levels::extremum::Absence;
+use crate::leg::sections::around::Around;
 use crate::leg::sections::axis_fit::{AxisFault, NoThigh};
 use crate::leg::surface::nurbs::NoSurface;
 
@@ -138,8 +139,10 @@ pub enum What {
     /// The surface bridges areas that the scanner did not see.
     #[error(
         "the surface bridges {count} {}; the largest is {length_mm:.0} mm long, {width_mm:.0} mm wide, \
-         at {height_mm:.0} mm and {angle_deg:.0} degrees from the front",
-        if *count == 1 { "hole" } else { "holes" }
+         {}, {:.0} cm high",
+        if *count == 1 { "hole" } else { "holes" },
+        Around::at(*angle_deg),
+        height_mm / 10.0
     )]
     SurfaceHoles {
         /// How many.

@@ -147,6 +147,20 @@ pub fn at(at: &AtHeight, lengths: &AxisLength) -> AtFigures {
     }
 }
 
+/// The girths of two legs, right and left, at each height that both have, lowest first.
+pub fn same_heights([right, left]: [&[AtFigures]; 2]) -> Vec<[&AtFigures; 2]> {
+    let other = |at: &AtFigures| left.iter().find(|other| other.height_mm == at.height_mm);
+    right.iter().filter_map(|at| Some([at, other(at)?])).collect()
+}
+
+/// The difference of two girths, left minus right, mm, and its standard error, `None` if unknown. `None`
+/// if one of the girths is missing.
+pub fn girth_difference(right: &AtFigures, left: &AtFigures) -> Option<(f64, Option<f64>)> {
+    let sds = right.girth_sd_mm.zip(left.girth_sd_mm);
+    let difference_mm = left.girth_tape_mm? - right.girth_tape_mm?;
+    Some((difference_mm, sds.map(|(right, left)| right.hypot(left))))
+}
+
 /// The differences of the legs.
 pub fn differences(legs: &Differences) -> DifferenceFigures {
     DifferenceFigures {

@@ -17,6 +17,7 @@ use crate::leg::frame::stance::FeetUnclear;
 use crate::leg::level::By;
 use crate::leg::levels::at_height::NoGirth;
 use crate::leg::levels::extremum::Absence;
+use crate::leg::sections::around::Around;
 use crate::leg::sections::axis_fit::{AxisFault, CENTROIDS_MIN, NoThigh, POINTS_MIN};
 use crate::leg::surface::nurbs::NoSurface;
 use crate::leg::{LegFault, Level, Side, What};
@@ -82,6 +83,11 @@ impl Statement {
             Some(match self.figures.get(name)? {
                 Figure::Number(value) => match decimals {
                     "*" => rounding::shortest(*value, language),
+                    "around" => {
+                        let part = Around::at(*value).word();
+                        language.word("around", part).to_owned()
+                    }
+                    "cm" => rounding::number(*value / 10.0, 0, language),
                     "" => rounding::number(*value, 0, language),
                     places => rounding::number(*value, places.parse().ok()?, language),
                 },

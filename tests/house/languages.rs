@@ -10,6 +10,7 @@ use gaiter::config::words::LANGUAGES;
 use gaiter::flow::booth::Signal;
 use gaiter::flow::trigger::PortState;
 use gaiter::language::Language;
+use gaiter::leg::sections::around::Around;
 use gaiter::leg::{Level, Side};
 use gaiter::record::report::VIEWER;
 use regex::Regex;
@@ -19,7 +20,8 @@ use crate::layering::{collect, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 25] = [
+const BY_CODE: [(&str, &str); 29] = [
+    ("around", "`Around::word`"),
     ("completeness.again", "`Again::key`"),
     ("completeness.check", "`Check::key`"),
     ("completeness.leg", "`Side::word`"),
@@ -27,6 +29,8 @@ const BY_CODE: [(&str, &str); 25] = [
     ("garment", "`Garment::name`"),
     ("leg", "`Side::word`"),
     ("leg.heading", "`Side::word`"),
+    ("leg.only", "`Side::word`"),
+    ("leg.short", "`Side::word`"),
     ("level", "`Level::name`"),
     ("page.complaint", "what keeps the station from being ready"),
     ("page.done", "the verbs of the page's decisions"),
@@ -42,6 +46,7 @@ const BY_CODE: [(&str, &str); 25] = [
     ("page.refused", "why a scan was refused"),
     ("page.scan", "the state of a scan on the page"),
     ("page.scan.closed", "why a scan needs no decision any longer"),
+    ("picture.larger", "`Side::word`"),
     ("report.caption", "the figures of a report"),
     ("report.open.field", "`OPEN_FIELDS`"),
     ("statement", "`Statement::of`"),
@@ -94,7 +99,8 @@ fn every_language_has_the_same_keys_in_the_same_order() {
 
 #[test]
 fn a_text_has_the_same_places_in_every_language() {
-    let place = Regex::new(r"\{(?:[a-z0-9_]+(?::[0-9*])?|[a-z]+(?:\.[a-z0-9_-]+)+)\}").unwrap();
+    let place =
+        Regex::new(r"\{(?:[a-z0-9_]+(?::(?:[0-9*]|[a-z]+))?|[a-z]+(?:\.[a-z0-9_-]+)+)\}").unwrap();
     let places = |text: &str| -> BTreeSet<String> {
         place.find_iter(text).map(|place| place.as_str().to_owned()).collect()
     };
@@ -207,8 +213,10 @@ fn every_key_in_the_source_has_a_text_and_every_text_is_shown() {
 
 #[test]
 fn every_word_that_the_program_hands_out_has_its_text() {
-    let sides = ["leg", "leg.heading"].map(|table| Side::BOTH.map(|side| (table, side.word())));
+    let sides = ["leg", "leg.heading", "leg.only", "leg.short", "picture.larger"]
+        .map(|table| Side::BOTH.map(|side| (table, side.word())));
     let words = sides.concat().into_iter().chain(Level::ALL.map(|of| ("level", of.name())));
+    let words = words.chain(Around::ALL.map(|of| ("around", of.word())));
     let words = words.chain(Signal::ALL.map(|of| ("page.light", of.word())));
     let words = words.chain(PortState::ALL.map(|of| ("page.part.port_state", of.word())));
     for (table, word) in words {

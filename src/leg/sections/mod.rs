@@ -1,6 +1,7 @@
 //! The axis of a leg and the closed curves across it (paper 1.1, fig. 2b–2e): [`skin`] fits them
 //! all together, [`plane`] and the paper's [`polynomial`] one by one.
 
+pub mod around;
 pub mod axis;
 pub mod axis_fit;
 pub mod axis_length;

@@ -39,18 +39,18 @@ pub enum Theme {
     Dark,
 }
 
-/// Colours of distances from −1 to 1: blue, pale, red (ColorBrewer RdBu, which colour-blind people can
-/// read too).
+/// Colours of distances from −1 to 1: purple, pale, orange (ColorBrewer PuOr, which colour-blind people
+/// can read too, and whose ends differ in grey).
 const OFF: [Colour; 9] = [
-    [33, 102, 172],
-    [67, 147, 195],
-    [146, 197, 222],
-    [209, 229, 240],
+    [84, 39, 136],
+    [128, 115, 172],
+    [178, 171, 210],
+    [216, 218, 235],
     [247, 247, 247],
-    [253, 219, 199],
-    [244, 165, 130],
-    [214, 96, 77],
-    [178, 24, 43],
+    [254, 224, 182],
+    [253, 184, 99],
+    [224, 130, 20],
+    [179, 88, 6],
 ];
 
 impl Ink {
@@ -164,6 +164,6 @@ mod tests {
     fn the_scale_of_distances_is_symmetric_in_place_and_palest_at_none() {
         assert_eq!(off(0.0), OFF[4]);
         assert_eq!((off(-1.0), off(1.0), off(-7.0)), (OFF[0], OFF[8], OFF[0]));
-        assert_eq!(off(0.125), [250, 233, 223]);
+        assert_eq!(off(0.125), [251, 236, 215]);
     }
 }

@@ -17,6 +17,9 @@ pub struct Picture {
     pub title: String,
     /// Width and height, px.
     pub size: [f64; 2],
+    /// Where it may be cut into parts for a narrow screen: places from the left that no mark crosses,
+    /// ascending, px.
+    pub cuts: Vec<f64>,
     /// The marks, later ones over earlier ones.
     pub marks: Vec<Mark>,
 }
@@ -102,6 +105,7 @@ impl Picture {
         Picture {
             title: self.title.clone(),
             size: [self.size[0], self.size[1] + way],
+            cuts: self.cuts.clone(),
             marks: self.marks.iter().map(|mark| mark.moved_down(way)).collect(),
         }
     }

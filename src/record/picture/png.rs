@@ -178,7 +178,7 @@ mod tests {
 
     /// The image of these marks on a picture of 40 × 20 px.
     fn image(marks: Vec<Mark>, theme: Theme, scale: f64) -> Pixmap {
-        let picture = Picture { title: String::new(), size: [40.0, 20.0], marks };
+        let picture = Picture { title: String::new(), size: [40.0, 20.0], cuts: Vec::new(), marks };
         Pixmap::decode_png(&png(&picture, theme, scale).unwrap()).unwrap()
     }
 
@@ -259,7 +259,12 @@ mod tests {
     #[test]
     fn images_without_pixels_or_with_too_many_are_refused() {
         for scale in [0.0, -1.0, f64::NAN, 1e4, f64::INFINITY] {
-            let picture = Picture { title: String::new(), size: [40.0, 20.0], marks: Vec::new() };
+            let picture = Picture {
+                title: String::new(),
+                size: [40.0, 20.0],
+                cuts: Vec::new(),
+                marks: Vec::new(),
+            };
             assert!(matches!(png(&picture, Theme::Light, scale), Err(PngFault::Size { .. })));
         }
     }

@@ -6,10 +6,11 @@ use self::looks::{FILL, push_escaped, push_looks, push_number, push_painted, pus
 use super::{Anchor, Ink, Mark, Picture, Stroke, Theme};
 use crate::cad::number::push_tenths;
 
-/// The font families of pictures.
-const FONT: &str = "system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif";
+/// The font families and the ends of lines, as attributes.
+const LOOKS: &str = " font-family=\"system-ui, 'Segoe UI', Roboto, 'Noto Sans', sans-serif\" \
+     stroke-linejoin=\"round\" stroke-linecap=\"round\"";
 
-/// Room for what stands around the marks, without the title, bytes.
+/// Room for what stands around the parts inside, bytes.
 const HEAD_BYTES: usize = 300;
 
 /// Room for the markup of one mark with its text or a short path, bytes.
@@ -27,12 +28,35 @@ pub fn file(title: &str, size: [f64; 2], marks: &str) -> String {
     push_px(&mut first, "height", height);
     push_painted(&mut first, FILL, Ink::Paper);
     first.push_str("/>\n");
-    around(title, size, &first, marks)
+    let view_box = [0.0, 0.0, width, height];
+    element(" role=\"img\"", view_box, &[&title_element(title), &first, marks])
 }
 
-/// For embedding in a page whose style sheet has [`dark_rules`].
-pub fn embedded(title: &str, size: [f64; 2], marks: &str) -> String {
-    around(title, size, "", marks)
+/// For embedding in a page whose style sheet has [`dark_rules`]. A picture with cuts stands there twice:
+/// whole (class `whole`), and in parts (class `parts`) that show the same marks, for narrow screens. The
+/// style sheet shows one of the two. `name` must be unique in the page.
+pub fn embedded(name: &str, picture: &Picture, marks: &str) -> String {
+    let Picture { title, size: [width, height], cuts, .. } = picture;
+    let titled = title_element(title);
+    let whole_box = [0.0, 0.0, *width, *height];
+    if cuts.is_empty() {
+        return element(" role=\"img\"", whole_box, &[&titled, marks]);
+    }
+    let group = format!("<g id=\"marks-{name}\">\n");
+    let attributes = " class=\"whole\" role=\"img\"";
+    let mut page = element(attributes, whole_box, &[&titled, &group, marks, "</g>"]);
+    let again = format!("<use href=\"#marks-{name}\"/>");
+    let ends = [&[0.0], cuts.as_slice(), &[*width]].concat();
+    page.push_str("<div class=\"parts\">\n");
+    for (index, end) in ends.windows(2).enumerate() {
+        let part_box = [end[0], 0.0, end[1] - end[0], *height];
+        // The first part speaks for all.
+        page.push_str(&match index {
+            0 => element(" role=\"img\"", part_box, &[&titled, &again]),
+            _ => element(" aria-hidden=\"true\"", part_box, &[&again]),
+        });
+    }
+    page + "</div>\n"
 }
 
 /// A style sheet that gives pictures the dark theme for readers who prefer it.
@@ -50,17 +74,24 @@ pub fn dark_rules() -> String {
     format!("@media screen and (prefers-color-scheme:dark){{{rules}}}")
 }
 
-fn around(title: &str, [width, height]: [f64; 2], first: &str, marks: &str) -> String {
-    let mut svg = String::with_capacity(HEAD_BYTES + title.len() + first.len() + marks.len());
-    svg.push_str("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 ");
-    push_number(&mut svg, width);
-    svg.push(' ');
-    push_number(&mut svg, height);
-    svg.push_str("\" role=\"img\" font-family=\"");
-    svg.push_str(FONT);
-    svg.push_str("\" stroke-linejoin=\"round\" stroke-linecap=\"round\"><title>");
-    push_escaped(&mut svg, title);
-    svg.extend(["</title>\n", first, marks, "</svg>\n"]);
+fn title_element(title: &str) -> String {
+    let mut element = String::from("<title>");
+    push_escaped(&mut element, title);
+    element + "</title>\n"
+}
+
+/// An `svg` element with these attributes, its box of left, top, width and height, and what is inside.
+fn element(attributes: &str, view_box: [f64; 4], inside: &[&str]) -> String {
+    let bytes: usize = inside.iter().map(|part| part.len()).sum();
+    let mut svg = String::with_capacity(HEAD_BYTES + bytes);
+    svg.push_str("<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"");
+    for (index, px) in view_box.into_iter().enumerate() {
+        svg.push_str(if index == 0 { "" } else { " " });
+        push_number(&mut svg, px);
+    }
+    svg.extend(["\"", attributes, LOOKS, ">"]);
+    svg.extend(inside.iter().copied());
+    svg.push_str("</svg>\n");
     svg
 }
 
@@ -167,7 +198,7 @@ mod tests {
     const SIZE: [f64; 2] = [10.0, 20.0];
 
     fn picture(marks: Vec<Mark>) -> Picture {
-        Picture { title: String::new(), size: SIZE, marks }
+        Picture { title: String::new(), size: SIZE, cuts: Vec::new(), marks }
     }
 
     #[test]
@@ -210,10 +241,20 @@ mod tests {
             Mark::Dots { at: vec![[1.0, 2.0]], radius: 1.5, fill: Some(Ink::Left), stroke: None };
         let marks = marks(&picture(vec![dots]));
         assert!(file("a", SIZE, &marks).contains("prefers-color-scheme:dark"));
-        let embedded = embedded("a", SIZE, &marks);
+        let embedded = embedded("a", &picture(Vec::new()), &marks);
         assert!(
             !embedded.contains("<style") && embedded.contains("class=\"s-left\""),
             "{embedded}"
         );
+    }
+    #[test]
+    fn a_picture_with_cuts_stands_in_a_page_whole_and_in_parts_that_cover_it() {
+        let cut = Picture { cuts: vec![4.0], ..picture(Vec::new()) };
+        let page = embedded("a", &cut, "<path/>");
+        assert_eq!(page.matches("<path/>").count(), 1, "{page}");
+        assert_eq!(page.matches("<use href=\"#marks-a\"/>").count(), 2, "{page}");
+        for view_box in ["0 0 10 20", "0 0 4 20", "4 0 6 20"] {
+            assert!(page.contains(&format!("viewBox=\"{view_box}\"")), "{page}");
+        }
     }
 }

@@ -6,8 +6,10 @@ use crate::flow::page::rows::rows;
 use crate::flow::page::{ScanShown, Told, record_folder, row_key, scan_shown};
 use crate::language::Language;
 
-/// The state, patients, folder and verbs of each row.
-fn told(whole: Whole) -> Vec<(String, Vec<String>, Option<String>, Vec<&'static str>)> {
+/// State, patients, folder and verbs of a row.
+type RowTold = (String, Vec<String>, Option<String>, Vec<&'static str>);
+
+fn told(whole: Whole) -> Vec<RowTold> {
     let shown = |row: &Whole| scan_shown(row, &Told::default(), Language::En);
     let told = |row: Whole| {
         let ScanShown { state, patients, acts, .. } = shown(&row);
@@ -16,12 +18,7 @@ fn told(whole: Whole) -> Vec<(String, Vec<String>, Option<String>, Vec<&'static 
     rows(whole).into_iter().map(told).collect()
 }
 
-fn row(
-    state: &str,
-    patient: Option<&str>,
-    folder: Option<&str>,
-    acts: &[&'static str],
-) -> (String, Vec<String>, Option<String>, Vec<&'static str>) {
+fn row(state: &str, patient: Option<&str>, folder: Option<&str>, acts: &[&'static str]) -> RowTold {
     let patients = patient.map(str::to_owned).into_iter().collect();
     (state.to_owned(), patients, folder.map(str::to_owned), acts.to_vec())
 }

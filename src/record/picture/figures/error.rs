@@ -1,5 +1,8 @@
 //! The error of the surface as a map: each leg unrolled as seen from the front, with its inner and outer
-//! side where the viewer sees them.
+//! side where the viewer sees them. Colours and, for grey paper, signs: a dot is inside, a stroke outside, a
+//! net was not seen.
+
+use std::collections::BTreeMap;
 
 use super::LEVELS;
 use super::plot::{
@@ -18,6 +21,9 @@ const SIZE: [f64; 2] = [720.0, 520.0];
 /// Top and bottom of the maps, px.
 const ROWS_PX: [f64; 2] = [44.0, 430.0];
 
+/// Where a narrow screen may cut between the maps, px.
+const CUT_PX: f64 = 366.0;
+
 /// Left and right of each map, px.
 const MAPS_PX: [[f64; 2]; 2] = [[52.0, 330.0], [412.0, 690.0]];
 
@@ -26,6 +32,21 @@ const SCALE_MM: f64 = 1.0;
 
 /// Steps of colour on either side of zero.
 const STEPS: f64 = 4.0;
+
+/// From this distance on a place has its sign, mm: less is mostly the noise of scanners.
+const SIGN_MM: f64 = 0.5;
+
+/// From this share of the scale on, a colour is so strong that its sign must be pale.
+const STRONG_SHARE: f64 = 0.625;
+
+/// Radius of the dot that says inside, px.
+const DOT: f64 = 1.1;
+
+/// Width of the stroke that says outside, px.
+const STROKE: f64 = 1.1;
+
+/// Width of the net over what was not seen, px.
+const NET: f64 = 0.7;
 
 /// The figure; `None` for a record without shapes.
 pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
@@ -47,11 +68,12 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
         marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
         marks.extend(around(&frame, language));
         marks.extend(map(record.leg(side), &frame, language));
+        marks.extend(legend(px[0], language));
     }
     let height = language.text("picture.height_cm");
     marks.push(words([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, height));
-    marks.extend(legend(language));
-    Some(Picture { title: language.text("picture.error").to_owned(), size: SIZE, marks })
+    let title = language.text("picture.error").to_owned();
+    Some(Picture { title, size: SIZE, cuts: vec![CUT_PX], marks })
 }
 
 /// The names of the directions below a map.
@@ -111,7 +133,7 @@ fn map(leg: Option<&LegFigures>, frame: &Frame, language: Language) -> Vec<Mark>
     marks
 }
 
-/// The map's nodes as areas that reach halfway to their neighbours, one mark per colour.
+/// The map's nodes as areas that reach halfway to their neighbours, one mark per colour, and their signs.
 fn cells(surface: &SurfaceGridFigures, frame: &Frame) -> Vec<Mark> {
     let errors = surface.error.as_errors_mm();
     let heights = heights(surface);
@@ -123,20 +145,75 @@ fn cells(surface: &SurfaceGridFigures, frame: &Frame) -> Vec<Mark> {
         (Some(end), None) => end,
         (None, first) => first.copied().unwrap_or(0.0),
     };
-    let mut by_step = std::collections::BTreeMap::<Option<i64>, Vec<Vec<[f64; 2]>>>::new();
+    let edge_x = |column: usize| frame.x.at(-180.0 + width_deg * column as f64);
+    let mut by_step = BTreeMap::<Option<i64>, Vec<Vec<[f64; 2]>>>::new();
+    let mut signs = Signs::default();
     for (row, errors) in errors.chunks(columns).enumerate().take(heights.len()) {
         let [low, high] = [edge(row), edge(row + 1)].map(|mm| frame.y.at(mm));
         let steps: Vec<Option<i64>> = errors.iter().map(|error| error.map(step)).collect();
         let mut first = 0;
         for run in steps.chunk_by(|a, b| a == b) {
-            let angle = |column: usize| -180.0 + width_deg * column as f64;
-            let [left, right] = [angle(first), angle(first + run.len())].map(|deg| frame.x.at(deg));
+            let [left, right] = [first, first + run.len()].map(edge_x);
             let area = vec![[left, low], [right, low], [right, high], [left, high]];
             by_step.entry(run[0]).or_default().push(area);
+            if run[0].is_none() {
+                let corners = (first..=first + run.len()).map(|column| {
+                    [edge_x(column), if (column + row).is_multiple_of(2) { low } else { high }]
+                });
+                signs.net.push(corners.collect());
+            }
             first += run.len();
         }
+        for (column, mm) in errors.iter().enumerate() {
+            if let Some(mm) = mm {
+                signs.add(*mm, [edge_x(column), low], [edge_x(column + 1), high]);
+            }
+        }
     }
-    by_step.into_iter().map(|(step, areas)| area(areas, ink(step))).collect()
+    let areas = by_step.into_iter().map(|(step, areas)| area(areas, ink(step)));
+    areas.chain(signs.marks()).collect()
+}
+
+/// The signs of places, which are seen without colour too: dark on pale colours and pale on strong ones.
+#[derive(Default)]
+struct Signs {
+    dots: [Vec<[f64; 2]>; 2],
+    strokes: [Vec<Vec<[f64; 2]>>; 2],
+    net: Vec<Vec<[f64; 2]>>,
+}
+
+impl Signs {
+    /// Adds the sign of a distance between two corners of its place.
+    fn add(&mut self, mm: f64, [left, low]: [f64; 2], [right, high]: [f64; 2]) {
+        if mm.abs() < SIGN_MM {
+            return;
+        }
+        let is_strong = usize::from(step(mm).abs() as f64 / STEPS >= STRONG_SHARE);
+        if mm < 0.0 {
+            self.dots[is_strong].push([f64::midpoint(left, right), f64::midpoint(low, high)]);
+        } else {
+            // Uphill on both maps, although angles go the other way round on the right leg's.
+            let [from, to] = [left.min(right), left.max(right)];
+            self.strokes[is_strong].push(vec![[from, low], [to, high]]);
+        }
+    }
+
+    fn marks(self) -> Vec<Mark> {
+        let dots = self
+            .dots
+            .into_iter()
+            .zip([Ink::Off(-1.0), Ink::Off(0.0)])
+            .map(|(at, ink)| Mark::Dots { at, radius: DOT, fill: Some(ink), stroke: None });
+        let strokes = self.strokes.into_iter().zip([Ink::Off(1.0), Ink::Off(0.0)]);
+        let strokes = strokes.map(|(of, ink)| lines(of, ink, STROKE));
+        let net = lines(self.net, Ink::Muted, NET);
+        let is_any = |mark: &Mark| match mark {
+            Mark::Dots { at, .. } => !at.is_empty(),
+            Mark::Lines { lines, .. } => !lines.is_empty(),
+            Mark::Words { .. } => true,
+        };
+        dots.chain(strokes).chain([net]).filter(is_any).collect()
+    }
 }
 
 /// The colour step of a distance.
@@ -145,33 +222,48 @@ fn step(mm: f64) -> i64 {
 }
 
 fn ink(step: Option<i64>) -> Ink {
-    step.map_or(Ink::Unseen, |step| Ink::Off(step as f64 / STEPS))
+    step.map_or(Ink::Skin, |step| Ink::Off(step as f64 / STEPS))
 }
 
-fn legend(language: Language) -> Vec<Mark> {
-    const BOX: [f64; 2] = [34.0, 12.0];
-    let (left, top) = (150.0, ROWS_PX[1] + 38.0);
+/// The scale below a map, from its left end.
+fn legend(left: f64, language: Language) -> Vec<Mark> {
+    const BOX: [f64; 2] = [20.0, 12.0];
+    let top = ROWS_PX[1] + 38.0;
     let mut marks = Vec::new();
+    let mut signs = Signs::default();
     let box_at =
         |x: f64| vec![[x, top], [x + BOX[0], top], [x + BOX[0], top + BOX[1]], [x, top + BOX[1]]];
-    let steps = -(STEPS as i64)..=STEPS as i64;
-    for (index, step) in steps.enumerate() {
+    for (index, step) in (-(STEPS as i64)..=STEPS as i64).enumerate() {
         let x = left + index as f64 * BOX[0];
+        let mm = step as f64 / STEPS * SCALE_MM;
         marks.push(area(vec![box_at(x)], ink(Some(step))));
+        let middle = x + BOX[0] / 2.0;
+        let half = BOX[1] / 2.0;
+        signs.add(mm, [middle - half, top + BOX[1]], [middle + half, top]);
         if step % 2 == 0 {
-            let mm = rounding::number(step as f64 / STEPS * SCALE_MM, 1, language);
-            let at = [x + BOX[0] / 2.0, top + BOX[1] + LINE];
+            let mm = rounding::number(mm, 1, language);
+            let at = [middle, top + BOX[1] + LINE];
             marks.push(words(at, Anchor::Middle, SMALL, Ink::Muted, mm));
         }
     }
     let end = left + (2.0 * STEPS + 1.0) * BOX[0];
-    let frame =
-        vec![[left, top], [end, top], [end, top + BOX[1]], [left, top + BOX[1]], [left, top]];
-    marks.push(lines(vec![frame], Ink::Muted, 0.75));
-    let below = [f64::midpoint(left, end), top + BOX[1] + 2.0 * LINE];
-    marks.push(words(below, Anchor::Middle, SMALL, Ink::Text, language.text("picture.outside_mm")));
-    marks.push(area(vec![box_at(end + 24.0)], Ink::Unseen));
-    let at = [end + 30.0 + BOX[0], top + BOX[1] - 2.0];
+    let unseen = end + 16.0;
+    marks.push(area(vec![box_at(unseen)], ink(None)));
+    let corner = |index: u32| {
+        let y = if index.is_multiple_of(2) { top + BOX[1] } else { top };
+        [unseen + f64::from(index) * BOX[0] / 4.0, y]
+    };
+    signs.net.push((0..=4).map(corner).collect());
+    marks.extend(signs.marks());
+    for frame in [[left, end], [unseen, unseen + BOX[0]]] {
+        let [from, to] = frame;
+        let frame =
+            vec![[from, top], [to, top], [to, top + BOX[1]], [from, top + BOX[1]], [from, top]];
+        marks.push(lines(vec![frame], Ink::Muted, 0.75));
+    }
+    let below = [left, top + BOX[1] + 2.0 * LINE + 2.0];
+    marks.push(words(below, Anchor::Start, SMALL, Ink::Text, language.text("picture.off_mm")));
+    let at = [unseen + BOX[0] + 5.0, top + BOX[1] - 2.0];
     marks.push(words(at, Anchor::Start, SMALL, Ink::Text, language.text("picture.unseen")));
     marks
 }

@@ -51,7 +51,12 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     marks.push(words([CHART_X[0] + 10.0, y], Anchor::Start, TEXT, Ink::Text, points));
     marks.push(lines(vec![vec![[200.0, y - 4.0], [226.0, y - 4.0]]], Ink::Text, 1.5));
     marks.push(words([234.0, y], Anchor::Start, TEXT, Ink::Text, language.text("picture.fitted")));
-    Some(Picture { title: language.text("picture.fit").to_owned(), size: [WIDTH, y + 14.0], marks })
+    Some(Picture {
+        title: language.text("picture.fit").to_owned(),
+        size: [WIDTH, y + 14.0],
+        cuts: vec![HALF],
+        marks,
+    })
 }
 
 fn cell(

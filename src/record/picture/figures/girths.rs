@@ -1,8 +1,8 @@
 //! Girth over height with the levels, and the slope by which B1 is found (paper, fig. 3).
 
-use super::plot::{
-    Frame, LINE, SMALL, Scale, TEXT, area, heading, kept_apart, lines, range, words,
-};
+use super::curves::{ROWS_PX, beside, diamond, is_outer_right, left_first, line, short};
+use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
+use super::slopes;
 use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
@@ -12,26 +12,14 @@ use crate::record::{Record, rounding};
 /// Width and height, px.
 const SIZE: [f64; 2] = [720.0, 560.0];
 
-/// Top and bottom of both charts, px.
-const ROWS_PX: [f64; 2] = [64.0, 500.0];
-
 /// Left and right of the chart of girths, px.
-const GIRTHS_PX: [f64; 2] = [56.0, 440.0];
+const GIRTHS_PX: [f64; 2] = [50.0, 452.0];
 
-/// Left and right of the chart of slopes, px.
-const SLOPES_PX: [f64; 2] = [504.0, 690.0];
-
-/// If the slopes span more than this, only whole numbers are labelled.
-const SLOPES_WIDE: f64 = 3.0;
-
-/// Length of the dashes of the right leg's line, px; the left leg's has none.
-const DASH: f64 = 6.0;
-
-/// Distance from a level's mark to its label, px.
-const ASIDE: f64 = 12.0;
+/// Where a narrow screen may cut between the charts, px.
+const CUT_PX: f64 = 466.0;
 
 /// Girth range left free for labels on each side of the curves, mm.
-const LABEL_MM: f64 = 60.0;
+const LABEL_MM: f64 = 70.0;
 
 /// Peaks and valleys that stand out by less than this are not marked, mm.
 const PROMINENCE_MIN_MM: f64 = 1.5;
@@ -52,35 +40,24 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let mut marks = titles(language);
     marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
     marks.extend(frame.columns(50.0, |mm| format!("{:.0}", mm / 10.0)));
-    for (side, leg) in legs() {
+    for (side, leg) in left_first(legs()) {
         marks.push(line(side, curve(leg).map(|of| of.map(|at| frame.at(at)))));
     }
     marks.extend(legs().flat_map(|(side, leg)| extremes(side, leg, &frame)));
     marks.extend(levels(record, &frame, language));
     marks.extend(feet(record, language));
-    if let Some(slopes) = slope_frame(legs().map(|(_, leg)| leg), &frame) {
-        let [low, high] = slopes.x.range;
-        let step = if high - low > SLOPES_WIDE { 1.0 } else { 0.5 };
-        marks.extend(slopes.columns(step, |slope| rounding::number(slope, 1, language)));
-        marks.extend(slopes.rows(100.0, |_| String::new()));
-        let zero = vec![slopes.at([0.0, frame.y.range[0]]), slopes.at([0.0, frame.y.range[1]])];
-        marks.push(lines(vec![zero], Ink::Muted, 1.0));
-        for (side, leg) in legs() {
-            marks.push(line(side, slope(leg, &slopes)));
-        }
-        marks.extend(steepest(record, &slopes));
-    }
+    marks.extend(slopes::chart(record, &frame, language));
     marks.extend(legend(language));
-    Some(Picture { title: language.text("picture.girths").to_owned(), size: SIZE, marks })
+    let title = language.text("picture.girths").to_owned();
+    Some(Picture { title, size: SIZE, cuts: vec![CUT_PX], marks })
 }
 
 fn titles(language: Language) -> Vec<Mark> {
     let above = ROWS_PX[0] - 12.0;
-    let [girth, slope] = ["picture.girth_cm", "picture.slope"].map(|key| language.text(key));
+    let girth = language.text("picture.girth_cm");
     let height = language.text("picture.height_cm");
     vec![
         heading([GIRTHS_PX[0], above], Anchor::Start, Ink::Text, girth),
-        heading([SLOPES_PX[0], above], Anchor::Start, Ink::Text, slope),
         words([4.0, above - 18.0], Anchor::Start, SMALL, Ink::Muted, height),
     ]
 }
@@ -103,55 +80,6 @@ fn frame<'a>(legs: impl Iterator<Item = &'a LegFigures> + Clone) -> Option<Frame
         x: Scale { range: range(places().flat_map(with_labels), 50.0)?, px: GIRTHS_PX },
         y: Scale { range: [0.0, top], px: [ROWS_PX[1], ROWS_PX[0]] },
     })
-}
-
-/// The frame of the slopes from B up, if there are any. Below B, through heel and instep, slopes are ten
-/// times as large.
-fn slope_frame<'a>(legs: impl Iterator<Item = &'a LegFigures>, girths: &Frame) -> Option<Frame> {
-    let slopes = legs.flat_map(|leg| {
-        let from_mm = leg.landmarks.get(Level::B.name()).map_or(100.0, |b| b.height_mm);
-        slope_rows(leg).flatten().filter(move |[_, height]| *height >= from_mm)
-    });
-    let x = Scale { range: range(slopes.map(|[slope, _]| slope), 0.5)?, px: SLOPES_PX };
-    Some(Frame { x, y: girths.y })
-}
-
-fn slope_rows(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
-    let columns = &leg.girth_curve;
-    columns
-        .slope
-        .iter()
-        .zip(&columns.height_mm)
-        .map(|(slope, height)| Some([(*slope)?, (*height)?]))
-}
-
-/// The line of the slope, as far as it is within its chart.
-fn slope(leg: &LegFigures, slopes: &Frame) -> impl Iterator<Item = Option<[f64; 2]>> {
-    let [low, high] = slopes.x.range;
-    slope_rows(leg).map(move |row| {
-        let is_within = |[slope, _]: &[f64; 2]| (low..=high).contains(slope);
-        row.filter(is_within).map(|at| slopes.at(at))
-    })
-}
-
-/// The line of a leg, broken where a place is missing.
-fn line(side: Side, places: impl Iterator<Item = Option<[f64; 2]>>) -> Mark {
-    let mut lines = vec![Vec::new()];
-    for place in places {
-        match place {
-            Some(place) => {
-                lines.last_mut().into_iter().for_each(|line: &mut Vec<_>| line.push(place))
-            }
-            None => lines.push(Vec::new()),
-        }
-    }
-    lines.retain(|line| line.len() > 1);
-    let ink = Ink::of(side);
-    let stroke = match side {
-        Side::Left => Stroke::of(ink, 2.0),
-        Side::Right => Stroke::dashed(ink, 2.0, DASH),
-    };
-    Mark::Lines { lines, is_closed: false, fill: None, stroke }
 }
 
 /// Small hollow triangles at the peaks and valleys of the curve.
@@ -191,10 +119,6 @@ fn turning(row: &[f64]) -> Vec<(usize, bool)> {
 fn triangle([x, y]: [f64; 2], size: f64, is_peak: bool) -> Vec<[f64; 2]> {
     let tip = if is_peak { size } else { -size };
     vec![[x + tip * 1.2, y], [x - tip * 0.8, y - size], [x - tip * 0.8, y + size]]
-}
-
-fn diamond([x, y]: [f64; 2], size: f64) -> Vec<[f64; 2]> {
-    vec![[x + size, y], [x, y + size], [x - size, y], [x, y - size]]
 }
 
 /// The levels across the leg with their girths, the labels on the outer sides of the two curves.
@@ -258,29 +182,6 @@ impl Place<'_> {
     }
 }
 
-/// Whether a place is to the right of the other leg's line, so that a label there does not cross it.
-fn is_outer_right(
-    side: Side,
-    [here, height_mm]: [f64; 2],
-    line: Option<impl Iterator<Item = Option<[f64; 2]>>>,
-) -> bool {
-    let places: Vec<[f64; 2]> = line.into_iter().flatten().flatten().collect();
-    let around = places.windows(2).find(|pair| pair[0][1] <= height_mm && height_mm <= pair[1][1]);
-    let there = around.map(|pair| {
-        let share = (height_mm - pair[0][1]) / (pair[1][1] - pair[0][1]).max(f64::MIN_POSITIVE);
-        pair[0][0] + share * (pair[1][0] - pair[0][0])
-    });
-    match there {
-        Some(there) if there != here => here > there,
-        _ => side == Side::Left,
-    }
-}
-
-/// Distance of a label from its place, px, and the anchor of the label.
-fn beside(at_right: bool) -> (f64, Anchor) {
-    if at_right { (ASIDE, Anchor::Start) } else { (-ASIDE, Anchor::End) }
-}
-
 /// The mark of a level, and its label at the height `y`.
 fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Language) -> Vec<Mark> {
     let at = frame.at([level.girth_mm, level.height_mm]);
@@ -304,7 +205,13 @@ fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Lang
             fill: Some(fill),
             stroke: Stroke::of(ink, 1.5),
         },
-        words(label, anchor, TEXT, Ink::Text, format!("{about}{} {girth}", level.name)),
+        words(
+            label,
+            anchor,
+            TEXT,
+            ink,
+            format!("{} {about}{} {girth}", short(level.side, language), level.name),
+        ),
     ]
 }
 
@@ -316,52 +223,19 @@ fn round([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
     (0..16).map(corner).collect()
 }
 
-/// B1 on the slopes, with the labels on the outer sides of the two.
-fn steepest(record: &Record, slopes: &Frame) -> Vec<Mark> {
-    let places: Vec<(Side, [f64; 2])> = Side::FROM_FRONT
-        .into_iter()
-        .filter_map(|side| Some((side, steepest_of(record.leg(side)?)?)))
-        .collect();
-    let mut marks = Vec::new();
-    for at_right in [false, true] {
-        let is_here = |(side, place): &&(Side, [f64; 2])| {
-            let line = record.leg(side.other()).map(slope_rows);
-            is_outer_right(*side, *place, line) == at_right
-        };
-        let here: Vec<&(Side, [f64; 2])> = places.iter().filter(is_here).collect();
-        let wished: Vec<f64> = here.iter().map(|(_, place)| slopes.at(*place)[1]).collect();
-        let (aside, anchor) = beside(at_right);
-        for ((side, place), y) in here.into_iter().zip(kept_apart(&wished, LINE)) {
-            let at = slopes.at(*place);
-            let label = [at[0] + aside, y + TEXT / 3.0];
-            marks.push(area(vec![diamond(at, 5.5)], Ink::of(*side)));
-            marks.push(words(label, anchor, TEXT, Ink::Text, Level::B1.name()));
-        }
-    }
-    marks
-}
-
-/// Slope and height of a leg's B1, if found.
-fn steepest_of(leg: &LegFigures) -> Option<[f64; 2]> {
-    let height_mm = leg.landmarks.get(Level::B1.name())?.height_mm;
-    let far = |row: &[f64; 2]| (row[1] - height_mm).abs();
-    let [slope, _] = slope_rows(leg).flatten().min_by(|a, b| far(a).total_cmp(&far(b)))?;
-    Some([slope, height_mm])
-}
-
 fn legend(language: Language) -> Vec<Mark> {
     let y = SIZE[1] - 14.0;
     let mut marks = Vec::new();
-    for (side, x) in Side::FROM_FRONT.into_iter().zip([56.0, 176.0]) {
+    for (side, x) in Side::FROM_FRONT.into_iter().zip([10.0, 148.0]) {
         marks.push(line(side, [Some([x, y - 4.0]), Some([x + 26.0, y - 4.0])].into_iter()));
-        let leg = language.word("leg", side.word());
-        marks.push(words([x + 34.0, y], Anchor::Start, TEXT, Ink::Text, leg));
+        let leg = format!("{} {}", short(side, language), language.word("leg", side.word()));
+        marks.push(words([x + 34.0, y], Anchor::Start, TEXT, Ink::of(side), leg));
     }
     let shapes = [
-        (300.0, triangle([300.0, y - 4.0], 5.0, true), language.text("picture.peak")),
-        (390.0, triangle([390.0, y - 4.0], 5.0, false), language.text("picture.valley")),
-        (480.0, diamond([480.0, y - 4.0], 5.0), language.text("picture.steepest")),
-        (600.0, round([600.0, y - 4.0], 4.0), language.text("picture.proportion")),
+        (292.0, triangle([292.0, y - 4.0], 5.0, true), language.text("picture.peak")),
+        (378.0, triangle([378.0, y - 4.0], 5.0, false), language.text("picture.valley")),
+        (476.0, diamond([476.0, y - 4.0], 5.0), language.text("picture.steepest")),
+        (598.0, round([598.0, y - 4.0], 4.0), language.text("picture.proportion")),
     ];
     for (index, (x, shape, word)) in shapes.into_iter().enumerate() {
         let fill = if index == 3 { Ink::Paper } else { Ink::Muted };

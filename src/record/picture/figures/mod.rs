@@ -1,11 +1,14 @@
-//! The figures of a record: those of the paper, drawn only from the content of `record.json`.
+//! The figures of a record: those of the paper and a comparison of the legs, drawn only from the content of `record.json`.
 
+mod curves;
+mod differences;
 mod error;
 mod fit;
 mod girths;
 mod plot;
 mod sections;
 mod sheet;
+mod slopes;
 mod views;
 
 use super::{Picture, svg};
@@ -30,6 +33,7 @@ pub fn all(record: &Record, language: Language) -> Vec<Figure> {
         (SHEET, sheet::picture(record, language)),
         ("views", views::picture(record, language)),
         ("girths", girths::picture(record, language)),
+        ("differences", differences::picture(record, language)),
         ("sections", sections::picture(record, language)),
         ("fit", fit::picture(record, language)),
         ("error", error::picture(record, language)),

@@ -43,7 +43,7 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
         marks.extend(girths(&view, leg, language));
     }
     let title = language.text("picture.sheet").to_owned();
-    Some(Picture { title, size: [WIDTH, floor + BOTTOM], marks })
+    Some(Picture { title, size: [WIDTH, floor + BOTTOM], cuts: Vec::new(), marks })
 }
 
 /// The girths of a leg beside it, each on a line to its level.

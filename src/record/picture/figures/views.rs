@@ -3,11 +3,12 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
+use super::plot::{LINE, SMALL, area, heading, kept_apart, lines, words};
 use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::record::rounding::cm_words;
 use crate::record::schema::LegFigures;
 use crate::record::shape::{OutlineFigures, ShapeFigures};
 
@@ -23,14 +24,26 @@ const BOTTOM: f64 = 30.0;
 /// Space on either side of each view for the names of its levels, px.
 const MARGIN: f64 = 22.0;
 
+/// Space on either side of the front view, whose levels also have their girths, px.
+const GIRTH_MARGIN: f64 = 54.0;
+
+/// Distance of a label from the line to its level, and of that line from the label's margin, px.
+const LED: f64 = 4.0;
+
+/// Space between two views, px, so that their labels are no pair.
+const GAP: f64 = 16.0;
+
 /// The largest height at which the legs are drawn, px.
 const HEIGHT_MAX: f64 = 560.0;
 
 /// One in this many rows of the skin is drawn: every 30 mm.
 const ROWS_APART: usize = 3;
 
-/// A scan point is drawn, as part of the foot, if it is below the lowest row by more than this, mm.
+/// A scan point is part of the foot if it is below the lowest row by more than this, mm.
 const BELOW_MM: f64 = 2.0;
+
+/// Distance of the heights at which a foot's extent is taken, mm: each has some points of the scan.
+const SPAN_MM: f64 = 6.0;
 
 /// The direction from which the legs are seen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +64,11 @@ pub(super) struct Drawn<'a> {
 impl From {
     const ALL: [From; 4] =
         [From::Front, From::Back, From::Outside(Side::Right), From::Outside(Side::Left)];
+
+    /// Space on either side for labels, px.
+    fn margin(self) -> f64 {
+        if self == From::Front { GIRTH_MARGIN } else { MARGIN }
+    }
 
     fn shows(self, side: Side) -> bool {
         match self {
@@ -95,25 +113,28 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     if !(top_mm > 0.0 && wide_mm > 0.0) {
         return None;
     }
-    let room = WIDTH - 2.0 * MARGIN * views.len() as f64;
-    let px_per_mm = (room / wide_mm).min(HEIGHT_MAX / top_mm);
+    let beside: f64 = views.iter().map(|(from, _)| 2.0 * from.margin() + GAP).sum::<f64>() - GAP;
+    let px_per_mm = ((WIDTH - beside) / wide_mm).min(HEIGHT_MAX / top_mm);
     let floor = TOP + top_mm * px_per_mm;
-    let mut left = (WIDTH - wide_mm * px_per_mm - 2.0 * MARGIN * views.len() as f64) / 2.0;
-    let mut marks = Vec::new();
+    let mut left = (WIDTH - wide_mm * px_per_mm - beside) / 2.0;
+    let (mut marks, mut cuts) = (Vec::new(), Vec::new());
     for (from, [low_mm, high_mm]) in views {
-        let view = View { from, left: left + MARGIN - low_mm * px_per_mm, floor, px_per_mm };
-        let right = left + 2.0 * MARGIN + (high_mm - low_mm) * px_per_mm;
+        let margin = from.margin();
+        let view = View { from, left: left + margin - low_mm * px_per_mm, floor, px_per_mm };
+        let right = left + 2.0 * margin + (high_mm - low_mm) * px_per_mm;
         let title = [f64::midpoint(left, right), 18.0];
         marks.push(heading(title, Anchor::Middle, Ink::Text, from.name(language)));
         for leg in legs.iter().filter(|leg| from.shows(leg.side)) {
             marks.extend(view.leg(leg));
             marks.extend(view.below(leg, language));
         }
-        marks.extend(view.names(&legs, [left, right]));
-        left = right;
+        marks.extend(view.names(&legs, [left, right], language));
+        left = right + GAP;
+        cuts.push(right + GAP / 2.0);
     }
+    cuts.pop();
     let title = language.text("picture.views").to_owned();
-    Some(Picture { title, size: [WIDTH, floor + BOTTOM], marks })
+    Some(Picture { title, size: [WIDTH, floor + BOTTOM], cuts, marks })
 }
 
 impl<'a> Drawn<'a> {
@@ -166,11 +187,12 @@ impl View {
         let ends: Vec<[[f64; 2]; 2]> = leg.rows.iter().map(|row| self.ends(row)).collect();
         let up = ends.iter().map(|[left, _]| *left);
         let down = ends.iter().rev().map(|[_, right]| *right);
-        let foot = leg.foot.iter().map(|point| self.at(point)).collect();
         let ink = Ink::of(leg.side);
         let thin = leg.rows.iter().step_by(ROWS_APART);
+        let foot = self.foot(leg);
         let mut marks = vec![
-            Mark::Dots { at: foot, radius: 0.9, fill: Some(Ink::Unseen), stroke: None },
+            area(vec![foot.clone()], Ink::Skin),
+            lines(vec![foot], ink, 1.25),
             area(vec![up.clone().chain(down.clone()).collect()], Ink::Skin),
             lines(thin.map(|row| self.near_side(row)).collect(), Ink::Unseen, 0.6),
             lines(vec![up.collect(), down.collect()], ink, 1.25),
@@ -179,6 +201,22 @@ impl View {
         marks.push(lines(at_levels.map(|ring| self.near_side(&ring)).collect(), ink, 2.0));
         marks.extend(self.features(leg.leg));
         marks
+    }
+
+    /// The silhouette of the foot below the lowest row, from its left end there around the sole to its right
+    /// end. Where a span of heights has no points, the foot is as wide as those below and above it.
+    fn foot(&self, leg: &Drawn) -> Vec<[f64; 2]> {
+        let Some(top) = leg.rows.first().map(|row| self.ends(row)) else { return Vec::new() };
+        if leg.foot.is_empty() {
+            return Vec::new();
+        }
+        let spans = silhouette(leg.foot.iter().map(|p| [p.coords.dot(&self.from.right()), p.z]));
+        let place = |[across_mm, z_mm]: [f64; 2]| {
+            [self.left + across_mm * self.px_per_mm, self.floor - z_mm * self.px_per_mm]
+        };
+        let left = spans.iter().rev().map(|(z, [low, _])| place([*low, *z]));
+        let right = spans.iter().map(|(z, [_, high])| place([*high, *z]));
+        [top[0]].into_iter().chain(left).chain(right).chain([top[1]]).collect()
     }
 
     /// The leftmost and the rightmost place of a row.
@@ -238,8 +276,8 @@ impl View {
         Some(heading(at, Anchor::Middle, Ink::of(leg.side), language.word("leg", leg.side.word())))
     }
 
-    /// The names of the levels: on the left for the leg on the left of the view, else on the right.
-    fn names(&self, legs: &[Drawn], [left, right]: [f64; 2]) -> Vec<Mark> {
+    /// The names of the levels, from the front with their girths in cm: on the left for the leg on the left of the view, else on the right.
+    fn names(&self, legs: &[Drawn], [left, right]: [f64; 2], language: Language) -> Vec<Mark> {
         let mut marks = Vec::new();
         for leg in legs.iter().filter(|leg| self.from.shows(leg.side)) {
             let is_left = match self.from {
@@ -253,18 +291,40 @@ impl View {
             let end = |ring: &[Point3<f64>]| self.ends(ring)[usize::from(!is_left)];
             let wished: Vec<f64> = found.iter().map(|(_, ring)| end(ring)[1]).collect();
             for ((name, ring), y) in found.iter().zip(kept_apart(&wished, LINE)) {
-                let (x, anchor, tip) = if is_left {
-                    (left + 4.0, Anchor::Start, left + 20.0)
+                let tip = self.from.margin() - LED;
+                let (tip, x, anchor) = if is_left {
+                    (left + tip, left + tip - LED, Anchor::End)
                 } else {
-                    (right - 4.0, Anchor::End, right - 20.0)
+                    (right - tip, right - tip + LED, Anchor::Start)
                 };
                 marks.push(lines(vec![vec![[tip, y], end(ring)]], Ink::Muted, 0.6));
-                let at = [x, y + TEXT / 3.0];
-                marks.push(words(at, anchor, SMALL, Ink::Text, *name));
+                let found = leg.leg.landmarks.get(*name).filter(|_| self.from == From::Front);
+                let girth = found.map(|found| cm_words(found.girth_tape_mm, language));
+                let label = [Some((*name).to_owned()), girth].into_iter().flatten();
+                let label = label.collect::<Vec<_>>().join(" ");
+                let at = [x, y + SMALL / 3.0];
+                marks.push(words(at, anchor, SMALL, Ink::of(leg.side), label));
             }
         }
         marks
     }
+}
+
+/// The extent of places at each height that has any, lowest first, mm: the first and the last height are
+/// those of the lowest and the highest place.
+fn silhouette(places: impl Iterator<Item = [f64; 2]> + Clone) -> Vec<(f64, [f64; 2])> {
+    let none = [f64::INFINITY, f64::NEG_INFINITY];
+    let joined = |[low, high]: [f64; 2], at: f64| [low.min(at), high.max(at)];
+    let [from_mm, to_mm] = places.clone().fold(none, |ends, [_, z]| joined(ends, z));
+    let count = ((to_mm - from_mm) / SPAN_MM).ceil().max(1.0) as usize;
+    let height = |index: usize| from_mm + (to_mm - from_mm) * index as f64 / count as f64;
+    let span = |index: usize| {
+        let z_mm = height(index);
+        let near = places.clone().filter(|[_, z]| (z - z_mm).abs() <= SPAN_MM);
+        let ends = near.fold(none, |ends, [across, _]| joined(ends, across));
+        (ends[0] <= ends[1]).then_some((z_mm, ends))
+    };
+    (0..=count).filter_map(span).collect()
 }
 
 /// The available outlines at the levels, with their names.

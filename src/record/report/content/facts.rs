@@ -72,9 +72,10 @@ impl Report<'_> {
     }
 
     fn time_and_source(&self) -> String {
-        let from = self.record.acquired.as_ref().map(|acquired| acquired.from);
-        let from = from.map(|from| format!(" ({})", self.time_from(from)));
-        self.time() + &from.unwrap_or_default()
+        match &self.record.acquired {
+            Some(of) => format!("{} ({})", self.local(of.at), self.time_from(of.from)),
+            None => self.text("report.fact.unknown"),
+        }
     }
 
     /// The source that named the patient, in words.

@@ -16,7 +16,7 @@ impl Report<'_> {
     }
 
     fn captions(&self) -> Vec<Caption> {
-        let names = ["views", "girths", "sections", "fit", "error"];
+        let names = ["views", "girths", "differences", "sections", "fit", "error"];
         let caption = |name| {
             let word = |part| self.language.find(&format!("report.caption.{name}.{part}"));
             let word = |part| word(part).unwrap_or(name).to_owned();

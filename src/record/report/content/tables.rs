@@ -2,10 +2,11 @@
 
 use super::{Figure, Report, Table, TableRow};
 use crate::leg::Side;
-use crate::record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures};
+use crate::record::chart::{
+    AtFigures, SliceFigures, VolumeDifferenceFigures, VolumeFigures, girth_difference, same_heights,
+};
 use crate::record::report::Mark;
 use crate::record::rounding::cm_words;
-use crate::record::schema::LegFigures;
 
 impl Report<'_> {
     pub(super) fn tables(&self) -> Vec<Table> {
@@ -118,7 +119,7 @@ impl Report<'_> {
         let [Some(right), Some(left)] = Side::FROM_FRONT.map(|side| self.record.leg(side)) else {
             return None;
         };
-        let pairs = same_heights(right, left);
+        let pairs = same_heights([&right.profile, &left.profile]);
         let row = |[right, left]: &[&AtFigures; 2]| TableRow {
             head: cm_words(right.height_mm, self.language),
             figures: vec![
@@ -147,13 +148,9 @@ impl Report<'_> {
     }
 
     fn girth_difference(&self, right: &AtFigures, left: &AtFigures) -> Figure {
-        match (right.girth_tape_mm, left.girth_tape_mm) {
-            (Some(right_mm), Some(left_mm)) => {
-                let sds = right.girth_sd_mm.zip(left.girth_sd_mm);
-                let sd_mm = sds.map(|(right, left)| right.hypot(left));
-                Figure::cm_difference(left_mm - right_mm, sd_mm, self.language)
-            }
-            _ => Figure::missing(self.language.text("report.missing.not_compared")),
+        match girth_difference(right, left) {
+            Some((mm, sd_mm)) => Figure::cm_difference(mm, sd_mm, self.language),
+            None => Figure::missing(self.language.text("report.missing.not_compared")),
         }
     }
 
@@ -188,10 +185,4 @@ impl Report<'_> {
             None => Figure::missing(self.language.text("report.missing.slice_not_whole")),
         }
     }
-}
-
-/// The girths of two legs at each height that both have, right and left, lowest first.
-fn same_heights<'a>(right: &'a LegFigures, left: &'a LegFigures) -> Vec<[&'a AtFigures; 2]> {
-    let other = |at: &AtFigures| left.profile.iter().find(|other| other.height_mm == at.height_mm);
-    right.profile.iter().filter_map(|at| Some([at, other(at)?])).collect()
 }

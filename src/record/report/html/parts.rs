@@ -85,7 +85,7 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let below = levels.doubts.iter().chain(&levels.tilted);
     let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
     let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
-        let marks = svg::embedded(&drawn.picture.title, drawn.picture.size, &drawn.marks);
+        let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);
         element("figure", " class=\"sheet\"", &marks)
     });
     let sheet = table + &legs.unwrap_or_default() + &below + &open_fields(content);
@@ -169,7 +169,7 @@ fn picture(content: &Content, drawn: &Drawn) -> String {
         Some(of) => words("b", "", &of.title) + " " + &words("span", "", &of.text),
         None => escaped(&drawn.picture.title),
     };
-    let inside = svg::embedded(&drawn.picture.title, drawn.picture.size, &drawn.marks)
+    let inside = svg::embedded(drawn.name, &drawn.picture, &drawn.marks)
         + &element("figcaption", "", &caption);
     element("figure", &format!(" class=\"{}\"", drawn.name), &inside)
 }

@@ -1,0 +1,113 @@
+//! Where something lies around a leg, in words, because degrees are a language of machines.
+
+use std::fmt;
+
+/// Within so many degrees of the front, the back or a side, a place lies there and not between two of them.
+const STRAIGHT_DEG: f64 = 15.0;
+
+/// One of eight parts of the way around a leg. Inner is medial, outer lateral.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Around {
+    /// On the shin.
+    Front,
+    /// Between front and outer side.
+    FrontOuter,
+    /// On the lateral side.
+    Outer,
+    /// Between back and outer side.
+    BackOuter,
+    /// Behind.
+    Back,
+    /// Between back and inner side.
+    BackInner,
+    /// On the medial side.
+    Inner,
+    /// Between front and inner side.
+    FrontInner,
+}
+
+impl Around {
+    /// All of them, from the front by the outer side.
+    pub const ALL: [Around; 8] = [
+        Around::Front,
+        Around::FrontOuter,
+        Around::Outer,
+        Around::BackOuter,
+        Around::Back,
+        Around::BackInner,
+        Around::Inner,
+        Around::FrontInner,
+    ];
+
+    /// The part in which an angle lies, degrees: 0 front, 90 lateral.
+    pub fn at(angle_deg: f64) -> Around {
+        let turned_deg = angle_deg.rem_euclid(360.0);
+        // The quarter that begins next to this angle, and the way from there.
+        let quarter = (turned_deg / 90.0).round();
+        let off_deg = turned_deg - quarter * 90.0;
+        let eighth = 2 * quarter as usize;
+        let parts = Around::ALL.len();
+        let index = if off_deg.abs() <= STRAIGHT_DEG {
+            eighth
+        } else if off_deg > 0.0 {
+            eighth + 1
+        } else {
+            eighth + parts - 1
+        };
+        Around::ALL[index % parts]
+    }
+
+    /// The key of its text in each language.
+    pub fn word(self) -> &'static str {
+        match self {
+            Around::Front => "front",
+            Around::FrontOuter => "front-outer",
+            Around::Outer => "outer",
+            Around::BackOuter => "back-outer",
+            Around::Back => "back",
+            Around::BackInner => "back-inner",
+            Around::Inner => "inner",
+            Around::FrontInner => "front-inner",
+        }
+    }
+}
+
+impl fmt::Display for Around {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Around::Front => "front",
+            Around::FrontOuter => "front, outer side",
+            Around::Outer => "outer side",
+            Around::BackOuter => "back, outer side",
+            Around::Back => "back",
+            Around::BackInner => "back, inner side",
+            Around::Inner => "inner side",
+            Around::FrontInner => "front, inner side",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_angle_lies_in_one_part_and_the_inner_side_is_at_negative_angles() {
+        for (angle_deg, part) in [
+            (0.0, Around::Front),
+            (15.0, Around::Front),
+            (-16.0, Around::FrontInner),
+            (45.0, Around::FrontOuter),
+            (90.0, Around::Outer),
+            (106.0, Around::BackOuter),
+            (180.0, Around::Back),
+            (-180.0, Around::Back),
+            (-160.0, Around::BackInner),
+            (-90.0, Around::Inner),
+            (-75.0, Around::Inner),
+            (359.0, Around::Front),
+        ] {
+            assert_eq!(Around::at(angle_deg), part, "{angle_deg}");
+        }
+    }
+}
