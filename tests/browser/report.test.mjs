@@ -227,6 +227,23 @@ test("a narrow window shows everything without moving the page sideways", async 
   }
 });
 
+test("on a phone every leg of every figure is shown, at three quarters of its drawn size or more", async () => {
+  await onPage(report("plain", record, "en"), { viewport: { width: 390, height: 844 } }, async (page) => {
+    const figures = await page.evaluate(() => [...document.querySelectorAll("figure")].map((figure) => {
+      const seen = [...figure.querySelectorAll("svg")].filter((svg) => svg.getBoundingClientRect().width > 0);
+      const boxes = seen.map((svg) => svg.viewBox.baseVal);
+      const scales = seen.map((svg, index) => svg.getBoundingClientRect().width / boxes[index].width);
+      const whole = figure.querySelector("svg").viewBox.baseVal.width;
+      return { name: figure.className, scale: Math.min(...scales), whole, covered: boxes.reduce((sum, box) => sum + box.width, 0) };
+    }));
+    assert.equal(figures.length, 7);
+    for (const { name, scale, whole, covered } of figures) {
+      assert.ok(scale >= 0.75, `${name}: ${scale}`);
+      assert.ok(Math.abs(covered - whole) < 0.1, `${name}: ${covered} of ${whole}`);
+    }
+  });
+});
+
 test("hostile ids are shown as text, run nothing and break no layout", async () => {
   for (const [index, id] of HOSTILE.entries()) {
     const hostile = { ...record, station: id, patient: { id, sources: [] } };

@@ -106,7 +106,8 @@ fn no_label_of_a_level_lies_on_the_mark_or_on_the_curve_of_the_other_leg() {
             .flat_map(|line| line.windows(2).map(|pair| [pair[0], pair[1]]).collect::<Vec<_>>())
             .collect();
         for (label, words) in marks.iter().filter_map(place) {
-            let is_level = words.starts_with(['B', 'C', 'D', 'E', 'F', 'G']) && words.len() < 8;
+            // `R C 31.5`; the legend's `R right leg` stands below the chart.
+            let is_level = (words.starts_with("R ") || words.starts_with("L ")) && label[1] < 470.0;
             let [left, top, right, bottom] = label;
             let inner = [left + UNDER_MAX, top, right - UNDER_MAX, bottom];
             if is_level && drawn.iter().any(|pair| crosses(*pair, inner)) {
@@ -192,8 +193,8 @@ fn the_chart_names_every_level_across_the_leg_with_the_girth_of_the_record() {
         let words = words_of(&figure);
         for leg in &record.legs {
             for (level, found) in leg.landmarks.iter().filter(|(level, _)| *level != "Y") {
-                let label =
-                    format!("{level} {:.1}", (found.girth_tape_mm / 10.0 * 10.0).round() / 10.0);
+                let of = if leg.side == "left" { "L" } else { "R" };
+                let label = format!("{of} {level} {:.1}", found.girth_tape_mm.round() / 10.0);
                 assert!(words.iter().any(|(_, word)| *word == label), "{body}: {label}");
             }
         }
@@ -266,7 +267,7 @@ fn a_record_without_shapes_still_has_its_chart_and_nothing_that_it_has_no_data_f
         leg.girth_curve.slope.clear();
     }
     let names: Vec<&str> = all(&record, Language::En).iter().map(|figure| figure.name).collect();
-    assert_eq!(names, ["girths"]);
+    assert_eq!(names, ["girths", "differences"]);
     record.legs.clear();
     assert_eq!(all(&record, Language::De), []);
 }
@@ -281,6 +282,7 @@ fn a_lone_leg_is_drawn_alone_and_the_other_is_said_not_to_be_there() {
     assert_eq!(count(&figure(&record, "views"), "right leg"), 0);
     assert_eq!(count(&figure(&record, "sections"), "not found"), 4);
     assert_eq!(count(&figure(&record, "error"), "no surface"), 1);
+    assert!(all(&record, Language::En).iter().all(|figure| figure.name != "differences"));
     // What is missing is the right leg's, which is on the left.
     for (name, said) in [("sections", "not found"), ("fit", "not found"), ("error", "no surface")] {
         let figure = figure(&record, name);

@@ -113,7 +113,7 @@ fn a_level_that_was_not_found_says_so_in_the_spreadsheet_and_is_not_in_the_drawi
         assert!(text.contains(&format!("left,{level},not found,,,,,,,,,\r\n")), "{text}");
     }
     let (plain, without) = (file(&MEASURED.0, "legs.svg"), file(&extraction, "legs.svg"));
-    for mark in [">G ", ">≈ E ", ">≈ F ", "≈ A "] {
+    for mark in [">R G ", ">R ≈ E ", ">L ≈ F ", "≈ A "] {
         assert!(plain.contains(mark) && !without.contains(mark), "{mark}");
     }
 }

@@ -2,6 +2,7 @@
 
 mod completeness;
 mod every_finding;
+mod figure_claims;
 mod figure_sides;
 mod figures;
 mod gdt_message;

@@ -298,7 +298,7 @@ fn the_folder_holds_the_page_in_its_language_and_the_figures_that_were_asked_for
         assert!(MADE.1.contains(file), "{}", file.name);
     }
     let names: Vec<&str> = MADE.1.iter().map(|file| file.name.as_str()).collect();
-    for figure in ["views", "girths", "sections", "fit", "error"] {
+    for figure in ["views", "girths", "differences", "sections", "fit", "error"] {
         for ending in ["svg", "png"] {
             assert!(names.contains(&format!("figure-{figure}.{ending}").as_str()), "{names:?}");
         }

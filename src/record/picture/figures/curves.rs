@@ -5,13 +5,13 @@ use crate::leg::Side;
 use crate::record::picture::{Anchor, Ink, Mark, Stroke};
 
 /// Top and bottom of both charts, px.
-pub(super) const ROWS_PX: [f64; 2] = [64.0, 500.0];
+pub(super) const ROWS_PX: [f64; 2] = [64.0, 446.0];
 
 /// Length of the dashes of the right leg's line, px; the left leg's has none.
 const DASH: f64 = 6.0;
 
 /// Distance from a level's mark to its label, px.
-const ASIDE: f64 = 12.0;
+const ASIDE: f64 = 15.0;
 
 /// The legs in the order of their curves: the dashes of the right leg lie over the line of the left one, so
 /// that both are seen where they have the same girth.

@@ -16,7 +16,7 @@ const WIDTH: f64 = 440.0;
 const TOP: f64 = 62.0;
 
 /// Distance of the rows, px.
-const ROW: f64 = 19.0;
+const ROW: f64 = 16.0;
 
 /// Space below the floor, px.
 const BOTTOM: f64 = 46.0;

@@ -10,7 +10,7 @@ use crate::record::schema::LegFigures;
 use crate::record::{Record, rounding};
 
 /// Width and height, px.
-const SIZE: [f64; 2] = [720.0, 560.0];
+const SIZE: [f64; 2] = [720.0, 506.0];
 
 /// Left and right of the chart of girths, px.
 const GIRTHS_PX: [f64; 2] = [50.0, 452.0];
@@ -19,7 +19,7 @@ const GIRTHS_PX: [f64; 2] = [50.0, 452.0];
 const CUT_PX: f64 = 466.0;
 
 /// Girth range left free for labels on each side of the curves, mm.
-const LABEL_MM: f64 = 70.0;
+const LABEL_MM: f64 = 90.0;
 
 /// Peaks and valleys that stand out by less than this are not marked, mm.
 const PROMINENCE_MIN_MM: f64 = 1.5;

@@ -39,9 +39,9 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let mut marks = Vec::new();
     for leg in &legs {
         marks.extend(view.leg(leg));
-        marks.extend(view.below(leg, language));
         marks.extend(girths(&view, leg, language));
     }
+    marks.extend(view.below(&legs, language));
     let title = language.text("picture.sheet").to_owned();
     Some(Picture { title, size: [WIDTH, floor + BOTTOM], cuts: Vec::new(), marks })
 }

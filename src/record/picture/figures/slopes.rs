@@ -24,7 +24,7 @@ pub(super) fn chart(record: &Record, girths: &Frame, language: Language) -> Vec<
     let step = if high - low > SLOPES_WIDE { 1.0 } else { 0.5 };
     let mut marks = vec![title];
     marks.extend(slopes.columns(step, |slope| rounding::number(slope, 1, language)));
-    marks.extend(slopes.rows(100.0, |_| String::new()));
+    marks.extend(slopes.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
     let zero = girths.y.range.map(|height| slopes.at([0.0, height]));
     marks.push(lines(vec![zero.to_vec()], Ink::Muted, 1.0));
     for (side, leg) in left_first(legs()) {

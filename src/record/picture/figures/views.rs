@@ -3,7 +3,7 @@
 
 use nalgebra::{Point3, Vector3};
 
-use super::plot::{LINE, SMALL, area, heading, kept_apart, lines, words};
+use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
 use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
@@ -26,6 +26,9 @@ const MARGIN: f64 = 22.0;
 
 /// Space on either side of the front view, whose levels also have their girths, px.
 const GIRTH_MARGIN: f64 = 54.0;
+
+/// Mean width of a bold letter, as a share of its size.
+const LETTER: f64 = 0.58;
 
 /// Distance of a label from the line to its level, and of that line from the label's margin, px.
 const LED: f64 = 4.0;
@@ -126,8 +129,8 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
         marks.push(heading(title, Anchor::Middle, Ink::Text, from.name(language)));
         for leg in legs.iter().filter(|leg| from.shows(leg.side)) {
             marks.extend(view.leg(leg));
-            marks.extend(view.below(leg, language));
         }
+        marks.extend(view.below(&legs, language));
         marks.extend(view.names(&legs, [left, right], language));
         left = right + GAP;
         cuts.push(right + GAP / 2.0);
@@ -268,12 +271,22 @@ impl View {
         vec![dots(valleys, Ink::Paper), dots(peaks, Ink::Text)]
     }
 
-    /// The side of the leg, as text below its foot.
-    pub fn below(&self, leg: &Drawn, language: Language) -> Option<Mark> {
-        let [left, right] = extent(std::slice::from_ref(leg), self.from)?;
-        let x = self.left + f64::midpoint(left, right) * self.px_per_mm;
-        let at = [x, self.floor + 20.0];
-        Some(heading(at, Anchor::Middle, Ink::of(leg.side), language.word("leg", leg.side.word())))
+    /// The sides of the legs that are seen, as text below their feet.
+    pub fn below(&self, legs: &[Drawn], language: Language) -> Vec<Mark> {
+        let middle = |leg: &&Drawn| {
+            let [left, right] = extent(std::slice::from_ref(leg), self.from)?;
+            Some(self.left + f64::midpoint(left, right) * self.px_per_mm)
+        };
+        let seen = legs.iter().filter(|leg| self.from.shows(leg.side));
+        let seen: Vec<(&Drawn, f64)> = seen.filter_map(|leg| Some((leg, middle(&leg)?))).collect();
+        let name = |leg: &Drawn| language.word("leg", leg.side.word());
+        let letters = seen.iter().map(|(leg, _)| name(leg).chars().count()).max().unwrap_or(0);
+        let wished: Vec<f64> = seen.iter().map(|(_, x)| *x).collect();
+        let places = kept_apart(&wished, LETTER * TEXT * (letters + 1) as f64);
+        let label = |((leg, _), x): (&(&Drawn, f64), f64)| {
+            heading([x, self.floor + 20.0], Anchor::Middle, Ink::of(leg.side), name(leg))
+        };
+        seen.iter().zip(places).map(label).collect()
     }
 
     /// The names of the levels, from the front with their girths in cm: on the left for the leg on the left of the view, else on the right.
