@@ -11,7 +11,7 @@ pub(super) const ROWS_PX: [f64; 2] = [64.0, 446.0];
 const DASH: f64 = 6.0;
 
 /// Distance from a level's mark to its label, px.
-const ASIDE: f64 = 15.0;
+const ASIDE: f64 = 19.0;
 
 /// The legs in the order of their curves: the dashes of the right leg lie over the line of the left one, so
 /// that both are seen where they have the same girth.
