@@ -23,7 +23,7 @@ pub fn scans(args: &ScansArgs) -> Exit {
 /// One row per scan, newest first.
 pub fn list(scans: &[Listed]) -> String {
     if scans.is_empty() {
-        return "The station knows no such scan.\n".to_owned();
+        return "No scan to show.\n".to_owned();
     }
     let mut text = format!(
         "{:8}  {:19}  {:11}  {:6}  {:>8}  {}\n",

@@ -47,7 +47,7 @@ fn an_idle_station_is_ready_and_says_so_on_one_screen() {
     assert_eq!(status["scans"]["spooled"], 0);
     assert_eq!(status["sources"].as_array().unwrap().len(), 1);
     assert!(status["disk_free_bytes"].as_u64().unwrap() > 0);
-    assert_eq!(stdout(&gaiter(&booth, &["scans"])), "no scan\n");
+    assert_eq!(stdout(&gaiter(&booth, &["scans"])), "No scan to show.\n");
     assert_eq!(daemon.stop().code(), Some(0));
 }
 
@@ -175,6 +175,8 @@ fn refused_and_held_scans_are_listed_shown_and_explained() {
     assert_eq!(scans(&["--limit", "1"]).len(), 1);
     let table = stdout(&gaiter(&booth, &["scans"]));
     assert!(table.contains("held") && table.contains("same-scan-other-patient"), "{table}");
+    let shown = stdout(&gaiter(&booth, &["show", &good[..8]]));
+    assert!(shown.contains("state        held"), "one state everywhere: {shown}");
 
     let said = stdout(&gaiter(&booth, &["explain", &garbage[..8]]));
     assert!(said.contains("lies in quarantine [scan-"), "{said}");

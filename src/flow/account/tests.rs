@@ -90,3 +90,32 @@ fn a_scan_whose_store_is_away_waits_for_the_store_and_not_for_its_turn() {
     let said = explain(&whole(ScanState::Spooled, DeliveryState::Pending, 0), &stores, at(1));
     assert!(said.contains("waits for the store") && said.contains("opening failed"), "{said}");
 }
+
+#[test]
+fn a_list_and_one_scan_say_the_same_state() {
+    let cases = [
+        (ScanState::Spooled, DeliveryState::Pending, None, "spooled"),
+        (ScanState::Delivered, DeliveryState::Delivered, None, "delivered"),
+        (ScanState::Delivered, DeliveryState::Held, None, "held"),
+        (ScanState::Delivered, DeliveryState::Held, Some("given-up"), "closed"),
+        (ScanState::Delivered, DeliveryState::Withdrawing, None, "withdrawing"),
+    ];
+    for (state, delivery, closed, expected) in cases {
+        let mut whole = whole(state, delivery, 0);
+        whole.summary.closed = closed.map(str::to_owned);
+        let listed = Listed {
+            scan: "abcdabcd".to_owned(),
+            first_seen: at(0),
+            state: state.word().to_owned(),
+            held: delivery == DeliveryState::Held,
+            format: "obj".to_owned(),
+            size: 12,
+            code: None,
+            attempts: 0,
+            next_at: None,
+            closed: whole.summary.closed.clone(),
+            withdrawing: delivery == DeliveryState::Withdrawing,
+        };
+        assert_eq!((whole.shown_state(), listed.shown_state()), (expected, expected));
+    }
+}
