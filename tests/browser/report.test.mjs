@@ -229,14 +229,16 @@ test("a narrow window shows everything without moving the page sideways", async 
 
 test("on a phone every leg of every figure is shown, at three quarters of its drawn size or more", async () => {
   await onPage(report("plain", record, "en"), { viewport: { width: 390, height: 844 } }, async (page) => {
-    const figures = await page.evaluate(() => [...document.querySelectorAll("figure")].map((figure) => {
+    await page.evaluate(() => { document.querySelector(".appendix").open = true; });
+    // The measuring sheet's drawing is on paper only: on a screen, the view shows the same.
+    const figures = await page.evaluate(() => [...document.querySelectorAll("figure:not(.sheet)")].map((figure) => {
       const seen = [...figure.querySelectorAll("svg")].filter((svg) => svg.getBoundingClientRect().width > 0);
       const boxes = seen.map((svg) => svg.viewBox.baseVal);
       const scales = seen.map((svg, index) => svg.getBoundingClientRect().width / boxes[index].width);
       const whole = figure.querySelector("svg").viewBox.baseVal.width;
       return { name: figure.className, scale: Math.min(...scales), whole, covered: boxes.reduce((sum, box) => sum + box.width, 0) };
     }));
-    assert.equal(figures.length, 7);
+    assert.equal(figures.length, 6);
     for (const { name, scale, whole, covered } of figures) {
       assert.ok(scale >= 0.75, `${name}: ${scale}`);
       assert.ok(Math.abs(covered - whole) < 0.1, `${name}: ${covered} of ${whole}`);
