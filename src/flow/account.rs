@@ -243,7 +243,7 @@ pub fn why_held(code: &str) -> &'static str {
         capture::UNHEARD => "a press of the button may have been missed",
         capture::UNREAD => "a card or an order before it could not be read or kept",
         capture::REPEATED => "the order that names its patient came a second time",
-        NO_PRESS => "nobody pressed the button for it",
+        NO_PRESS => "the button was not pressed for it",
         PATIENTS_DIFFER => "two sources name different patients",
         _ => "the same data arrived for a second patient",
     }
