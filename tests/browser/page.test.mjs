@@ -209,6 +209,11 @@ test("hostile ids show as text, and nothing of them runs", async () => {
         (await page.locator("#scans_body bdi").allTextContents()).includes(seen));
       await light(page, "done");
     }
+    // The id is sent as it is, and not as it is shown.
+    const hidden = page.locator("#scans_body article").filter({ hasText: "[U+202E]" });
+    await hidden.getByRole("button", { name: "Take back" }).click();
+    await page.locator("#question").getByRole("button", { name: "Take back" }).click();
+    await page.getByText("The scan is unassigned again.").waitFor();
     await name("7".repeat(500));
     await page.locator("#question_fault").getByText("not a valid patient id").waitFor();
     await shoot(page, "hostile-stored");

@@ -25,7 +25,9 @@ pub use light::{LightShown, Situation};
 pub use next::{NextShown, shown as next_shown};
 pub use parts::PartShown;
 pub use reasons::{Advice, of_complaint, of_fault, of_held, of_refused};
-pub use scans::{ScanShown, Told, is_held, of as row_key, record_folder, shown as scan_shown};
+pub use scans::{
+    ScanShown, Told, is_held, needs_decision, of as row_key, record_folder, shown as scan_shown,
+};
 
 /// Name and number of the snapshot's schema.
 pub const SCHEMA: &str = "gaiter.page/1";
@@ -172,6 +174,7 @@ impl Shown {
         for scan in self.undecided.iter_mut().chain(&mut self.scans) {
             scan.patients.clear();
             scan.candidates.clear();
+            scan.owner = None;
             scan.again = None;
         }
         self

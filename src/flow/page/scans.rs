@@ -36,6 +36,8 @@ pub struct ScanShown {
     pub patients: Vec<String>,
     /// For a held scan, the patients to whom it may belong and can be given.
     pub candidates: Vec<PatientShown>,
+    /// For a record that can be taken back, the patient who has it.
+    pub owner: Option<PatientShown>,
     /// For a refused scan, the one patient to whom it belongs, who can be named to be scanned again.
     pub again: Option<PatientShown>,
     /// What the operator can decide.
@@ -48,14 +50,6 @@ pub struct ScanShown {
     pub files: Vec<String>,
     /// Why a held scan has no preview.
     pub unmeasured: Option<String>,
-}
-
-impl ScanShown {
-    /// Whether an operator must decide about it.
-    pub fn needs_decision(&self) -> bool {
-        let is_unassigned = self.state == Place::Unassigned.word() && self.acts.contains(&LEAVE);
-        is_unassigned || [Place::Refused, Place::Held].map(Place::word).contains(&self.state)
-    }
 }
 
 /// What was read from a scan's record, or from the preview of a held scan.
@@ -98,9 +92,6 @@ impl Place {
     }
 }
 
-/// The act that leaves a record where it is, without a patient.
-const LEAVE: &str = "leave";
-
 /// A scan as the page shows it.
 pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
     let place = place(whole);
@@ -140,7 +131,8 @@ pub fn shown(whole: &Whole, told: &Told, language: Language) -> ScanShown {
         advice,
         patients: patients(whole),
         candidates: candidates(place, &acts, whole),
-        again: again(place, whole),
+        owner: only(place == Place::Somebodys, whole),
+        again: only(place == Place::Refused, whole),
         acts,
         incomplete: whole.summary.incomplete,
         measures: told.measures.clone(),
@@ -212,7 +204,7 @@ fn acts(place: Place, code: Option<&str>, whole: &Whole) -> Vec<&'static str> {
         }
         Place::Waiting | Place::Withdrawing => Vec::new(),
         Place::Unassigned if whole.summary.closed.is_some() => vec!["assign"],
-        Place::Unassigned => vec!["assign", LEAVE],
+        Place::Unassigned => vec!["assign", "leave"],
         Place::Somebodys => vec!["unassign"],
     }
 }
@@ -226,11 +218,20 @@ fn candidates(place: Place, acts: &[&str], whole: &Whole) -> Vec<PatientShown> {
     distinct(whole.candidates.iter().filter(|id| !released.contains(id.as_str())))
 }
 
-/// Who can be named to be scanned again.
-fn again(place: Place, whole: &Whole) -> Option<PatientShown> {
+/// The only patient to whom a scan belongs, if it is in the right place.
+fn only(is_there: bool, whole: &Whole) -> Option<PatientShown> {
     let theirs = theirs(whole);
-    let is_for_one = place == Place::Refused && theirs.len() == 1;
-    theirs.first().filter(|_| is_for_one).map(|id| PatientShown::of(id))
+    let only = theirs.first().filter(|_| is_there && theirs.len() == 1);
+    only.map(|id| PatientShown::of(id))
+}
+
+/// Whether an operator must decide about a scan.
+pub fn needs_decision(whole: &Whole) -> bool {
+    match place(whole) {
+        Place::Refused | Place::Held => true,
+        Place::Unassigned => whole.summary.closed.is_none(),
+        Place::Closed | Place::Withdrawing | Place::Waiting | Place::Somebodys => false,
+    }
 }
 
 /// Whether a scan is held, so that it may have a preview.

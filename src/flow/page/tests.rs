@@ -254,6 +254,7 @@ fn without_ids_no_patient_is_named_anywhere() {
     let refused = vec![delivery(Some("4711"), "refused", Some("no-leg"))];
     page.undecided.push(scan("refused", Some("no-leg"), refused));
     assert!(page.undecided.iter().any(|scan| scan.again.is_some()));
+    assert!(page.scans.iter().any(|scan| scan.owner.is_some()));
     assert!(page.next.sentence.contains("4711") && page.next.who[0].id == "4711");
     assert_eq!(page.undecided[1].candidates[0].id, "4711");
     let page = page.without_ids();

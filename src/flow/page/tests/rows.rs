@@ -3,7 +3,7 @@
 use super::{delivery, whole, with_folders};
 use crate::flow::account::Whole;
 use crate::flow::page::rows::rows;
-use crate::flow::page::{ScanShown, Told, record_folder, row_key, scan_shown};
+use crate::flow::page::{ScanShown, Told, needs_decision, record_folder, row_key, scan_shown};
 use crate::language::Language;
 
 /// State, patients, folder and verbs of a row.
@@ -38,6 +38,17 @@ fn the_first_patient_keeps_the_record_while_the_scan_is_held_for_a_second_and_af
 }
 
 #[test]
+fn a_record_is_taken_back_from_an_id_as_it_is_and_not_as_it_is_shown() {
+    let hidden = "\u{202e}4711";
+    let both = with_folders(&[(Some("1"), "delivered"), (Some(hidden), "delivered")]);
+    let shown = |row: &Whole| scan_shown(row, &Told::default(), Language::En);
+    let owners: Vec<_> = rows(both).iter().filter_map(|row| shown(row).owner).collect();
+    assert_eq!(owners.iter().map(|of| of.id.as_str()).collect::<Vec<_>>(), ["1", hidden]);
+    assert_ne!(owners[1].shown, hidden);
+    assert_eq!(shown(&with_folders(&[(Some("1"), "held")])).owner, None);
+}
+
+#[test]
 fn a_scan_of_one_patient_is_one_row_whatever_its_deliveries() {
     let (first, nobody) = (Some("1"), None);
     for deliveries in [
@@ -69,5 +80,5 @@ fn a_scan_that_was_given_up_while_it_was_held_can_still_be_assigned_and_needs_no
     held.summary.closed = Some("given-up".to_owned());
     let shown = scan_shown(&held, &Told::default(), Language::En);
     assert_eq!((shown.state, shown.acts.clone()), ("closed", vec!["assign"]));
-    assert!(!shown.needs_decision());
+    assert!(!needs_decision(&held));
 }

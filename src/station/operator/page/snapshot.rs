@@ -35,12 +35,11 @@ pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
         records.extend(folder(desk, row).map(|folder| (row_name(row), folder)));
         scan(desk, row)
     };
-    let undecided: Vec<ScanShown> =
-        waiting.iter().map(&mut show).filter(ScanShown::needs_decision).collect();
     // A scan stands in one list only: what waits for a decision stands above.
-    let decided = newest
-        .iter()
-        .filter(|row| !page::scan_shown(row, &Told::default(), language).needs_decision());
+    let needs = page::needs_decision;
+    let undecided: Vec<ScanShown> =
+        waiting.iter().filter(|row| needs(row)).map(&mut show).collect();
+    let decided = newest.iter().filter(|row| !needs(row));
     let scans = decided.take(LAST as usize).map(&mut show).collect();
     let count = journal.count_undecided().inspect_err(|error| core.check_corruption(error));
     let more = count.unwrap_or_default().saturating_sub(undecided.len() as u64);

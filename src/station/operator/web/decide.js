@@ -133,22 +133,22 @@ function act(key, scan, isMain) {
   const verbs = { leave: "give_up" };
   const send = (patient) => ask({ ask: verbs[key] ?? key, scan: scan.scan, patient: patient || undefined });
   // Of several patients who have the scan, this row's is meant.
-  const takeBack = () => send(scan.patients.length === 1 ? scan.patients[0] : undefined);
+  const takeBack = () => send(scan.owner?.id);
   const [patient] = scan.patients.length === 1 ? scan.patients : [];
   const named = (words, plain) => (patient === undefined ? label(plain) : phrase(label(words), { patient }));
-  const about = (words) => (patient === undefined ? verb(key) : phrase(label(words), { patient }));
+  const titled = (words) => (patient === undefined ? verb(key) : phrase(label(words), { patient }));
   const asks = {
     retry: () => decide({ ask: key, scan: scan.scan }),
     assign: () => question({ title: verb(key), hint: label("assign_hint"), wantsId: true, yes: verb(key), send }),
     release: () => question({
-      title: patient === undefined ? verb(key) : phrase(label("release_to"), { patient }),
+      title: titled("release_to"),
       hint: named("release_to_hint", "release_hint"), yes: verb(key), send,
     }),
     unassign: () => question({
-      title: patient === undefined ? verb(key) : phrase(label("unassign_from"), { patient }),
+      title: titled("unassign_from"),
       hint: named("unassign_from_hint", "unassign_hint"), yes: verb(key), send: takeBack,
     }),
-    give_up: () => question({ title: about("give_up_of"), hint: label("give_up_hint"), yes: verb(key), send }),
+    give_up: () => question({ title: titled("give_up_of"), hint: label("give_up_hint"), yes: verb(key), send }),
     leave: () => question({ title: verb(key), hint: label("leave_hint"), yes: verb(key), send }),
   };
   return button(label(key), `${key} ${rowKey(scan)}`, asks[key], isMain);

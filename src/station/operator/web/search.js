@@ -61,7 +61,7 @@ async function openRow(scan, place) {
   try {
     const answer = await fetch(`/scan/${scan.scan}`);
     const rows = await answer.json();
-    const row = rows.find((row) => row.of === scan.of) ?? rows[0];
+    const row = rows.find((row) => row.of === scan.of);
     place.replaceChildren(row ? scanCard(row, isLocal && token !== null, true) : label("none_found"));
   } catch {
     place.replaceChildren(label("away"));
