@@ -122,7 +122,8 @@ enum Fault {
 impl Fault {
     fn exit(&self) -> Exit {
         match self {
-            Fault::NotFound(_) => Exit::NoFile,
+            Fault::NotFound(NotFound::Nothing(_) | NotFound::NoRecord(_)) => Exit::NoFile,
+            Fault::NotFound(NotFound::Unreadable { .. } | NotFound::Unlisted { .. }) => Exit::Io,
             Fault::NoRecord { .. }
             | Fault::OtherSchema { .. }
             | Fault::Changed { .. }

@@ -1,9 +1,13 @@
 //! The record that `gaiter report` is to report: a `record.json`, a record's folder, or the newest record in
 //! a patient's folder.
 
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::cli::shown;
+use crate::station::runtime::causes::chain;
+use crate::store::StoreFault;
 use crate::store::revision::families;
 
 /// The record's file within its folder.
@@ -19,7 +23,7 @@ pub struct Found {
 }
 
 /// Why there is no record at a path.
-#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Debug, thiserror::Error)]
 pub enum NotFound {
     /// Nothing has this name.
     #[error(
@@ -33,25 +37,47 @@ pub enum NotFound {
          record.json, or a patient's folder", shown(.0.display())
     )]
     NoRecord(PathBuf),
+    /// It cannot be looked at.
+    #[error("{}: {}", shown(path.display()), shown(source))]
+    Unreadable {
+        /// The path.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+    /// It is a folder that cannot be listed.
+    #[error("{}: {}", shown(path.display()), shown(chain(source)))]
+    Unlisted {
+        /// The path.
+        path: PathBuf,
+        /// Why.
+        source: StoreFault,
+    },
 }
 
 /// Finds the record at a path.
 ///
 /// # Errors
-/// See [`NotFound`]. A file that cannot be read is found all the same.
+/// See [`NotFound`]. A file whose content cannot be read is found all the same.
 pub fn found(path: &Path) -> Result<Found, NotFound> {
-    if !path.exists() {
-        return Err(NotFound::Nothing(path.to_owned()));
-    }
-    if !path.is_dir() {
-        return Ok(Found { path: path.to_owned(), remark: None });
+    let whole = path.to_owned();
+    let is_folder = match fs::metadata(path) {
+        Ok(metadata) => metadata.is_dir(),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => {
+            return Err(NotFound::Nothing(whole));
+        }
+        Err(source) => return Err(NotFound::Unreadable { path: whole, source }),
+    };
+    if !is_folder {
+        return Ok(Found { path: whole, remark: None });
     }
     let own = path.join(RECORD);
     if own.exists() {
         return Ok(Found { path: own, remark: None });
     }
     // A store's folder holds patients: none of them is taken unasked.
-    let mut records = families(path).unwrap_or_default();
+    let unlisted = |source| NotFound::Unlisted { path: path.to_owned(), source };
+    let mut records = families(path).map_err(unlisted)?;
     records.retain(|record| record.patient_folder == path);
     let newest = records.last().ok_or_else(|| NotFound::NoRecord(path.to_owned()))?;
     let folder = &newest.latest().1;
@@ -65,8 +91,6 @@ pub fn found(path: &Path) -> Result<Found, NotFound> {
 
 #[cfg(test)]
 mod tests {
-    use std::fs;
-
     use super::*;
 
     #[test]
@@ -90,10 +114,14 @@ mod tests {
         assert!(remark.starts_with("the newest of its 2 records"), "{remark}");
         assert!(remark.ends_with(&newest.display().to_string()), "{remark}");
         let of_record = Found { path: folder(names[0]).join(RECORD), remark: None };
-        assert_eq!(found(&folder(names[0])), Ok(of_record));
+        assert_eq!(found(&folder(names[0])).unwrap(), of_record);
         let store = store.path();
-        assert_eq!(found(store), Err(NotFound::NoRecord(store.to_owned())));
+        assert!(matches!(found(store), Err(NotFound::NoRecord(path)) if path == store));
         let missing = store.join("4712");
-        assert_eq!(found(&missing), Err(NotFound::Nothing(missing)));
+        assert!(matches!(found(&missing), Err(NotFound::Nothing(path)) if path == missing));
+        let of_a_file = folder(names[0]).join(RECORD).join("4711");
+        assert!(
+            matches!(found(&of_a_file), Err(NotFound::Unreadable { path, .. }) if path == of_a_file)
+        );
     }
 }
