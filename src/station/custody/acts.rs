@@ -154,7 +154,7 @@ impl Custody {
     /// decision. Its bytes are kept as long as other bytes that are no longer needed.
     pub fn give_up(&self, scan: &ScanId) -> Result<Acted, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
-        if !self.journal.may_be_given_up(scan)? {
+        if !self.journal.is_undecided(scan)? {
             return Ok(Acted::Nothing);
         }
         self.decide(scan, &[(Decided::GivenUp, None)], |journal, number| {

@@ -92,11 +92,6 @@ impl Journal {
         })
     }
 
-    /// Reports whether an operator may give up a scan: it waits for a decision.
-    pub fn may_be_given_up(&self, scan: &ScanId) -> Result<bool, JournalError> {
-        self.is_undecided(scan)
-    }
-
     /// Applies an operator's decision to give a scan up: it needs no further decision.
     pub fn given_up(&self, scan: &ScanId, number: usize) -> Result<(), JournalError> {
         self.change(|transaction| {

@@ -155,19 +155,21 @@ pub(super) fn finish_if_done(
     Ok(())
 }
 
+/// SQL: the bytes of a held scan are needed: it waits for a decision, or it was given up before any record
+/// was made of it, so that they are nowhere else.
+pub(super) const IS_NEEDED: &str = "(scans.closed IS NULL OR NOT EXISTS (
+    SELECT 1 FROM deliveries AS made
+    WHERE made.sha256 = scans.sha256 AND made.state = 'delivered'))";
+
 /// Reports whether the spooled bytes of a scan are no longer needed: none of its deliveries is pending,
 /// refused, or held for a decision that is still open.
 pub(super) fn has_served(connection: &Connection, scan: &ScanId) -> Result<bool, JournalError> {
-    // What was given up before any record was made of it is nowhere else.
-    let mut query = connection.prepare_cached(
+    let mut query = connection.prepare_cached(&format!(
         "SELECT NOT EXISTS (
              SELECT 1 FROM deliveries JOIN scans USING (sha256)
              WHERE sha256 = ?1 AND (deliveries.state IN ('pending', 'refused')
-                                    OR deliveries.state = 'held' AND (closed IS NULL
-                                       OR NOT EXISTS (SELECT 1 FROM deliveries AS made
-                                                      WHERE made.sha256 = scans.sha256
-                                                            AND made.state = 'delivered'))))",
-    )?;
+                                    OR deliveries.state = 'held' AND {IS_NEEDED}))"
+    ))?;
     Ok(query.query_row([scan.as_str()], |row| row.get(0))?)
 }
 

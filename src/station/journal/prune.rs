@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use jiff::Timestamp;
 use serde_json::json;
 
+use super::deliveries::IS_NEEDED;
 use super::{Event, Journal, JournalError, history};
 use crate::flow::{ScanId, ScanState};
 
@@ -41,14 +42,14 @@ impl Journal {
         let delivered = ScanState::Delivered.word();
         self.change(|transaction| {
             transaction.execute(
-                "DELETE FROM deliveries WHERE sha256 IN (
+                &format!(
+                    "DELETE FROM deliveries WHERE sha256 IN (
                      SELECT sha256 FROM scans
                      WHERE state = ?1 AND changed_at < ?2 AND NOT EXISTS (
                          SELECT 1 FROM deliveries AS open WHERE open.sha256 = scans.sha256
                          AND (open.state IN ('pending', 'withdrawing')
-                              OR open.state = 'held' AND (scans.closed IS NULL OR NOT EXISTS (
-                                  SELECT 1 FROM deliveries AS made
-                                  WHERE made.sha256 = scans.sha256 AND made.state = 'delivered')))))",
+                              OR open.state = 'held' AND {IS_NEEDED})))"
+                ),
                 [delivered, &before],
             )?;
             let scans = transaction.execute(
