@@ -119,6 +119,11 @@ fn to_places(value: f64, places: i32) -> f64 {
     (value * scale).round() / scale + 0.0
 }
 
+/// Whether a difference is larger than its uncertainty, both as shown; never without one.
+pub fn exceeds(told: f64, margin: Option<f64>) -> bool {
+    margin.is_some_and(|margin| told.abs() > margin)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

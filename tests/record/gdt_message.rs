@@ -28,7 +28,8 @@ const WORKED: &[u8] = b"01380006310\r\n014810000400\r\n0178315PRAX_EDV\r\n017831
 0316228Strecke  links  rechts\r\n0166302LEG0001\r\n0126303PDF\r\n0236304Beinvermessung\r\n\
 0366305\\\\srv\\gdt\\4711_20261121.pdf\r\n";
 
-fn rules(charset: Charset) -> GdtRules {
+/// The rules of the worked example, with this character set.
+pub fn rules(charset: Charset) -> GdtRules {
     GdtRules {
         receiver: "PRAX_EDV".into(),
         sender: "LEGSCAN1".into(),

@@ -10,7 +10,7 @@ use gaiter::language::Language;
 use gaiter::leg::{Method, extract};
 use gaiter::record::completeness::Completeness;
 use gaiter::record::garment::Garment;
-use gaiter::record::gdt::{AttachmentFields, Charset, GdtRules, result};
+use gaiter::record::gdt::{Charset, result};
 use gaiter::record::report::{Content, Mark};
 use gaiter::record::{
     Patient, Provenance, Record, ReportChoice, ScanFile, Source, SourceKind, record_files, sha256,
@@ -18,6 +18,8 @@ use gaiter::record::{
 use gaiter::scan::Format;
 use support::gdt_check::{checked, contents};
 use support::geometry::bodies::export;
+
+use crate::gdt_message::rules;
 
 /// All bodies of `fixtures/scans`.
 const BODIES: [&str; 3] = ["f_average_clean", "f_average_tc2", "m_average_clean"];
@@ -108,14 +110,7 @@ fn of_record(record: &Record, rows: &[Row]) -> Vec<Row> {
 }
 
 fn gdt(record: &Record) -> Vec<(String, Vec<u8>)> {
-    let rules = GdtRules {
-        receiver: "PRAX_EDV".into(),
-        sender: "LEGSCAN1".into(),
-        version: "02.10".into(),
-        charset: Charset::Utf8,
-        procedure: "ALLG00".into(),
-        attachment_fields: AttachmentFields::default(),
-    };
+    let rules = rules(Charset::Utf8);
     let taken = jiff::civil::date(2026, 11, 21).at(9, 15, 0, 0);
     checked(&result(record, GARMENT, &rules, taken, &[]).unwrap())
 }

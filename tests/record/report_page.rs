@@ -12,7 +12,7 @@ use gaiter::cad::Output;
 use gaiter::language::Language;
 use gaiter::leg::{Level, Method, extract};
 use gaiter::record::garment::Garment;
-use gaiter::record::gdt::{AttachmentFields, Charset, GdtRules, result};
+use gaiter::record::gdt::{Charset, result};
 use gaiter::record::picture::figures;
 use gaiter::record::report::{self, Content, Mark, Paper};
 use gaiter::record::{
@@ -24,6 +24,8 @@ use sha2::{Digest, Sha256};
 use support::geometry::bodies::export;
 use support::page::{check_markup, words};
 use support::verb::{code, gaiter, stderr, stdout};
+
+use crate::gdt_message::rules;
 
 const LANGUAGES: [Language; 2] = [Language::En, Language::De];
 
@@ -68,14 +70,7 @@ fn cm(mm: f64) -> String {
 fn girths_and_lengths_agree_on_page_csv_json_gdt_and_drawing_to_the_last_digit() {
     let record: Record = serde_json::from_str(&file("record.json")).unwrap();
     let (csv, drawing) = (file("measurements.csv"), file("legs.svg"));
-    let rules = GdtRules {
-        receiver: "PRAX_EDV".into(),
-        sender: "LEGSCAN1".into(),
-        version: "02.10".into(),
-        charset: Charset::Utf8,
-        procedure: "ALLG00".into(),
-        attachment_fields: AttachmentFields::default(),
-    };
+    let rules = rules(Charset::Utf8);
     let taken = jiff::civil::date(2026, 11, 21).at(9, 15, 0, 0);
     let gdt = String::from_utf8(result(&record, Garment::Ad, &rules, taken, &[]).unwrap()).unwrap();
     let [english, german] = LANGUAGES.map(|language| words(&made_page(&record, language)));

@@ -23,9 +23,9 @@ const NAME: usize = 12;
 const CELL: usize = 14;
 
 /// The marks before figures, as in the report, with what they mean.
-const LEGEND: [(Mark, &str, &str); 2] = [
-    (Mark::Estimated, "~", "estimated by the body's proportions, not measured"),
-    (Mark::Doubtful, "?", "doubtful"),
+const LEGEND: [(Mark, &str); 2] = [
+    (Mark::Estimated, "estimated by the body's proportions, not measured"),
+    (Mark::Doubtful, "doubtful"),
 ];
 
 /// Instead of the height of a level on the foot, and of an uncertainty that is unknown.
@@ -92,8 +92,9 @@ fn measures(legs: &[&LegFigures]) -> String {
         let cells: String = measures.iter().map(cells).collect();
         let _ = writeln!(text, "  {:<NAME$}{cells}", level.name());
     }
-    let used = LEGEND.into_iter().filter(|(mark, ..)| marks.contains(mark));
-    let used: Vec<String> = used.map(|(_, sign, meaning)| format!("{sign} {meaning}")).collect();
+    let used = LEGEND.into_iter().filter(|(mark, _)| marks.contains(mark));
+    let used: Vec<String> =
+        used.map(|(mark, meaning)| format!("{} {meaning}", mark.sign())).collect();
     if !used.is_empty() {
         let _ = writeln!(text, "  {}", used.join("; "));
     }
@@ -120,7 +121,7 @@ fn cells(measure: &Option<Measure<'_>>) -> String {
     let Some(measure) = measure else {
         return format!("{:>1$}", Language::En.text("report.missing.level_absent"), 2 * CELL);
     };
-    let figure = |length: Length| format!("{}{}", sign(measure.mark()), with_margin(length));
+    let figure = |length: Length| format!("{}{}", measure.mark().sign(), with_margin(length));
     let height = measure.height.map_or(NOTHING.to_owned(), figure);
     format!("{:>CELL$}{height:>CELL$}", figure(measure.girth))
 }
@@ -132,11 +133,7 @@ fn at_cells(at: Option<&AtFigures>) -> String {
     };
     let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
     let girth = with_margin(Length { mm: girth_mm, sd_mm: at.girth_sd_mm });
-    format!("{:>CELL$}{:>CELL$}", format!("{}{girth}", sign(mark)), cm(at.height_mm))
-}
-
-fn sign(mark: Mark) -> &'static str {
-    LEGEND.into_iter().find(|(its, ..)| *its == mark).map_or("", |(_, sign, _)| sign)
+    format!("{:>CELL$}{:>CELL$}", format!("{}{girth}", mark.sign()), cm(at.height_mm))
 }
 
 /// The findings in plain words: those of one code in a line, with the places that they are about.

@@ -15,9 +15,9 @@ const NAME: usize = 4;
 const CELL: usize = 10;
 
 /// The marks before figures, as in the report, with what they mean.
-const LEGEND: [(Mark, &str, &str); 2] = [
-    (Mark::Estimated, "~", "geschätzt, nicht gemessen"),
-    (Mark::Doubtful, "?", "zweifelhaft, bitte nachmessen"),
+const LEGEND: [(Mark, &str); 2] = [
+    (Mark::Estimated, "geschätzt, nicht gemessen"),
+    (Mark::Doubtful, "zweifelhaft, bitte nachmessen"),
 ];
 
 /// Instead of the height of a level on the foot.
@@ -44,15 +44,9 @@ pub(super) fn lines(record: &Record) -> Vec<String> {
         marks.extend(measures.iter().flatten().map(Measure::mark));
         lines.push(row(level.name(), measures.iter().map(cells).collect()));
     }
-    let used = LEGEND.into_iter().filter(|(mark, ..)| marks.contains(mark));
-    lines.extend(used.map(|(_, sign, meaning)| format!("{sign} {meaning}")));
+    let used = LEGEND.into_iter().filter(|(mark, _)| marks.contains(mark));
+    lines.extend(used.map(|(mark, meaning)| format!("{} {meaning}", mark.sign())));
     lines
-}
-
-/// The sign before the figures of a measure.
-fn sign(measure: &Measure<'_>) -> &'static str {
-    let of = LEGEND.into_iter().find(|(mark, ..)| *mark == measure.mark());
-    of.map_or("", |(_, sign, _)| sign)
 }
 
 /// Girth and height of a level of one leg.
@@ -60,7 +54,7 @@ fn cells(measure: &Option<Measure<'_>>) -> String {
     let Some(measure) = measure else {
         return format!("{:>1$}", Language::De.text("report.missing.level_absent"), 2 * CELL);
     };
-    let figure = |mm: f64| format!("{}{}", sign(measure), cm_words(mm, Language::De));
+    let figure = |mm: f64| format!("{}{}", measure.mark().sign(), cm_words(mm, Language::De));
     let height = measure.height.map_or(NO_HEIGHT.to_owned(), |height| figure(height.mm));
     format!("{:>CELL$}{height:>CELL$}", figure(measure.girth.mm))
 }

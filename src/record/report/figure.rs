@@ -2,7 +2,7 @@
 
 use crate::language::Language;
 use crate::record::rounding::{
-    cm, cm_margin, cm_words, ml_margin, number, signed, tenths_words, whole_ml,
+    cm, cm_margin, cm_words, exceeds, ml_margin, number, signed, tenths_words, whole_ml,
 };
 
 /// A figure in words.
@@ -30,6 +30,17 @@ pub enum Mark {
     Missing,
     /// A difference larger than its own uncertainty, both as shown.
     Real,
+}
+
+impl Mark {
+    /// The sign for it in tables of plain text.
+    pub fn sign(self) -> &'static str {
+        match self {
+            Mark::Estimated => "~",
+            Mark::Doubtful => "?",
+            Mark::Sure | Mark::Missing | Mark::Real => "",
+        }
+    }
 }
 
 impl Figure {
@@ -94,5 +105,5 @@ fn unknown() -> String {
 
 /// The mark of a difference, from the rounded values that are shown.
 fn reality(told: f64, margin: Option<f64>) -> Mark {
-    if margin.is_some_and(|margin| told.abs() > margin) { Mark::Real } else { Mark::Sure }
+    if exceeds(told, margin) { Mark::Real } else { Mark::Sure }
 }

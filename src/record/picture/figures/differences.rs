@@ -7,7 +7,7 @@ use crate::leg::Side;
 use crate::record::Record;
 use crate::record::chart::{AtFigures, girth_difference, same_heights};
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
-use crate::record::rounding::{cm, cm_margin, cm_words, number};
+use crate::record::rounding::{cm, cm_margin, cm_words, exceeds, number};
 
 /// Width, px.
 const WIDTH: f64 = 440.0;
@@ -68,8 +68,7 @@ impl<'a> Row<'a> {
 
     /// Whether the difference exceeds its uncertainty, both as the table beside it shows them.
     fn is_real(&self) -> bool {
-        let told_cm = cm(self.difference_mm).abs();
-        self.sd_mm.is_some_and(|sd_mm| told_cm > cm_margin(sd_mm))
+        exceeds(cm(self.difference_mm), self.sd_mm.map(cm_margin))
     }
 }
 

@@ -289,7 +289,8 @@ impl View {
         seen.iter().zip(places).map(label).collect()
     }
 
-    /// The names of the levels, from the front with their girths in cm: on the left for the leg on the left of the view, else on the right.
+    /// The names of the levels, from the front with their girths in cm: on the left for the leg on the
+    /// left of the view, else on the right.
     fn names(&self, legs: &[Drawn], [left, right]: [f64; 2], language: Language) -> Vec<Mark> {
         let mut marks = Vec::new();
         for leg in legs.iter().filter(|leg| self.from.shows(leg.side)) {
