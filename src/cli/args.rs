@@ -74,8 +74,9 @@ impl Args {
 pub enum Verb {
     /// Show a whole station at work, with a simulated scanner
     ///
-    /// Needs no configuration. Starts a real station in the new folder ./demo, lets a simulated scanner export a few scans
-    /// into it, and shows the measures and where the records are. Takes less than a minute.
+    /// Needs no configuration. Starts a real station in the new folder ./demo, lets a simulated scanner
+    /// export a few scans into it, and shows the measures and where the records are. Takes less than a
+    /// minute.
     Demo(DemoArgs),
     /// Run the station: wait for scans and write records to the stores
     ///
@@ -89,15 +90,15 @@ pub enum Verb {
     Extract(ExtractArgs),
     /// Measure a body of known girths to check scanner and method
     ///
-    /// Says how far off they are: compares the girths of a cylinder, a cone or another body with the known ones. Changes nothing;
-    /// a station keeps a series of such checks by itself if `phantom.girths` is configured. Exits with
-    /// 65 also if a girth is beyond the tolerance.
+    /// Says how far off they are: compares the girths of a cylinder, a cone or another body with the known
+    /// ones. Changes nothing; a station keeps a series of such checks by itself if `phantom.girths` is
+    /// configured. Exits with 65 also if a girth is beyond the tolerance.
     Calibrate(CalibrateArgs),
     /// Measure the scans of a record store again
     ///
-    /// Uses the current method. If the result differs from the record, writes a new revision beside it, in a folder of the same
-    /// name with _r2, _r3 …; never changes the old one. Prints at the end what changed and by how
-    /// much. A station may run at the same time. A second run adds nothing.
+    /// Uses the current method. If the result differs from the record, writes a new revision beside it, in
+    /// a folder of the same name with _r2, _r3 …; never changes the old one. Prints at the end what changed
+    /// and by how much. A station may run at the same time. A second run adds nothing.
     Reextract(ReextractArgs),
     /// Write the report of a record again, in English or German
     ///
@@ -115,8 +116,9 @@ pub enum Verb {
     Check(CheckArgs),
     /// Show whether the station is ready, or what to do
     ///
-    /// Shows the state of the running station and, if it is not ready, what is wrong. Exits with 0 when the station is ready and with 74 when it is not, or when no station runs.
-    /// Shows no patient's id and no file name. Run it as root or as the station's user.
+    /// Shows the state of the running station and, if it is not ready, what is wrong. Exits with 0 when the
+    /// station is ready and with 74 when it is not, or when no station runs. Shows no patient's id and no
+    /// file name. Run it as root or as the station's user.
     Status(StatusArgs),
     /// List the station's scans, newest first
     ///
