@@ -18,8 +18,8 @@ const GIRTHS_PX: [f64; 2] = [50.0, 452.0];
 /// Where a narrow screen may cut between the charts, px.
 const CUT_PX: f64 = 466.0;
 
-/// Girth range left free for labels on each side of the curves, mm.
-const LABEL_MM: f64 = 90.0;
+/// Room left free for labels on each side of the curves, px.
+const LABEL_PX: f64 = 80.0;
 
 /// Peaks and valleys that stand out by less than this are not marked, mm.
 const PROMINENCE_MIN_MM: f64 = 1.5;
@@ -75,9 +75,11 @@ fn curve(leg: &LegFigures) -> impl Iterator<Item = Option<[f64; 2]>> {
 fn frame<'a>(legs: impl Iterator<Item = &'a LegFigures> + Clone) -> Option<Frame> {
     let places = || legs.clone().flat_map(curve).flatten();
     let [_, top] = range(places().map(|[_, height]| height), 50.0)?;
-    let with_labels = |[girth, _]: [f64; 2]| [girth - LABEL_MM, girth + LABEL_MM];
+    let [low, high] = range(places().map(|[girth, _]| girth), 10.0)?;
+    let label_mm = (high - low) * LABEL_PX / (GIRTHS_PX[1] - GIRTHS_PX[0] - 2.0 * LABEL_PX);
+    let with_labels = [(low - label_mm).max(0.0), high + label_mm];
     Some(Frame {
-        x: Scale { range: range(places().flat_map(with_labels), 50.0)?, px: GIRTHS_PX },
+        x: Scale { range: range(with_labels.into_iter(), 50.0)?, px: GIRTHS_PX },
         y: Scale { range: [0.0, top], px: [ROWS_PX[1], ROWS_PX[0]] },
     })
 }

@@ -11,8 +11,11 @@ use crate::record::{Record, rounding};
 /// Left and right of the chart of slopes, px.
 const SLOPES_PX: [f64; 2] = [500.0, 662.0];
 
-/// If the slopes span more than this, only whole numbers are labelled.
-const SLOPES_WIDE: f64 = 3.0;
+/// Steps of which the smallest is labelled that gives at most [`LABELS_MAX`] labels.
+const STEPS: [f64; 4] = [0.5, 1.0, 2.0, 5.0];
+
+/// So many labels fit beside each other.
+const LABELS_MAX: f64 = 6.0;
 
 /// The chart, at the heights of that of the girths; nothing for a record without slopes.
 pub(super) fn chart(record: &Record, girths: &Frame, language: Language) -> Vec<Mark> {
@@ -21,7 +24,7 @@ pub(super) fn chart(record: &Record, girths: &Frame, language: Language) -> Vec<
     let title = heading(title, Anchor::Start, Ink::Text, language.text("picture.slope"));
     let Some(slopes) = frame(legs().map(|(_, leg)| leg), girths) else { return vec![title] };
     let [low, high] = slopes.x.range;
-    let step = if high - low > SLOPES_WIDE { 1.0 } else { 0.5 };
+    let step = STEPS.into_iter().find(|step| (high - low) / step <= LABELS_MAX).unwrap_or(10.0);
     let mut marks = vec![title];
     marks.extend(slopes.columns(step, |slope| rounding::number(slope, 1, language)));
     marks.extend(slopes.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
