@@ -44,7 +44,7 @@ after(async () => {
 });
 
 /** The page of a record in a language, as a file. */
-function report(name, of, language) {
+function report(name, of, language, ...choices) {
   const place = join(folder, `${name}-${language}`);
   const source = join(place, "record");
   mkdirSync(source, { recursive: true });
@@ -52,7 +52,7 @@ function report(name, of, language) {
   writeFileSync(join(source, "record.json"), text);
   const sum = createHash("sha256").update(text).digest("hex");
   writeFileSync(join(source, "SHA256SUMS"), `${sum}  record.json\n`);
-  execFileSync(gaiter, ["report", source, "--language", language, "--out", place, "--force"]);
+  execFileSync(gaiter, ["report", source, "--language", language, "--out", place, "--force", ...choices]);
   return pathToFileURL(join(place, "report.html")).href;
 }
 
@@ -244,6 +244,33 @@ test("on a phone every leg of every figure is shown, at three quarters of its dr
       assert.ok(Math.abs(covered - whole) < 0.1, `${name}: ${covered} of ${whole}`);
     }
   });
+});
+
+test("what a browser prints has the patient and the page's number on every page, on A4 and on letter", async () => {
+  const patient = { id: "P4711", sources: [] };
+  for (const [paper, size] of [["A4", [595, 842]], ["letter", [612, 792]]]) {
+    await onPage(report(`print-${paper}`, { ...record, patient }, "en", "--paper", paper), {}, async (page) => {
+      const printed = async (name) => {
+        const path = join(folder, `${name}-${paper}.pdf`);
+        await page.pdf({ path, preferCSSPageSize: true });
+        const text = execFileSync("pdftotext", ["-layout", path, "-"], { encoding: "utf8" });
+        const [, ...sides] = /Page size:\s+([\d.]+) x ([\d.]+)/.exec(execFileSync("pdfinfo", [path], { encoding: "utf8" }));
+        assert.deepEqual(sides.map((side) => Math.round(Number(side))), size);
+        return text.split("\f").filter((words) => words.trim());
+      };
+      const pages = await printed("all");
+      assert.ok(pages.length >= 3 && pages.length <= 5, `${pages.length} pages`);
+      pages.forEach((words, at) => {
+        assert.match(words.split("\n")[0], /P4711/, `page ${at + 1}`);
+        assert.match(words, new RegExp(`Page ${at + 1} of ${pages.length}`));
+      });
+      assert.ok(pages.every((words) => !words.includes("Engineering figures")), "a closed appendix is not printed");
+      await page.getByLabel("First page only").check();
+      const first = await printed("first");
+      assert.equal(first.length, 1);
+      for (const words of ["Measuring sheet", "To be filled in", "signature"]) assert.match(first[0], new RegExp(words));
+    });
+  }
 });
 
 test("hostile ids are shown as text, run nothing and break no layout", async () => {
