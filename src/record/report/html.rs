@@ -8,11 +8,11 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
-use super::print::APPENDIX;
+use super::print::parted;
 use super::{Content, Paper, VIEWER};
 use crate::language::{Piece, pieces};
 use crate::record::Record;
-use crate::record::picture::figures::{Figure, SHEET};
+use crate::record::picture::figures::Figure;
 use crate::record::picture::svg;
 
 /// The style sheet of the page.
@@ -100,10 +100,7 @@ fn policy(style: &str, script: &str) -> String {
 }
 
 fn body(content: &Content, figures: &[Figure]) -> String {
-    let (appendix, pictures): (Vec<&Figure>, Vec<&Figure>) = figures
-        .iter()
-        .filter(|figure| figure.name != SHEET)
-        .partition(|figure| APPENDIX.contains(&figure.name));
+    let (pictures, appendix) = parted(figures);
     let parts = [
         parts::tools(content),
         element(
@@ -113,11 +110,29 @@ fn body(content: &Content, figures: &[Figure]) -> String {
         ),
         parts::view(content),
         parts::notes(content),
-        parts::pictures("pictures", &content.pictures.title, content, &pictures),
+        parts::pictures(content, &pictures),
         parts::tables(content),
         parts::entries("legend", &content.legend),
         parts::facts(content),
         parts::appendix(content, &appendix),
     ];
     format!("{}{}", parts::header(content), element("main", "", &parts.concat()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn nothing_in_a_text_ends_its_string_in_a_style_sheet_or_the_style_sheet() {
+        assert_eq!(css_string("4711"), "\"4711\"");
+        assert_eq!(css_string("P 47"), "\"P\\20 47\"");
+        for hostile in ["\"; } * { display: none", "</style><script>", "\\", "a\nb", "\u{202e}4711"]
+        {
+            let string = css_string(hostile);
+            let inside = &string[1..string.len() - 1];
+            let is_safe = |of: char| of.is_alphanumeric() || of == '\\' || of == ' ';
+            assert!(inside.chars().all(is_safe), "{inside}");
+        }
+    }
 }

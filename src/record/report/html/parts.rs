@@ -131,25 +131,28 @@ fn open_fields(content: &Content) -> String {
     element("div", " class=\"open print-only\"", &(title + &element("ul", "", &names)))
 }
 
-/// The pictures of the method.
-pub(super) fn pictures(id: &str, title: &str, content: &Content, drawn: &[&Drawn]) -> String {
+/// The pictures for every reader, or why there are none.
+pub(super) fn pictures(content: &Content, drawn: &[&Drawn]) -> String {
     let missing =
         content.pictures.missing.as_ref().map(|text| words("p", " class=\"aside\"", text));
-    let figures: String = drawn.iter().map(|drawn| picture(content, drawn)).collect();
-    section(id, title, &(missing.unwrap_or_default() + &figures))
+    let inside = missing.unwrap_or_default() + &captioned(content, drawn);
+    section("pictures", &content.pictures.title, &inside)
 }
 
 /// The engineering figures, which few readers need: closed, and not printed while they are.
 pub(super) fn appendix(content: &Content, drawn: &[&Drawn]) -> String {
-    let title = &content.pictures.appendix;
     let inside = [
-        words("summary", "", title),
-        pictures("fit", &content.pictures.title, content, drawn),
+        words("summary", "", &content.pictures.appendix),
+        captioned(content, drawn),
         content.slices.as_ref().map(|of| whole_table("slices", of)).unwrap_or_default(),
         entries("surfaces", &content.surfaces),
         landmarks(content),
     ];
     element("details", " class=\"appendix\"", &inside.concat())
+}
+
+fn captioned(content: &Content, drawn: &[&Drawn]) -> String {
+    drawn.iter().map(|drawn| picture(content, drawn)).collect()
 }
 
 /// The buttons for printing.

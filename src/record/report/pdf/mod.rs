@@ -15,10 +15,10 @@ mod wrap;
 use thiserror::Error;
 
 use self::flow::Flow;
-use super::print::APPENDIX;
+use super::print::parted;
 use super::{Content, Print};
 use crate::record::Record;
-use crate::record::picture::figures::{Figure, SHEET};
+use crate::record::picture::figures::Figure;
 
 /// Why there is no PDF.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -52,18 +52,15 @@ pub fn paper(
     print: Print,
 ) -> Result<Vec<u8>, PdfFault> {
     let mut flow = Flow::new(content, print.paper);
-    let (appendix, pictures): (Vec<&Figure>, Vec<&Figure>) = figures
-        .iter()
-        .filter(|figure| figure.name != SHEET)
-        .partition(|figure| APPENDIX.contains(&figure.name));
+    let (pictures, appendix) = parted(figures);
     measuring_sheet::write(&mut flow, content, figures);
     parts::notes(&mut flow, content);
-    parts::pictures(&mut flow, &content.pictures.title, &content.pictures, &pictures);
+    parts::pictures(&mut flow, &content.pictures, &pictures);
     parts::tables(&mut flow, &content.tables);
     parts::section(&mut flow, &content.legend);
     parts::facts(&mut flow, content);
     if print.has_appendix {
-        parts::pictures(&mut flow, &content.pictures.appendix, &content.pictures, &appendix);
+        parts::appendix(&mut flow, &content.pictures, &appendix);
         parts::tables(&mut flow, content.slices.as_slice());
         parts::section(&mut flow, &content.surfaces);
         parts::landmarks(&mut flow, &content.landmarks);
