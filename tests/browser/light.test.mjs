@@ -72,6 +72,36 @@ test("a held scan is told while another export is expected", async () => {
   });
 });
 
+test("an export that does not come is told, and a station without a button is not told to press one", async () => {
+  await at(await Station.make({ patient: 'expires = "10s"' }), async (station) => {
+    const { page } = await tab(browser, station);
+    await page.goto(station.link());
+    await page.getByRole("button", { name: "Name the next patient" }).click();
+    await page.getByLabel("Patient's id").fill("4711");
+    await page.getByLabel("Patient's id").press("Enter");
+    await light(page, "armed");
+    await light(page, "no_export");
+    const sentence = await said(browser, station, "no-export");
+    assert.equal(sentence, "No export came. Name the patient and scan again.");
+  });
+});
+
+test("a refused scan is given up after one question, and can be tried again", async () => {
+  await at(await Station.make(), async (station) => {
+    const { page } = await tab(browser, station);
+    await page.goto(station.link());
+    station.export("4711_a.obj", Buffer.from("v 0 0 0\n"));
+    const refused = page.locator("#undecided_body article");
+    await refused.getByRole("button", { name: "Give up" }).click();
+    assert.match(await page.locator("#question").textContent(), /Give up 4711's scan/);
+    await page.locator("#question").getByRole("button", { name: "Give up" }).click();
+    await page.getByText("Nothing waits for a decision.").waitFor();
+    const closed = page.locator("#scans_body article").filter({ hasText: "Given up" });
+    await closed.getByRole("button", { name: "Try again" }).click();
+    await refused.getByText("Refused").waitFor();
+  });
+});
+
 test("a pause is shown at once, and after it no attention", async () => {
   await at(await Station.make(), async (station) => {
     const { page } = await tab(browser, station);

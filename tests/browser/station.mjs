@@ -55,7 +55,7 @@ function freePort() {
 
 export class Station {
   /** A station that is not started; `more` is added to its configuration. */
-  static async make({ pattern = "^P?[0-9]{1,12}$", fileName = "^(?<patient>P?[0-9]+)_", more = "", quiet = "300ms" } = {}) {
+  static async make({ pattern = "^P?[0-9]{1,12}$", fileName = "^(?<patient>P?[0-9]+)_", more = "", quiet = "300ms", patient = "" } = {}) {
     const station = new Station();
     station.dir = mkdtempSync(join(tmpdir(), "gaiter-browser-"));
     station.port = await freePort();
@@ -70,6 +70,7 @@ rescan = "500ms"
 file_name = '${fileName}'
 [patient]
 pattern = '${pattern}'
+${patient}
 [output]
 files = []
 [store.folder]
