@@ -1,11 +1,17 @@
-//! `gaiter retry`, `release`, `assign`, `unassign`, `give-up`, `patient`, `page`, `pause` and `resume`:
+//! `gaiter retry`, `release`, `assign`, `unassign`, `give-up`, `amend`, `patient`, `gdt-order`, `page`,
+//! `pause` and `resume`:
 //! the operator's decisions.
+
+mod amend;
+mod order;
 
 use std::io::{self, BufRead, IsTerminal, Read, Write};
 
 use super::args::{AskArgs, AssignArgs, OneArgs, PatientVerb, UnassignArgs};
 use super::{Exit, ask, complain};
 use crate::station::operator::control::protocol::Request;
+pub use amend::amend;
+pub use order::order;
 
 /// The longest patient id that is read, bytes.
 const ID_MOST: u64 = 1024;

@@ -1,5 +1,6 @@
 //! The command line as types, with the help texts a technician reads.
 
+mod amend;
 mod asking;
 mod calibrate;
 mod examples;
@@ -17,6 +18,7 @@ use clap_complete::Shell;
 
 use crate::config::words::{self, Words};
 use crate::station::measure::VERB;
+pub use amend::AmendArgs;
 pub use asking::{
     AskArgs, AssignArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, SetArgs, StatusArgs,
     UnassignArgs,
@@ -33,7 +35,7 @@ pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
 pub const CONFIG_VARIABLE: &str = "GAITER_CONFIG";
 
 /// The station's configuration if `--config` does not name one.
-fn usual_config() -> PathBuf {
+pub fn usual_config() -> PathBuf {
     let named = env::var_os(CONFIG_VARIABLE).filter(|path| !path.is_empty());
     named.map_or_else(|| PathBuf::from(DEFAULT_CONFIG), PathBuf::from)
 }
@@ -159,6 +161,13 @@ pub enum Verb {
     /// about it. A record that is stored stays where it is. `retention` in the configuration sets how long its
     /// bytes are kept; until then it can still be tried again or assigned.
     GiveUp(OneArgs),
+    /// Set a measure of a record by hand
+    ///
+    /// Notes what a person measured, or that it cannot be measured, with reason and name, in a new revision
+    /// beside the earlier ones. The scan's value stays and is printed with it. With the id of a scan, the
+    /// running station does so and gives the revision to all its stores, the practice software too; with a
+    /// folder, only this record is amended.
+    Amend(AmendArgs),
     /// Set, clear or show the patient of the next scan
     #[command(subcommand)]
     Patient(PatientVerb),

@@ -12,7 +12,6 @@ pub mod extract;
 pub mod manual;
 pub mod measure;
 pub mod ord;
-pub mod order;
 pub mod parallel;
 pub mod reextract;
 pub mod report;
@@ -62,8 +61,9 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Assign(args) => act::assign(&args),
         Verb::Unassign(args) => act::unassign(&args),
         Verb::GiveUp(args) => act::give_up(&args),
+        Verb::Amend(args) => act::amend(&args),
         Verb::Patient(verb) => act::patient(&verb),
-        Verb::GdtOrder(args) => order::order(&args),
+        Verb::GdtOrder(args) => act::order(&args),
         Verb::Page(args) => act::page(&args),
         Verb::Pause(args) => act::pause(&args),
         Verb::Resume(args) => act::resume(&args),

@@ -2,6 +2,7 @@
 //! figures must be possible for a leg before they are drawn or printed.
 
 use super::Record;
+use super::measure::amendment::AmendFault;
 use super::schema::LegFigures;
 use super::shape::{OutlineFigures, ShapeFigures};
 use crate::leg::Side;
@@ -52,6 +53,9 @@ pub enum RecordFault {
         /// The largest possible value.
         high: f64,
     },
+    /// A measure that a person set is not possible.
+    #[error("set by hand: {0}")]
+    Amendment(#[from] AmendFault),
     /// A row has a different number of figures than the row it belongs to.
     #[error("{side} leg, {place}: {found} figures, where there must be {needed}")]
     Count {
@@ -78,6 +82,9 @@ impl Record {
                 return Err(RecordFault::Side { index, side: leg.side.clone() });
             }
             Checked { side: &leg.side }.leg(leg)?;
+        }
+        for amendment in &self.amendments {
+            amendment.checked()?;
         }
         Ok(self)
     }

@@ -19,6 +19,8 @@ pub struct Completeness {
     /// What is to be measured by hand on each leg, in the order of [`Side::FROM_FRONT`](crate::leg::Side::FROM_FRONT);
     /// highest first.
     pub by_hand: [Vec<Item>; 2],
+    /// What a person noted as not measurable on each leg, in the same order.
+    pub not_measurable: [Vec<Item>; 2],
     /// What a person must make sure of before the order.
     pub checks: Vec<Check>,
 }
@@ -26,8 +28,10 @@ pub struct Completeness {
 /// What is to be done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
-    /// Every measure was taken without a doubt.
+    /// Every measure was taken without a doubt, or set by a person.
     Complete,
+    /// There is nothing left to measure: a person noted that the rest cannot be measured.
+    NotMeasurable,
     /// Some measures must be taken or made sure of by hand.
     ByHand,
     /// The patient should be scanned again before dressing.
@@ -39,6 +43,7 @@ impl Kind {
     pub fn word(self) -> &'static str {
         match self {
             Kind::Complete => "complete",
+            Kind::NotMeasurable => "not-measurable",
             Kind::ByHand => "by-hand",
             Kind::ScanAgain => "scan-again",
         }
@@ -129,6 +134,8 @@ impl Completeness {
             Kind::ScanAgain
         } else if self.by_hand.iter().any(|leg| !leg.is_empty()) || !self.checks.is_empty() {
             Kind::ByHand
+        } else if self.not_measurable.iter().any(|leg| !leg.is_empty()) {
+            Kind::NotMeasurable
         } else {
             Kind::Complete
         }

@@ -56,6 +56,7 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
         legs: extraction.legs.iter().map(|report| leg(report, method.tape)).collect(),
         differences: extraction.differences.as_ref().map(chart::differences),
         findings: extraction.findings.iter().map(note).collect(),
+        amendments: provenance.amendments.clone(),
     }
 }
 

@@ -18,6 +18,12 @@ use crate::scan::Format;
 /// The list of the hashes of all other files, in the format of `sha256sum -c`.
 pub const SUMS: &str = "SHA256SUMS";
 
+/// The record itself.
+pub const RECORD: &str = "record.json";
+
+/// The measures for spreadsheets.
+const MEASUREMENTS: &str = "measurements.csv";
+
 /// The file of a record that holds the scanner's own measures of the scan.
 pub const ORD: &str = "scanner.ord";
 
@@ -73,21 +79,57 @@ pub fn files_beside_scan(
     let figures = figures::all(&record, choice.language);
     let paper = report_files::paper(&record, choice, &figures);
     record.findings.extend(paper.as_ref().err().map(no_paper));
-    let mut json = serde_json::to_vec_pretty(&record)?;
-    json.push(b'\n');
-    let measurements = csv::measurements(&record, choice.garment, choice.language);
-    let mut files =
-        vec![file("record.json", json), file("measurements.csv", measurements.into_bytes())];
+    let mut files = vec![file(RECORD, json(&record)?), file(MEASUREMENTS, csv(&record, choice))];
     files.push(report_files::drawing(&figures, choice.language));
     files.push(report_files::page(&record, choice, &figures)?);
     files.extend(paper);
     files.extend(report_files::figure_files(&figures, &choice.figures)?);
     files.extend(surfaces);
     files.extend(scan.ord.map(|ord| file(ORD, ord.to_vec())));
-    let mut sums: String = files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect();
+    let mut sums = sums_of(&files);
     sums.push_str(&sum(&provenance.sha256, &scan_name(scan.format)));
     files.push(file(SUMS, sums.into_bytes()));
     Ok((record, files))
+}
+
+/// The files of a revision that differs from the one before in what people set: what shows a measure is
+/// made again from the record, everything else, such as scan and surfaces, stays as it is. `before` are all
+/// files of the revision before except `SHA256SUMS`, in their order.
+///
+/// # Errors
+/// If a figure cannot be written as JSON, or a file for people cannot be made.
+pub fn amended_files(
+    record: &Record,
+    choice: &ReportChoice,
+    before: Vec<RecordFile>,
+) -> Result<Vec<RecordFile>, FilesFault> {
+    let mut made = vec![file(RECORD, json(record)?), file(MEASUREMENTS, csv(record, choice))];
+    made.extend(report_files::all(record, choice)?);
+    let keep = |old: RecordFile| match made.iter().find(|new| new.name == old.name) {
+        Some(new) => new.clone(),
+        None => old,
+    };
+    let mut files: Vec<RecordFile> = before.into_iter().map(keep).collect();
+    files.push(file(SUMS, sums_of(&files).into_bytes()));
+    Ok(files)
+}
+
+/// A record as the bytes of its file.
+///
+/// # Errors
+/// If a figure cannot be written as JSON.
+pub fn json(record: &Record) -> Result<Vec<u8>, serde_json::Error> {
+    let mut json = serde_json::to_vec_pretty(record)?;
+    json.push(b'\n');
+    Ok(json)
+}
+
+fn csv(record: &Record, choice: &ReportChoice) -> Vec<u8> {
+    csv::measurements(record, choice.garment, choice.language).into_bytes()
+}
+
+fn sums_of(files: &[RecordFile]) -> String {
+    files.iter().map(|file| sum(&sha256(&file.bytes), &file.name)).collect()
 }
 
 /// Adds the scan's own bytes to [`files_beside_scan`], at their place before `SHA256SUMS`.

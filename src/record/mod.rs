@@ -28,10 +28,13 @@ pub mod surface;
 pub use check::RecordFault;
 pub use compose::record;
 pub use file::RecordFile;
-pub use files::{ORD, SUMS, ScanFile, add_scan, files_beside_scan, hex, record_files, sha256};
+pub use files::{
+    ORD, RECORD, SUMS, ScanFile, add_scan, amended_files, files_beside_scan, hex, json,
+    record_files, sha256,
+};
 pub use provenance::{
     Acquired, AcquiredFrom, Confidence, FIRST_REVISION, Patient, Provenance, Source, SourceKind,
 };
 pub use report_files::{FigureFormat, FilesFault, ReportChoice, report_files};
 pub use schema::Record;
-pub use summary::{RecordSummary, SummaryFigures, SummaryLevel};
+pub use summary::{RecordSummary, SheetLine, SummaryFigures, SummaryLevel, sheet};

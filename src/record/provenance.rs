@@ -4,6 +4,7 @@ use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use super::measure::amendment::Amendment;
 use super::phantom::LastCheck;
 
 /// The revision of a scan that is measured for the first time. Later results count on from here.
@@ -25,6 +26,9 @@ pub struct Provenance {
     pub phantom_check: Option<LastCheck>,
     /// [`FIRST_REVISION`], or more if the scan is measured again.
     pub revision: u32,
+    /// Measures that people set, oldest first; empty for a scan that is measured for the first time.
+    #[serde(default)]
+    pub amendments: Vec<Amendment>,
 }
 
 impl Provenance {
@@ -37,6 +41,7 @@ impl Provenance {
             sha256,
             phantom_check: None,
             revision: FIRST_REVISION,
+            amendments: Vec::new(),
         }
     }
 }

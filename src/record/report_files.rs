@@ -70,6 +70,16 @@ pub fn report_files(record: &Record, choice: &ReportChoice) -> Result<Vec<Record
     Ok(vec![page(record, choice, &figures)?, paper(record, choice, &figures)?])
 }
 
+/// Every file for people with the record's measures: the report, the drawing, and each figure in every
+/// format.
+pub(super) fn all(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, FilesFault> {
+    let figures = figures::all(record, choice.language);
+    let mut files = vec![page(record, choice, &figures)?, paper(record, choice, &figures)?];
+    files.push(drawing(&figures, choice.language));
+    files.extend(figure_files(&figures, &choice.figures)?);
+    Ok(files)
+}
+
 pub(super) fn page(
     record: &Record,
     choice: &ReportChoice,

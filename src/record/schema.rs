@@ -10,6 +10,7 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
+use super::measure::amendment::Amendment;
 use super::phantom::LastCheck;
 use super::provenance::{Acquired, Patient};
 use super::shape::{AxesFigures, AxisFigures, OutlineFigures, ShapeFigures};
@@ -53,6 +54,9 @@ pub struct Record {
     pub differences: Option<DifferenceFigures>,
     /// Findings that readers of the record must know.
     pub findings: Vec<FindingNote>,
+    /// Measures that people set in place of the scan's, oldest first. `legs` and `body` are the scan's.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub amendments: Vec<Amendment>,
 }
 
 /// The JSON Schema (draft 2020-12) of a record as this version writes it.

@@ -4,13 +4,15 @@ use serde::Serialize;
 
 use super::completeness::Completeness;
 use super::garment::Garment;
+use super::measure::amendment::Subject;
+use super::measure::{Absent, Length, Measure};
 use super::rounding;
-use super::schema::{LandmarkFigures, Record};
+use super::schema::Record;
 use crate::language::Language;
-use crate::leg::Side;
+use crate::leg::{Level, Side};
 
 /// The levels of a stocking that ends below the knee, highest first as on the measuring sheet.
-const LEVELS: [&str; 4] = ["D", "C", "B1", "B"];
+const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];
 
 /// The measures of a record, ready to show.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
@@ -19,7 +21,7 @@ pub struct RecordSummary {
     pub levels: Vec<SummaryLevel>,
     /// Number of findings, without those that are only information.
     pub findings: usize,
-    /// `complete`, `by-hand` or `scan-again`; see [`Kind`](super::completeness::Kind).
+    /// `complete`, `not-measurable`, `by-hand` or `scan-again`; see [`Kind`](super::completeness::Kind).
     pub verdict: &'static str,
     /// What is to be done before the patient dresses, in sentences; at least one.
     pub to_do: Vec<String>,
@@ -45,17 +47,18 @@ pub struct SummaryFigures {
     pub height_cm: String,
     /// Whether there is a doubt about it.
     pub is_doubted: bool,
+    /// Whether a person set it, or part of it.
+    pub is_by_hand: bool,
 }
 
 impl RecordSummary {
     /// The measures of a record as text in a language, for an order of this garment.
     pub fn of(record: &Record, language: Language, garment: Garment) -> RecordSummary {
-        let figures = |side: Side, level: &str| {
-            let leg = record.leg(side)?;
-            leg.landmarks.get(level).map(|landmark| SummaryFigures::of(landmark, language))
+        let figures = |side: Side, level: Level| {
+            Some(SummaryFigures::of(&Measure::of(record, side, level).ok()?, language))
         };
         let levels = LEVELS.map(|level| SummaryLevel {
-            level,
+            level: level.name(),
             right: figures(Side::Right, level),
             left: figures(Side::Left, level),
         });
@@ -71,11 +74,70 @@ impl RecordSummary {
 }
 
 impl SummaryFigures {
-    fn of(landmark: &LandmarkFigures, language: Language) -> SummaryFigures {
+    fn of(measure: &Measure<'_>, language: Language) -> SummaryFigures {
+        let words = |length: Length| rounding::cm_words(length.mm, language);
         SummaryFigures {
-            girth_cm: rounding::cm_words(landmark.girth_tape_mm, language),
-            height_cm: rounding::cm_words(landmark.height_mm, language),
-            is_doubted: !landmark.doubts.is_empty(),
+            girth_cm: words(measure.girth),
+            height_cm: measure.height.map(words).unwrap_or_default(),
+            is_doubted: !measure.doubts.is_empty(),
+            is_by_hand: measure.by_hand.is_some(),
         }
+    }
+}
+
+/// Every measure that a person can set, in the order of the measuring sheet.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct SheetLine {
+    /// The word of the record: a level, or a length.
+    pub measure: &'static str,
+    /// Its name for people.
+    pub name: &'static str,
+    /// `level`, `foot` for a level without a height, or `length`.
+    pub kind: &'static str,
+    /// The values on the right leg; empty on a leg without any.
+    pub right: SheetCell,
+    /// The values on the left leg.
+    pub left: SheetCell,
+}
+
+/// The values of a measure of one leg that count now, cm, as text in the reader's language.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize)]
+pub struct SheetCell {
+    /// Girth, or length.
+    pub value: String,
+    /// Height above the floor.
+    pub height: String,
+    /// Whether a person set any of it.
+    pub is_by_hand: bool,
+}
+
+/// The whole measuring sheet of a record.
+pub fn sheet(record: &Record, language: Language) -> Vec<SheetLine> {
+    let line = |subject: Subject| SheetLine {
+        measure: subject.word(),
+        name: subject.name(language),
+        kind: match subject {
+            Subject::Level(level) if level < Level::B => "foot",
+            Subject::Level(_) => "level",
+            _ => "length",
+        },
+        right: SheetCell::of(record, Side::Right, subject, language),
+        left: SheetCell::of(record, Side::Left, subject, language),
+    };
+    Subject::all().map(line).collect()
+}
+
+impl SheetCell {
+    fn of(record: &Record, side: Side, subject: Subject, language: Language) -> SheetCell {
+        let is_by_hand = record.by_hand(side, subject).is_some();
+        let words = |length: Length| rounding::cm_words(length.mm, language);
+        let found = match subject {
+            Subject::Level(level) => Measure::of(record, side, level)
+                .map(|of| (words(of.girth), of.height.map(words).unwrap_or_default())),
+            length => Length::of(record, side, length).map(|of| (words(of), String::new())),
+        };
+        let or_why = |absent: Absent| (absent.words(language).to_owned(), String::new());
+        let (value, height) = found.unwrap_or_else(or_why);
+        SheetCell { value, height, is_by_hand }
     }
 }

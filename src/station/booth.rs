@@ -63,6 +63,8 @@ struct Inner {
     orders: Vec<OrderCame>,
     missed: bool,
     last: Option<(Outcome, Duration)>,
+    /// The scan that ended last.
+    last_scan: Option<ScanId>,
 }
 
 impl Inner {
@@ -114,6 +116,7 @@ impl Inner {
             orders: journal.orders_came()?,
             missed: !others.is_empty(),
             last: None,
+            last_scan: None,
         })
     }
 
@@ -277,6 +280,18 @@ impl Booth {
         let mut inner = self.inner();
         let is_waiting = matches!(outcome, Outcome::Held { .. } | Outcome::Refused { .. });
         if inner.in_work.remove(scan) || is_waiting {
+            inner.last = Some((outcome, now));
+            inner.last_scan = Some(scan.clone());
+        }
+    }
+
+    /// Notes that a person settled measures of a scan. The light follows if it was this scan's measures that
+    /// were missing. Blocks.
+    pub fn amended(&self, scan: &ScanId, outcome: Outcome) {
+        let now = self.core.now();
+        let mut inner = self.inner();
+        let is_lacking = matches!(inner.last, Some((Outcome::Incomplete { .. }, _)));
+        if is_lacking && inner.last_scan.as_ref() == Some(scan) {
             inner.last = Some((outcome, now));
         }
     }

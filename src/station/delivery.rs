@@ -5,6 +5,7 @@
 //! monotonic clock: after a restart everything is tried at once. Every step that may wait for a disk, a
 //! share or a measurement is a job of its own; this loop waits for none of them.
 
+mod hand_over;
 pub(in crate::station) mod measuring;
 pub mod preview;
 mod store_reach;
@@ -141,12 +142,16 @@ impl Bench {
         });
     }
 
-    /// Begins deliveries of one scan to one patient: withdrawals at once, others after measuring.
+    /// Begins deliveries of one scan to one patient: withdrawals and later revisions at once, others after
+    /// measuring.
     fn attempt(&mut self, booth: &Arc<Booth>, dues: Vec<Due>, threads: usize) {
-        let (withdraw, deliver): (Vec<Due>, Vec<Due>) =
-            dues.into_iter().partition(|due| due.task == Task::Withdraw);
-        for due in withdraw {
-            self.at_store(booth, due, work::withdraw);
+        let (deliver, others): (Vec<Due>, Vec<Due>) =
+            dues.into_iter().partition(|due| due.task == Task::Deliver);
+        for due in others {
+            match due.task {
+                Task::HandOver => self.at_store(booth, due, hand_over::hand_over),
+                Task::Withdraw | Task::Deliver => self.at_store(booth, due, work::withdraw),
+            }
         }
         let Some(first) = deliver.first().cloned() else { return };
         let booth = Arc::clone(booth);

@@ -17,12 +17,13 @@ use std::path::{Path, PathBuf};
 use self::lock::StoreLock;
 use self::search::find;
 pub(super) use self::search::records_in;
+use super::revision::{self, Added};
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
 use crate::flow::ScanId;
 use crate::flow::access::Access;
 use crate::flow::patient::naming;
-use crate::record::RecordFile;
+use crate::record::{FIRST_REVISION, RecordFile};
 
 /// The file that marks a store's folder.
 const MARK: &str = ".gaiter-store";
@@ -125,6 +126,9 @@ impl FolderStore {
         // Checked each time: the share may have gone since, and its empty mount point accepts anything.
         self.reach()?;
         let patient = self.patient_folder(delivery.patient)?;
+        if delivery.revision > FIRST_REVISION {
+            return put_revision(&patient, delivery);
+        }
         let name = naming::record_folder(delivery.first_seen, delivery.scan);
         let place = patient.join(&name);
         let found = match place.symlink_metadata() {
@@ -175,6 +179,27 @@ impl FolderStore {
             }
             Err(source) => Err(StoreFault::Transient { what: "renaming", path: place, source }),
         }
+    }
+}
+
+/// Puts a later revision beside the record in a patient's folder, or finds that it is already there.
+fn put_revision(patient: &Path, delivery: &Delivery<'_>) -> Result<Receipt, StoreFault> {
+    let families = revision::families(patient)?;
+    let family =
+        families.into_iter().find(|family| family.latest().0.scan == delivery.scan.short());
+    // It was withdrawn, or the store was changed by hand.
+    let family = family.ok_or(StoreFault::Permanent(Misfit::Occupied(sums::SumsFault::NoSums)))?;
+    let (name, latest) = family.latest();
+    if name.revision >= delivery.revision {
+        return Ok(Receipt { folder: latest.clone(), already_there: true });
+    }
+    let scan = tried("reading", delivery.scan_file, fs::read(delivery.scan_file))?;
+    let mut files = delivery.files.to_vec();
+    let name = format!("scan.{}", delivery.ending);
+    files.insert(files.len().saturating_sub(1), RecordFile { name, bytes: scan });
+    match tried("adding a revision in", patient, family.add(delivery.revision, &files))? {
+        Added::There(folder) => Ok(Receipt { folder, already_there: false }),
+        Added::Withdrawn => Ok(Receipt { folder: patient.to_owned(), already_there: true }),
     }
 }
 

@@ -29,7 +29,7 @@ use crate::flow::ScanId;
 use crate::record::garment::Garment;
 use crate::record::gdt::rules::FileName;
 use crate::record::gdt::{self, GdtRules};
-use crate::record::{Record, hex};
+use crate::record::{FIRST_REVISION, Record, hex};
 pub use attach::Attach;
 use place::Place;
 use register::{Entry, Register};
@@ -127,7 +127,7 @@ impl GdtStore {
         // Checked each time: the share may have gone since.
         self.place.reach()?;
         self.register.open()?;
-        let key = key(delivery.scan, patient);
+        let key = key(delivery.scan, patient, delivery.revision);
         if let Some(entry) = self.register.entry(&key)? {
             if !self.place.is_staged(&key)? {
                 // The run that gave it its name may have ended before this sync.
@@ -186,8 +186,10 @@ impl GdtStore {
     }
 }
 
-/// The key of a result, made from the scan and the patient, without showing the patient's id.
-fn key(scan: &ScanId, patient: &str) -> String {
+/// The key of a result, made from the scan, the patient and a later revision, without showing the patient's
+/// id.
+fn key(scan: &ScanId, patient: &str, revision: u32) -> String {
     let digest = Sha256::digest(format!("{scan}\0{patient}"));
-    format!("{}-{}", scan.short(), hex(&digest[..4]))
+    let key = format!("{}-{}", scan.short(), hex(&digest[..4]));
+    if revision > FIRST_REVISION { format!("{key}-r{revision}") } else { key }
 }

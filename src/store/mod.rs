@@ -37,6 +37,8 @@ pub struct Delivery<'a> {
     pub patient: Option<&'a str>,
     /// When the station first saw the scan.
     pub first_seen: Timestamp,
+    /// The revision of the record.
+    pub revision: u32,
     /// The record's files except the scan's own bytes, in the order in which they are to be written,
     /// `SHA256SUMS` last.
     pub files: &'a [RecordFile],

@@ -6,6 +6,9 @@
 //! revisions until it finds none. A revision that gets its name later finds the record gone and is
 //! withdrawn here. So none is left with a patient it does not belong to.
 
+pub mod amend;
+pub mod stored;
+
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
@@ -83,26 +86,32 @@ impl Family {
     pub fn add(&self, revision: u32, files: &[RecordFile]) -> io::Result<Added> {
         let (latest, beside) = self.latest();
         let name = RecordName { revision, ..latest.clone() }.folder();
-        let staged = self.patient_folder.join(format!("{STAGING}{}.{name}", std::process::id()));
-        let place = self.patient_folder.join(name);
-        let added = write(&staged, files, beside).and_then(|()| self.publish(&staged, place));
-        // The remains of a failure, or of a record that is withdrawn now.
-        durable::remove_folder(&staged)?;
-        added
+        add(&self.patient_folder, beside, &name, files)
     }
+}
 
-    /// Gives a staged revision its name, and withdraws it if the record is gone meanwhile.
-    fn publish(&self, staged: &Path, place: PathBuf) -> io::Result<Added> {
-        let (_, beside) = self.latest();
-        durable::rename_new(staged, &place)?;
-        durable::sync_folder(&self.patient_folder)?;
-        if fs::exists(beside)? {
-            return Ok(Added::There(place));
-        }
-        durable::rename_new(&place, staged)?;
-        durable::sync_folder(&self.patient_folder)?;
-        Ok(Added::Withdrawn)
+/// Adds a revision of this name beside another one, in the same folder. Withdraws it if the other one is
+/// gone meanwhile.
+fn add(within: &Path, beside: &Path, name: &str, files: &[RecordFile]) -> io::Result<Added> {
+    let staged = within.join(format!("{STAGING}{}.{name}", std::process::id()));
+    let place = within.join(name);
+    let added =
+        write(&staged, files, beside).and_then(|()| publish(&staged, place, beside, within));
+    // The remains of a failure, or of a record that is withdrawn now.
+    durable::remove_folder(&staged)?;
+    added
+}
+
+/// Gives a staged revision its name, and withdraws it if the record beside it is gone meanwhile.
+fn publish(staged: &Path, place: PathBuf, beside: &Path, within: &Path) -> io::Result<Added> {
+    durable::rename_new(staged, &place)?;
+    durable::sync_folder(within)?;
+    if fs::exists(beside)? {
+        return Ok(Added::There(place));
     }
+    durable::rename_new(&place, staged)?;
+    durable::sync_folder(within)?;
+    Ok(Added::Withdrawn)
 }
 
 /// The records at a path: a store of patients' folders, one patient's folder, or one record's. They are

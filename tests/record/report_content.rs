@@ -84,6 +84,7 @@ fn told_apart(leg: &mut LegFigures, times: f64) {
 fn told(figure: &Figure) -> String {
     let margin = figure.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
     let [before, behind] = match figure.mark {
+        Mark::ByHand => ["", " *"],
         Mark::Doubtful => ["", " ?"],
         Mark::Estimated => ["~", ""],
         Mark::Real => ["*", "*"],

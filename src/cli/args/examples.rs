@@ -121,6 +121,27 @@ const EXAMPLES: &[Examples] = &[
     of("assign", &[["gaiter assign 1a2b3c4d", "asks for the id of the patient"]]),
     of("unassign", &[["gaiter unassign 1a2b3c4d", "takes the scan back from its patient"]]),
     of("give-up", &[["gaiter give-up 1a2b3c4d", "ends the question about the scan"]]),
+    of(
+        "amend",
+        &[
+            [
+                "gaiter amend 1a2b3c4d --leg right --measure C --girth-cm 38.5 --reason swollen --by Berg",
+                "sets the girth of C; its height stays the scan's",
+            ],
+            [
+                "gaiter amend 1a2b3c4d --leg left --measure B1 --height-cm 14 --reason marked --by Berg",
+                "sets the height of B1; the girth is the scan's there",
+            ],
+            [
+                "gaiter amend measured/4711 --leg left --measure D --not-measurable --reason bandage --by Berg",
+                "notes that D cannot be measured, in a record of gaiter extract",
+            ],
+            [
+                "gaiter amend 1a2b3c4d --leg right --measure C --take-back --reason slip --by Berg",
+                "has the scan's values count again",
+            ],
+        ],
+    ),
     of("schema", &[["gaiter schema", "prints the JSON Schema"]]),
     of("completions", &[["gaiter completions bash", "prints a script for bash"]]),
     of(

@@ -7,7 +7,7 @@ pub const GROUPS: [(&str, &[&str]); 5] = [
     ("Measure", &["demo", "extract", "calibrate", "reextract", "report"]),
     ("Run a station", &["check", "run", "status", "pause", "resume"]),
     ("At the station", &["patient", "scans", "show", "explain", "page", "gdt-order"]),
-    ("Decide about a scan", &["retry", "release", "assign", "unassign", "give-up"]),
+    ("Decide about a scan", &["retry", "release", "assign", "unassign", "give-up", "amend"]),
     ("For shells and programs", &["schema", "completions", "man", "help"]),
 ];
 

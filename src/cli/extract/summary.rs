@@ -12,6 +12,7 @@ use crate::leg::{Level, Side};
 use crate::record::Record;
 use crate::record::completeness::{Completeness, Kind};
 use crate::record::garment::Garment;
+use crate::record::measure::Measure;
 use crate::record::rounding::cm_words;
 
 /// The levels whose girths are shown, as on the measuring sheet: those of a stocking that ends below the
@@ -52,10 +53,8 @@ enum Came {
 impl Row {
     /// The row of a scan that was measured, with the verdict for an order of this garment.
     pub fn measured(name: String, record: &Record, garment: Garment) -> Row {
-        let girths_mm = Side::FROM_FRONT.map(|side| {
-            let leg = record.leg(side);
-            LEVELS.map(|level| Some(leg?.landmarks.get(level.name())?.girth_tape_mm))
-        });
+        let girths_mm = Side::FROM_FRONT
+            .map(|side| LEVELS.map(|level| Some(Measure::of(record, side, level).ok()?.girth.mm)));
         let verdict = Completeness::of(record, garment).kind();
         Row { name, came: Came::Measured { girths_mm, verdict } }
     }
@@ -102,6 +101,7 @@ fn cell(girth_mm: Option<f64>) -> String {
 fn said(verdict: Kind) -> &'static str {
     match verdict {
         Kind::Complete => "complete",
+        Kind::NotMeasurable => "not measurable",
         Kind::ByHand => "by hand",
         Kind::ScanAgain => "scan again",
     }

@@ -1,11 +1,8 @@
 //! Checks one record, measures its scan again, and adds a revision if the result differs.
 
-use std::fs;
 use std::io;
-use std::path::Path;
 
 use serde::Serialize;
-use serde_json::Value;
 
 use super::choices::Choices;
 use crate::cli::{Exit, ord};
@@ -16,24 +13,15 @@ use crate::record::change::{Changes, Sameness, changes};
 use crate::record::schema::OLDER_SCHEMA;
 use crate::record::{self, FilesFault, ORD, Provenance, Record, ScanFile};
 use crate::scan::Format;
+use crate::store::revision::stored::{Stored, StoredFault};
 use crate::store::revision::{Added, Family};
-use crate::store::sums::{self, SumsFault};
-
-/// The file of a record folder that holds the record.
-const RECORD: &str = "record.json";
 
 /// Why a record was not measured again.
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
-    /// Its folder changed after it was written.
-    #[error("its record is damaged: {0}")]
-    Damaged(#[from] SumsFault),
-    /// Its `record.json` cannot be parsed.
-    #[error("its record.json cannot be read: {0}")]
-    Unreadable(serde_json::Error),
-    /// Its `record.json` names another scan or patient than its folder does.
-    #[error("its record.json names another {0} than its folder")]
-    Other(&'static str),
+    /// It cannot be read.
+    #[error(transparent)]
+    Stored(#[from] StoredFault),
     /// Today's method refuses the scan.
     #[error("{refusal}")]
     Refused {
@@ -56,9 +44,7 @@ impl Fault {
     /// The stable code.
     pub fn code(&self) -> &'static str {
         match self {
-            Fault::Damaged(_) => "record-damaged",
-            Fault::Unreadable(_) => "record-unreadable",
-            Fault::Other(_) => "record-of-another",
+            Fault::Stored(fault) => fault.code(),
             Fault::Refused { refusal } => refusal.code(),
             Fault::NotMade(_) => "record-not-written",
             Fault::Panic(_) => "panic",
@@ -69,11 +55,9 @@ impl Fault {
     /// The exit of a verb that meets this fault.
     pub fn exit(&self) -> Exit {
         match self {
-            Fault::Damaged(_) | Fault::Unreadable(_) | Fault::Other(_) | Fault::Refused { .. } => {
-                Exit::Unmeasurable
-            }
+            Fault::Stored(StoredFault::Io(_)) | Fault::Io(_) => Exit::Io,
+            Fault::Stored(_) | Fault::Refused { .. } => Exit::Unmeasurable,
             Fault::NotMade(_) | Fault::Panic(_) => Exit::Internal,
-            Fault::Io(_) => Exit::Io,
         }
     }
 }
@@ -120,7 +104,11 @@ pub struct Intent {
 /// # Errors
 /// See [`Fault`]; the record stays unchanged.
 pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again, Fault> {
-    let Stored { old, old_json, scan, format, ord } = Stored::read(family)?;
+    let stored = Stored::of(family)?;
+    let format = Format::of_file_name(&stored.scan_file).map_err(Refusal::from)?;
+    let scan = stored.listed_file(&stored.scan_file)?;
+    let ord = stored.optional_file(ORD)?;
+    let Stored { record: old, json: old_json, .. } = stored;
     let (method, output, choice) = choices.for_record(&old);
     let mut extraction = measure(&scan, format, &method)?;
     if let Some(ord) = &ord {
@@ -136,6 +124,7 @@ pub fn again(family: &Family, choices: &Choices, intent: Intent) -> Result<Again
         sha256: old.scan.sha256.clone(),
         phantom_check: old.phantom_check.clone(),
         revision,
+        amendments: old.amendments.clone(),
     };
     let scan = ScanFile { bytes: &scan, format, ord: ord.as_deref() };
     let made = record::record_files(&extraction, &provenance, &method, &output, &choice, scan);
@@ -177,45 +166,4 @@ fn earlier_definition(old: &Record, method: &Method) -> Option<Method> {
         tape => tape,
     };
     (tape != method.tape).then(|| Method { tape, ..method.clone() })
-}
-
-/// The complete content of a record folder.
-struct Stored {
-    old: Record,
-    old_json: Value,
-    scan: Vec<u8>,
-    format: Format,
-    ord: Option<Vec<u8>>,
-}
-
-impl Stored {
-    fn read(family: &Family) -> Result<Stored, Fault> {
-        let (name, folder) = family.latest();
-        let (id, file) = sums::scan_of(folder)?.ok_or(SumsFault::NoSums)?;
-        sums::check(folder, &id)??;
-        if id.short() != name.scan {
-            return Err(SumsFault::OtherScan.into());
-        }
-        let listed = sums::listed(folder)?;
-        let read = |name: &str| listed_file(folder, &listed, name);
-        let json = read(RECORD)?.ok_or(SumsFault::Missing { name: RECORD.to_owned() })?;
-        let old_json: Value = serde_json::from_slice(&json).map_err(Fault::Unreadable)?;
-        let old: Record = serde_json::from_slice(&json).map_err(Fault::Unreadable)?;
-        if old.scan.sha256 != id.as_str() {
-            return Err(Fault::Other("scan"));
-        }
-        let whose = old.patient.as_ref().map(|patient| patient.id.clone());
-        if family.patient() != Some(whose) {
-            return Err(Fault::Other("patient"));
-        }
-        let scan = read(&file)?.ok_or(SumsFault::Missing { name: file.clone() })?;
-        let format = Format::of_file_name(&file).map_err(Refusal::from)?;
-        Ok(Stored { old, old_json, scan, format, ord: read(ORD)? })
-    }
-}
-
-/// Reads a file of the record. `None` if the list, which was just checked, has no file of this name.
-fn listed_file(folder: &Path, listed: &[String], name: &str) -> io::Result<Option<Vec<u8>>> {
-    let is_listed = listed.iter().any(|listed| listed == name);
-    is_listed.then(|| fs::read(folder.join(name))).transpose()
 }

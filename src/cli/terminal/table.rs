@@ -11,8 +11,9 @@ use crate::record::Record;
 use crate::record::chart::AtFigures;
 use crate::record::completeness::{Completeness, Kind};
 use crate::record::garment::Garment;
-use crate::record::measure::{Length, Measure};
-use crate::record::report::Mark;
+use crate::record::measure::amendment::Subject;
+use crate::record::measure::{Absent, Length, Measure};
+use crate::record::report::{Content, Mark};
 use crate::record::rounding::{cm_margin, cm_words};
 use crate::record::schema::{FindingNote, LegFigures};
 
@@ -23,7 +24,8 @@ const NAME: usize = 12;
 const CELL: usize = 14;
 
 /// The marks before figures, as in the report, with what they mean.
-const LEGEND: [(Mark, &str); 2] = [
+const LEGEND: [(Mark, &str); 3] = [
+    (Mark::ByHand, "set by hand"),
     (Mark::Estimated, "estimated by the body's proportions, not measured"),
     (Mark::Doubtful, "doubtful"),
 ];
@@ -36,13 +38,16 @@ const NOTHING: &str = "-";
 pub fn of(record: &Record, garment: Garment, columns: usize) -> String {
     let mut text = verdict(record, garment, columns);
     text += &body(record);
-    let legs: Vec<&LegFigures> =
-        Side::FROM_FRONT.into_iter().filter_map(|side| record.leg(side)).collect();
-    text += &measures(&legs);
-    text += &feet(&legs);
-    for (row, at) in legs.first().map_or(&[][..], |leg| &leg.at).iter().enumerate() {
+    let sides: Vec<Side> = record.sides().collect();
+    text += &measures(record, &sides);
+    text += &feet(record, &sides);
+    text += &by_hand(record, columns);
+    let legs: Vec<Option<&LegFigures>> = sides.iter().map(|side| record.leg(*side)).collect();
+    let asked = legs.iter().flatten().map(|leg| &leg.at).find(|at| !at.is_empty());
+    for (row, at) in asked.into_iter().flatten().enumerate() {
         let label = format!("at {} cm", at.height_mm / 10.0);
-        let cells: String = legs.iter().map(|leg| at_cells(leg.at.get(row))).collect();
+        let cells: String =
+            legs.iter().map(|leg| at_cells(leg.and_then(|leg| leg.at.get(row)))).collect();
         let _ = writeln!(text, "  {label:<NAME$}{cells}");
     }
     for line in findings(&record.findings) {
@@ -56,7 +61,7 @@ pub fn of(record: &Record, garment: Garment, columns: usize) -> String {
 pub fn colour(kind: Kind) -> anstyle::Style {
     match kind {
         Kind::Complete => paint::GOOD,
-        Kind::ByHand => paint::CARE,
+        Kind::NotMeasurable | Kind::ByHand => paint::CARE,
         Kind::ScanAgain => paint::BAD,
     }
 }
@@ -79,16 +84,16 @@ fn body(record: &Record) -> String {
     )
 }
 
-/// The levels of the measured legs, and what their marks mean.
-fn measures(legs: &[&LegFigures]) -> String {
-    let sides: String =
-        legs.iter().map(|leg| format!("{:>1$}", format!("{} leg", leg.side), 2 * CELL)).collect();
-    let heads = format!("{:>CELL$}{:>CELL$}", "girth cm", "height cm").repeat(legs.len());
-    let mut text = format!("  {:NAME$}{sides}\n  {:NAME$}{heads}\n", "", "");
+/// The levels of these legs, and what their marks mean.
+fn measures(record: &Record, sides: &[Side]) -> String {
+    let leg = |side: &Side| format!("{:>1$}", format!("{} leg", side.word()), 2 * CELL);
+    let legs: String = sides.iter().map(leg).collect();
+    let heads = format!("{:>CELL$}{:>CELL$}", "girth cm", "height cm").repeat(sides.len());
+    let mut text = format!("  {:NAME$}{legs}\n  {:NAME$}{heads}\n", "", "");
     let mut marks = Vec::new();
     for level in Level::ALL.into_iter().rev() {
-        let measures: Vec<_> = legs.iter().map(|leg| Measure::of(leg, level)).collect();
-        marks.extend(measures.iter().flatten().map(Measure::mark));
+        let measures: Vec<_> = sides.iter().map(|side| Measure::of(record, *side, level)).collect();
+        marks.extend(measures.iter().flatten().flat_map(Measure::marks));
         let cells: String = measures.iter().map(cells).collect();
         let _ = writeln!(text, "  {:<NAME$}{cells}", level.name());
     }
@@ -101,27 +106,39 @@ fn measures(legs: &[&LegFigures]) -> String {
     text
 }
 
-/// Length and breadth of the feet, if one was seen.
-fn feet(legs: &[&LegFigures]) -> String {
-    if legs.iter().all(|leg| leg.foot.is_none()) {
+/// Length and breadth of the feet, if one is known.
+fn feet(record: &Record, sides: &[Side]) -> String {
+    const LENGTHS: [Subject; 2] = [Subject::FootLength, Subject::FootBreadth];
+    let of_leg = |side: &Side| LENGTHS.map(|subject| Length::of(record, *side, subject));
+    let feet: Vec<_> = sides.iter().map(of_leg).collect();
+    if feet.iter().flatten().all(|length| *length == Err(Absent::NotFound)) {
         return String::new();
     }
-    let pair = |[length, breadth]: [String; 2]| format!("{length:>CELL$}{breadth:>CELL$}");
-    let cells = |leg: &&LegFigures| match &leg.foot {
-        Some(foot) => pair([foot.length_mm, foot.breadth_mm].map(cm)),
-        None => pair([NOTHING, NOTHING].map(str::to_owned)),
+    let cell = |length: &Result<Length, Absent>| match length {
+        Ok(Length { mm, is_by_hand: true, .. }) => format!("{}{}", Mark::ByHand.sign(), cm(*mm)),
+        Ok(length) => cm(length.mm),
+        Err(_) => NOTHING.to_owned(),
     };
-    let cells: String = legs.iter().map(cells).collect();
-    let heads = pair(["length cm", "breadth cm"].map(str::to_owned)).repeat(legs.len());
+    let cells: String =
+        feet.iter().flatten().map(|length| format!("{:>CELL$}", cell(length))).collect();
+    let heads = format!("{:>CELL$}{:>CELL$}", "length cm", "breadth cm").repeat(sides.len());
     format!("  {:NAME$}{heads}\n  {:<NAME$}{cells}\n", "", "foot")
 }
 
+/// What people set in place of the scan's figures, a line for each measure.
+fn by_hand(record: &Record, columns: usize) -> String {
+    let lines = Content::by_hand(record, Language::En);
+    lines.iter().map(|line| indented(line, "  ", columns)).collect()
+}
+
 /// Girth and height of one level of one leg, with their uncertainties.
-fn cells(measure: &Option<Measure<'_>>) -> String {
-    let Some(measure) = measure else {
-        return format!("{:>1$}", Language::En.text("report.missing.level_absent"), 2 * CELL);
+fn cells(measure: &Result<Measure<'_>, Absent>) -> String {
+    let measure = match measure {
+        Ok(measure) => measure,
+        Err(absent) => return format!("{:>1$}", absent.words(Language::En), 2 * CELL),
     };
-    let figure = |length: Length| format!("{}{}", measure.mark().sign(), with_margin(length));
+    let figure =
+        |length: Length| format!("{}{}", measure.mark_of(length).sign(), with_margin(length));
     let height = measure.height.map_or(NOTHING.to_owned(), figure);
     format!("{:>CELL$}{height:>CELL$}", figure(measure.girth))
 }
@@ -132,7 +149,7 @@ fn at_cells(at: Option<&AtFigures>) -> String {
         return format!("{:>1$}", Language::En.text("report.missing.level_absent"), 2 * CELL);
     };
     let mark = if at.doubts.is_empty() { Mark::Sure } else { Mark::Doubtful };
-    let girth = with_margin(Length { mm: girth_mm, sd_mm: at.girth_sd_mm });
+    let girth = with_margin(Length::scanned(girth_mm, at.girth_sd_mm));
     format!("{:>CELL$}{:>CELL$}", format!("{}{girth}", mark.sign()), cm(at.height_mm))
 }
 
@@ -171,7 +188,7 @@ fn told(group: &[&FindingNote]) -> Option<String> {
 }
 
 /// A length in cm with its uncertainty, as in the report.
-fn with_margin(Length { mm, sd_mm }: Length) -> String {
+fn with_margin(Length { mm, sd_mm, .. }: Length) -> String {
     let margin = sd_mm.map_or(String::new(), |sd_mm| format!(" ±{:.1}", cm_margin(sd_mm)));
     format!("{}{margin}", cm(mm))
 }

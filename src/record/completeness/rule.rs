@@ -3,7 +3,9 @@
 use super::{Again, Check, Completeness, Item};
 use crate::leg::{Level, Side};
 use crate::record::garment::Garment;
-use crate::record::schema::{FindingNote, LegFigures, NOT_VOUCHED, Record};
+use crate::record::measure::amendment::Subject;
+use crate::record::measure::{Absent, Length, Measure};
+use crate::record::schema::{FindingNote, NOT_VOUCHED, Record};
 
 /// A leg that was sought and could not be measured.
 const LEG_NOT_MEASURED: &str = "leg-not-measured";
@@ -15,18 +17,19 @@ impl Completeness {
     /// What a record holds for an order of this garment.
     pub fn of(record: &Record, garment: Garment) -> Completeness {
         let needs = Needs { record, garment };
-        let mut again: Vec<Again> =
-            record.findings.iter().filter_map(|finding| needs.again(finding)).collect();
-        let legs = record.legs.iter();
-        again.extend(legs.flat_map(|leg| needs.doubts(leg)).filter_map(again_for_doubt));
-        again.extend(record.legs.is_empty().then_some(Again::WholeLegs));
+        let mut again: Vec<Again> = match needs.has_all_by_hand() {
+            true => Vec::new(),
+            false => needs.all_again(),
+        };
         again.sort_unstable();
         again.dedup();
         let mut checks: Vec<Check> = record.findings.iter().filter_map(check).collect();
         checks.sort_unstable();
         checks.dedup();
-        let by_hand = Side::FROM_FRONT.map(|side| needs.by_hand(side));
-        Completeness { garment, again, by_hand, checks }
+        let by_hand = Side::FROM_FRONT.map(|side| needs.in_state(side, State::Open));
+        let not_measurable =
+            Side::FROM_FRONT.map(|side| needs.in_state(side, State::NotMeasurable));
+        Completeness { garment, again, by_hand, not_measurable, checks }
     }
 }
 
@@ -36,30 +39,111 @@ struct Needs<'a> {
     garment: Garment,
 }
 
+/// How far a measure that is needed has come.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    /// The scan gives it without a doubt that matters.
+    Scanned,
+    /// A person set it.
+    ByHand,
+    /// A person noted that it cannot be measured.
+    NotMeasurable,
+    /// It is to be measured by hand.
+    Open,
+}
+
 impl Needs<'_> {
-    /// What is to be measured by hand on a leg. A leg that is not in the scan at all is not asked for.
-    fn by_hand(&self, side: Side) -> Vec<Item> {
-        let Some(leg) = self.record.leg(side) else { return Vec::new() };
-        let levels = self.garment.levels().iter().filter(|level| !is_sure(leg, **level));
-        let inside_leg =
-            (self.garment.needs_inside_leg() && !self.is_crotch_sure()).then_some(Item::InsideLeg);
-        let foot = leg.foot.is_none().then_some(Item::Foot);
-        inside_leg.into_iter().chain(levels.map(|level| Item::Level(*level))).chain(foot).collect()
+    /// What the garment needs of a leg, highest first. A leg that is not in the record at all is not asked
+    /// for.
+    fn items(&self, side: Side) -> Vec<Item> {
+        if !self.record.sides().any(|known| known == side) {
+            return Vec::new();
+        }
+        let inside_leg = self.garment.needs_inside_leg().then_some(Item::InsideLeg);
+        let levels = self.garment.levels().iter().map(|level| Item::Level(*level));
+        inside_leg.into_iter().chain(levels).chain([Item::Foot]).collect()
     }
 
-    fn is_crotch_sure(&self) -> bool {
-        let is_doubted = self.record.has_finding("crotch-uncertain");
-        self.record.body.crotch_height_mm.is_some() && !is_doubted
+    fn in_state(&self, side: Side, state: State) -> Vec<Item> {
+        let items = self.items(side).into_iter();
+        items.filter(|item| self.state(side, *item) == state).collect()
+    }
+
+    fn state(&self, side: Side, item: Item) -> State {
+        match item {
+            Item::Level(level) => self.level_state(side, level),
+            Item::Foot => self.length_state(side, Subject::FootLength, true),
+            Item::InsideLeg => {
+                let is_sure = !self.record.has_finding("crotch-uncertain");
+                self.length_state(side, Subject::InsideLeg, is_sure)
+            }
+        }
+    }
+
+    fn level_state(&self, side: Side, level: Level) -> State {
+        match Measure::of(self.record, side, level) {
+            Err(Absent::NotMeasurable) => State::NotMeasurable,
+            Err(Absent::NotFound) => State::Open,
+            Ok(of) if of.is_estimate || of.doubts.iter().any(|doubt| *doubt != HARMLESS) => {
+                State::Open
+            }
+            Ok(of) => of.by_hand.map_or(State::Scanned, |_| State::ByHand),
+        }
+    }
+
+    /// The state of a length of foot or inside leg.
+    fn length_state(&self, side: Side, subject: Subject, is_scan_sure: bool) -> State {
+        match Length::of(self.record, side, subject) {
+            Err(Absent::NotMeasurable) => State::NotMeasurable,
+            Err(Absent::NotFound) => State::Open,
+            Ok(length) if length.is_by_hand => State::ByHand,
+            Ok(_) if is_scan_sure => State::Scanned,
+            Ok(_) => State::Open,
+        }
+    }
+
+    /// Whether people settled every level that the garment needs on every leg of the record: then nothing
+    /// depends on the scan any more.
+    fn has_all_by_hand(&self) -> bool {
+        let mut sides = self.record.sides().peekable();
+        let is_settled = |side: Side| {
+            let mut levels = self.garment.levels().iter();
+            levels.all(|level| self.is_settled(side, *level))
+        };
+        sides.peek().is_some() && sides.all(is_settled)
+    }
+
+    /// Whether a person set a level, or noted that it cannot be measured.
+    fn is_settled(&self, side: Side, level: Level) -> bool {
+        matches!(self.level_state(side, level), State::ByHand | State::NotMeasurable)
+    }
+
+    /// What another scan must do better.
+    fn all_again(&self) -> Vec<Again> {
+        let findings = self.record.findings.iter().filter_map(|finding| self.again(finding));
+        let doubts = self.record.sides().flat_map(|side| self.doubts(side));
+        let doubts = doubts.filter_map(again_for_doubt);
+        let no_leg = self.record.legs.is_empty().then_some(Again::WholeLegs);
+        findings.chain(doubts).chain(no_leg).collect()
     }
 
     /// The doubts at the levels that the garment needs.
-    fn doubts<'l>(&self, leg: &'l LegFigures) -> Vec<&'l str> {
-        let of_level = |level: &Level| {
-            let found = leg.landmarks.get(level.name()).map(|of| &of.doubts);
-            found.or_else(|| leg.estimates.get(level.name()).map(|of| &of.doubts))
+    fn doubts(&self, side: Side) -> Vec<&str> {
+        let of_level = |level: &Level| match Measure::of(self.record, side, *level) {
+            Ok(Measure { doubts, by_hand: Some(_), .. }) => doubts,
+            Err(Absent::NotMeasurable) => Vec::new(),
+            // The doubts of an estimate that is not shown count, too: a bent knee may be below D.
+            _ => self.scanned_doubts(side, *level).unwrap_or_default(),
         };
-        let levels = self.garment.levels().iter().filter_map(of_level);
-        levels.flatten().map(String::as_str).collect()
+        self.garment.levels().iter().flat_map(of_level).collect()
+    }
+
+    /// The scan's doubts at a level that it found or estimated; `None` if it did neither.
+    fn scanned_doubts(&self, side: Side, level: Level) -> Option<Vec<&str>> {
+        let leg = self.record.leg(side)?;
+        let found = leg.landmarks.get(level.name()).map(|of| &of.doubts);
+        let doubts = found.or_else(|| leg.estimates.get(level.name()).map(|of| &of.doubts))?;
+        Some(doubts.iter().map(String::as_str).collect())
     }
 
     /// What another scan must do better because of a finding.
@@ -83,34 +167,37 @@ impl Needs<'_> {
         self.garment.levels().contains(&Level::F)
     }
 
+    /// Whether a finding is about a level that the garment needs and that no person has settled.
     fn is_needed(&self, finding: &FindingNote) -> bool {
-        let level = finding.level.as_deref();
-        self.garment.levels().iter().any(|needed| level == Some(needed.name()))
+        let levels = self.garment.levels().iter();
+        let level = levels.copied().find(|of| finding.level.as_deref() == Some(of.name()));
+        level.is_some_and(|level| side_of(finding).is_none_or(|side| !self.is_settled(side, level)))
     }
 
     /// Whether the leg of a finding has neither figures nor an estimate of a level that is needed.
     fn lacks_a_level(&self, finding: &FindingNote) -> bool {
-        let leg = self.record.legs.iter().find(|leg| finding.leg.as_deref() == Some(&leg.side));
-        leg.is_some_and(|leg| {
-            let mut names = self.garment.levels().iter().map(|level| level.name());
-            names.any(|name| !leg.landmarks.contains_key(name) && !leg.estimates.contains_key(name))
+        side_of(finding).is_some_and(|side| {
+            let mut levels = self.garment.levels().iter();
+            let is_missing = |level: &Level| {
+                self.scanned_doubts(side, *level).is_none() && !self.is_settled(side, *level)
+            };
+            self.record.leg(side).is_some() && levels.any(is_missing)
         })
     }
 
     /// Whether the skin of a thigh was not seen where a level is needed.
     fn is_thigh_doubted(&self) -> bool {
-        let is_doubted = |leg: &LegFigures| match leg.landmarks.get(Level::G.name()) {
-            Some(root) => root.doubts.iter().any(|doubt| doubt != HARMLESS),
-            None => true,
+        let is_doubted = |side: Side| match Measure::of(self.record, side, Level::G) {
+            Ok(root) if root.is_estimate => true,
+            Ok(root) => root.doubts.iter().any(|doubt| *doubt != HARMLESS),
+            Err(absent) => absent == Absent::NotFound,
         };
-        self.garment.levels().contains(&Level::G) && self.record.legs.iter().any(is_doubted)
+        self.garment.levels().contains(&Level::G) && self.record.sides().any(is_doubted)
     }
 }
 
-/// Whether a level was found on a leg, without a doubt that matters for an order.
-fn is_sure(leg: &LegFigures, level: Level) -> bool {
-    let found = leg.landmarks.get(level.name());
-    found.is_some_and(|found| found.doubts.iter().all(|doubt| doubt == HARMLESS))
+fn side_of(finding: &FindingNote) -> Option<Side> {
+    Side::BOTH.into_iter().find(|side| finding.leg.as_deref() == Some(side.word()))
 }
 
 /// What another scan must do better because of a doubt at a level that is needed.

@@ -22,7 +22,7 @@ impl Completeness {
                 .collect();
             said.push(language.filled("completeness.scan_again", &[("why", &why.join(", "))]));
         }
-        let legs = self.items_by_leg(language);
+        let legs = items_by_leg(&self.by_hand, language);
         if !legs.is_empty() {
             let key = if self.again.is_empty() {
                 "completeness.by_hand"
@@ -32,23 +32,28 @@ impl Completeness {
             let words: [(&str, &dyn Display); 2] = [("items", &legs), ("garment", &garment)];
             said.push(language.filled(key, &words));
         }
+        let not_measurable = items_by_leg(&self.not_measurable, language);
+        if !not_measurable.is_empty() {
+            let words: [(&str, &dyn Display); 1] = [("items", &not_measurable)];
+            said.push(language.filled("completeness.not_measurable", &words));
+        }
         let checks = self.checks.iter();
         said.extend(
             checks.map(|check| language.word("completeness.check", check.key()).to_owned()),
         );
         said
     }
+}
 
-    /// `right C, D · left D`; empty if nothing is to be measured by hand.
-    fn items_by_leg(&self, language: Language) -> String {
-        let of_leg = |(side, items): (Side, &Vec<Item>)| {
-            let names: Vec<&str> = items.iter().map(|item| item.name(language)).collect();
-            let leg = language.word("completeness.leg", side.word());
-            (!names.is_empty()).then(|| format!("{leg} {}", names.join(", ")))
-        };
-        let legs = Side::FROM_FRONT.into_iter().zip(&self.by_hand);
-        legs.filter_map(of_leg).collect::<Vec<_>>().join(" · ")
-    }
+/// `right C, D · left D`; empty if there are none.
+fn items_by_leg(of_legs: &[Vec<Item>; 2], language: Language) -> String {
+    let of_leg = |(side, items): (Side, &Vec<Item>)| {
+        let names: Vec<&str> = items.iter().map(|item| item.name(language)).collect();
+        let leg = language.word("completeness.leg", side.word());
+        (!names.is_empty()).then(|| format!("{leg} {}", names.join(", ")))
+    };
+    let legs = Side::FROM_FRONT.into_iter().zip(of_legs);
+    legs.filter_map(of_leg).collect::<Vec<_>>().join(" · ")
 }
 
 impl Item {

@@ -14,6 +14,7 @@ use crate::leg::{Level, Side};
 use crate::record::completeness::Completeness;
 use crate::record::garment::Garment;
 use crate::record::measure::Measure;
+use crate::record::report::Content;
 use crate::record::rounding::cm_words;
 use crate::record::schema::{FindingNote, Record};
 
@@ -66,11 +67,11 @@ pub fn result(
     let mut fields = header(rules, record);
     fields.push((3000, patient.id.clone()));
     fields.extend([(6200, date.clone()), (6201, time.clone()), (8402, rules.procedure.clone())]);
-    for (leg, side) in table::legs(record) {
+    for side in record.sides() {
         for level in Level::ALL.into_iter().rev() {
             // A number without its mark would be taken for a measured one, so estimates are only in the table.
-            let measured = Measure::of(leg, level).filter(|measure| !measure.is_estimate);
-            let Some(measure) = measured else { continue };
+            let measured = Measure::of(record, side, level).ok();
+            let Some(measure) = measured.filter(|measure| !measure.is_estimate) else { continue };
             let block = Block { level, side, measure, date: &date, time: &time, rules };
             block.write(&mut fields);
         }
@@ -108,8 +109,8 @@ struct Block<'a> {
 
 impl Block<'_> {
     fn write(&self, fields: &mut Fields) {
-        let Measure { girth, height, .. } = self.measure;
-        let figures = [("L", "Umfang", Some(girth)), ("H", "Höhe", height)];
+        let Measure { girth, height, doubts, .. } = &self.measure;
+        let figures = [("L", "Umfang", Some(girth)), ("H", "Höhe", height.as_ref())];
         let letter = match self.side {
             Side::Left => "L",
             Side::Right => "R",
@@ -126,10 +127,12 @@ impl Block<'_> {
                 (8432, self.date.to_owned()),
                 (8439, self.time.to_owned()),
             ]);
-            let doubts = self.measure.doubts.iter();
-            fields.extend(
-                doubts.map(|code| (8470, words::written(words::doubt(code), self.rules.charset))),
-            );
+            let remarks: Vec<&str> = match figure.is_by_hand {
+                true => vec![words::BY_HAND],
+                false => doubts.iter().map(|code| words::doubt(code)).collect(),
+            };
+            let written = |text: &str| words::written(text, self.rules.charset);
+            fields.extend(remarks.into_iter().map(|text| (8470, written(text))));
         }
     }
 }
@@ -146,17 +149,25 @@ fn verdict(record: &Record, garment: Garment, rules: &GdtRules) -> Vec<String> {
 fn comments(record: &Record, rules: &GdtRules) -> Vec<String> {
     let scan = record.scan.sha256.get(..8).unwrap_or_default();
     let mut lines = vec![format!("gaiter {}, Scan {scan}", record.made_by.gaiter)];
+    let set: Vec<String> = Content::by_hand(record, Language::De);
+    lines.extend(set.iter().flat_map(|line| comment(line, words::BY_HAND, rules)));
     for finding in record.findings.iter().filter(|finding| finding.severity != "info") {
         let place = place(finding);
         let german = finding.says.as_ref().and_then(|says| says.in_words(Language::De));
         let message = german.unwrap_or_else(|| finding.message.clone());
-        let comment = words::written(&format!("{place}{message}"), rules.charset);
-        let can_be_written =
-            wrapped(&comment).iter().all(|line| rules.charset.encode(line).is_ok());
-        let comment = if can_be_written { comment } else { format!("{place}{}", finding.code) };
-        lines.extend(wrapped(&comment));
+        let code = format!("{place}{}", finding.code);
+        lines.extend(comment(&format!("{place}{message}"), &code, rules));
     }
     lines
+}
+
+/// A comment in lines; what stands instead of it if the character set cannot write it.
+fn comment(text: &str, instead: &str, rules: &GdtRules) -> Vec<String> {
+    let lines = wrapped(&words::written(text, rules.charset));
+    match lines.iter().all(|line| rules.charset.encode(line).is_ok()) {
+        true => lines,
+        false => wrapped(instead),
+    }
 }
 
 /// The leg and level of a finding, before its message.

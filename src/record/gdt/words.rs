@@ -4,6 +4,9 @@ use super::charset::Charset;
 use crate::language::Language;
 use crate::leg::Side;
 
+/// The remark at a figure that a person set, and the meaning of its mark.
+pub(super) const BY_HAND: &str = "von Hand eingetragen";
+
 /// The side as it is written in names.
 pub(super) const fn side(side: Side) -> &'static str {
     match side {

@@ -3,6 +3,7 @@
 //! The patient's right leg always comes before the left one, as seen from the front. Levels are ordered
 //! from the highest to the lowest, as on a standing leg.
 
+mod by_hand;
 mod facts;
 mod landmarks;
 mod levels;
@@ -94,6 +95,8 @@ pub struct Levels {
     pub lengths: Vec<SheetRow>,
     /// The doubts about these figures, a line for each leg that has any.
     pub doubts: Vec<String>,
+    /// What people set in place of the scan's figures, a line for each measure.
+    pub by_hand: Vec<String>,
     /// Where a tape that is not held square reads another girth, a sentence for each such leg.
     pub tilted: Vec<String>,
 }
@@ -156,7 +159,7 @@ pub struct OpenFields {
 /// What is to be done before the patient dresses.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Verdict {
-    /// Which of the three it is.
+    /// What it is.
     pub kind: Kind,
     /// It in sentences, the most important first; at least one.
     pub sentences: Vec<String>,
@@ -277,6 +280,14 @@ impl Content {
             landmarks: report.landmarks(),
             pictures: report.picture_words(),
         }
+    }
+}
+
+impl Content {
+    /// What people set in place of the scan's figures, a line for each measure.
+    pub fn by_hand(record: &Record, language: Language) -> Vec<String> {
+        let completeness = Completeness::of(record, Garment::default());
+        Report { record, language, completeness: &completeness }.by_hand()
     }
 }
 

@@ -26,6 +26,8 @@ pub enum Mark {
     Doubtful,
     /// Estimated by a proportion of the body, not seen.
     Estimated,
+    /// A person set it.
+    ByHand,
     /// There is no figure; the words give the reason.
     Missing,
     /// A difference larger than its own uncertainty, both as shown.
@@ -38,6 +40,7 @@ impl Mark {
         match self {
             Mark::Estimated => "~",
             Mark::Doubtful => "?",
+            Mark::ByHand => "*",
             Mark::Sure | Mark::Missing | Mark::Real => "",
         }
     }

@@ -34,6 +34,7 @@ impl Custody {
             }
         }
         self.journal.take_back_unwanted()?;
+        self.journal.resume_amending()?;
         Ok(adopted)
     }
 

@@ -1,10 +1,13 @@
 //! Searches a store for records that a rebuilt journal does not know.
 
+use std::path::Path;
+
 use tracing::info;
 
 use crate::station::custody::{Custody, CustodyFault};
 use crate::station::journal::JournalError;
-use crate::store::{RecordStore, StoreFault};
+use crate::store::revision::stored::Stored;
+use crate::store::{FoundRecord, RecordStore, StoreFault, revision};
 
 /// Why a store was not searched completely.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +36,7 @@ pub fn search(custody: &Custody, store: &RecordStore) -> Result<(), SearchFault>
             true => against.push(record),
             false => custody.found(record, store.name())?,
         }
+        note_amended(custody, record)?;
     }
     for record in against {
         let stored = match custody.holds(&record.scan) {
@@ -50,4 +54,18 @@ pub fn search(custody: &Custody, store: &RecordStore) -> Result<(), SearchFault>
     custody.journal().searched(store.name())?;
     info!(event = "store-searched", store = store.name(), records = records.len());
     Ok(())
+}
+
+/// Notes that a record was amended: whether other stores were given the latest revision is not known any
+/// more.
+fn note_amended(custody: &Custody, record: &FoundRecord) -> Result<(), JournalError> {
+    let patient = record.patient.as_deref().unwrap_or_default();
+    let Some(folder) = custody.journal().record_folder(&record.scan, patient)? else {
+        return Ok(());
+    };
+    let folder = Path::new(&folder);
+    let latest = revision::latest(folder);
+    let is_amended = latest != folder
+        && Stored::in_folder(&latest).is_ok_and(|stored| !stored.record.amendments.is_empty());
+    if is_amended { custody.journal().found_amended(&record.scan, patient) } else { Ok(()) }
 }

@@ -12,7 +12,7 @@ use crate::flow::facts::{Alarm, StoreAttempt};
 use crate::flow::lifecycle::HANDED_OVER;
 use crate::flow::outbox::Ended;
 use crate::flow::{Facts, ScanState, light};
-use crate::record::RecordFile;
+use crate::record::{FIRST_REVISION, RecordFile};
 use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::custody::CustodyFault;
@@ -33,7 +33,7 @@ pub struct Ready {
 
 /// Why work did not finish.
 #[derive(Debug)]
-enum Setback {
+pub(super) enum Setback {
     /// It never will finish.
     Refused(Reason),
     /// Someone changed the record that was to be taken back; the misfit says how. It stays where it is
@@ -83,7 +83,7 @@ fn measured(booth: &Booth, due: &Due, threads: usize) -> Result<Ready, Setback> 
     }
 }
 
-fn row(core: &Core, due: &Due) -> Result<ScanRow, Setback> {
+pub(super) fn row(core: &Core, due: &Due) -> Result<ScanRow, Setback> {
     let row = core.custody.journal().scan(&due.scan)?;
     Ok(row.ok_or(JournalError::Unknown { what: "scan" })?)
 }
@@ -113,6 +113,7 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
                 scan: &due.scan,
                 patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
                 first_seen: row.first_seen,
+                revision: FIRST_REVISION,
                 files,
                 scan_file: &core.custody.spool().scan_file(&row.scan, &row.format),
                 ending: &row.format,
@@ -175,13 +176,13 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
     }
 }
 
-fn no_store(due: &Due) -> Setback {
+pub(super) fn no_store(due: &Due) -> Setback {
     let error = format!("the configuration no longer has a store \"{}\"", due.store);
     Setback::PutOff { code: "no-such-store", error }
 }
 
 /// Reports a setback and notes it.
-fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
+pub(super) fn set_back(booth: &Booth, due: &Due, setback: Setback) -> Ended {
     let core = booth.core();
     let scan = short(&due.scan);
     let custody_failed = |fault: CustodyFault| {
@@ -232,7 +233,7 @@ fn note_kept(facts: &mut Facts) {
 }
 
 /// Converts a store's fault. Its path holds the patient's id and stays out of logs and journal.
-fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
+pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
     let code = fault.code();
     match fault {
         StoreFault::Transient { what, source, .. } => {

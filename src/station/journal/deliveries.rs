@@ -1,5 +1,7 @@
 //! Deliveries in the journal.
 
+mod amended;
+
 use std::path::Path;
 
 use jiff::Timestamp;
@@ -24,10 +26,18 @@ impl Journal {
             "SELECT sha256, patient, sources, store, deliveries.state, first_seen, attempts,
                     deliveries.seal
              FROM deliveries JOIN scans USING (sha256)
-             WHERE deliveries.state IN (?1, ?2) ORDER BY first_seen DESC, sha256",
+             WHERE deliveries.state IN (?1, ?2)
+             UNION ALL
+             SELECT sha256, patient, sources, store, deliveries.state, first_seen, attempts,
+                    deliveries.seal
+             FROM deliveries INDEXED BY deliveries_amended JOIN scans USING (sha256)
+             WHERE amended = ?3 AND amended <> '' AND deliveries.state = ?4
+                   AND deliveries.code IS NULL
+             ORDER BY first_seen DESC, sha256",
         )?;
-        let words = [DeliveryState::Pending.word(), DeliveryState::Withdrawing.word()];
-        let mut rows = query.query(words)?;
+        let states = [DeliveryState::Pending, DeliveryState::Withdrawing, DeliveryState::Delivered];
+        let [pending, withdrawing, delivered] = states.map(DeliveryState::word);
+        let mut rows = query.query([pending, withdrawing, amended::DUE, delivered])?;
         let mut pending = Vec::new();
         while let Some(row) = rows.next()? {
             let (scan, id, sources): (String, String, String) =
@@ -40,6 +50,7 @@ impl Journal {
             let sources = cell("sources", sources, |text| serde_json::from_str(text).ok())?;
             let task = match cell("state", state, DeliveryState::of_word)? {
                 DeliveryState::Withdrawing => Task::Withdraw,
+                DeliveryState::Delivered => Task::HandOver,
                 _ => Task::Deliver,
             };
             pending.push(Due {
@@ -102,8 +113,11 @@ impl Journal {
     }
 
     /// Records an attempt that failed for a reason that may pass. A delivery that is no longer to be
-    /// made is left as it is: its code says why.
+    /// made, or was made before, is left as it is: its code says why.
     pub fn put_off(&self, due: &Due, code: &str, next_at: Timestamp) -> Result<(), JournalError> {
+        if due.task == Task::HandOver {
+            return Ok(());
+        }
         self.connection().execute(
             "UPDATE deliveries SET attempts = attempts + 1, code = ?5, next_at = ?4
              WHERE sha256 = ?1 AND patient = ?2 AND store = ?3

@@ -30,6 +30,8 @@ pub struct Due {
 pub enum Task {
     /// The record is to be put there.
     Deliver,
+    /// The record was put there and amended since: its latest revision is to be put there, too.
+    HandOver,
     /// The record there is to be withdrawn, because the scan's record is now where it belongs.
     Withdraw,
 }

@@ -62,6 +62,8 @@ pub enum Event {
     Rebuilt,
     /// Rows past their retention were removed; the chain continues from here.
     Pruned,
+    /// A person set measures of its record.
+    Amended,
     /// An operator gave it up: it needs no further decision.
     GivenUp,
     /// The same patient's next scan was delivered: it needs no further decision.
@@ -98,6 +100,7 @@ impl Event {
             Event::Resumed => "resumed",
             Event::Rebuilt => "rebuilt",
             Event::Pruned => "pruned",
+            Event::Amended => "amended",
             Event::GivenUp => "given-up",
             Event::Superseded => "superseded",
             Event::LetGo => "let-go",

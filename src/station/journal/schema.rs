@@ -14,7 +14,7 @@ pub(super) const KNOWN: i64 = STEPS.len() as i64;
 type Step = fn(&Transaction<'_>) -> Result<(), JournalError>;
 
 /// From an empty file to the current schema. A released step is never changed.
-const STEPS: [Step; 5] = [
+const STEPS: [Step; 6] = [
     |transaction| Ok(transaction.execute_batch(FIRST)?),
     |transaction| {
         transaction.execute_batch(SECOND)?;
@@ -27,6 +27,7 @@ const STEPS: [Step; 5] = [
         captures::upgrade(transaction)
     },
     |transaction| Ok(transaction.execute_batch(FIFTH)?),
+    |transaction| Ok(transaction.execute_batch(SIXTH)?),
 ];
 
 /// `patient` is '' if no patient was named. `sources` is JSON. `next_at` tells operators when the next
@@ -148,6 +149,12 @@ const FIFTH: &str = "
 ALTER TABLE scans ADD COLUMN incomplete INTEGER NOT NULL DEFAULT 0;
 CREATE INDEX scans_by_first_seen ON scans (first_seen);
 CREATE INDEX deliveries_by_patient ON deliveries (patient);
+";
+
+/// `amended` of a delivery that was made: whether a later revision is to be handed over; '' if not.
+const SIXTH: &str = "
+ALTER TABLE deliveries ADD COLUMN amended TEXT NOT NULL DEFAULT '';
+CREATE INDEX deliveries_amended ON deliveries (amended) WHERE amended <> '';
 ";
 
 /// The tables of the current schema.

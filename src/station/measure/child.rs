@@ -85,7 +85,7 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
         Ok((record, files)) => {
             let completeness = Completeness::of(&record, config.garment);
             let to_do = match completeness.kind() {
-                Kind::Complete => Vec::new(),
+                Kind::Complete | Kind::NotMeasurable => Vec::new(),
                 Kind::ByHand | Kind::ScanAgain => completeness.sentences(config.language),
             };
             Answer::Files { files, to_do }

@@ -1,21 +1,27 @@
 //! What an operator decides at a running station.
 
+mod amend;
+
 use jiff::Timestamp;
 use tracing::info;
 
 use crate::flow::capture::NamedNext;
 use crate::flow::{DeliveryState, ScanId};
+use crate::language::Language;
 use crate::record::SourceKind;
+use crate::record::measure::amendment::AmendFault;
 use crate::station::booth::{Booth, NameFault};
 use crate::station::core::Core;
 use crate::station::custody::{Acted, CustodyFault};
 use crate::station::event::short;
 use crate::station::journal::{JournalError, ScanRow};
 use crate::station::runtime::causes::chain;
+use crate::store::revision::amend as amend_record;
 use crate::store::{StoreFault, StoredScan};
+pub use amend::{Measured, Setting};
 
 /// A decision.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum Act {
     /// Try a refused scan again, and a waiting scan at once.
     Retry,
@@ -28,6 +34,8 @@ pub enum Act {
     Unassign(Option<String>),
     /// A scan that was refused, is held, or is stored without a patient needs no decision any more.
     GiveUp,
+    /// A person sets measures of the record of the patient with this id, or of the only one.
+    Amend(Option<String>, Setting),
     /// The next scan belongs to this patient.
     NameNext {
         /// The id.
@@ -80,6 +88,12 @@ pub enum ActFault {
     /// Another patient is named and must not be replaced.
     #[error("another patient is named and not scanned yet; nothing was changed")]
     AnotherNamed,
+    /// What is to be set is not possible.
+    #[error("nothing was set: {0}")]
+    NotSet(AmendFault),
+    /// The record cannot be amended now.
+    #[error("nothing was set: {}", chain(.0))]
+    NotAmended(amend_record::Fault),
     /// The scan already belongs to a patient.
     #[error("the scan already belongs to a patient; nothing was changed")]
     Somebodys,
@@ -105,10 +119,22 @@ impl ActFault {
             ActFault::NoBytes(_) => "bytes-gone",
             ActFault::NotAnId => "patient-id-not-allowed",
             ActFault::AnotherNamed => "another-is-named",
+            ActFault::NotSet(_) => "measure-not-possible",
+            ActFault::NotAmended(_) => "record-not-amended",
             ActFault::Somebodys => "scan-of-a-patient",
             ActFault::Custody(_) => "custody-failed",
             ActFault::Journal(_) => "journal-failed",
             ActFault::Store(_) => "store-unavailable",
+        }
+    }
+}
+
+impl ActFault {
+    /// The fault in a language, if it names figures; others are told by their code.
+    pub fn in_words(&self, language: Language) -> Option<String> {
+        match self {
+            ActFault::NotSet(fault) => Some(fault.in_words(language)),
+            _ => None,
         }
     }
 }
@@ -131,6 +157,9 @@ pub fn act(
         Act::Assign(id) => assign(core, known(core, scan)?, id),
         Act::Unassign(from) => unassign(core, known(core, scan)?, from.as_deref()),
         Act::GiveUp => give_up(core, known(core, scan)?),
+        Act::Amend(patient, setting) => {
+            amend::set(core, booth, &known(core, scan)?, patient.as_deref(), setting)
+        }
         Act::NameNext { id, by, replaces } => return name_next(booth, id, *by, *replaces),
         Act::CallOff => return call_off(booth),
     };

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::flow::ScanId;
-use crate::record::RecordFile;
+use crate::record::{FIRST_REVISION, RecordFile};
 use crate::store::StoredScan;
 use crate::store::sums::SumsFault;
 
@@ -40,6 +40,7 @@ impl Case {
             scan: &self.scan,
             patient: Some("4711"),
             first_seen,
+            revision: FIRST_REVISION,
             files: &self.files,
             scan_file: &self.scan_file,
             ending: "obj",

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::*;
-use crate::record::RecordFile;
 use crate::record::garment::Garment;
 use crate::record::gdt::{AttachmentFields, Charset, Reference};
+use crate::record::{FIRST_REVISION, RecordFile};
 use crate::store::sums;
 
 struct Case {
@@ -91,6 +91,7 @@ impl Case {
             scan: &scan,
             patient,
             first_seen: "2026-11-21T09:15:00Z".parse().unwrap(),
+            revision: FIRST_REVISION,
             files: &files(patient, &scan),
             scan_file: &self.scan_file(),
             ending: "obj",
@@ -194,7 +195,9 @@ fn after_the_last_number_comes_the_first_free_one() {
 #[test]
 fn half_a_staged_result_is_made_anew() {
     let case = Case::new(FIXED);
-    let staged = case.staging().join(format!("{}.staged", key(&sums::scan_id(b"a"), "4711")));
+    let staged = case
+        .staging()
+        .join(format!("{}.staged", key(&sums::scan_id(b"a"), "4711", FIRST_REVISION)));
     fs::write(&staged, "0138000").unwrap();
     assert!(!case.put(Some("4711"), b"a").unwrap().already_there);
     assert!(!staged.exists());
@@ -212,7 +215,9 @@ fn a_registered_result_that_is_still_staged_is_given_its_name() {
     let case = Case::new(FIXED);
     case.put(Some("4711"), b"a").unwrap();
     let [(name, message)] = case.fetch().try_into().unwrap();
-    let staged = case.staging().join(format!("{}.staged", key(&sums::scan_id(b"a"), "4711")));
+    let staged = case
+        .staging()
+        .join(format!("{}.staged", key(&sums::scan_id(b"a"), "4711", FIRST_REVISION)));
     fs::write(&staged, &message).unwrap();
     assert_eq!(case.store().records().unwrap(), [], "it was not handed over");
     assert!(!case.put(Some("4711"), b"a").unwrap().already_there);
@@ -284,6 +289,7 @@ fn what_is_nobody_s_or_another_s_is_not_handed_over() {
         scan: &scan,
         patient: Some("4711"),
         first_seen: Timestamp::UNIX_EPOCH,
+        revision: FIRST_REVISION,
         files: &files(Some("0815"), &scan),
         scan_file: &case.scan_file(),
         ending: "obj",
@@ -310,7 +316,7 @@ fn attachments_lie_there_before_the_result_and_are_told_as_the_practice_sees_the
         let files = vec!["legs.svg".into(), "not-there.pdf".into()];
         case.attach = Attach { files, folder: folder.into(), reference, root: root.into() };
         case.put(Some("4711"), b"a").unwrap();
-        let key = key(&sums::scan_id(b"a"), "4711");
+        let key = key(&sums::scan_id(b"a"), "4711", FIRST_REVISION);
         let file = case.exchange().join(folder).join(format!("{key}_legs.svg"));
         assert_eq!(fs::read(&file).unwrap(), b"<svg/>");
         let message = fs::read_to_string(case.exchange().join("PRAXLEGS.GDT")).unwrap();
@@ -335,7 +341,7 @@ fn no_file_or_folder_is_called_after_the_patient() {
 #[test]
 fn nothing_is_seen_of_a_result_that_could_not_be_registered() {
     let case = Case::new(FIXED);
-    let key = key(&sums::scan_id(b"a"), "4711");
+    let key = key(&sums::scan_id(b"a"), "4711", FIRST_REVISION);
     let hindrance = case.dir.path().join(format!("state/handed-over/.{key}.json"));
     fs::create_dir_all(&hindrance).unwrap();
     let store = case.store();

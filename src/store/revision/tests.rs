@@ -93,7 +93,10 @@ fn where_the_record_was_taken_back_meanwhile_no_revision_of_it_is_left() {
     // A station takes it back between the writing and the name.
     [A, A2].iter().for_each(|record| fs::remove_dir_all(store.at(record)).unwrap());
     let place = store.at("4711/20261121T091500Z_01234567_r3");
-    assert_eq!(family.publish(&staged, place).unwrap(), Added::Withdrawn);
+    assert_eq!(
+        publish(&staged, place, &store.at(A2), &store.at("4711")).unwrap(),
+        Added::Withdrawn
+    );
     assert_eq!(store.names("4711"), [".reextract.1.x"]);
     assert!(family.add(3, &files()).is_err(), "there is nobody whose it could be");
     assert_eq!(store.names("4711"), [".reextract.1.x"]);

@@ -4,9 +4,11 @@
 use super::plot::{LINE, TEXT, heading, kept_apart, lines};
 use super::views::{Drawn, From, View, extent, outlines, ring};
 use crate::language::Language;
-use crate::leg::Side;
+use crate::leg::{Level, Side};
 use crate::record::Record;
+use crate::record::measure::Measure;
 use crate::record::picture::{Anchor, Ink, Mark, Picture};
+use crate::record::report::Mark as HowToRead;
 use crate::record::rounding::cm_words;
 
 /// Width, px.
@@ -39,7 +41,7 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let mut marks = Vec::new();
     for leg in &legs {
         marks.extend(view.leg(leg));
-        marks.extend(girths(&view, leg, language));
+        marks.extend(girths(record, &view, leg, language));
     }
     marks.extend(view.below(&legs, language));
     let title = language.text("picture.sheet").to_owned();
@@ -47,14 +49,19 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
 }
 
 /// The girths of a leg beside it, each on a line to its level.
-fn girths(view: &View, leg: &Drawn, language: Language) -> Vec<Mark> {
+fn girths(record: &Record, view: &View, leg: &Drawn, language: Language) -> Vec<Mark> {
     let found: Vec<(String, [f64; 2])> = outlines(leg.leg)
         .filter_map(|(level, outline)| {
-            let girth = &leg.leg.landmarks.get(level)?;
+            let level = Level::ALL.into_iter().find(|known| known.name() == level)?;
+            let measure = Measure::of(record, leg.side, level).ok()?;
             let end = view.ends(&ring(leg.leg, outline)?)[usize::from(leg.side == Side::Left)];
-            let doubt = if girth.doubts.is_empty() { "" } else { " ?" };
-            let words = cm_words(girth.girth_tape_mm, language);
-            Some((format!("c{level} {words}{doubt}"), end))
+            let sign = match measure.mark() {
+                HowToRead::Doubtful => " ?",
+                HowToRead::ByHand => " *",
+                _ => "",
+            };
+            let words = cm_words(measure.girth.mm, language);
+            Some((format!("c{} {words}{sign}", level.name()), end))
         })
         .collect();
     let wished: Vec<f64> = found.iter().map(|(_, end)| end[1]).collect();

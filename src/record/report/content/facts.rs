@@ -33,7 +33,7 @@ impl Report<'_> {
 
     /// Date and time at the scanner in the format of the language; UTC, and marked so, if the record does
     /// not hold how the two differ.
-    fn local(&self, at: Timestamp) -> String {
+    pub(super) fn local(&self, at: Timestamp) -> String {
         let offset = self.record.acquired.as_ref().and_then(|acquired| acquired.utc_offset_min);
         let offset = offset.and_then(|min| Offset::from_seconds(i32::from(min) * 60).ok());
         let zone = offset.map_or(TimeZone::UTC, TimeZone::fixed);

@@ -3,10 +3,10 @@
 use super::super::words::short;
 use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
 use crate::leg::{Level, Side};
-use crate::record::measure::{Length, Measure};
+use crate::record::measure::amendment::Subject;
+use crate::record::measure::{Absent, Length, Measure, girth_mm_at};
 use crate::record::report::Mark;
 use crate::record::rounding::cm_words;
-use crate::record::schema::{FootFigures, LegFigures};
 
 impl Report<'_> {
     pub(super) fn levels(&self) -> Levels {
@@ -22,6 +22,7 @@ impl Report<'_> {
             rows: Level::ALL.into_iter().rev().map(|level| self.row(level)).collect(),
             lengths: self.lengths(),
             doubts: self.doubts_of_levels(),
+            by_hand: self.by_hand(),
             tilted: self.tilted(),
         }
     }
@@ -36,20 +37,30 @@ impl Report<'_> {
     }
 
     fn level(&self, side: Side, level: Level) -> LevelFigures {
-        let Some(leg) = self.record.leg(side) else {
-            return missing(self.no_leg(side).to_owned());
-        };
-        match Measure::of(leg, level) {
-            Some(measure) => self.measured(&measure),
-            None => missing(self.no_level(side, level)),
+        match Measure::of(self.record, side, level) {
+            Ok(measure) => self.measured(&measure),
+            Err(Absent::NotMeasurable) => missing(self.text("report.missing.not_measurable")),
+            Err(Absent::NotFound) if self.record.leg(side).is_none() => {
+                missing(self.no_leg(side).to_owned())
+            }
+            Err(Absent::NotFound) => missing(self.no_level(side, level)),
         }
     }
 
     fn measured(&self, measure: &Measure<'_>) -> LevelFigures {
-        let figure = |Length { mm, sd_mm }| Figure::cm(mm, sd_mm, measure.mark(), self.language);
+        let figure = |length: Length| self.length(length, measure.mark_of(length));
         LevelFigures {
             girth: figure(measure.girth),
             height: measure.height.map_or_else(|| Figure::plain(NO_HEIGHT), figure),
+        }
+    }
+
+    /// A length. What a person set has no uncertainty that is known here.
+    fn length(&self, Length { mm, sd_mm, is_by_hand }: Length, mark: Mark) -> Figure {
+        let figure = Figure::cm(mm, sd_mm, mark, self.language);
+        match is_by_hand {
+            true => Figure { margin: None, ..figure },
+            false => figure,
         }
     }
 
@@ -79,43 +90,44 @@ impl Report<'_> {
     fn girth_at_other_height(&self, side: Side, level: Level) -> Option<(f64, f64)> {
         let other = Side::FROM_FRONT.into_iter().find(|other| *other != side)?;
         let height_mm = self.record.leg(other)?.landmarks.get(level.name())?.height_mm;
-        Some((height_mm, girth_mm(self.record.leg(side)?, height_mm)?))
+        Some((height_mm, girth_mm_at(self.record.leg(side)?, height_mm)?))
     }
 
     /// Foot and inside leg, which have one figure a leg.
     fn lengths(&self) -> Vec<SheetRow> {
-        let foot = |key: &'static str, of: fn(&FootFigures) -> f64| SheetRow {
+        let row = |key: &'static str, subject: Subject| SheetRow {
             head: self.text(key),
-            figures: Side::FROM_FRONT.map(|side| self.foot(side, of)),
+            figures: Side::FROM_FRONT.map(|side| self.length_of(side, subject)),
         };
         vec![
-            foot("report.sheet.foot_length", |foot| foot.length_mm),
-            foot("report.sheet.foot_breadth", |foot| foot.breadth_mm),
-            self.inside_leg(),
+            row("report.sheet.foot_length", Subject::FootLength),
+            row("report.sheet.foot_breadth", Subject::FootBreadth),
+            row("report.sheet.inside_leg", Subject::InsideLeg),
         ]
     }
 
-    fn foot(&self, side: Side, of: fn(&FootFigures) -> f64) -> Figure {
-        match self.record.leg(side).map(|leg| leg.foot.as_ref()) {
-            Some(Some(foot)) => Figure::plain(cm_words(of(foot), self.language)),
-            Some(None) => Figure::missing(self.language.text("report.missing.foot_not_seen")),
-            None => Figure::missing(self.no_leg(side)),
-        }
-    }
-
-    /// The height of the crotch, which both legs share.
-    fn inside_leg(&self) -> SheetRow {
-        let body = &self.record.body;
-        let is_doubted = self.record.has_finding("crotch-uncertain");
-        let mark = if is_doubted { Mark::Doubtful } else { Mark::Sure };
-        let figure = |side: Side| match (self.record.leg(side), body.crotch_height_mm) {
-            (Some(_), Some(mm)) => Figure::cm(mm, body.crotch_sd_mm, mark, self.language),
-            (Some(_), None) => Figure::missing(self.language.text("report.missing.level_not_seen")),
-            (None, _) => Figure::missing(self.no_leg(side)),
-        };
-        SheetRow {
-            head: self.text("report.sheet.inside_leg"),
-            figures: Side::FROM_FRONT.map(figure),
+    fn length_of(&self, side: Side, subject: Subject) -> Figure {
+        let is_inside_leg = subject == Subject::InsideLeg;
+        let is_doubted = is_inside_leg && self.record.has_finding("crotch-uncertain");
+        match Length::of(self.record, side, subject) {
+            Ok(length) if length.is_by_hand => self.length(length, Mark::ByHand),
+            Ok(length) if is_inside_leg => {
+                self.length(length, if is_doubted { Mark::Doubtful } else { Mark::Sure })
+            }
+            // A foot's length has no standard error.
+            Ok(length) => Figure::plain(cm_words(length.mm, self.language)),
+            Err(Absent::NotMeasurable) => {
+                Figure::missing(self.language.text("report.missing.not_measurable"))
+            }
+            Err(Absent::NotFound) if self.record.leg(side).is_none() => {
+                Figure::missing(self.no_leg(side))
+            }
+            Err(Absent::NotFound) if is_inside_leg => {
+                Figure::missing(self.language.text("report.missing.level_not_seen"))
+            }
+            Err(Absent::NotFound) => {
+                Figure::missing(self.language.text("report.missing.foot_not_seen"))
+            }
         }
     }
 
@@ -123,10 +135,10 @@ impl Report<'_> {
     /// uncertain; C: skin partly not seen`.
     fn doubts_of_levels(&self) -> Vec<String> {
         let of_leg = |side: Side| {
-            let leg = self.record.leg(side)?;
             let of_level = |level: Level| {
-                let codes = Measure::of(leg, level)?.doubts.iter();
-                let words: Vec<String> = codes.map(|code| short(code, self.language)).collect();
+                let codes = Measure::of(self.record, side, level).ok()?.doubts;
+                let words: Vec<String> =
+                    codes.iter().map(|code| short(code, self.language)).collect();
                 (!words.is_empty()).then(|| format!("{}: {}", level.name(), words.join(", ")))
             };
             let levels: Vec<String> = Level::ALL.into_iter().rev().filter_map(of_level).collect();
@@ -139,22 +151,6 @@ impl Report<'_> {
 
 /// In the place of the height of a level on the foot, where the tape is not level.
 const NO_HEIGHT: &str = "–";
-
-/// The girth of a leg at a height, mm, between the two sections around it; `None` where one was not measured.
-fn girth_mm(leg: &LegFigures, height_mm: f64) -> Option<f64> {
-    let curve = &leg.girth_curve;
-    let measured: Vec<(f64, Option<f64>)> = curve
-        .height_mm
-        .iter()
-        .zip(&curve.tape_mm)
-        .filter_map(|(height_mm, tape_mm)| Some(((*height_mm)?, *tape_mm)))
-        .collect();
-    let around =
-        measured.windows(2).find(|pair| pair[0].0 <= height_mm && height_mm <= pair[1].0)?;
-    let [(low_mm, low), (high_mm, high)] = around.try_into().ok()?;
-    let share = if high_mm > low_mm { (height_mm - low_mm) / (high_mm - low_mm) } else { 0.0 };
-    Some(low? + share * (high? - low?))
-}
 
 fn missing(why: String) -> LevelFigures {
     let figure = || Figure::missing(&why);

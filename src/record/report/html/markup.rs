@@ -51,6 +51,7 @@ pub(super) fn figure(figure: &Figure) -> String {
         Mark::Sure => ("", "", ""),
         Mark::Doubtful => (" class=\"doubtful\"", "", "<span class=\"mark\"> ?</span>"),
         Mark::Estimated => (" class=\"estimated\"", "~", ""),
+        Mark::ByHand => (" class=\"set-by-hand\"", "", "<span class=\"mark\">&nbsp;*</span>"),
         Mark::Missing => (" class=\"missing\"", "", ""),
         Mark::Real => (" class=\"real\"", "", ""),
     };

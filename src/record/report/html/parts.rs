@@ -82,7 +82,7 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let head = groups.to_owned() + &element("thead", "", &head);
     let inside = head + &element("tbody", "", &(rows + &lengths));
     let table = wide("levels", &element("table", " class=\"levels\"", &inside));
-    let below = levels.doubts.iter().chain(&levels.tilted);
+    let below = levels.by_hand.iter().chain(&levels.doubts).chain(&levels.tilted);
     let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
     let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
         let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);
@@ -113,8 +113,12 @@ fn length(row: &SheetRow) -> String {
     let of_leg = |of: &Figure| {
         let class = if of.is_missing() { " class=\"missing\"" } else { "" };
         let margin = of.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
-        let doubt = if of.mark == Mark::Doubtful { " ?" } else { "" };
-        let shown = format!("{}{margin}{doubt}", of.value);
+        let sign = match of.mark {
+            Mark::Doubtful => " ?",
+            Mark::ByHand => "\u{a0}*",
+            _ => "",
+        };
+        let shown = format!("{}{margin}{sign}", of.value);
         words("td", &format!(" colspan=\"2\"{class}"), &shown) + BY_HAND
     };
     let cells: String = row.figures.iter().map(of_leg).collect();

@@ -54,7 +54,7 @@ pub(super) fn write(flow: &mut Flow<'_>, content: &Content, figures: &[Drawn]) {
 fn verdict(flow: &mut Flow<'_>, verdict: &Verdict) {
     let width = match verdict.kind {
         Kind::Complete => 0.7,
-        Kind::ByHand | Kind::ScanAgain => 2.0,
+        Kind::NotMeasurable | Kind::ByHand | Kind::ScanAgain => 2.0,
     };
     rule(flow, width);
     flow.space(3.0);
@@ -92,7 +92,7 @@ fn levels(flow: &mut Flow<'_>, levels: &Levels) {
     let table = Table { heads, rows, is_ruled: true };
     flow.heading(&levels.title, table.first_height());
     table.write(flow);
-    for below in levels.doubts.iter().chain(&levels.tilted) {
+    for below in levels.by_hand.iter().chain(&levels.doubts).chain(&levels.tilted) {
         flow.space(2.0);
         flow.text(below, StructRole::P, SMALL_TYPE, Ink::Text);
     }

@@ -44,6 +44,7 @@ pub(super) fn figure(figure: &Figure, letters: Type) -> Cell {
     let [before, behind] = match figure.mark {
         Mark::Estimated => ["~", ""],
         Mark::Doubtful => ["", " ?"],
+        Mark::ByHand => ["", " *"],
         Mark::Sure | Mark::Missing | Mark::Real => ["", ""],
     };
     let words = format!("{before}{}{margin}{behind}", figure.value);

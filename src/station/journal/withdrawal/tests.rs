@@ -168,6 +168,7 @@ impl World {
         let next = match due.task {
             Task::Deliver => self.deliver(&due, &stage, ok),
             Task::Withdraw => self.withdraw(&due, &stage, ok),
+            Task::HandOver => Err(Ended::ForGood),
         };
         match next {
             Ok(stage) => self.hand.push((due, stage)),

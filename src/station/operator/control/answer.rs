@@ -60,6 +60,10 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
             acted(desk, Some(scan), &Act::Unassign(patient.clone()))
         }
         Request::GiveUp { scan } => acted(desk, Some(scan), &Act::GiveUp),
+        Request::Amend { scan, patient, setting } => {
+            acted(desk, Some(scan), &Act::Amend(patient.clone(), setting.clone()))
+                .inspect(|_| desk.summaries.read_again())
+        }
         Request::NameNext { patient, replace } => {
             let (id, by) = (patient.clone(), SourceKind::Operator);
             acted(desk, None, &Act::NameNext { id, by, replaces: *replace })
@@ -147,7 +151,12 @@ fn page(desk: &Desk) -> Result<Answer, Fault> {
 /// Carries out an operator's decision.
 fn acted(desk: &Desk, digits: Option<&str>, decided: &Act) -> Result<Answer, Fault> {
     let scan = digits.map(|digits| named(desk, digits)).transpose()?;
-    Ok(Answer::Sentence(act(&desk.core, &desk.booth, scan.as_ref(), decided)?))
+    let acted = act(&desk.core, &desk.booth, scan.as_ref(), decided);
+    let language = desk.core.config.language;
+    acted.map(Answer::Sentence).map_err(|fault| {
+        let local = fault.in_words(language);
+        Fault { local, ..Fault::from(fault) }
+    })
 }
 
 /// Hears an order that a client hands in.
@@ -224,8 +233,10 @@ impl From<ActFault> for Fault {
             | ActFault::Several(_)
             | ActFault::NotAnId
             | ActFault::AnotherNamed
+            | ActFault::NotSet(_)
             | ActFault::Somebodys => FaultKind::Request,
             ActFault::NoBytes(_)
+            | ActFault::NotAmended(_)
             | ActFault::Custody(_)
             | ActFault::Journal(_)
             | ActFault::Store(_) => FaultKind::Failed,

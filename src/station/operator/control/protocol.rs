@@ -12,6 +12,7 @@ use crate::flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFac
 use crate::flow::health::Complaint;
 use crate::record::phantom::LastCheck;
 use crate::station::booth::BoothState;
+use crate::station::operator::act::Setting;
 
 /// The longest request, bytes: a path and a patient's id fit many times over.
 pub const REQUEST_MOST: u64 = 64 * 1024;
@@ -23,7 +24,7 @@ pub const LIST_MOST: u32 = 1000;
 pub const DIGITS_LEAST: usize = 4;
 
 /// A request to the station.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", tag = "ask")]
 pub enum Request {
     /// The station's status.
@@ -80,6 +81,17 @@ pub enum Request {
         /// The beginning of its id.
         scan: String,
     },
+    /// A person sets measures of a record.
+    Amend {
+        /// The beginning of the scan's id.
+        scan: String,
+        /// The patient's id; needed if the scan belongs to more than one.
+        #[serde(default)]
+        patient: Option<String>,
+        /// What is set, why, and by whom.
+        #[serde(flatten)]
+        setting: Setting,
+    },
     /// The next scan belongs to this patient.
     NameNext {
         /// The patient's id.
@@ -133,6 +145,9 @@ pub struct Fault {
     pub code: String,
     /// Message for people.
     pub message: String,
+    /// The same in the station's language, if it names figures.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub local: Option<String>,
     /// Whose fault it is.
     pub kind: FaultKind,
 }
@@ -312,7 +327,7 @@ pub struct AlarmStatus {
 impl Fault {
     /// Creates a fault with this code.
     pub fn new(kind: FaultKind, code: &str, message: impl Into<String>) -> Fault {
-        Fault { code: code.to_owned(), message: message.into(), kind }
+        Fault { code: code.to_owned(), message: message.into(), local: None, kind }
     }
 }
 

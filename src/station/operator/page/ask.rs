@@ -92,6 +92,7 @@ fn verb(request: &protocol::Request) -> Option<&'static str> {
         Request::Assign { .. } => Some("assign"),
         Request::Unassign { .. } => Some("unassign"),
         Request::GiveUp { .. } => Some("give_up"),
+        Request::Amend { .. } => Some("amend"),
         Request::NameNext { .. } => Some("name_next"),
         Request::CallOff => Some("call_off"),
         Request::Pause => Some("pause"),
@@ -115,7 +116,8 @@ fn said(answered: Answer, verb: &str, language: Language) -> Response {
                 FaultKind::Unknown => StatusCode::NOT_FOUND,
                 FaultKind::Failed => StatusCode::SERVICE_UNAVAILABLE,
             };
-            let sentence = of_fault(&fault.code, language).unwrap_or(&fault.message);
+            let of_code = || of_fault(&fault.code, language).unwrap_or(&fault.message);
+            let sentence = fault.local.as_deref().unwrap_or_else(of_code);
             refused(status, &fault.code, sentence)
         }
         _ => {

@@ -18,6 +18,7 @@ const KIOSK: &str = include_str!("../web/kiosk.html");
 const STYLE: &str = include_str!("../web/page.css");
 const SCRIPT: &str = concat!(
     include_str!("../web/decide.js"),
+    include_str!("../web/amend.js"),
     include_str!("../web/search.js"),
     include_str!("../web/page.js")
 );

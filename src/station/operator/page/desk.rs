@@ -27,7 +27,7 @@ pub struct Desk {
     /// The previews of held scans.
     pub previews: Arc<Previews>,
     pub(super) feed: Feed,
-    pub(super) summaries: Summaries,
+    pub(in crate::station::operator) summaries: Summaries,
     pub(super) readers: Arc<Semaphore>,
     token: OnceLock<Token>,
     local: OnceLock<SocketAddr>,

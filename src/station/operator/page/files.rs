@@ -39,6 +39,13 @@ pub struct Row {
     of: Option<String>,
 }
 
+impl Row {
+    /// The key of the row; `None` for the only one.
+    pub fn key(&self) -> Option<&str> {
+        self.of.as_deref().filter(|key| !key.is_empty())
+    }
+}
+
 /// `/scan/ID/FILE?of=KEY`: 404 for a missing file, 403 for a reader who may not see whose scan it is, 409 for a
 /// file that was changed since the record was made.
 pub async fn file(
@@ -62,8 +69,7 @@ pub async fn file(
     let (of, named) = (scan.clone(), name.clone());
     let opened = spawn_blocking(move || {
         let _reader = reader;
-        let key = row.of.filter(|key| !key.is_empty());
-        let row = snapshot::row(&endpoint.desk, &of, key.as_deref()).ok_or(NotServed::Absent)?;
+        let row = snapshot::row(&endpoint.desk, &of, row.key()).ok_or(NotServed::Absent)?;
         let folder = snapshot::folder(&endpoint.desk, &row).ok_or(NotServed::Absent)?;
         open(&revision::latest(&folder), &named)
     });

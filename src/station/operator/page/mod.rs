@@ -43,6 +43,7 @@ pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
         .route("/stream", get(stream::stream))
         .route("/scans", get(search::scans))
         .route("/scan/{scan}", get(search::one))
+        .route("/scan/{scan}/measures", get(search::measures))
         .route("/scan/{scan}/{file}", get(files::file))
         .merge(assets::routes(endpoint));
     let routes = match endpoint.way {

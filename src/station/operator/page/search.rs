@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use tokio::task::spawn_blocking;
 
 use super::endpoint::HttpEndpoint;
+use super::files::Row;
 use super::{assets, snapshot};
 use crate::flow::ScanId;
 use crate::flow::account::{Search, SearchState};
@@ -78,6 +79,27 @@ pub async fn one(
         snapshot::one(&endpoint.desk, &scan)
     });
     answer(rows.await.ok())
+}
+
+/// `/scan/ID/measures?of=KEY`: every measure of the record, for a person who sets some of them.
+pub async fn measures(
+    State(endpoint): State<Arc<HttpEndpoint>>,
+    Asked(scan): Asked<String>,
+    Query(row): Query<Row>,
+    headers: HeaderMap,
+) -> Response {
+    let Ok(scan) = ScanId::parse(&scan) else { return StatusCode::NOT_FOUND.into_response() };
+    if !endpoint.shows_ids(&headers, None) {
+        return StatusCode::FORBIDDEN.into_response();
+    }
+    let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
+        return StatusCode::SERVICE_UNAVAILABLE.into_response();
+    };
+    let sheet = spawn_blocking(move || {
+        let _reader = reader;
+        snapshot::sheet(&endpoint.desk, &scan, row.key())
+    });
+    answer(sheet.await.ok())
 }
 
 fn answer(of: Option<impl Serialize>) -> Response {

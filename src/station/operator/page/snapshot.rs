@@ -7,6 +7,7 @@ use super::{assets, summaries};
 use crate::flow::ScanId;
 use crate::flow::account::{Search, Whole};
 use crate::flow::page::{self, Known, ScanShown, Shown, Told};
+use crate::record::SheetLine;
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::JournalError;
 use crate::station::overview::Overview;
@@ -103,6 +104,13 @@ pub fn one(desk: &Desk, scan: &ScanId) -> Vec<ScanShown> {
     };
     let rows = rows(desk, Ok(vec![scan.clone()]));
     rows.iter().map(|row| shown(desk, row, told(row).unwrap_or_default())).collect()
+}
+
+/// Every measure of the record of a scan's row with this key. Blocks as long as the store does.
+pub fn sheet(desk: &Desk, scan: &ScanId, key: Option<&str>) -> Vec<SheetLine> {
+    let folder = row(desk, scan, key).and_then(|row| folder(desk, &row));
+    let language = desk.core.config.language;
+    folder.map(|folder| summaries::sheet(&folder, language)).unwrap_or_default()
 }
 
 /// The row of a scan with this key; without a key, its only row.

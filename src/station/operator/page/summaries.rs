@@ -12,7 +12,7 @@ use crate::flow::page::Told;
 use crate::flow::page::files::in_order;
 use crate::language::Language;
 use crate::record::garment::Garment;
-use crate::record::{Record, RecordSummary};
+use crate::record::{self, Record, RecordSummary, SheetLine};
 use crate::store::{revision, sums};
 
 /// A summary is read again after this time: a report may have been made since.
@@ -42,6 +42,8 @@ struct Known {
     folder: PathBuf,
     told: Told,
     at: Duration,
+    /// The record was amended since.
+    is_old: bool,
 }
 
 impl Summaries {
@@ -50,6 +52,12 @@ impl Summaries {
         let inner = self.inner();
         let known = inner.known.get(scan).filter(|known| known.folder == folder);
         known.map(|known| known.told.clone())
+    }
+
+    /// Has every record read again: a person has just amended one.
+    pub fn read_again(&self) {
+        let mut inner = self.inner();
+        inner.known.values_mut().for_each(|known| known.is_old = true);
     }
 
     /// Grows whenever what is known changes.
@@ -71,7 +79,7 @@ impl Summaries {
         let is_due = |(scan, folder): &(String, PathBuf)| {
             inner.known.get(scan).is_none_or(|known| {
                 let lasts = if known.told.measures.is_some() { FRESH } else { AGAIN };
-                known.folder != *folder || now.saturating_sub(known.at) > lasts
+                known.is_old || known.folder != *folder || now.saturating_sub(known.at) > lasts
             })
         };
         let due: Vec<(String, PathBuf)> = records.into_iter().filter(is_due).collect();
@@ -91,7 +99,7 @@ impl Summaries {
         if before != Some(&told) {
             inner.edition += 1;
         }
-        inner.known.insert(scan, Known { folder, told, at: now });
+        inner.known.insert(scan, Known { folder, told, at: now, is_old: false });
     }
 }
 
@@ -104,6 +112,13 @@ pub fn read(folder: &Path, language: Language, garment: Garment) -> Told {
         files: names(&folder),
         unmeasured: None,
     }
+}
+
+/// Every measure of the record in this folder, or of its latest revision; empty if it cannot be read. Blocks
+/// as long as the store does.
+pub fn sheet(folder: &Path, language: Language) -> Vec<SheetLine> {
+    let record = record(&revision::latest(folder).join("record.json"));
+    record.map(|record| record::sheet(&record, language)).unwrap_or_default()
 }
 
 /// The names of the files of a record or preview, in the order in which the page shows them.

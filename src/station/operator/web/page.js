@@ -87,7 +87,8 @@ function cell(figures, name) {
   const kind = name === "girth_cm" ? "girth" : undefined;
   if (!figures) return make("td", { class: kind, "aria-label": label("not_found") }, "–");
   const doubt = figures.is_doubted && kind ? make("abbr", { title: label("doubted") }, "?") : null;
-  return make("td", { class: kind }, figures[name], doubt);
+  const hand = figures.is_by_hand && kind ? make("abbr", { title: label("by_hand") }, "*") : null;
+  return make("td", { class: kind }, figures[name], doubt, hand);
 }
 
 function measures(of) {
@@ -111,7 +112,7 @@ function about(scan, canAct, ...more) {
   const offered = [...scan.candidates.map((of) => candidate(scan, of)), ...(scan.again ? [scanAgain(scan, scan.again)] : [])];
   const isMain = (key, at) => at === 0 && !["give_up", "unassign", "leave"].includes(key) && offered.length === 0;
   const buttons = canAct
-    ? [...offered, ...scan.acts.map((key, at) => act(key, scan, isMain(key, at)))]
+    ? [...offered, ...scan.acts.map((key, at) => act(key, scan, isMain(key, at))), canAmend(scan) ? amendButton(scan) : null].filter(Boolean)
     : [];
   return [
     make("h3", {}, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
@@ -362,6 +363,7 @@ if (isKiosk) window.addEventListener("resize", fit);
 window.addEventListener("hashchange", () => { if (takeToken()) begin(); });
 if (!isKiosk) {
   beginSearch();
+  $("amend_no").addEventListener("click", () => $("amend").close());
   $("question_no").addEventListener("click", () => $("question").close());
   $("viewer_no").addEventListener("click", () => $("viewer").close());
   $("viewer").addEventListener("close", () => {

@@ -3,8 +3,8 @@
 use std::fs::File;
 use std::io::{self, Read};
 
-use super::args::OrderArgs;
-use super::{Exit, ask, complain, shown};
+use crate::cli::args::OrderArgs;
+use crate::cli::{Exit, ask, complain, shown};
 use crate::record::gdt::order::ORDER_MOST;
 use crate::station::operator::control::protocol::Request;
 

@@ -1,0 +1,138 @@
+//! `gaiter amend`: a person sets a measure of a record, at the running station or in a folder.
+
+use std::path::{Path, PathBuf};
+
+use jiff::Timestamp;
+use serde_json::json;
+
+use super::with_patient;
+use crate::cli::args::{AmendArgs, Named};
+use crate::cli::terminal::paint;
+use crate::cli::terminal::screen;
+use crate::cli::terminal::table;
+use crate::cli::{Exit, ask, complain, explain_config, print, shown};
+use crate::config::{self, ConfigError};
+use crate::record::ReportChoice;
+use crate::record::measure::amendment::Deed;
+use crate::record::rounding;
+use crate::station::operator::act::{Measured, Setting};
+use crate::station::operator::control::protocol::Request;
+use crate::station::runtime::causes::chain;
+use crate::store::revision::amend::{Amended, Fault, amend as amend_record};
+
+/// Sets the measure.
+pub fn amend(args: &AmendArgs) -> Exit {
+    let setting = Setting {
+        measures: vec![measured(args)],
+        reason: args.reason.clone(),
+        by: args.by.clone(),
+    };
+    match Named::of(&args.record) {
+        Named::Scan(scan) => {
+            let request = |patient| Request::Amend { scan, patient, setting };
+            match args.of {
+                true => with_patient(&args.ask, |patient| request(Some(patient))),
+                false => ask::sentence(&args.ask, &request(None)),
+            }
+        }
+        Named::File(path) => in_folder(args, &path, &setting),
+    }
+}
+
+/// What the command line sets.
+fn measured(args: &AmendArgs) -> Measured {
+    // As in the record: to a thousandth of a millimetre.
+    let mm = |cm: Option<f64>| cm.map(|cm| rounding::mm(cm * 10.0));
+    let is = match (args.not_measurable, args.take_back) {
+        (true, _) => Deed::NotMeasurable,
+        (_, true) => Deed::TakenBack,
+        _ => Deed::Measured,
+    };
+    Measured {
+        leg: args.leg.word().to_owned(),
+        measure: args.measure.word().to_owned(),
+        is,
+        girth_mm: mm(args.girth_cm),
+        height_mm: mm(args.height_cm),
+        length_mm: mm(args.length_cm),
+    }
+}
+
+/// Amends the record in a folder, without a station.
+fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Exit {
+    let choice = match choice(&args.ask.config) {
+        Ok(choice) => choice,
+        Err(error) => return explain_config(&error),
+    };
+    // The record's own file names its folder, too.
+    let folder = if path.is_file() { path.parent().unwrap_or(path) } else { path };
+    match amend_record(folder, &setting.amendments(Timestamp::now()), &choice) {
+        Ok(amended) => told(args, &amended, &choice),
+        Err(fault) => refused(args, path, &fault),
+    }
+}
+
+/// Language, garment and paper as the station has them; the defaults on a machine without a station.
+fn choice(config: &PathBuf) -> Result<ReportChoice, ConfigError> {
+    match config::read(config) {
+        Ok(config) => Ok(ReportChoice {
+            language: config.language,
+            garment: config.garment,
+            print: config.print,
+            ..ReportChoice::default()
+        }),
+        Err(ConfigError::Unreadable { source, .. })
+            if source.kind() == std::io::ErrorKind::NotFound
+                && *config == crate::cli::args::usual_config() =>
+        {
+            Ok(ReportChoice::default())
+        }
+        Err(error) => Err(error),
+    }
+}
+
+fn told(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {
+    let Amended { folder, record } = amended;
+    let text = match args.ask.json {
+        true => {
+            let folder = folder.display().to_string();
+            format!("{}\n", json!({ "folder": folder, "revision": record.revision }))
+        }
+        false => {
+            let table = table::of(record, choice.garment, screen::columns());
+            format!("{}\n{table}\n", shown(folder.display()))
+        }
+    };
+    match paint::print(text) {
+        Ok(()) => Exit::Done,
+        Err(error) => {
+            complain(format_args!("gaiter: the record is amended, but: {error}"));
+            Exit::Io
+        }
+    }
+}
+
+fn refused(args: &AmendArgs, path: &Path, fault: &Fault) -> Exit {
+    let (code, exit) = match fault {
+        Fault::NoRecord => ("no-record", Exit::NoFile),
+        Fault::Io(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            ("no-record", Exit::NoFile)
+        }
+        Fault::Amend(_) => ("measure-not-possible", Exit::Usage),
+        Fault::Stored(fault) => (fault.code(), Exit::Unmeasurable),
+        Fault::OtherVersion(_) | Fault::Withdrawn | Fault::Meanwhile => {
+            ("record-not-amended", Exit::Unmeasurable)
+        }
+        Fault::Files(_) => ("record-not-written", Exit::Internal),
+        Fault::Unlisted(_) | Fault::Io(_) => ("record-io", Exit::Io),
+    };
+    let said = format!("{}: nothing was set: {}", shown(path.display()), shown(chain(fault)));
+    if args.ask.json {
+        let fault = json!({ "fault": { "code": code, "message": said, "exit": exit.code() } });
+        // If printing fails, the exit code still tells the caller.
+        let _ = print(format_args!("{fault:#}\n"));
+    } else {
+        complain(format_args!("gaiter: {said} [{code}]"));
+    }
+    exit
+}

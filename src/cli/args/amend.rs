@@ -1,0 +1,62 @@
+//! `gaiter amend`.
+
+use std::ffi::OsString;
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+use super::{AskArgs, of_words};
+use crate::config::words::Words;
+use crate::leg::Side;
+use crate::record::measure::amendment::Subject;
+
+/// The words for the legs.
+const LEGS: Words<Side> = &[("right", Side::Right), ("left", Side::Left)];
+
+/// `gaiter amend`
+#[derive(Debug, clap::Args)]
+#[command(group(clap::ArgGroup::new("what").required(true).multiple(true)))]
+pub struct AmendArgs {
+    /// A record's folder; or a scan of the station: the first digits of its id, at least four
+    #[arg(value_name = "RECORD|ID")]
+    pub record: OsString,
+    /// The leg
+    #[arg(long, value_parser = of_words(LEGS))]
+    pub leg: Side,
+    /// What was measured: a level, or a length of the foot or of the inside of the leg
+    #[arg(long, value_parser = measure())]
+    pub measure: Subject,
+    /// Girth of the level by tape, cm
+    #[arg(long, value_name = "CM", group = "what")]
+    pub girth_cm: Option<f64>,
+    /// Height of the level above the floor, cm; without --girth-cm the scan's girth there counts
+    #[arg(long, value_name = "CM", group = "what")]
+    pub height_cm: Option<f64>,
+    /// Length or breadth of the foot, or length of the inside of the leg, cm
+    #[arg(long, value_name = "CM", group = "what", conflicts_with_all = ["girth_cm", "height_cm"])]
+    pub length_cm: Option<f64>,
+    /// It cannot be measured on this patient
+    #[arg(long, group = "what", conflicts_with_all = ["girth_cm", "height_cm", "length_cm"])]
+    pub not_measurable: bool,
+    /// Take back what was set by hand: the scan's value counts again
+    #[arg(long, group = "what",
+          conflicts_with_all = ["girth_cm", "height_cm", "length_cm", "not_measurable"])]
+    pub take_back: bool,
+    /// Why, in a line; it is printed
+    #[arg(long, value_name = "TEXT")]
+    pub reason: String,
+    /// Who measured; it is printed
+    #[arg(long, value_name = "NAME")]
+    pub by: String,
+    /// Ask for the patient's id: needed if the scan belongs to more than one patient
+    #[arg(long)]
+    pub of: bool,
+    /// The station, and the output format. Its configuration also gives language, garment and paper of a
+    /// record in a folder.
+    #[command(flatten)]
+    pub ask: AskArgs,
+}
+
+fn measure() -> impl TypedValueParser<Value = Subject> {
+    PossibleValuesParser::new(Subject::all().map(Subject::word))
+        .try_map(|text| Subject::of_word(&text).ok_or("no such measure"))
+}

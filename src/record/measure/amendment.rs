@@ -1,0 +1,276 @@
+//! Measures that a person set. They stand beside what the scan says and never replace it; what is printed,
+//! exported and sent is the amended value with its mark.
+
+mod fault;
+
+use std::ops::RangeInclusive;
+
+use jiff::Timestamp;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use super::{Absent, Measure};
+use crate::language::Language;
+use crate::leg::{Level, Side};
+use crate::record::Record;
+pub use fault::{AmendFault, What};
+
+/// Girths that a leg can have, mm: from a child's ankle to the largest thighs of severe lymphoedema.
+const GIRTHS_MM: RangeInclusive<f64> = 50.0..=1500.0;
+
+/// Heights above the floor that a level can have, mm.
+const HEIGHTS_MM: RangeInclusive<f64> = 10.0..=1300.0;
+
+/// Lengths and breadths that a foot can have, mm.
+const FEET_MM: RangeInclusive<f64> = 30.0..=450.0;
+
+/// The longest reason or name, characters: they are printed in a line.
+pub const WORDS_MOST: usize = 120;
+
+/// One measure of one leg that a person set.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Amendment {
+    /// `left` or `right`.
+    pub leg: String,
+    /// A level, `foot-length`, `foot-breadth` or `inside-leg`.
+    pub measure: String,
+    /// What the person did.
+    pub is: Deed,
+    /// The girth by tape; null if it was not set.
+    pub girth_mm: Option<f64>,
+    /// The vertical height above the floor; null if it was not set.
+    pub height_mm: Option<f64>,
+    /// Length or breadth of a foot, or of the inside of the leg; null if it was not set.
+    pub length_mm: Option<f64>,
+    /// Why, in the person's words.
+    pub reason: String,
+    /// The person's name.
+    pub by: String,
+    /// When.
+    pub at: Timestamp,
+}
+
+/// What a person did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Deed {
+    /// They measured it.
+    Measured,
+    /// They noted that it cannot be measured on this patient.
+    NotMeasurable,
+    /// They took back what was set before: the scan's value counts again.
+    TakenBack,
+}
+
+/// What a person can set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Subject {
+    /// Girth and height of a level.
+    Level(Level),
+    /// The length of the foot.
+    FootLength,
+    /// The breadth of the foot.
+    FootBreadth,
+    /// The length of the inside of the leg.
+    InsideLeg,
+}
+
+/// What holds for a measure after all that people set.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ByHand<'a> {
+    /// The girth, mm; `None` if the scan's counts.
+    pub girth_mm: Option<f64>,
+    /// The height, mm; `None` if the scan's counts.
+    pub height_mm: Option<f64>,
+    /// The length, mm; `None` if the scan's counts.
+    pub length_mm: Option<f64>,
+    /// Whether it cannot be measured.
+    pub is_not_measurable: bool,
+    /// The last amendment.
+    pub last: &'a Amendment,
+}
+
+impl Subject {
+    /// All subjects, in the order of the measuring sheet.
+    pub fn all() -> impl Iterator<Item = Subject> {
+        let levels = Level::ALL.into_iter().rev().map(Subject::Level);
+        levels.chain([Subject::FootLength, Subject::FootBreadth, Subject::InsideLeg])
+    }
+
+    /// The word of the record.
+    pub fn word(self) -> &'static str {
+        match self {
+            Subject::Level(level) => level.name(),
+            Subject::FootLength => "foot-length",
+            Subject::FootBreadth => "foot-breadth",
+            Subject::InsideLeg => "inside-leg",
+        }
+    }
+
+    /// Its name for people.
+    pub fn name(self, language: Language) -> &'static str {
+        match self {
+            Subject::Level(level) => level.name(),
+            other => language.word("report.by_hand.measure", other.word()),
+        }
+    }
+
+    /// The subject of a word.
+    pub fn of_word(word: &str) -> Option<Subject> {
+        Subject::all().find(|subject| subject.word() == word)
+    }
+
+    /// The possible girth, height and length, mm; `None` for what the subject does not have.
+    fn ranges_mm(self) -> [Option<RangeInclusive<f64>>; 3] {
+        match self {
+            Subject::Level(level) if level < Level::B => [Some(GIRTHS_MM), None, None],
+            Subject::Level(_) => [Some(GIRTHS_MM), Some(HEIGHTS_MM), None],
+            Subject::FootLength | Subject::FootBreadth => [None, None, Some(FEET_MM)],
+            Subject::InsideLeg => [None, None, Some(HEIGHTS_MM)],
+        }
+    }
+}
+
+impl Record {
+    /// What people set in place of a measure of the scan; `None` if the scan's value counts.
+    pub fn by_hand(&self, side: Side, subject: Subject) -> Option<ByHand<'_>> {
+        let its = self.amendments.iter().filter(|of| of.is_about(side, subject));
+        its.fold(None, |before: Option<ByHand<'_>>, of| match of.is {
+            Deed::TakenBack => None,
+            Deed::NotMeasurable => Some(ByHand { is_not_measurable: true, ..ByHand::none(of) }),
+            Deed::Measured => {
+                let before = before.unwrap_or_else(|| ByHand::none(of));
+                Some(ByHand {
+                    girth_mm: of.girth_mm.or(before.girth_mm),
+                    height_mm: of.height_mm.or(before.height_mm),
+                    length_mm: of.length_mm.or(before.length_mm),
+                    is_not_measurable: false,
+                    last: of,
+                })
+            }
+        })
+    }
+
+    /// The legs of the record, the right one first: those that were measured, and those of which a person
+    /// set a measure.
+    pub fn sides(&self) -> impl Iterator<Item = Side> {
+        let has_hand = |side: Side| Subject::all().any(|of| self.by_hand(side, of).is_some());
+        Side::FROM_FRONT
+            .into_iter()
+            .filter(move |side| self.leg(*side).is_some() || has_hand(*side))
+    }
+
+    /// The record with further amendments.
+    ///
+    /// # Errors
+    /// See [`AmendFault`]. Heights are compared with the levels that hold after all of them.
+    pub fn amended(&self, amendments: &[Amendment]) -> Result<Record, AmendFault> {
+        let mut record = self.clone();
+        for amendment in amendments {
+            let (side, subject) = amendment.checked()?;
+            if amendment.is == Deed::TakenBack && record.by_hand(side, subject).is_none() {
+                return Err(AmendFault::at(side, subject, What::NothingToTakeBack));
+            }
+            record.amendments.push(amendment.clone());
+        }
+        for amendment in amendments.iter().filter(|of| of.is == Deed::Measured) {
+            if let (side, Subject::Level(level)) = amendment.checked()? {
+                record.is_whole(side, level)?;
+                record.is_in_order(side, level, amendment.height_mm)?;
+            }
+        }
+        Ok(record)
+    }
+
+    /// Checks that an amended level has girth and height.
+    fn is_whole(&self, side: Side, level: Level) -> Result<(), AmendFault> {
+        let half = |value| Err(AmendFault::at(side, Subject::Level(level), What::Half { value }));
+        match Measure::of(self, side, level) {
+            Err(_) => half("girth"),
+            Ok(measure) if measure.height.is_none() && level >= Level::B => half("height"),
+            Ok(_) => Ok(()),
+        }
+    }
+
+    /// Checks that an amended height lies between the levels around it.
+    fn is_in_order(
+        &self,
+        side: Side,
+        level: Level,
+        height_mm: Option<f64>,
+    ) -> Result<(), AmendFault> {
+        let Some(height_mm) = height_mm else { return Ok(()) };
+        for other in Level::ALL.into_iter().filter(|other| *other != level) {
+            let theirs = Measure::of(self, side, other).ok().filter(|of| !of.is_estimate);
+            let Some(other_mm) = theirs.and_then(|of| of.height).map(|height| height.mm) else {
+                continue;
+            };
+            let is_above = other < level;
+            let is_in_order = if is_above { other_mm < height_mm } else { height_mm < other_mm };
+            if !is_in_order {
+                let what = What::Order { height_mm, is_above, other: other.name(), other_mm };
+                return Err(AmendFault::at(side, Subject::Level(level), what));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl ByHand<'_> {
+    fn none(last: &Amendment) -> ByHand<'_> {
+        ByHand { girth_mm: None, height_mm: None, length_mm: None, is_not_measurable: false, last }
+    }
+
+    /// Why the measure is absent, if it is.
+    pub fn absent(&self) -> Option<Absent> {
+        self.is_not_measurable.then_some(Absent::NotMeasurable)
+    }
+}
+
+impl Amendment {
+    fn is_about(&self, side: Side, subject: Subject) -> bool {
+        self.leg == side.word() && self.measure == subject.word()
+    }
+
+    /// The leg and measure, if this is a possible amendment of some record.
+    ///
+    /// # Errors
+    /// See [`AmendFault`].
+    pub fn checked(&self) -> Result<(Side, Subject), AmendFault> {
+        let side = Side::BOTH.into_iter().find(|side| side.word() == self.leg);
+        let side = side.ok_or_else(|| AmendFault::Leg(self.leg.clone()))?;
+        let subject = Subject::of_word(&self.measure);
+        let subject = subject.ok_or_else(|| AmendFault::Measure(self.measure.clone()))?;
+        is_a_line(&self.reason).then_some(()).ok_or(AmendFault::Words("reason"))?;
+        is_a_line(&self.by).then_some(()).ok_or(AmendFault::Words("by"))?;
+        let fault = |what| Err(AmendFault::at(side, subject, what));
+        let values =
+            [("girth", self.girth_mm), ("height", self.height_mm), ("length", self.length_mm)];
+        let mut has_one = false;
+        for ((value, set), range) in values.into_iter().zip(subject.ranges_mm()) {
+            let Some(found_mm) = set else { continue };
+            has_one = true;
+            match range.filter(|_| self.is == Deed::Measured) {
+                None => return fault(What::NoSuch { value }),
+                Some(range) if !range.contains(&found_mm) => {
+                    let range_mm = [*range.start(), *range.end()];
+                    return fault(What::Range { value, found_mm, range_mm });
+                }
+                Some(_) => {}
+            }
+        }
+        match self.is == Deed::Measured && !has_one {
+            true => fault(What::Nothing),
+            false => Ok((side, subject)),
+        }
+    }
+}
+
+/// Whether words can be printed in a line.
+fn is_a_line(words: &str) -> bool {
+    let length = words.chars().count();
+    !words.trim().is_empty() && length <= WORDS_MOST && !words.chars().any(char::is_control)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,80 @@
+//! Hands over the latest revision of a record that was amended after a store got it.
+
+use std::io;
+use std::path::Path;
+
+use tracing::info;
+
+use super::store_reach;
+use super::work::{self, Setback};
+use crate::flow::facts::StoreAttempt;
+use crate::flow::outbox::Ended;
+use crate::record::{RecordFile, SUMS};
+use crate::station::booth::Booth;
+use crate::station::event::short;
+use crate::station::journal::Due;
+use crate::store::revision::stored::{Stored, StoredFault};
+use crate::store::revision::{self, families};
+use crate::store::{Delivery, StoreFault};
+
+/// Puts the latest revision of a record into a store that keeps its own copy.
+pub fn hand_over(booth: &Booth, due: &Due) -> Ended {
+    match handed_over(booth, due) {
+        Ok(()) => Ended::ForGood,
+        Err(setback) => work::set_back(booth, due, setback),
+    }
+}
+
+fn handed_over(booth: &Booth, due: &Due) -> Result<(), Setback> {
+    let core = booth.core();
+    let row = work::row(core, due)?;
+    let journal = core.custody.journal();
+    let store = core.stores.named(&due.store).ok_or_else(|| work::no_store(due))?;
+    let put_off = |error: String| Setback::PutOff { code: "record-unreadable", error };
+    let Some(folder) = journal.record_folder(&due.scan, due.patient_cell())? else {
+        return Err(put_off("the record is in no folder that can be read".to_owned()));
+    };
+    let folder = revision::latest(Path::new(&folder));
+    let (stored, files) = read(&folder).map_err(|fault| put_off(fault.to_string()))?;
+    if stored.record.amendments.is_empty() {
+        // The revision that was begun was never written.
+        return Ok(journal.handed_over(due, None)?);
+    }
+    let receipt = store
+        .put(&Delivery {
+            scan: &due.scan,
+            patient: due.patient.as_ref().map(|patient| patient.id.as_str()),
+            first_seen: row.first_seen,
+            revision: stored.record.revision,
+            files: &files,
+            scan_file: &folder.join(&stored.scan_file),
+            ending: &row.format,
+        })
+        .map_err(|fault| match fault {
+            // The scan's record is where it belongs: a store that refuses a later revision refuses no scan.
+            StoreFault::Permanent(misfit) => put_off(misfit.to_string()),
+            fault => work::of_store(fault, &row),
+        })?;
+    store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
+    journal.handed_over(due, Some(stored.record.revision))?;
+    let (scan, store) = (short(&due.scan), &due.store);
+    let already_there = receipt.already_there;
+    info!(event = "amendment-handed-over", scan, store, already_there);
+    Ok(())
+}
+
+/// The revision in a folder, and its files except the scan, `SHA256SUMS` last.
+fn read(folder: &Path) -> Result<(Stored, Vec<RecordFile>), StoredFault> {
+    let family = families(folder).map_err(io::Error::other)?.pop();
+    let stored = match &family {
+        Some(family) => Stored::of(family)?,
+        None => Stored::in_folder(folder)?,
+    };
+    let names = stored.listed.iter().filter(|name| **name != stored.scan_file);
+    let files = names
+        .map(String::as_str)
+        .chain([SUMS])
+        .map(|name| Ok(RecordFile { name: name.to_owned(), bytes: stored.listed_file(name)? }));
+    let files = files.collect::<io::Result<Vec<RecordFile>>>()?;
+    Ok((stored, files))
+}

@@ -1,0 +1,124 @@
+//! Records that were amended after they were handed over: a store that keeps its own copy, such as practice
+//! software, is given the latest revision again.
+//!
+//! `amended` of a delivery is [`BEGUN`] before the revision is written and [`DUE`] afterwards. A crash in
+//! between leaves [`BEGUN`], and the next start makes it [`DUE`]: handing over a revision twice does nothing.
+
+use rusqlite::{OptionalExtension, params};
+use serde_json::json;
+
+use super::super::delivery_row::detail;
+use super::super::withdrawal::UNWANTED;
+use super::super::{Due, Event, Journal, JournalError, history};
+use crate::flow::{DeliveryState, ScanId};
+
+/// The store whose folders hold the records that people amend.
+const FOLDER: &str = "folder";
+
+/// The revision is being written: a crash may leave it unwritten.
+const BEGUN: &str = "begun";
+
+/// The latest revision is to be handed over.
+pub(super) const DUE: &str = "due";
+
+impl Journal {
+    /// Notes, before the revision is written, that these stores will have to be given it.
+    pub fn amend_begun(
+        &self,
+        scan: &ScanId,
+        patient: &str,
+        stores: &[&str],
+    ) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            for store in stores {
+                transaction.execute(
+                    "UPDATE deliveries SET amended = ?4
+                     WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state = 'delivered'",
+                    [scan.as_str(), patient, store, BEGUN],
+                )?;
+            }
+            Ok(())
+        })
+    }
+
+    /// Notes that the revision is written, or that it could not be. `measures` are those that a person set.
+    pub fn amend_ended(
+        &self,
+        scan: &ScanId,
+        patient: &str,
+        measures: &[String],
+    ) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            transaction.execute(
+                "UPDATE deliveries SET amended = ?3, attempts = 0, next_at = NULL
+                 WHERE sha256 = ?1 AND patient = ?2 AND amended = ?4",
+                [scan.as_str(), patient, DUE, BEGUN],
+            )?;
+            if measures.is_empty() {
+                return Ok(());
+            }
+            let detail = json!({ "patient": patient, "by": "operator", "measures": measures });
+            history::append(transaction, Some(scan), Event::Amended, &detail)
+        })
+    }
+
+    /// Notes that the record of a scan of this patient was found to have been amended: every store that keeps
+    /// its own copy is to be given the latest revision.
+    pub fn found_amended(&self, scan: &ScanId, patient: &str) -> Result<(), JournalError> {
+        let noted = "UPDATE deliveries SET amended = ?3
+                     WHERE sha256 = ?1 AND patient = ?2 AND store <> ?4 AND state = 'delivered'";
+        self.connection().execute(noted, [scan.as_str(), patient, DUE, FOLDER])?;
+        Ok(())
+    }
+
+    /// The folder of a patient's record in the folder store; `None` if it is not there.
+    pub fn record_folder(
+        &self,
+        scan: &ScanId,
+        patient: &str,
+    ) -> Result<Option<String>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT folder FROM deliveries
+             WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state = 'delivered'",
+        )?;
+        let found: Option<Option<String>> =
+            query.query_row([scan.as_str(), patient, FOLDER], |row| row.get(0)).optional()?;
+        Ok(found.flatten())
+    }
+
+    /// Notes whether the record of a scan of one patient still lacks measures.
+    pub fn still_lacks_measures(&self, scan: &ScanId, lacks: bool) -> Result<(), JournalError> {
+        let noted = format!(
+            "UPDATE scans SET incomplete = ?2 WHERE sha256 = ?1
+             AND (SELECT count(DISTINCT patient) FROM deliveries
+                  WHERE sha256 = ?1 AND state = ?3 AND coalesce(code, '') NOT IN {UNWANTED}) = 1"
+        );
+        let cells = params![scan.as_str(), lacks, DeliveryState::Delivered.word()];
+        self.connection().prepare_cached(&noted)?.execute(cells)?;
+        Ok(())
+    }
+
+    /// Makes due what a crash left begun.
+    pub fn resume_amending(&self) -> Result<(), JournalError> {
+        let resumed = "UPDATE deliveries SET amended = ?1 WHERE amended = ?2";
+        self.connection().execute(resumed, [DUE, BEGUN])?;
+        Ok(())
+    }
+
+    /// Notes that a store has the latest revision; `None` if there is none to hand over.
+    pub fn handed_over(&self, due: &Due, revision: Option<u32>) -> Result<(), JournalError> {
+        self.change(|transaction| {
+            // A revision that was begun meanwhile stays noted.
+            transaction.execute(
+                "UPDATE deliveries SET amended = '', attempts = 0, next_at = NULL
+                 WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND amended = ?4",
+                [due.scan.as_str(), due.patient_cell(), &due.store, DUE],
+            )?;
+            let Some(revision) = revision else { return Ok(()) };
+            let mut detail = detail(due);
+            detail["revision"] = revision.into();
+            history::append(transaction, Some(&due.scan), Event::Delivered, &detail)
+        })
+    }
+}

@@ -1,0 +1,153 @@
+//! A person sets measures of a stored record.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+use tracing::info;
+
+use super::ActFault;
+use crate::flow::{ScanId, light};
+use crate::language::Language;
+use crate::record::ReportChoice;
+use crate::record::completeness::{Completeness, Kind};
+use crate::record::measure::amendment::{Amendment, Deed};
+use crate::station::booth::Booth;
+use crate::station::core::Core;
+use crate::station::event::short;
+use crate::station::journal::ScanRow;
+use crate::store::revision::amend::{Fault, amend};
+
+/// What a person sets, and why.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Setting {
+    /// The measures, in the order in which they are set.
+    pub measures: Vec<Measured>,
+    /// Why.
+    pub reason: String,
+    /// The person's name.
+    pub by: String,
+}
+
+/// One measure; see [`Amendment`].
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Measured {
+    /// `left` or `right`.
+    pub leg: String,
+    /// A level, `foot-length`, `foot-breadth` or `inside-leg`.
+    pub measure: String,
+    /// What the person did.
+    pub is: Deed,
+    /// The girth, mm.
+    #[serde(default)]
+    pub girth_mm: Option<f64>,
+    /// The height above the floor, mm.
+    #[serde(default)]
+    pub height_mm: Option<f64>,
+    /// The length, mm.
+    #[serde(default)]
+    pub length_mm: Option<f64>,
+}
+
+impl Setting {
+    /// The amendments of a record, made at this time.
+    pub fn amendments(&self, at: Timestamp) -> Vec<Amendment> {
+        let at = Timestamp::from_second(at.as_second()).unwrap_or(at);
+        let amendment = |of: &Measured| Amendment {
+            leg: of.leg.clone(),
+            measure: of.measure.clone(),
+            is: of.is,
+            girth_mm: of.girth_mm,
+            height_mm: of.height_mm,
+            length_mm: of.length_mm,
+            reason: self.reason.trim().to_owned(),
+            by: self.by.trim().to_owned(),
+            at,
+        };
+        self.measures.iter().map(amendment).collect()
+    }
+}
+
+/// Sets measures of the record of a scan: of its only patient, of the patient named, or of the unassigned
+/// one.
+pub(super) fn set(
+    core: &Core,
+    booth: &Booth,
+    row: &ScanRow,
+    patient: Option<&str>,
+    setting: &Setting,
+) -> Result<String, ActFault> {
+    let journal = core.custody.journal();
+    let patient = owner(core, &row.scan, patient)?;
+    let no_record = || ActFault::NoOccasion {
+        scan: row.scan.clone(),
+        why: "has no record in the store: there is nothing to amend",
+    };
+    let folder = journal.record_folder(&row.scan, &patient)?.ok_or_else(no_record)?;
+    let config = &core.config;
+    let choice = ReportChoice {
+        language: config.language,
+        garment: config.garment,
+        print: config.print,
+        ..ReportChoice::default()
+    };
+    let amendments = setting.amendments(Timestamp::now());
+    let others: Vec<&str> =
+        core.stores.names().into_iter().filter(|name| *name != FOLDER).collect();
+    journal.amend_begun(&row.scan, &patient, &others)?;
+    let amended = amend(&PathBuf::from(folder), &amendments, &choice);
+    let measures: BTreeSet<String> = match &amended {
+        Ok(_) => amendments.iter().map(|of| format!("{} {}", of.leg, of.measure)).collect(),
+        Err(_) => BTreeSet::new(),
+    };
+    journal.amend_ended(&row.scan, &patient, &Vec::from_iter(measures))?;
+    let amended = amended?;
+    let completeness = Completeness::of(&amended.record, config.garment);
+    let lacks = matches!(completeness.kind(), Kind::ByHand | Kind::ScanAgain);
+    journal.still_lacks_measures(&row.scan, lacks)?;
+    booth.amended(
+        &row.scan,
+        match lacks {
+            true => light::Outcome::Incomplete { to_do: completeness.sentences(config.language) },
+            false => light::Outcome::Delivered,
+        },
+    );
+    let (scan, revision) = (short(&row.scan), amended.record.revision);
+    info!(event = "record-amended", scan, revision);
+    let verdict = completeness.sentences(Language::En).join(" ");
+    Ok(format!("scan {scan}: revision {revision} of its record is stored. {verdict}"))
+}
+
+/// The store whose records people amend.
+const FOLDER: &str = "folder";
+
+/// The patient whose record is amended, as the journal's column holds it.
+fn owner(core: &Core, scan: &ScanId, patient: Option<&str>) -> Result<String, ActFault> {
+    let owners = core.custody.journal().owners(scan)?;
+    match (owners.as_slice(), patient) {
+        ([], None) => Ok(String::new()),
+        ([owner], None) => Ok(owner.clone()),
+        (owners, Some(patient)) if owners.iter().any(|owner| owner == patient) => {
+            Ok(patient.to_owned())
+        }
+        (_, Some(_)) => Err(ActFault::NoOccasion {
+            scan: scan.clone(),
+            why: "does not belong to this patient; nothing was changed",
+        }),
+        (_, None) => Err(ActFault::NoOccasion {
+            scan: scan.clone(),
+            why: "belongs to more than one patient: say whose record is amended (gaiter amend --of)",
+        }),
+    }
+}
+
+impl From<Fault> for ActFault {
+    fn from(fault: Fault) -> ActFault {
+        match fault {
+            Fault::Amend(fault) => ActFault::NotSet(fault),
+            fault => ActFault::NotAmended(fault),
+        }
+    }
+}

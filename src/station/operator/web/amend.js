@@ -1,0 +1,144 @@
+"use strict";
+// Measures that a person sets by hand: the whole measuring sheet as a form. Goes between decide.js and
+// page.js, whose elements and labels it uses.
+
+const NAME_KEY = "gaiter-name";
+const AMEND_SIDES = ["right", "left"];
+
+// Whether a scan has a record of its own, not only the preview of a held one.
+function canAmend({ state, files }) {
+  return ["delivered", "unassigned"].includes(state) && files.includes("record.json");
+}
+
+function amendButton(scan) {
+  return button(label("amend"), `amend ${rowKey(scan)}`, () => amend(scan));
+}
+
+// One box of the form. What counts now stands in it in grey.
+function box(line, side, value) {
+  const of = value === "height" ? label("height") : line.kind === "length" ? label("amend_length") : label("girth");
+  const now = line[side][value === "height" ? "height" : "value"];
+  return make("input", {
+    type: "text", inputmode: "decimal", autocomplete: "off", placeholder: now, "data-value": value,
+    "aria-label": `${label(side)} ${line.name}: ${of} (${label("cm")})`, size: 6,
+  });
+}
+
+// The boxes of one leg, and what else a person may say of the measure.
+function boxes(line, side) {
+  const choices = [["measured", "amend_as_is"], ["not-measurable", "amend_not"]];
+  if (line[side].is_by_hand) choices.push(["taken-back", "amend_back"]);
+  const select = make("select", { "aria-label": `${label(side)} ${line.name}` },
+    choices.map(([value, key]) => make("option", { value }, label(key))));
+  const values = line.kind === "level" ? ["girth", "height"] : [line.kind === "length" ? "length" : "girth"];
+  const inputs = values.map((value) => box(line, side, value));
+  select.addEventListener("change", () => {
+    for (const input of inputs) input.disabled = select.value !== "measured";
+  });
+  const mark = line[side].is_by_hand ? make("abbr", { title: label("by_hand") }, "*") : null;
+  const cells = inputs.map((input) => make("td", { colspan: 3 - values.length }, input));
+  const row = [...cells, make("td", {}, select, mark)];
+  return { row, read: () => read(line, side, select.value, inputs) };
+}
+
+// What the boxes say; null if nothing, an Error if it is no number.
+function read(line, side, is, inputs) {
+  const measure = { leg: side, measure: line.measure, is };
+  if (is !== "measured") return measure;
+  let hasAny = false;
+  for (const input of inputs) {
+    const text = input.value.trim();
+    if (!text) continue;
+    const cm = /^\d+([.,]\d+)?$/.test(text) ? Number(text.replace(",", ".")) : NaN;
+    if (Number.isNaN(cm)) {
+      input.focus();
+      throw new Error(label("amend_number").replace("{text}", text));
+    }
+    // To a hundredth of a millimetre, so that no box gains digits.
+    measure[`${input.dataset.value}_mm`] = Math.round(cm * 1000) / 100;
+    hasAny = true;
+  }
+  return hasAny ? measure : null;
+}
+
+function rememberedName() {
+  try {
+    return localStorage.getItem(NAME_KEY) ?? "";
+  } catch {
+    return "";
+  }
+}
+
+function rememberName(name) {
+  try {
+    localStorage.setItem(NAME_KEY, name);
+  } catch {
+    // Storage is switched off: the name is typed again.
+  }
+}
+
+function amendTable(lines) {
+  const groups = make("tr", {}, make("td"), AMEND_SIDES.map((side) => make("th", { scope: "colgroup", colspan: 3 }, label(side))));
+  const heads = make("tr", {}, make("th", { scope: "col" }, label("level")), AMEND_SIDES.flatMap(() =>
+    [label("girth"), label("height"), ""].map((text) => (text ? make("th", { scope: "col" }, text) : make("td")))));
+  const readers = [];
+  const rows = lines.map((line) => make("tr", {}, make("th", { scope: "row" }, line.name), AMEND_SIDES.flatMap((side) => {
+    const { row, read: reader } = boxes(line, side);
+    readers.push(reader);
+    return row;
+  })));
+  const table = make("table", {}, make("thead", {}, groups, heads), make("tbody", {}, rows));
+  return { table, readers };
+}
+
+let amending = 0;
+async function amend(scan) {
+  const mine = amending += 1;
+  let lines = [];
+  try {
+    lines = await (await fetch(`/scan/${scan.scan}/measures${scan.of ? `?of=${scan.of}` : ""}`)).json();
+  } catch {
+    say(label("away"), true);
+    return;
+  }
+  if (mine !== amending) return;
+  const [dialog, fault, save] = [$("amend"), $("amend_fault"), $("amend_yes")];
+  const [patient] = scan.patients.length === 1 ? scan.patients : [];
+  $("amend_title").replaceChildren(...[patient === undefined ? label("amend_plain") : phrase(label("amend_of"), { patient })].flat());
+  const { table, readers } = amendTable(lines);
+  $("amend_body").replaceChildren(table);
+  fault.textContent = "";
+  save.disabled = false;
+  $("amend_reason").value = "";
+  $("amend_by").value = rememberedName();
+  dialog.querySelector("form").onsubmit = async (event) => {
+    event.preventDefault();
+    let set;
+    try {
+      set = readers.map((reader) => reader()).filter(Boolean);
+    } catch (error) {
+      fault.textContent = error.message;
+      return;
+    }
+    if (!set.length) {
+      fault.textContent = label("amend_none");
+      return;
+    }
+    save.disabled = true;
+    const by = $("amend_by").value.trim();
+    rememberName(by);
+    const said = await ask({
+      ask: "amend", scan: scan.scan, patient: scan.owner?.id, measures: set, reason: $("amend_reason").value.trim(), by,
+    });
+    if (mine !== amending) return;
+    save.disabled = false;
+    if (!said.isDone) {
+      fault.textContent = said.sentence;
+      return;
+    }
+    dialog.close();
+    if (token) say(said.sentence, false);
+  };
+  dialog.showModal();
+  table.querySelector("input")?.focus();
+}

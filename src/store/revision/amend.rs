@@ -1,0 +1,198 @@
+//! Measures that a person sets: a further revision of the record with what was set beside what the scan says.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use super::stored::{Stored, StoredFault};
+use super::{Added, Family, add, families};
+use crate::record::measure::amendment::{AmendFault, Amendment};
+use crate::record::schema::SCHEMA;
+use crate::record::{
+    FigureFormat, FilesFault, RECORD, Record, RecordFile, ReportChoice, amended_files,
+};
+use crate::store::StoreFault;
+
+/// What precedes the number in the folder name of a later revision.
+const REVISION: &str = "_r";
+
+/// A record with another revision.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Amended {
+    /// Its folder.
+    pub folder: PathBuf,
+    /// The record as it is now.
+    pub record: Record,
+}
+
+/// Why a record was not amended. It is unchanged then.
+#[derive(Debug, thiserror::Error)]
+pub enum Fault {
+    /// There is no record.
+    #[error("there is no record")]
+    NoRecord,
+    /// It cannot be read.
+    #[error(transparent)]
+    Stored(#[from] StoredFault),
+    /// What is to be set is not possible.
+    #[error(transparent)]
+    Amend(#[from] AmendFault),
+    /// It was made by another version, and would lose figures if this one wrote it.
+    #[error("its record.json was made by gaiter {0}; measure it again with gaiter reextract first")]
+    OtherVersion(String),
+    /// Files of the revision cannot be made.
+    #[error("the new revision cannot be made: {0}")]
+    Files(#[from] FilesFault),
+    /// The record was taken back from its patient meanwhile.
+    #[error("the record was taken back from its patient meanwhile")]
+    Withdrawn,
+    /// Another revision was added meanwhile.
+    #[error("another revision was added meanwhile: look at it, then try again")]
+    Meanwhile,
+    /// The store cannot be listed.
+    #[error(transparent)]
+    Unlisted(#[from] StoreFault),
+    /// The revision cannot be written.
+    #[error("the new revision cannot be written: {0}")]
+    Io(#[from] io::Error),
+}
+
+/// The revisions of a record.
+enum Revisions {
+    /// In a store.
+    Stored(Family),
+    /// In a folder of its own that `gaiter extract` wrote: the latest revision, and its name without the
+    /// number.
+    Alone { latest: PathBuf, name: String },
+}
+
+/// Sets measures of a record, in this order: writes a further revision beside the latest one. `folder` is
+/// the folder of any of its revisions.
+///
+/// # Errors
+/// See [`Fault`].
+pub fn amend(
+    folder: &Path,
+    amendments: &[Amendment],
+    choice: &ReportChoice,
+) -> Result<Amended, Fault> {
+    let revisions = Revisions::of(&folder.canonicalize()?)?;
+    let stored = revisions.read()?;
+    if !is_kept_whole(&stored) {
+        return Err(Fault::OtherVersion(stored.record.made_by.gaiter));
+    }
+    let mut record = stored.record.amended(amendments)?;
+    record.revision = revisions.number().max(record.revision).saturating_add(1);
+    let before = stored.listed.iter().map(|name| {
+        let bytes = stored.listed_file(name)?;
+        Ok(RecordFile { name: name.clone(), bytes })
+    });
+    let before = before.collect::<io::Result<Vec<RecordFile>>>()?;
+    let choice = ReportChoice { figures: formats(&stored.listed), ..choice.clone() };
+    let files = amended_files(&record, &choice, before)?;
+    match revisions.add(record.revision, &files) {
+        Ok(Added::There(folder)) => Ok(Amended { folder, record }),
+        Ok(Added::Withdrawn) => Err(Fault::Withdrawn),
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(Fault::Meanwhile),
+        Err(error) => Err(error.into()),
+    }
+}
+
+impl Revisions {
+    fn of(folder: &Path) -> Result<Revisions, Fault> {
+        let family = families(folder)?.into_iter().find(|family| {
+            let mut all = family.revisions.iter();
+            all.any(|(_, place)| place == folder)
+        });
+        if let Some(family) = family {
+            return Ok(Revisions::Stored(family));
+        }
+        let name = folder.file_name().and_then(OsStr::to_str).ok_or(Fault::NoRecord)?;
+        let name = numbered(name).map_or(name, |(name, _)| name).to_owned();
+        let within = folder.parent().ok_or(Fault::NoRecord)?;
+        let latest = latest_alone(within, &name)?.ok_or(Fault::NoRecord)?;
+        Ok(Revisions::Alone { latest, name })
+    }
+
+    fn read(&self) -> Result<Stored, StoredFault> {
+        match self {
+            Revisions::Stored(family) => Stored::of(family),
+            Revisions::Alone { latest, .. } => Stored::in_folder(latest),
+        }
+    }
+
+    /// The number in the name of the latest one.
+    fn number(&self) -> u32 {
+        match self {
+            Revisions::Stored(family) => family.latest().0.revision,
+            Revisions::Alone { latest, .. } => {
+                let name = latest.file_name().and_then(OsStr::to_str).unwrap_or_default();
+                numbered(name).map_or(1, |(_, number)| number)
+            }
+        }
+    }
+
+    fn add(&self, revision: u32, files: &[RecordFile]) -> io::Result<Added> {
+        match self {
+            Revisions::Stored(family) => family.add(revision, files),
+            Revisions::Alone { latest, name } => {
+                let within = latest.parent().unwrap_or(Path::new("/"));
+                add(within, latest, &format!("{name}{REVISION}{revision}"), files)
+            }
+        }
+    }
+}
+
+/// The name of a folder without the number of its revision, and the number; `None` if it has none.
+fn numbered(name: &str) -> Option<(&str, u32)> {
+    let (name, number) = name.rsplit_once(REVISION)?;
+    Some((name, number.parse().ok().filter(|number| *number > 1)?))
+}
+
+/// The latest revision of the record of this name in a folder; `None` if there is none.
+fn latest_alone(within: &Path, name: &str) -> io::Result<Option<PathBuf>> {
+    let mut found = Vec::new();
+    for entry in fs::read_dir(within)? {
+        let path = entry?.path();
+        let own = path.file_name().and_then(OsStr::to_str).unwrap_or_default();
+        let number = match numbered(own) {
+            _ if own == name => Some(1),
+            Some((base, number)) if base == name => Some(number),
+            _ => None,
+        };
+        let is_record = path.join(RECORD).is_file();
+        found.extend(number.filter(|_| is_record).map(|number| (number, path)));
+    }
+    Ok(found.into_iter().max().map(|(_, path)| path))
+}
+
+/// Whether this version writes everything that the record holds.
+fn is_kept_whole(stored: &Stored) -> bool {
+    let written = serde_json::to_value(&stored.record);
+    stored.record.schema == SCHEMA && written.is_ok_and(|now| holds(&now, &stored.json))
+}
+
+/// Whether a value has every key and every element of another.
+fn holds(now: &Value, before: &Value) -> bool {
+    match (now, before) {
+        (Value::Object(now), Value::Object(before)) => {
+            before.iter().all(|(key, value)| now.get(key).is_some_and(|now| holds(now, value)))
+        }
+        (Value::Array(now), Value::Array(before)) => {
+            now.len() == before.len() && now.iter().zip(before).all(|(now, was)| holds(now, was))
+        }
+        (now, before) => now == before,
+    }
+}
+
+/// The formats in which a record has its figures as files of their own.
+fn formats(listed: &[String]) -> std::collections::BTreeSet<FigureFormat> {
+    let has = |ending: &str| {
+        listed.iter().any(|name| name.starts_with("figure-") && name.ends_with(ending))
+    };
+    let formats = [(".svg", FigureFormat::Svg), (".png", FigureFormat::Png)];
+    formats.into_iter().filter(|(ending, _)| has(ending)).map(|(_, format)| format).collect()
+}
