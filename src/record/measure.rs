@@ -5,9 +5,11 @@ mod at_height;
 pub(super) mod csv;
 
 pub(super) use at_height::girth_mm_at;
+use at_height::girth_sd_mm_near;
 
 use self::amendment::{ByHand, Subject};
 use super::report::Mark;
+use super::rounding;
 use super::schema::{EstimateFigures, LandmarkFigures, LegFigures, Record};
 use crate::language::Language;
 use crate::leg::{Level, Side};
@@ -146,8 +148,9 @@ impl Measure<'_> {
         let girth = match (hand.girth_mm, hand.height_mm) {
             (Some(mm), _) => Length::by_hand(mm),
             (None, Some(height_mm)) => {
-                let sd_mm = scanned.as_ref().and_then(|of| of.girth.sd_mm);
-                Length::scanned(girth_mm_at(leg?, height_mm)?, sd_mm)
+                let leg = leg?;
+                let girth_mm = rounding::mm(girth_mm_at(leg, height_mm)?);
+                Length::scanned(girth_mm, girth_sd_mm_near(leg, height_mm))
             }
             (None, None) => scanned.as_ref()?.girth,
         };

@@ -1,5 +1,6 @@
 //! The command line as the real program: check, asking, manual, reextract, terminal.
 
+mod amend;
 mod asking;
 mod calibrate;
 mod check;

@@ -10,6 +10,7 @@ use gaiter::leg::Method;
 use gaiter::record::Record;
 use gaiter::record::completeness::{Completeness, Kind};
 use gaiter::record::garment::Garment;
+use gaiter::record::measure::amendment::{Amendment, Deed};
 use gaiter::record::schema::FindingNote;
 use support::geometry::bodies::{export, record_of};
 
@@ -174,6 +175,87 @@ fn a_leg_that_is_cut_off_above_what_is_needed_needs_no_other_scan() {
         assert_eq!(Completeness::of(&cut, garment).kind(), Kind::ScanAgain);
     }
     assert_eq!(Completeness::of(&cut, Garment::Ad).kind(), Kind::Complete);
+}
+
+/// What a person set on the right leg.
+fn by_hand(record: &Record, measure: &str, is: Deed, cm: [Option<f64>; 3]) -> Record {
+    let [girth_mm, height_mm, length_mm] = cm.map(|cm| cm.map(|cm| 10.0 * cm));
+    let amendment = Amendment {
+        leg: "right".to_owned(),
+        measure: measure.to_owned(),
+        is,
+        girth_mm,
+        height_mm,
+        length_mm,
+        reason: "swollen".to_owned(),
+        by: "Anna Berg".to_owned(),
+        at: "2026-11-25T10:00:00Z".parse().unwrap(),
+    };
+    record.amended(&[amendment]).unwrap()
+}
+
+#[test]
+fn what_a_person_set_is_not_asked_for_again() {
+    const COMPLETE: &str = "Complete: all measures for a calf stocking (AD) were taken.";
+    let measured = |record: &Record, level, girth, height| {
+        by_hand(record, level, Deed::Measured, [girth, height, None])
+    };
+    let gap = doubted("C", "gap");
+    assert_eq!(said(&measured(&gap, "C", Some(38.0), None), Garment::Ad), COMPLETE);
+    let only_height = measured(&gap, "C", None, Some(31.0));
+    assert_eq!(said(&only_height, Garment::Ad), "Measure by hand: right C.");
+    let shallow = doubted("C", "shallow");
+    assert_eq!(said(&measured(&shallow, "C", None, Some(31.0)), Garment::Ad), COMPLETE);
+    let only_girth = measured(&shallow, "C", Some(38.0), None);
+    assert_eq!(said(&only_girth, Garment::Ad), "Measure by hand: right C.");
+    // Where another scan was wanted for this level alone, none is now.
+    let cloth = doubted("C", "cloth");
+    assert_eq!(said(&measured(&cloth, "C", Some(38.0), Some(31.0)), Garment::Ad), COMPLETE);
+    let implausible = with_right(|leg| drop(leg.landmarks.remove("C")));
+    let note = finding("level-implausible", Some("right"), Some("C"));
+    let implausible = Record { findings: vec![note], ..implausible };
+    assert_eq!(said(&measured(&implausible, "C", Some(38.0), Some(31.0)), Garment::Ad), COMPLETE);
+    let no_foot = with_right(|leg| leg.foot = None);
+    let foot = by_hand(&no_foot, "foot-length", Deed::Measured, [None, None, Some(25.0)]);
+    assert_eq!(said(&foot, Garment::Ad), COMPLETE);
+}
+
+#[test]
+fn what_cannot_be_measured_is_said_and_is_never_complete() {
+    let missing = with_right(|leg| drop(leg.landmarks.remove("C")));
+    let noted = by_hand(&missing, "C", Deed::NotMeasurable, [None; 3]);
+    let verdict = Completeness::of(&noted, Garment::Ad);
+    assert_eq!((verdict.kind(), verdict.kind().word()), (Kind::NotMeasurable, "not-measurable"));
+    assert_eq!(said(&noted, Garment::Ad), "Not measurable: right C.");
+    let and_b1 = Record { legs: doubted("B1", "flat").legs, ..noted };
+    assert_eq!(said(&and_b1, Garment::Ad), "Measure by hand: right B1. Not measurable: right C.");
+    let back = by_hand(&and_b1, "C", Deed::TakenBack, [None; 3]);
+    assert_eq!(said(&back, Garment::Ad), "Measure by hand: right B1.");
+}
+
+#[test]
+fn with_every_level_set_by_hand_nothing_depends_on_another_scan() {
+    let uneven = found(finding("floor-uneven", None, None));
+    let mut record = uneven;
+    for leg in ["right", "left"] {
+        for (level, girth, height) in [
+            ("Y", 33.0, None),
+            ("B", 22.0, Some(11.0)),
+            ("B1", 27.0, Some(15.0)),
+            ("C", 37.0, Some(31.0)),
+            ("D", 34.0, Some(40.0)),
+        ] {
+            assert_eq!(
+                Completeness::of(&record, Garment::Ad).kind(),
+                Kind::ScanAgain,
+                "{leg} {level}"
+            );
+            let mut set = by_hand(&record, level, Deed::Measured, [Some(girth), height, None]);
+            set.amendments.last_mut().unwrap().leg = leg.to_owned();
+            record = set;
+        }
+    }
+    assert_eq!(Completeness::of(&record, Garment::Ad).kind(), Kind::Complete);
 }
 
 #[test]

@@ -11,9 +11,11 @@ use gaiter::leg::{Method, extract};
 use gaiter::record::completeness::Completeness;
 use gaiter::record::garment::Garment;
 use gaiter::record::gdt::{Charset, result};
+use gaiter::record::measure::amendment::{Amendment, Deed};
 use gaiter::record::report::{Content, Mark};
 use gaiter::record::{
-    Patient, Provenance, Record, ReportChoice, ScanFile, Source, SourceKind, record_files, sha256,
+    Patient, Provenance, Record, RecordFile, ReportChoice, ScanFile, Source, SourceKind,
+    amended_files, record_files, sha256,
 };
 use gaiter::scan::Format;
 use support::gdt_check::{checked, contents};
@@ -60,8 +62,12 @@ fn of_sheet(record: &Record) -> Vec<Row> {
             let figures = &level.legs[index];
             let height = if figures.height.value == "–" { "" } else { &figures.height.value };
             match figures.girth.mark {
+                Mark::Missing if figures.girth.value == "not measurable" => {
+                    row(name, "not measurable", "", "")
+                }
                 Mark::Missing => row(name, "not found", "", ""),
                 Mark::Estimated => row(name, "estimated", &figures.girth.value, height),
+                Mark::ByHand => row(name, "by hand", &figures.girth.value, height),
                 _ => row(name, "measured", &figures.girth.value, height),
             }
         });
@@ -122,7 +128,11 @@ fn of_gdt_table(lines: &[(String, Vec<u8>)]) -> Vec<Row> {
     let table = text[head + 2..].iter().take(9);
     let mut rows = [Vec::new(), Vec::new()];
     for line in table {
-        let line = line.replace("nicht gefunden", "nicht -").replace(',', ".").replace('?', "");
+        let line = line
+            .replace("nicht gefunden", "nicht -")
+            .replace("nicht messbar", "nichts -")
+            .replace(',', ".")
+            .replace('?', "");
         let cells: Vec<&str> = line.split_whitespace().collect();
         for (leg, side) in ["right", "left"].into_iter().enumerate() {
             let [girth, height] = [cells[1 + 2 * leg], cells[2 + 2 * leg]];
@@ -131,6 +141,10 @@ fn of_gdt_table(lines: &[(String, Vec<u8>)]) -> Vec<Row> {
             let plain = [girth, height].map(|figure| figure.trim_start_matches('~'));
             rows[leg].push(match girth {
                 "nicht" => row(name, "not found", "", ""),
+                "nichts" => row(name, "not measurable", "", ""),
+                _ if girth.starts_with('*') => {
+                    row(name, "by hand", &girth[1..], height.trim_start_matches('*'))
+                }
                 _ if girth.starts_with('~') => row(name, "estimated", plain[0], plain[1]),
                 _ => row(name, "measured", plain[0], plain[1]),
             });
@@ -168,6 +182,75 @@ fn all_figures_of_sheet_record_csv_and_practice_software_are_the_same_in_the_sam
     }
     let all: Vec<&str> = states.keys().map(String::as_str).collect();
     assert_eq!(all, ["estimated", "measured", "not found"], "every state was seen: {states:?}");
+}
+
+/// What a person set of a body, in cm: on the right leg C, the height of B1 and nothing of D; on the left leg
+/// an estimate.
+fn amended(record: &Record) -> Record {
+    let set = |leg: &str, measure: &str, is, cm: [Option<f64>; 2]| Amendment {
+        leg: leg.to_owned(),
+        measure: measure.to_owned(),
+        is,
+        girth_mm: cm[0].map(|cm| 10.0 * cm),
+        height_mm: cm[1].map(|cm| 10.0 * cm),
+        length_mm: None,
+        reason: "swollen, \"hard\"; see = notes".to_owned(),
+        by: "Jürgen Müßig".to_owned(),
+        at: "2026-11-25T10:00:00Z".parse().unwrap(),
+    };
+    let c = record.legs.iter().find(|leg| leg.side == "right").unwrap().landmarks["C"].height_mm;
+    let (measured, not) = (Deed::Measured, Deed::NotMeasurable);
+    record
+        .amended(&[
+            set("right", "C", measured, [Some(41.25), Some(c / 10.0 + 0.7)]),
+            set("right", "D", not, [None, None]),
+            set("left", "E", measured, [Some(39.9), Some(47.0)]),
+        ])
+        .unwrap()
+}
+
+#[test]
+fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_value_beside_it() {
+    for body in BODIES {
+        let (before, _) = made(body);
+        let record = amended(&before);
+        assert_eq!(record.legs, before.legs, "{body}: the scan's values");
+        let choice = ReportChoice { garment: GARMENT, ..ReportChoice::default() };
+        let old = ["record.json", "measurements.csv"]
+            .map(|name| RecordFile { name: name.to_owned(), bytes: Vec::new() });
+        let files = amended_files(&record, &choice, old.into()).unwrap();
+        let csv = String::from_utf8(files[1].bytes.clone()).unwrap();
+        let sheet = of_sheet(&record);
+        assert_eq!(of_csv(&csv), sheet, "{body}: CSV");
+        let lines = gdt(&record);
+        assert_eq!(of_gdt_table(&lines), sheet, "{body}: table of the practice software");
+        let state = |name: &str| {
+            let row = sheet.iter().find(|(row, _)| row == name).unwrap();
+            row.1.each_ref().map(String::as_str)
+        };
+        assert_eq!(state("right C")[..2], ["by hand", "41.3"]);
+        assert_eq!(state("right D"), ["not measurable", "", ""]);
+        assert_eq!(state("left E"), ["by hand", "39.9", "47.0"]);
+        // The scan's own figures stand in their own columns.
+        let c = &before.legs.iter().find(|leg| leg.side == "right").unwrap().landmarks["C"];
+        let line = csv.lines().find(|line| line.starts_with("right,C,")).unwrap();
+        assert!(line.ends_with(&format!(",{},{}", c.girth_tape_mm, c.height_mm)), "{line}");
+        assert!(
+            line.contains("by hand, Jürgen Müßig, 2026-11-25T10:00:00Z: swollen, \"\"hard\"\"")
+        );
+        // A test block says so, and the comments say by whom.
+        let at = lines.iter().position(|(field, text)| field == "8410" && text == b"LC_R").unwrap();
+        let mark = lines[at..].iter().find(|(field, _)| field == "8470").unwrap();
+        assert_eq!(String::from_utf8_lossy(&mark.1), "von Hand eingetragen", "{body}");
+        let blocks = contents(&lines, "8410");
+        assert!(!blocks.contains(&"LD_R".to_owned()) && blocks.contains(&"LE_L".to_owned()));
+        let comments = contents(&lines, "6227").join(" ");
+        for said in ["C: Umfang 41,3 cm (Scan: ", "Jürgen Müßig", "D: nicht messbar"] {
+            assert!(comments.contains(said), "{said}: {comments}");
+        }
+        let verdict = Completeness::of(&record, GARMENT).sentences(Language::En).join(" ");
+        assert!(verdict.contains("Not measurable: right D."), "{verdict}");
+    }
 }
 
 #[test]

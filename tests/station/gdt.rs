@@ -17,7 +17,7 @@ const PLANTED: [&str; 3] = ["Quastenflosser", "Hammerhai", "03021960"];
 
 /// A booth beside a practice whose software fetches results from one folder and puts orders into
 /// another; `extra` goes into `[store.gdt]`.
-fn practice(extra: &str) -> Booth {
+pub fn practice(extra: &str) -> Booth {
     let booth = Booth::new();
     for folder in ["results", "orders"] {
         fs::create_dir(booth.path(folder)).unwrap();
@@ -49,7 +49,7 @@ fn order(kind: u16, id: &str) -> Vec<u8> {
     message(kind, Charset::Cp1252, &fields.map(|(field, text)| (field, text.to_owned()))).unwrap()
 }
 
-fn visible(folder: &Path) -> Vec<PathBuf> {
+pub fn visible(folder: &Path) -> Vec<PathBuf> {
     let paths = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let hidden = |path: &PathBuf| path.file_name().unwrap().to_str().unwrap().starts_with('.');
     let mut paths: Vec<PathBuf> = paths.filter(|path| !hidden(path)).collect();
@@ -59,7 +59,7 @@ fn visible(folder: &Path) -> Vec<PathBuf> {
 
 /// Waits for the next result and fetches it, as practice software does.
 #[track_caller]
-fn fetch(booth: &Booth) -> Vec<gdt_check::Line> {
+pub fn fetch(booth: &Booth) -> Vec<gdt_check::Line> {
     let waiting = || {
         let files = visible(&booth.path("results")).into_iter();
         files.filter(|path| path.is_file()).collect::<Vec<PathBuf>>()

@@ -1,5 +1,6 @@
 //! The station as the real program, as technicians, operators and monitors meet it.
 
+mod amend;
 mod booth;
 mod companions;
 mod confinement;

@@ -50,7 +50,7 @@ fn measured(args: &AmendArgs) -> Measured {
     };
     Measured {
         leg: args.leg.word().to_owned(),
-        measure: args.measure.word().to_owned(),
+        measure: args.level.word().to_owned(),
         is,
         girth_mm: mm(args.girth_cm),
         height_mm: mm(args.height_cm),

@@ -22,9 +22,9 @@ pub struct AmendArgs {
     /// The leg
     #[arg(long, value_parser = of_words(LEGS))]
     pub leg: Side,
-    /// What was measured: a level, or a length of the foot or of the inside of the leg
-    #[arg(long, value_parser = measure())]
-    pub measure: Subject,
+    /// The level, or a length of the foot or of the inside of the leg
+    #[arg(long, value_parser = level())]
+    pub level: Subject,
     /// Girth of the level by tape, cm
     #[arg(long, value_name = "CM", group = "what")]
     pub girth_cm: Option<f64>,
@@ -56,7 +56,7 @@ pub struct AmendArgs {
     pub ask: AskArgs,
 }
 
-fn measure() -> impl TypedValueParser<Value = Subject> {
+fn level() -> impl TypedValueParser<Value = Subject> {
     PossibleValuesParser::new(Subject::all().map(Subject::word))
-        .try_map(|text| Subject::of_word(&text).ok_or("no such measure"))
+        .try_map(|text| Subject::of_word(&text).ok_or("no such level"))
 }

@@ -125,19 +125,19 @@ const EXAMPLES: &[Examples] = &[
         "amend",
         &[
             [
-                "gaiter amend 1a2b3c4d --leg right --measure C --girth-cm 38.5 --reason swollen --by Berg",
+                "gaiter amend 1a2b3c4d --leg right --level C --girth-cm 38.5 --reason swollen --by Berg",
                 "sets the girth of C; its height stays the scan's",
             ],
             [
-                "gaiter amend 1a2b3c4d --leg left --measure B1 --height-cm 14 --reason marked --by Berg",
+                "gaiter amend 1a2b3c4d --leg left --level B1 --height-cm 14 --reason marked --by Berg",
                 "sets the height of B1; the girth is the scan's there",
             ],
             [
-                "gaiter amend measured/4711 --leg left --measure D --not-measurable --reason bandage --by Berg",
+                "gaiter amend measured/4711 --leg left --level D --not-measurable --reason bandage --by Berg",
                 "notes that D cannot be measured, in a record of gaiter extract",
             ],
             [
-                "gaiter amend 1a2b3c4d --leg right --measure C --take-back --reason slip --by Berg",
+                "gaiter amend 1a2b3c4d --leg right --level C --take-back --reason slip --by Berg",
                 "has the scan's values count again",
             ],
         ],

@@ -46,6 +46,17 @@ impl Mark {
     }
 }
 
+impl Mark {
+    /// The sign for it behind a girth in a picture.
+    pub fn behind(self) -> &'static str {
+        match self {
+            Mark::Doubtful => " ?",
+            Mark::ByHand => " *",
+            Mark::Sure | Mark::Estimated | Mark::Missing | Mark::Real => "",
+        }
+    }
+}
+
 impl Figure {
     /// A length or girth, cm.
     pub(super) fn cm(value_mm: f64, sd_mm: Option<f64>, mark: Mark, language: Language) -> Figure {

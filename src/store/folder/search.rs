@@ -8,9 +8,12 @@ use std::path::{Path, PathBuf};
 use super::{FolderStore, folders};
 use crate::flow::ScanId;
 use crate::flow::patient::naming::{self, RecordName};
-use crate::record::ORD;
+use crate::record::{ORD, RECORD};
 use crate::store::sums::{self, SUMS};
 use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
+
+/// The beginning of the name of a file with measures that people set in a record that was withdrawn.
+const SET_BY_HAND: &str = "set-by-hand";
 
 /// The complete record of a scan in a patient's folder, with any time: the first complete one of several
 /// revisions.
@@ -93,7 +96,8 @@ impl FolderStore {
     }
 
     /// Withdraws the record of a scan, with all its revisions, from one patient or from the folder of
-    /// unassigned scans. The keeper's folder must hold a complete record.
+    /// unassigned scans. The keeper's folder must hold a complete record. What people set goes into a file
+    /// there, without effect.
     ///
     /// # Errors
     /// See [`StoreFault`]: a permanent one if a revision was changed by hand; then all stay.
@@ -120,6 +124,9 @@ impl FolderStore {
             }
             let kept = theirs.as_ref().map(|theirs| find(theirs, scan)).transpose()?.flatten();
             let Some(kept) = kept else { return Err(nowhere) };
+            if let Some(latest) = places.last() {
+                tried("keeping what people set in", latest, keep_amendments(latest, &kept))?;
+            }
             for place in places {
                 tried("moving notes from", &place, move_unlisted(&place, &kept))?;
                 tried("renaming", &place, durable::rename_new(&place, &gone))?;
@@ -141,6 +148,28 @@ fn whole_records(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFau
         }
     }
     Ok(whole)
+}
+
+/// Writes what people set in a record into a file beside the keeper's record. It does not count there:
+/// whose leg they measured is not certain.
+fn keep_amendments(from: &Path, to: &Path) -> std::io::Result<()> {
+    /// The part of a record that is kept.
+    #[derive(serde::Serialize, serde::Deserialize)]
+    struct SetByHand {
+        #[serde(default)]
+        amendments: Vec<serde_json::Value>,
+    }
+    let bytes = fs::read(from.join(RECORD))?;
+    let Ok(set) = serde_json::from_slice::<SetByHand>(&bytes) else { return Ok(()) };
+    if set.amendments.is_empty() {
+        return Ok(());
+    }
+    let name = from.file_name().unwrap_or_default().to_string_lossy();
+    let text = serde_json::to_vec_pretty(&set)?;
+    match durable::write_new(&to.join(format!("{SET_BY_HAND}.{name}.json")), &text) {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists => Ok(()),
+        written => written,
+    }
 }
 
 /// Moves files that `SHA256SUMS` does not list, such as a person's notes, to another record.

@@ -5,7 +5,9 @@ use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, r
 use super::slopes;
 use crate::language::Language;
 use crate::leg::{Level, Side};
+use crate::record::measure::Measure;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::record::report::Mark as HowToRead;
 use crate::record::schema::LegFigures;
 use crate::record::{Record, rounding};
 
@@ -25,12 +27,13 @@ const LABEL_PX: f64 = 80.0;
 const PROMINENCE_MIN_MM: f64 = 1.5;
 
 /// A level on the chart.
-struct Place<'a> {
+struct Place {
     side: Side,
-    name: &'a str,
+    name: &'static str,
     height_mm: f64,
     girth_mm: f64,
-    is_found: bool,
+    is_estimate: bool,
+    sign: &'static str,
 }
 
 /// The figure; `None` if no section was measured.
@@ -139,36 +142,37 @@ fn levels(record: &Record, frame: &Frame, language: Language) -> Vec<Mark> {
     marks
 }
 
-fn of_leg(record: &Record, side: Side) -> Vec<Place<'_>> {
-    let Some(leg) = record.leg(side) else { return Vec::new() };
-    let is_across = |name: &str| Level::ALL.iter().any(|l| *l >= Level::B && l.name() == name);
-    let found = leg.landmarks.iter().map(|(name, l)| (name, l.height_mm, l.girth_tape_mm, true));
-    let estimates =
-        leg.estimates.iter().map(|(name, e)| (name, e.height_mm, e.girth_tape_mm, false));
-    found
-        .chain(estimates)
-        .filter(|(name, ..)| is_across(name))
-        .map(|(name, height_mm, girth_mm, is_found)| Place {
+/// The levels of a leg that have a height, with what counts.
+fn of_leg(record: &Record, side: Side) -> Vec<Place> {
+    let place = |level: Level| {
+        let measure = Measure::of(record, side, level).ok()?;
+        Some(Place {
             side,
-            name,
-            height_mm,
-            girth_mm,
-            is_found,
+            name: level.name(),
+            height_mm: measure.height?.mm,
+            girth_mm: measure.girth.mm,
+            is_estimate: measure.mark() == HowToRead::Estimated,
+            sign: if measure.mark() == HowToRead::ByHand { " *" } else { "" },
         })
-        .collect()
+    };
+    Level::ALL.into_iter().filter_map(place).collect()
 }
 
 /// The girths of the feet as text, placed high up where no leg is that thin. They are not on the curve.
 fn feet(record: &Record, language: Language) -> Vec<Mark> {
     let line = |(row, side): (usize, Side)| {
-        let leg = record.leg(side)?;
-        let is_foot = |name: &str| Level::ALL.iter().any(|l| *l < Level::B && l.name() == name);
-        let found = leg.landmarks.iter().map(|(name, l)| ("", name, l.girth_tape_mm));
-        let estimates = leg.estimates.iter().map(|(name, e)| ("≈ ", name, e.girth_tape_mm));
-        let girths = found.chain(estimates).filter(|(_, name, _)| is_foot(name));
-        let girths: Vec<String> = girths
-            .map(|(about, name, mm)| format!("{about}{name} {}", rounding::cm_words(mm, language)))
-            .collect();
+        let girth = |level: Level| {
+            let measure = Measure::of(record, side, level).ok()?;
+            let (about, sign) = match measure.mark() {
+                HowToRead::Estimated => ("≈ ", ""),
+                HowToRead::ByHand => ("", " *"),
+                _ => ("", ""),
+            };
+            let cm = rounding::cm_words(measure.girth.mm, language);
+            Some(format!("{about}{} {cm}{sign}", level.name()))
+        };
+        let on_foot = Level::ALL.into_iter().filter(|level| *level < Level::B);
+        let girths: Vec<String> = on_foot.filter_map(girth).collect();
         let text = format!("{}: {}", language.word("leg", side.word()), girths.join(", "));
         let at = [GIRTHS_PX[0] + 8.0, ROWS_PX[0] + 18.0 + row as f64 * LINE];
         (!girths.is_empty()).then(|| words(at, Anchor::Start, SMALL, Ink::of(side), text))
@@ -176,7 +180,7 @@ fn feet(record: &Record, language: Language) -> Vec<Mark> {
     Side::FROM_FRONT.into_iter().enumerate().filter_map(line).collect()
 }
 
-impl Place<'_> {
+impl Place {
     /// Whether the level's label is on the right.
     fn is_at_right(&self, record: &Record) -> bool {
         let line = record.leg(self.side.other()).map(curve);
@@ -195,7 +199,7 @@ fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Lang
         _ => round(at, 4.0),
     };
     let ink = Ink::of(level.side);
-    let (fill, about) = if level.is_found { (ink, "") } else { (Ink::Paper, "≈ ") };
+    let (fill, about) = if level.is_estimate { (Ink::Paper, "≈ ") } else { (ink, "") };
     let girth = rounding::cm_words(level.girth_mm, language);
     let label = [at[0] + aside, y + TEXT / 3.0];
     let way = vec![[at[0] + aside / 2.0, at[1]], [at[0] + aside * 0.85, y]];
@@ -212,7 +216,7 @@ fn labelled(level: &Place, frame: &Frame, y: f64, at_right: bool, language: Lang
             anchor,
             TEXT,
             ink,
-            format!("{} {about}{} {girth}", short(level.side, language), level.name),
+            format!("{} {about}{} {girth}{}", short(level.side, language), level.name, level.sign),
         ),
     ]
 }

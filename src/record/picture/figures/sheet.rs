@@ -4,12 +4,9 @@
 use super::plot::{LINE, TEXT, heading, kept_apart, lines};
 use super::views::{Drawn, From, View, extent, outlines, ring};
 use crate::language::Language;
-use crate::leg::{Level, Side};
+use crate::leg::Side;
 use crate::record::Record;
-use crate::record::measure::Measure;
 use crate::record::picture::{Anchor, Ink, Mark, Picture};
-use crate::record::report::Mark as HowToRead;
-use crate::record::rounding::cm_words;
 
 /// Width, px.
 const WIDTH: f64 = 460.0;
@@ -41,7 +38,7 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
     let mut marks = Vec::new();
     for leg in &legs {
         marks.extend(view.leg(leg));
-        marks.extend(girths(record, &view, leg, language));
+        marks.extend(girths(&view, leg, language));
     }
     marks.extend(view.below(&legs, language));
     let title = language.text("picture.sheet").to_owned();
@@ -49,19 +46,12 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
 }
 
 /// The girths of a leg beside it, each on a line to its level.
-fn girths(record: &Record, view: &View, leg: &Drawn, language: Language) -> Vec<Mark> {
+fn girths(view: &View, leg: &Drawn, language: Language) -> Vec<Mark> {
     let found: Vec<(String, [f64; 2])> = outlines(leg.leg)
         .filter_map(|(level, outline)| {
-            let level = Level::ALL.into_iter().find(|known| known.name() == level)?;
-            let measure = Measure::of(record, leg.side, level).ok()?;
+            let girth = leg.girth(level, language)?;
             let end = view.ends(&ring(leg.leg, outline)?)[usize::from(leg.side == Side::Left)];
-            let sign = match measure.mark() {
-                HowToRead::Doubtful => " ?",
-                HowToRead::ByHand => " *",
-                _ => "",
-            };
-            let words = cm_words(measure.girth.mm, language);
-            Some((format!("c{} {words}{sign}", level.name()), end))
+            Some((format!("c{level} {girth}"), end))
         })
         .collect();
     let wished: Vec<f64> = found.iter().map(|(_, end)| end[1]).collect();

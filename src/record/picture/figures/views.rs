@@ -5,8 +5,9 @@ use nalgebra::{Point3, Vector3};
 
 use super::plot::{LINE, SMALL, TEXT, area, heading, kept_apart, lines, words};
 use crate::language::Language;
-use crate::leg::Side;
+use crate::leg::{Level, Side};
 use crate::record::Record;
+use crate::record::measure::Measure;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::rounding::cm_words;
 use crate::record::schema::LegFigures;
@@ -58,6 +59,7 @@ pub(super) enum From {
 
 /// A leg with the data of this figure.
 pub(super) struct Drawn<'a> {
+    pub record: &'a Record,
     pub side: Side,
     pub leg: &'a LegFigures,
     rows: Vec<Vec<Point3<f64>>>,
@@ -152,7 +154,14 @@ impl<'a> Drawn<'a> {
         let lowest_mm = rows.first()?.iter().map(|point| point.z).fold(f64::INFINITY, f64::min);
         let scan = scan.points.as_points();
         let foot = scan.into_iter().flatten().filter(|point| point.z < lowest_mm - BELOW_MM);
-        Some(Drawn { side, leg, foot: foot.collect(), rows })
+        Some(Drawn { record, side, leg, foot: foot.collect(), rows })
+    }
+
+    /// The girth at a level of this name, as on the measuring sheet, with the sign of its mark.
+    pub fn girth(&self, name: &str, language: Language) -> Option<String> {
+        let level = Level::ALL.into_iter().find(|level| level.name() == name)?;
+        let measure = Measure::of(self.record, self.side, level).ok()?;
+        Some(cm_words(measure.girth.mm, language) + measure.mark().behind())
     }
 
     /// All of its points.
@@ -312,8 +321,7 @@ impl View {
                     (right - tip, right - tip + LED, Anchor::Start)
                 };
                 marks.push(lines(vec![vec![[tip, y], end(ring)]], Ink::Muted, 0.6));
-                let found = leg.leg.landmarks.get(*name).filter(|_| self.from == From::Front);
-                let girth = found.map(|found| cm_words(found.girth_tape_mm, language));
+                let girth = leg.girth(name, language).filter(|_| self.from == From::Front);
                 let label = [Some((*name).to_owned()), girth].into_iter().flatten();
                 let label = label.collect::<Vec<_>>().join(" ");
                 let at = [x, y + SMALL / 3.0];

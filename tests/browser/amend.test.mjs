@@ -1,0 +1,98 @@
+// A person sets measures on the operator's page, before a real station.
+
+import assert from "node:assert/strict";
+import { readFileSync, readdirSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { Station, at, body, browse, shoot, tab, until, violations } from "./station.mjs";
+
+let browser;
+before(async () => { browser = await browse(); });
+after(async () => { await browser.close(); });
+
+/** The latest revision of the patient's only record. */
+function record(station) {
+  const patient = join(station.dir, "records/4711");
+  const folder = readdirSync(patient).filter((name) => !name.startsWith(".")).sort().at(-1);
+  return JSON.parse(readFileSync(join(patient, folder, "record.json"), "utf8"));
+}
+
+/** The form of a scan of patient 4711. */
+async function open(page) {
+  await page.getByRole("button", { name: "Set by hand" }).first().click();
+  const form = page.getByRole("dialog", { name: "Set measures of 4711 by hand" });
+  await form.waitFor();
+  return form;
+}
+
+test("a person sets measures, is told what is wrong, and sees them with their mark", async () => {
+  await at(await Station.make(), async (station) => {
+    const { page, noted } = await tab(browser, station);
+    await page.goto(station.link());
+    await station.looked();
+    station.export("4711_x.obj", body(0));
+    await page.waitForSelector("td.girth");
+    const scanned = record(station).legs.find((leg) => leg.side === "right").landmarks.C;
+
+    let form = await open(page);
+    assert.deepEqual(await violations(page), []);
+    await shoot(page, "amend");
+    const girth = form.getByLabel("Right C: Girth (cm)");
+    assert.equal(await girth.getAttribute("placeholder"), (scanned.girth_tape_mm / 10).toFixed(1));
+    const save = form.getByRole("button", { name: "Save" });
+    await form.getByLabel("Reason").fill("swollen");
+    await form.getByLabel("Name").fill("Anna Berg");
+    await save.click();
+    await form.getByText("No value is entered.").waitFor();
+    await girth.fill("38,x");
+    await save.click();
+    await form.getByText("This is not a number: 38,x").waitFor();
+    await girth.fill("3,8");
+    await save.click();
+    await form.getByText("right leg, C: girth 3.8 cm is not between 5.0 and 150.0 cm").waitFor();
+    assert.equal(await form.getByLabel("Reason").inputValue(), "swollen", "what was typed stays");
+    // A decimal comma, and a second measure in the same revision.
+    await girth.fill("38,55");
+    await form.getByRole("combobox", { name: "Left D" }).selectOption({ label: "not measurable" });
+    await save.click();
+    await form.waitFor({ state: "hidden" });
+    const now = record(station);
+    assert.equal(now.revision, 2);
+    const set = now.amendments.map(({ leg, measure, is, girth_mm: mm }) => [leg, measure, is, mm]);
+    assert.deepEqual(set, [["left", "D", "not-measurable", null], ["right", "C", "measured", 385.5]]);
+    assert.deepEqual(now.legs.find((leg) => leg.side === "right").landmarks.C, scanned, "the scan's value stays");
+    const row = page.locator("#scans_body tbody tr", { has: page.getByRole("rowheader", { name: "C", exact: true }) });
+    await until("the new girth", async () => (await row.textContent()).includes("38.6*"));
+    await page.getByText("Not measurable: left D.").first().waitFor();
+    await shoot(page, "amended");
+
+    // It can be taken back; the name is remembered.
+    form = await open(page);
+    assert.equal(await form.getByLabel("Name").inputValue(), "Anna Berg");
+    assert.equal(await form.getByLabel("Right C: Girth (cm)").getAttribute("placeholder"), "38.6");
+    await form.getByRole("combobox", { name: "Right C" }).selectOption({ label: "as scanned" });
+    await form.getByLabel("Reason").fill("slip");
+    await form.getByRole("button", { name: "Save" }).click();
+    await form.waitFor({ state: "hidden" });
+    await until("the scan's girth", async () => !(await row.textContent()).includes("*"));
+    assert.deepEqual(noted.elsewhere, []);
+    assert.deepEqual(noted.faults, []);
+  });
+});
+
+test("without the link for decisions no measure can be set", async () => {
+  await at(await Station.make(), async (station) => {
+    const { page } = await tab(browser, station);
+    await page.goto(station.origin);
+    await station.looked();
+    station.export("4711_x.obj", body(0));
+    await page.waitForSelector("td.girth");
+    assert.equal(await page.getByRole("button", { name: "Set by hand" }).count(), 0);
+    const body_ = { ask: "amend", scan: (await station.state()).scans[0].scan, measures: [], reason: "a", by: "b" };
+    const status = await page.evaluate(async (body) => (await fetch("/ask", {
+      method: "POST", headers: { "Content-Type": "application/json" }, body: JSON.stringify(body),
+    })).status, body_);
+    assert.equal(status, 401);
+    assert.equal(record(station).revision, 1);
+  });
+});
