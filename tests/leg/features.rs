@@ -24,7 +24,7 @@ fn plane() -> PlaneFrame {
 }
 
 /// A section of this radius, mm over radians, known without error.
-fn section(radius: impl Fn(f64) -> f64) -> Section {
+pub fn section(radius: impl Fn(f64) -> f64) -> Section {
     let basis = Basis::uniform_periodic(-PI, TAU, 72).unwrap();
     let angles: Vec<f64> = (0..720).map(|i| -PI + TAU * f64::from(i) / 720.0).collect();
     let radii: Vec<f64> = angles.iter().map(|angle| radius(*angle)).collect();
@@ -45,12 +45,12 @@ fn section(radius: impl Fn(f64) -> f64) -> Section {
     }
 }
 
-fn found(radius: impl Fn(f64) -> f64) -> Vec<Feature> {
+pub fn found(radius: impl Fn(f64) -> f64) -> Vec<Feature> {
     features(&plane(), &section(radius))
 }
 
 /// The radius of |x / a|ⁿ + |y / b|ⁿ = 1, x to the front.
-fn superellipse(n: f64, a: f64, b: f64) -> impl Fn(f64) -> f64 {
+pub fn superellipse(n: f64, a: f64, b: f64) -> impl Fn(f64) -> f64 {
     move |angle: f64| {
         ((angle.cos() / a).abs().powf(n) + (angle.sin() / b).abs().powf(n)).powf(-1.0 / n)
     }
@@ -58,7 +58,7 @@ fn superellipse(n: f64, a: f64, b: f64) -> impl Fn(f64) -> f64 {
 
 /// Kinds and angles must be these, in order around from the front.
 #[track_caller]
-fn check(found: &[Feature], expected: &[(Kind, f64)], tolerance_deg: f64) {
+pub fn check(found: &[Feature], expected: &[(Kind, f64)], tolerance_deg: f64) {
     assert_eq!(found.len(), expected.len(), "{found:#?}");
     for (feature, (kind, angle_deg)) in found.iter().zip(expected) {
         assert_eq!(feature.kind, *kind, "{feature:?}");
@@ -93,15 +93,6 @@ fn a_rounded_square_has_its_corners_and_one_flat_on_each_side() {
     for n in [3.0, 4.0, 8.0] {
         let radius = superellipse(n, 45.0, 45.0);
         check(&found(|angle| radius(turned(angle))), &eight, 0.1);
-    }
-    // On the long flat sides of a rectangle the flattest place may be anywhere; its middle is not.
-    let radius = superellipse(4.0, 60.0, 40.0);
-    let features = found(|angle| radius(turned(angle)));
-    let sides = features.iter().filter(|feature| feature.kind == Kind::Valley);
-    let sides: Vec<f64> = sides.map(|feature| feature.angle_deg).collect();
-    assert_eq!((features.len(), sides.len()), (8, 4), "{features:#?}");
-    for (side, expected) in sides.iter().zip([20.0, 110.0, 200.0, 290.0]) {
-        assert!(off_deg(*side, expected) < 0.5, "{side} for {expected}");
     }
 }
 

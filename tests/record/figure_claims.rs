@@ -164,6 +164,46 @@ fn a_feature_point_is_drawn_where_the_curvature_turns_and_a_peak_bulges_more_tha
     assert!(seen > 100, "{seen}");
 }
 
+#[test]
+fn a_feature_point_is_drawn_on_its_section_where_the_record_has_it() {
+    let (_, record) = &BODIES[0];
+    let mut record = record.clone();
+    for feature in record.legs.iter_mut().flat_map(|leg| &mut leg.features) {
+        // Half-way up a flank: no drawing may look for the extreme by itself.
+        feature.angle_deg = (feature.angle_deg + 20.0 + 180.0).rem_euclid(360.0) - 180.0;
+    }
+    let drawn = figure(&record, "sections");
+    let marks = || drawn.picture.marks.iter();
+    let dots = marks().filter_map(|mark| match mark {
+        Mark::Dots { at, .. } => Some(at[0]),
+        _ => None,
+    });
+    let dots: Vec<[f64; 2]> = dots.collect();
+    let outlines = marks().filter_map(|mark| match mark {
+        Mark::Lines { lines, fill: Some(Ink::Skin), stroke: Some(stroke), .. } => {
+            Some((stroke.ink, &lines[0]))
+        }
+        _ => None,
+    });
+    let outlines: Vec<(Ink, &Vec<[f64; 2]>)> = outlines.collect();
+    for leg in &record.legs {
+        let ink = if leg.side == "left" { Ink::of(Side::Left) } else { Ink::of(Side::Right) };
+        let own = outlines.iter().filter(|(of, _)| *of == ink).map(|(_, line)| *line);
+        let levels = ["D", "C", "B1", "B"].into_iter();
+        let seen = levels.filter(|level| leg.sections.iter().any(|at| at.level == *level));
+        for (level, line) in seen.zip(own) {
+            let here = dots.iter().filter(|dot| distance(line, **dot).1 < 0.6);
+            let drawn: Vec<f64> =
+                here.map(|dot| -180.0 + 3.0 * distance(line, *dot).0 as f64).collect();
+            for feature in leg.features.iter().filter(|feature| feature.level == level) {
+                let off =
+                    |deg: &f64| ((deg - feature.angle_deg + 180.0).rem_euclid(360.0) - 180.0).abs();
+                assert!(drawn.iter().any(|deg| off(deg) < 1.6), "{feature:?}: {drawn:?}");
+            }
+        }
+    }
+}
+
 /// The index of the nearest place of a line, and how far it is, px.
 fn distance(line: &[[f64; 2]], [x, y]: [f64; 2]) -> (usize, f64) {
     let far = |at: &[f64; 2]| (at[0] - x).hypot(at[1] - y);

@@ -2,14 +2,14 @@
 //!
 //! The curvature is that of the section's outline without its finest harmonics. A feature point is
 //! a turning point of the curvature that exceeds the leg's roundness and the scan's noise. Its
-//! position is the middle of the stretch of similar curvature, because the flattest spot of a flat
-//! side may be anywhere on it.
+//! position is where the curvature has its extreme; where it has the same extreme over a stretch, the
+//! middle of that stretch.
 
 use std::f64::consts::{PI, SQRT_2, TAU};
 
 use nalgebra::{Point2, Point3};
 
-use super::circular_extrema::{Cap, Turn, standing_out};
+use super::circular_extrema::{Place, Turn, standing_out};
 use super::harmonic::Harmonics;
 use super::{curvature, harmonic};
 use crate::leg::sections::plane_frame::PlaneFrame;
@@ -24,6 +24,15 @@ const PROMINENCE_MIN_SHARE: f64 = 0.25;
 
 /// … and of at least this many standard errors of a difference of two curvatures; less is noise.
 const PROMINENCE_MIN_SD: f64 = 2.0;
+
+/// Curvatures that differ by less than this share of the mean curvature are the same extreme: it is
+/// half of the standard error of the curvature in the best of scans, and less than a line's width in the
+/// figure of the curvature. Where a side is an arc of a circle, less would let rounding choose a place.
+///
+/// The standard error itself, 2 to 31 % of the mean curvature, is too much: the middle of all that is
+/// within it is no more stable than the extreme when noise is added to bodies, and may lie on a bump of
+/// a valley.
+const SAME_SHARE: f64 = 0.01;
 
 /// The kind of a feature point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,11 +62,11 @@ pub struct Feature {
     pub angle_deg: f64,
     /// The point on the fitted curve, body frame, mm.
     pub position: Point3<f64>,
-    /// Standard error of the position along the skin from the scan's noise, mm.
+    /// Standard error of the position along the skin from the scan's noise, mm. That noise may move the
+    /// point to another bottom of the same valley, almost as deep, is not part of it.
     pub position_sd_mm: f64,
-    /// The largest (peak) or smallest (valley) curvature of the stretch of similar curvature, 1/mm,
-    /// positive where convex. Waves of number n around are attenuated to 1 / (1 + (n / 7.5)⁶) of
-    /// their size.
+    /// The largest (peak) or smallest (valley) curvature of the turn, 1/mm, positive where convex. Waves
+    /// of number n around are attenuated to 1 / (1 + (n / 7.5)⁶) of their size.
     pub curvature_per_mm: f64,
     /// Prominence relative to its neighbours, 1/mm.
     pub prominence_per_mm: f64,
@@ -68,15 +77,15 @@ pub fn features(plane: &PlaneFrame, section: &Section) -> Vec<Feature> {
     let (curvatures, turns) = turns(section, &Angles::of(section));
     let error = CurvatureError::of(section);
     let feature = |turn: Turn| {
-        let cap = turn.cap(&curvatures, alike(section));
-        let angle = wrapped(angle(turn.index as f64 + cap.middle));
+        let place = turn.place(&curvatures, SAME_SHARE * mean(section));
+        let angle = wrapped(angle(turn.index as f64 + place.offset));
         let [radius_mm, slope, _] = section.curve.derivatives(angle);
         let step_mm = radius_mm.hypot(slope) * TAU / ANGLES as f64;
         Feature {
             kind: if turn.is_peak { Kind::Peak } else { Kind::Valley },
             angle_deg: angle.to_degrees(),
             position: section.point(plane, angle),
-            position_sd_mm: step_mm * error.middle_sd(&cap),
+            position_sd_mm: step_mm * error.place_sd(&place),
             curvature_per_mm: curvatures[turn.index],
             prominence_per_mm: turn.prominence,
         }
@@ -121,11 +130,13 @@ impl Angles {
     }
 }
 
-/// The angles of a section's curvature peaks, radians in (−π, π].
+/// The middles of a section's curvature peaks, radians in (−π, π]: what a column of the surface's grid
+/// follows from section to section. They are not the feature points, so the surface does not depend on
+/// which of two bumps of a ridge is the greater; it comes as near to the skin with either.
 pub fn peaks(section: &Section, angles: &Angles) -> Vec<f64> {
     let (curvatures, turns) = turns(section, angles);
     let peaks = turns.into_iter().filter(|turn| turn.is_peak);
-    let middle = |turn: Turn| turn.index as f64 + turn.cap(&curvatures, alike(section)).middle;
+    let middle = |turn: Turn| turn.index as f64 + turn.middle(&curvatures, alike(section));
     peaks.map(|turn| wrapped(angle(middle(turn)))).collect()
 }
 
@@ -139,7 +150,12 @@ fn turns(section: &Section, angles: &Angles) -> (Vec<f64>, Vec<Turn>) {
 
 /// Curvatures that differ by less than this count as equal, 1/mm.
 fn alike(section: &Section) -> f64 {
-    PROMINENCE_MIN_SHARE * TAU / section.girth.contour_mm
+    PROMINENCE_MIN_SHARE * mean(section)
+}
+
+/// The mean curvature, 1/mm.
+fn mean(section: &Section) -> f64 {
+    TAU / section.girth.contour_mm
 }
 
 /// The angle at a (fractional) index into the angles.
@@ -181,11 +197,11 @@ impl CurvatureError {
         self.0.iter().map(|sd| sd * sd).sum::<f64>().sqrt()
     }
 
-    /// Standard error of a cap's middle, in steps, propagated through each harmonic.
-    fn middle_sd(&self, cap: &Cap) -> f64 {
+    /// Standard error of a place, in steps, propagated through each harmonic.
+    fn place_sd(&self, place: &Place) -> f64 {
         let variance = |(n, sd): (usize, &f64)| {
             let (mut sine, mut cosine) = (0.0, 0.0);
-            for (index, pull) in &cap.pulls {
+            for (index, pull) in &place.pulls {
                 let (sin, cos) = (n as f64 * angle(*index as f64)).sin_cos();
                 sine += pull * sin;
                 cosine += pull * cos;

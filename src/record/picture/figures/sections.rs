@@ -1,7 +1,6 @@
 //! The sections at the levels with their feature points, and the curvature by which they are found
 //! (paper, fig. 4b and 4c). Seen from the feet with the front up, as in radiology: the patient's right
-//! is on the left. A feature point is drawn where the curvature is most extreme; the record gives the middle
-//! of the stretch of similar curvature, which may lie on a small bump in a valley.
+//! is on the left.
 
 use super::LEVELS;
 use super::plot::{Frame, LINE, SMALL, Scale, TEXT, heading, kept_apart, lines, range, words};
@@ -45,9 +44,6 @@ const ASIDE: f64 = 11.0;
 
 /// A name that stands further around than this from its point has a line to it, degrees.
 const LED_DEG: f64 = 5.0;
-
-/// Distance of the places at which the extreme of a curvature is looked for, degrees.
-const SEARCH_DEG: f64 = 1.0;
 
 /// The figure; `None` for a record without outlines.
 pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
@@ -104,7 +100,8 @@ impl Sheet {
             marks.push(words(middle, Anchor::Middle, TEXT, Ink::Muted, absent));
             return marks;
         };
-        let features = points(leg, level, outline);
+        let features: Vec<&FeatureFigures> =
+            leg.features.iter().filter(|feature| feature.level == level.name()).collect();
         marks.extend(self.section(outline, &features, side, middle));
         let girth = leg.landmarks.get(level.name()).map(|found| found.girth_tape_mm);
         marks.extend(girth.into_iter().flat_map(|mm| self.girth(mm, side, middle)));
@@ -137,7 +134,7 @@ impl Sheet {
     fn section(
         &self,
         outline: &OutlineFigures,
-        features: &[Point],
+        features: &[&FeatureFigures],
         side: Side,
         [x, y]: [f64; 2],
     ) -> Vec<Mark> {
@@ -174,7 +171,13 @@ impl Sheet {
                 marks.push(lines(vec![vec![dot_at, tip]], Ink::Muted, 0.6));
             }
             marks.push(dot(dot_at, feature));
-            marks.push(words([x, y + SMALL / 3.0], Anchor::Middle, SMALL, Ink::Text, feature.name));
+            marks.push(words(
+                [x, y + SMALL / 3.0],
+                Anchor::Middle,
+                SMALL,
+                Ink::Text,
+                feature.label.as_str(),
+            ));
         }
         marks
     }
@@ -182,7 +185,7 @@ impl Sheet {
     fn chart(
         &self,
         outline: &OutlineFigures,
-        features: &[Point],
+        features: &[&FeatureFigures],
         side: Side,
         [left, top]: [f64; 2],
     ) -> Vec<Mark> {
@@ -207,9 +210,9 @@ impl Sheet {
         // Closes the curve.
         marks.push(lines(vec![(0..=count).map(place).collect()], Ink::of(side), 1.5));
         for is_peak in [true, false] {
-            let here: Vec<&Point> =
-                features.iter().filter(|feature| feature.is_peak == is_peak).collect();
-            let at = |feature: &Point| {
+            let here: Vec<&FeatureFigures> =
+                features.iter().copied().filter(|feature| is_peak == rises(feature)).collect();
+            let at = |feature: &FeatureFigures| {
                 let per_mm = at_angle(&outline.curvature_per_mm, feature.angle_deg);
                 frame.at([feature.angle_deg, per_mm * 1000.0])
             };
@@ -218,7 +221,7 @@ impl Sheet {
                 let [dot_x, y] = at(feature);
                 marks.push(dot([dot_x, y], feature));
                 let y = if is_peak { y - 6.0 } else { y + 6.0 + SMALL * 0.75 };
-                marks.push(words([x, y], Anchor::Middle, SMALL, Ink::Text, feature.name));
+                marks.push(words([x, y], Anchor::Middle, SMALL, Ink::Text, feature.label.as_str()));
             }
         }
         marks
@@ -237,64 +240,12 @@ fn at_angle(row: &[f64], angle_deg: f64) -> f64 {
     at(below) + part * (at(below + 1) - at(below))
 }
 
-/// A feature point as it is drawn.
-struct Point<'a> {
-    name: &'a str,
-    is_peak: bool,
-    /// Where the curvature is largest or smallest between its neighbours, −180 to 180.
-    angle_deg: f64,
-}
-
-/// The feature points of a level, in the order of the record.
-fn points<'a>(leg: &'a LegFigures, level: Level, outline: &OutlineFigures) -> Vec<Point<'a>> {
-    let found: Vec<&FeatureFigures> =
-        leg.features.iter().filter(|feature| feature.level == level.name()).collect();
-    let count = found.len();
-    let point = |(index, feature): (usize, &&'a FeatureFigures)| {
-        let is_peak = feature.kind == "peak";
-        let neighbours = [found[(index + count - 1) % count], found[(index + 1) % count]];
-        let angles = neighbours.map(|neighbour| neighbour.angle_deg);
-        let angle_deg = extreme(&outline.curvature_per_mm, is_peak, feature.angle_deg, angles);
-        Point { name: &feature.label, is_peak, angle_deg }
-    };
-    found.iter().enumerate().map(point).collect()
-}
-
-/// The angle of the largest or the smallest curvature between the neighbours of a feature, degrees.
-fn extreme(curvature: &[f64], is_peak: bool, own: f64, [before, after]: [f64; 2]) -> f64 {
-    let back = (own - before).rem_euclid(360.0).max(SEARCH_DEG);
-    let ahead = (after - own).rem_euclid(360.0).max(SEARCH_DEG);
-    let steps = (-back / SEARCH_DEG) as i64 + 1..(ahead / SEARCH_DEG) as i64;
-    let size = |angle: &f64| at_angle(curvature, *angle) * if is_peak { 1.0 } else { -1.0 };
-    let angles = steps.map(|step| own + step as f64 * SEARCH_DEG).chain([own]);
-    let most = angles.max_by(|a, b| size(a).total_cmp(&size(b))).unwrap_or(own);
-    (most + 180.0).rem_euclid(360.0) - 180.0
+fn rises(feature: &FeatureFigures) -> bool {
+    feature.kind == "peak"
 }
 
 /// A feature point: filled for a peak, hollow for a valley.
-fn dot(at: [f64; 2], feature: &Point) -> Mark {
-    let fill = if feature.is_peak { Ink::Text } else { Ink::Paper };
+fn dot(at: [f64; 2], feature: &FeatureFigures) -> Mark {
+    let fill = if rises(feature) { Ink::Text } else { Ink::Paper };
     Mark::Dots { at: vec![at], radius: 3.0, fill: Some(fill), stroke: Stroke::of(Ink::Text, 1.25) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_valley_with_a_bump_in_its_middle_is_drawn_at_its_lower_bottom() {
-        // Every third degree from −180°: bottoms at −20° and 20°, the second lower.
-        let curvature = |index: usize| {
-            let angle = -180.0 + 3.0 * index as f64;
-            let bottom = |at: f64, depth: f64| depth * (-((angle - at) / 10.0).powi(2)).exp();
-            0.03 - bottom(-20.0, 0.01) - bottom(20.0, 0.012)
-        };
-        let row: Vec<f64> = (0..120).map(curvature).collect();
-        let at = extreme(&row, false, 0.0, [-90.0, 90.0]);
-        assert!((at - 20.0).abs() <= 2.0, "{at}");
-        // Across the seam at the back.
-        let turned: Vec<f64> = (0..120).map(|index| row[(index + 60) % 120]).collect();
-        let at = extreme(&turned, false, 180.0, [90.0, -90.0]);
-        assert!((at + 160.0).abs() <= 2.0, "{at}");
-    }
 }
