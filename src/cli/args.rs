@@ -161,7 +161,7 @@ pub enum Verb {
     /// about it. A record that is stored stays where it is. `retention` in the configuration sets how long its
     /// bytes are kept; until then it can still be tried again or assigned.
     GiveUp(OneArgs),
-    /// Set a measure of a record by hand
+    /// Set a girth, height or length of a record by hand
     ///
     /// Notes what a person measured, or that it cannot be measured, with reason and name, in a new revision
     /// beside the earlier ones. The scan's value stays and is printed with it. With the id of a scan, the

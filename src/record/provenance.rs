@@ -4,8 +4,8 @@ use jiff::Timestamp;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use super::measure::amendment::Amendment;
 use super::phantom::LastCheck;
+use super::schema::Amendment;
 
 /// The revision of a scan that is measured for the first time. Later results count on from here.
 pub const FIRST_REVISION: u32 = 1;

@@ -3,6 +3,8 @@
 //! Millimetres and degrees, in the body frame. Units are in the names. Fields may be added; the meaning
 //! of a field never changes without a new schema number.
 
+mod amendment;
+
 use std::collections::BTreeMap;
 
 use schemars::generate::SchemaSettings;
@@ -10,7 +12,6 @@ use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
 use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
-use super::measure::amendment::Amendment;
 use super::phantom::LastCheck;
 use super::provenance::{Acquired, Patient};
 use super::shape::{AxesFigures, AxisFigures, OutlineFigures, ShapeFigures};
@@ -18,6 +19,7 @@ use super::statement::Statement;
 use super::surface::SurfaceFigures;
 use crate::leg::Side;
 use crate::leg::finding::Severity;
+pub use amendment::{Amendment, Deed};
 
 /// Name and number of this schema.
 pub const SCHEMA: &str = "gaiter.leg-record/2";

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 
 use self::lock::StoreLock;
 use self::search::find;
-pub(super) use self::search::records_in;
+use super::listing::folders;
 use super::revision::{self, Added};
 use super::sums::{self, SUMS};
 use super::{Delivery, Misfit, Receipt, StoreFault, durable, tried};
@@ -249,21 +249,6 @@ fn stage(staged: &Path, delivery: &Delivery<'_>, access: Access) -> Result<(), S
         tried("syncing", path, file.sync_all())?;
     }
     tried("syncing", staged, durable::sync_folder(staged))
-}
-
-/// The folders in a folder; links are not followed.
-pub(super) fn folders(within: &Path) -> Result<Vec<PathBuf>, StoreFault> {
-    let list = || -> io::Result<Vec<PathBuf>> {
-        let mut folders = Vec::new();
-        for entry in fs::read_dir(within)? {
-            let entry = entry?;
-            if entry.file_type()?.is_dir() {
-                folders.push(entry.path());
-            }
-        }
-        Ok(folders)
-    };
-    tried("listing", within, list())
 }
 
 #[cfg(test)]

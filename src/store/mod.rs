@@ -4,6 +4,7 @@
 pub mod durable;
 pub mod folder;
 pub mod gdt;
+mod listing;
 pub mod polling;
 pub mod revision;
 pub mod sums;

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 use rustix::fs::{FlockOperation, flock};
 
-use super::folder::records_in;
+use super::listing::{folders, records_in};
 use super::{StoreFault, durable};
 use crate::flow::access::Access;
 use crate::flow::patient::naming::{self, RecordName};
@@ -127,7 +127,7 @@ pub fn families(at: &Path) -> Result<Vec<Family>, StoreFault> {
         return Ok(families);
     }
     let mut found = Family::of(at, records_in(at)?);
-    let mut patients = super::folder::folders(at)?;
+    let mut patients = folders(at)?;
     patients.sort();
     for patient in patients {
         let name = patient.file_name().and_then(OsStr::to_str);

@@ -20,7 +20,9 @@ use crate::layering::{collect, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 29] = [
+const BY_CODE: [(&str, &str); 32] = [
+    ("amend.value", "the values of `What`"),
+    ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
     ("completeness.again", "`Again::key`"),
     ("completeness.check", "`Check::key`"),
@@ -47,6 +49,7 @@ const BY_CODE: [(&str, &str); 29] = [
     ("page.scan", "the state of a scan on the page"),
     ("page.scan.closed", "why a scan needs no decision any longer"),
     ("picture.larger", "`Side::word`"),
+    ("report.by_hand.measure", "`Subject::word`"),
     ("report.caption", "the figures of a report"),
     ("report.open.field", "`OPEN_FIELDS`"),
     ("statement", "`Statement::of`"),

@@ -83,7 +83,7 @@ fn the_spreadsheet_begins_with_the_verdict_and_has_a_line_for_every_level_in_the
     let head: Vec<&str> = lines.next().unwrap().split(',').collect();
     let verdict = lines.next().unwrap();
     let said = "\"Complete: all measures for a calf stocking (AD) were taken.\"";
-    assert_eq!(verdict, format!(",verdict,complete,,,,,,,,,{said}"));
+    assert_eq!(verdict, format!(",verdict,complete,,,,,,,,,{said},,"));
     let rows = cells(&text);
     let levels = ["G", "F", "E", "D", "C", "B1", "B", "Y", "A"];
     let places: Vec<[&str; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
@@ -110,7 +110,7 @@ fn a_level_that_was_not_found_says_so_in_the_spreadsheet_and_is_not_in_the_drawi
     }
     let text = file(&extraction, "measurements.csv");
     for level in ["A", "E", "F", "G"] {
-        assert!(text.contains(&format!("left,{level},not found,,,,,,,,,\r\n")), "{text}");
+        assert!(text.contains(&format!("left,{level},not found,,,,,,,,,,,\r\n")), "{text}");
     }
     let (plain, without) = (file(&MEASURED.0, "legs.svg"), file(&extraction, "legs.svg"));
     for mark in [">R G ", ">R ≈ E ", ">L ≈ F ", "≈ A "] {

@@ -16,8 +16,6 @@ mod measure;
 mod names;
 mod orders;
 mod page;
-mod page_files;
-mod page_held;
 mod phantom;
 mod trigger_pty;
 mod watch;

@@ -44,16 +44,10 @@ impl Mark {
             Mark::Sure | Mark::Missing | Mark::Real => "",
         }
     }
-}
 
-impl Mark {
-    /// The sign for it behind a girth in a picture.
-    pub fn behind(self) -> &'static str {
-        match self {
-            Mark::Doubtful => " ?",
-            Mark::ByHand => " *",
-            Mark::Sure | Mark::Estimated | Mark::Missing | Mark::Real => "",
-        }
+    /// The sign behind a girth in a picture if a person set it.
+    pub fn by_hand_sign(self) -> &'static str {
+        if self == Mark::ByHand { " *" } else { "" }
     }
 }
 

@@ -5,10 +5,11 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use super::{FolderStore, folders};
+use super::FolderStore;
 use crate::flow::ScanId;
 use crate::flow::patient::naming::{self, RecordName};
 use crate::record::{ORD, RECORD};
+use crate::store::listing::{folders, records_in};
 use crate::store::sums::{self, SUMS};
 use crate::store::{FoundRecord, Misfit, StoreFault, StoredScan, durable, tried};
 
@@ -30,20 +31,6 @@ pub(super) fn find(patient: &Path, scan: &ScanId) -> Result<Option<PathBuf>, Sto
 fn candidates(patient: &Path, scan: &ScanId) -> Result<Vec<PathBuf>, StoreFault> {
     let named = records_in(patient)?.into_iter();
     Ok(named.filter(|(name, _)| name.scan == scan.short()).map(|(_, place)| place).collect())
-}
-
-/// The folders in a patient's folder that are named like records, sorted by the meaning of their names:
-/// a scan's revisions follow one another.
-pub(in crate::store) fn records_in(
-    patient: &Path,
-) -> Result<Vec<(RecordName, PathBuf)>, StoreFault> {
-    let named = |place: PathBuf| {
-        let name = place.file_name().and_then(OsStr::to_str).and_then(RecordName::read)?;
-        Some((name, place))
-    };
-    let mut records: Vec<_> = folders(patient)?.into_iter().filter_map(named).collect();
-    records.sort();
-    Ok(records)
 }
 
 impl FolderStore {

@@ -152,7 +152,7 @@ fn of_leg(record: &Record, side: Side) -> Vec<Place> {
             height_mm: measure.height?.mm,
             girth_mm: measure.girth.mm,
             is_estimate: measure.mark() == HowToRead::Estimated,
-            sign: if measure.mark() == HowToRead::ByHand { " *" } else { "" },
+            sign: measure.mark().by_hand_sign(),
         })
     };
     Level::ALL.into_iter().filter_map(place).collect()
@@ -163,15 +163,12 @@ fn feet(record: &Record, language: Language) -> Vec<Mark> {
     let line = |(row, side): (usize, Side)| {
         let girth = |level: Level| {
             let measure = Measure::of(record, side, level).ok()?;
-            let (about, sign) = match measure.mark() {
-                HowToRead::Estimated => ("≈ ", ""),
-                HowToRead::ByHand => ("", " *"),
-                _ => ("", ""),
-            };
+            let about = if measure.mark() == HowToRead::Estimated { "≈ " } else { "" };
+            let sign = measure.mark().by_hand_sign();
             let cm = rounding::cm_words(measure.girth.mm, language);
             Some(format!("{about}{} {cm}{sign}", level.name()))
         };
-        let on_foot = Level::ALL.into_iter().filter(|level| *level < Level::B);
+        let on_foot = Level::ALL.into_iter().rev().filter(|level| *level < Level::B);
         let girths: Vec<String> = on_foot.filter_map(girth).collect();
         let text = format!("{}: {}", language.word("leg", side.word()), girths.join(", "));
         let at = [GIRTHS_PX[0] + 8.0, ROWS_PX[0] + 18.0 + row as f64 * LINE];

@@ -7,6 +7,7 @@ use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
 use crate::record::picture::{Anchor, Ink, Mark, Picture};
+use crate::record::report::Mark as HowToRead;
 
 /// Width, px.
 const WIDTH: f64 = 460.0;
@@ -49,9 +50,10 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
 fn girths(view: &View, leg: &Drawn, language: Language) -> Vec<Mark> {
     let found: Vec<(String, [f64; 2])> = outlines(leg.leg)
         .filter_map(|(level, outline)| {
-            let girth = leg.girth(level, language)?;
+            let (girth, mark) = leg.girth(level, language)?;
+            let sign = if mark == HowToRead::Doubtful { " ?" } else { mark.by_hand_sign() };
             let end = view.ends(&ring(leg.leg, outline)?)[usize::from(leg.side == Side::Left)];
-            Some((format!("c{level} {girth}"), end))
+            Some((format!("c{level} {girth}{sign}"), end))
         })
         .collect();
     let wished: Vec<f64> = found.iter().map(|(_, end)| end[1]).collect();

@@ -9,6 +9,7 @@ use crate::leg::{Level, Side};
 use crate::record::Record;
 use crate::record::measure::Measure;
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
+use crate::record::report::Mark as HowToRead;
 use crate::record::rounding::cm_words;
 use crate::record::schema::LegFigures;
 use crate::record::shape::{OutlineFigures, ShapeFigures};
@@ -157,11 +158,11 @@ impl<'a> Drawn<'a> {
         Some(Drawn { record, side, leg, foot: foot.collect(), rows })
     }
 
-    /// The girth at a level of this name, as on the measuring sheet, with the sign of its mark.
-    pub fn girth(&self, name: &str, language: Language) -> Option<String> {
+    /// The girth at a level of this name, as on the measuring sheet, and how to read it.
+    pub fn girth(&self, name: &str, language: Language) -> Option<(String, HowToRead)> {
         let level = Level::ALL.into_iter().find(|level| level.name() == name)?;
         let measure = Measure::of(self.record, self.side, level).ok()?;
-        Some(cm_words(measure.girth.mm, language) + measure.mark().behind())
+        Some((cm_words(measure.girth.mm, language), measure.mark()))
     }
 
     /// All of its points.
@@ -322,6 +323,7 @@ impl View {
                 };
                 marks.push(lines(vec![vec![[tip, y], end(ring)]], Ink::Muted, 0.6));
                 let girth = leg.girth(name, language).filter(|_| self.from == From::Front);
+                let girth = girth.map(|(girth, mark)| girth + mark.by_hand_sign());
                 let label = [Some((*name).to_owned()), girth].into_iter().flatten();
                 let label = label.collect::<Vec<_>>().join(" ");
                 let at = [x, y + SMALL / 3.0];

@@ -1,8 +1,9 @@
-//! The operator's page of the real station, as browsers and those who pretend to be one see it: who
-//! may read, who may decide, and what it says.
+//! The operator's page of the real station: who may read, who may decide, and what it says.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod files;
+mod held;
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
