@@ -58,6 +58,32 @@ pub enum Absent {
     NotMeasurable,
 }
 
+/// The key of the words for why a record has no figures of a level.
+pub fn why_absent(record: &Record, side: Side, level: Level, absent: Absent) -> &'static str {
+    let is_found = |code: &str, level: Option<&str>| {
+        record.findings.iter().any(|of| {
+            let is_there = of.leg.as_deref() == Some(side.word());
+            of.code == code && is_there && of.level.as_deref() == level
+        })
+    };
+    match absent {
+        Absent::NotMeasurable => "report.missing.not_measurable",
+        Absent::NotFound if record.leg(side).is_none() => {
+            match is_found("leg-not-measured", None) {
+                true => "report.missing.leg_not_measured",
+                false => "report.missing.leg_not_in_scan",
+            }
+        }
+        Absent::NotFound if is_found("level-absent", Some(level.name())) => {
+            "report.missing.level_absent"
+        }
+        Absent::NotFound if is_found("level-implausible", Some(level.name())) => {
+            "report.missing.level_implausible"
+        }
+        Absent::NotFound => "report.missing.level_not_seen",
+    }
+}
+
 impl Absent {
     /// It in words, in the place of the figures.
     pub fn words(self, language: Language) -> &'static str {

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::completeness::Completeness;
 use super::garment::Garment;
 use super::measure::amendment::Subject;
-use super::measure::{Absent, Length, Measure};
+use super::measure::{Absent, Length, Measure, why_absent};
 use super::rounding;
 use super::schema::Record;
 use crate::language::Language;
@@ -36,6 +36,10 @@ pub struct SummaryLevel {
     pub right: Option<SummaryFigures>,
     /// On the patient's left leg.
     pub left: Option<SummaryFigures>,
+    /// Why the right leg has none, in a word or two.
+    pub right_absent: Option<&'static str>,
+    /// Why the left leg has none.
+    pub left_absent: Option<&'static str>,
 }
 
 /// The figures of one level of one leg, cm with one decimal, as text in the reader's language.
@@ -57,10 +61,16 @@ impl RecordSummary {
         let figures = |side: Side, level: Level| {
             Some(SummaryFigures::of(&Measure::of(record, side, level).ok()?, language))
         };
+        let absent = |side: Side, level: Level| {
+            let absent = Measure::of(record, side, level).err()?;
+            Some(language.text(why_absent(record, side, level, absent)))
+        };
         let levels = LEVELS.map(|level| SummaryLevel {
             level: level.name(),
             right: figures(Side::Right, level),
             left: figures(Side::Left, level),
+            right_absent: absent(Side::Right, level),
+            left_absent: absent(Side::Left, level),
         });
         let findings = record.findings.iter().filter(|finding| finding.severity != "info").count();
         let completeness = Completeness::of(record, garment);

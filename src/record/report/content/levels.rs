@@ -4,7 +4,7 @@ use super::super::words::short;
 use super::{Figure, LevelFigures, LevelRow, Levels, Report, SheetColumns, SheetRow};
 use crate::leg::{Level, Side};
 use crate::record::measure::amendment::Subject;
-use crate::record::measure::{Absent, Length, Measure, girth_mm_at};
+use crate::record::measure::{Absent, Length, Measure, girth_mm_at, why_absent};
 use crate::record::report::Mark;
 use crate::record::rounding::cm_words;
 
@@ -39,11 +39,7 @@ impl Report<'_> {
     fn level(&self, side: Side, level: Level) -> LevelFigures {
         match Measure::of(self.record, side, level) {
             Ok(measure) => self.measured(&measure),
-            Err(Absent::NotMeasurable) => missing(self.text("report.missing.not_measurable")),
-            Err(Absent::NotFound) if self.record.leg(side).is_none() => {
-                missing(self.no_leg(side).to_owned())
-            }
-            Err(Absent::NotFound) => missing(self.no_level(side, level)),
+            Err(absent) => missing(self.no_level(side, level, absent)),
         }
     }
 
@@ -66,16 +62,10 @@ impl Report<'_> {
 
     /// Why a level has no figure on a leg that was measured; where the other leg has it, also the girth at
     /// the other leg's height.
-    fn no_level(&self, side: Side, level: Level) -> String {
-        let is_found = |code| self.is_found(code, side, Some(level.name()));
-        let why = if is_found("level-absent") {
-            "report.missing.level_absent"
-        } else if is_found("level-implausible") {
-            "report.missing.level_implausible"
-        } else {
-            "report.missing.level_not_seen"
-        };
-        match self.girth_at_other_height(side, level) {
+    fn no_level(&self, side: Side, level: Level, absent: Absent) -> String {
+        let why = why_absent(self.record, side, level, absent);
+        let at_other = self.girth_at_other_height(side, level);
+        match at_other.filter(|_| absent == Absent::NotFound) {
             Some((height_mm, girth_mm)) => {
                 let [height, girth] = [height_mm, girth_mm].map(|mm| cm_words(mm, self.language));
                 let words: [(&str, &dyn std::fmt::Display); 3] =

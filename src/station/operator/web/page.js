@@ -85,7 +85,6 @@ function state(word, health) {
 
 function cell(figures, name) {
   const kind = name === "girth_cm" ? "girth" : undefined;
-  if (!figures) return make("td", { class: kind, "aria-label": label("not_found") }, "–");
   const doubt = figures.is_doubted && kind ? make("abbr", { title: label("doubted") }, "?") : null;
   const hand = figures.is_by_hand && kind ? make("abbr", { title: label("by_hand") }, "*") : null;
   return make("td", { class: kind }, figures[name], doubt, hand);
@@ -100,7 +99,9 @@ function measures(of) {
   ]));
   const rows = of.levels.map((level) => make("tr", {},
     make("th", { scope: "row" }, level.level),
-    sides.flatMap((side) => [cell(level[side], "girth_cm"), cell(level[side], "height_cm")])));
+    sides.flatMap((side) => (level[side]
+      ? [cell(level[side], "girth_cm"), cell(level[side], "height_cm")]
+      : make("td", { class: "absent", colspan: 2 }, level[`${side}_absent`])))));
   return make("table", {}, make("thead", {}, head, units), make("tbody", {}, rows));
 }
 
@@ -157,15 +158,21 @@ function scanCard(scan, canAct, showsIds) {
   const drawing = showsIds && scan.files.includes("legs.svg")
     ? make("img", { class: "drawing", src: address(scan, "legs.svg"), alt: label("drawing"), loading: "lazy" })
     : null;
-  const { verdict, to_do, findings: count } = scan.measures;
+  const { findings: count } = scan.measures;
   const findings = [
-    ...to_do.map((sentence) => make("p", { class: verdict === "complete" ? "quiet" : "bad" }, sentence)),
+    ...verdict(scan.measures),
     count ? make("p", { class: "quiet" }, label(count === 1 ? "finding" : "findings").replace("{count}", count)) : null,
   ];
   return make("article", { class: drawing ? "card scan" : "card scan without" },
     drawing ? make("div", {}, drawing) : null,
     make("div", { class: "about" }, about(scan, canAct, ...findings, links(scan, showsIds))),
     make("div", { class: "measures" }, measures(scan.measures)));
+}
+
+// What is to be done before the patient dresses.
+function verdict({ verdict: kind, to_do: sentences }) {
+  const isSettled = ["complete", "not-measurable"].includes(kind);
+  return sentences.map((sentence) => make("p", { class: isSettled ? "quiet" : "bad" }, sentence));
 }
 
 let viewed = null;
@@ -258,7 +265,7 @@ function show(station) {
     redraw("last_body", newest ?? null, (scan) => scan
       ? [
           make("p", { class: "when" }, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
-          scan.measures ? measures(scan.measures) : null,
+          ...(scan.measures ? [...verdict(scan.measures), measures(scan.measures)] : []),
         ]
       : make("p", { class: "quiet" }, label("no_scans")));
     fit();
