@@ -15,6 +15,12 @@ pub enum Doubt {
         /// Standard error of the height, mm.
         height_sd_mm: f64,
     },
+    /// The girth is poorly determined, mostly because the height is where the girth changes fast.
+    #[error("its girth is uncertain by {girth_sd_mm:.0} mm")]
+    GirthUncertain {
+        /// Standard error of the girth, mm.
+        girth_sd_mm: f64,
+    },
     /// Another extremum of the same kind is equal to this one within the noise.
     #[error("the girth at {other_height_mm:.0} mm is the same within the noise")]
     Double {
@@ -94,6 +100,7 @@ impl Doubt {
         match self {
             Doubt::Shallow { .. } => "shallow",
             Doubt::Flat { .. } => "flat",
+            Doubt::GirthUncertain { .. } => "girth-uncertain",
             Doubt::Double { .. } => "double",
             Doubt::Several { .. } => "several",
             Doubt::UnusualHeight { .. } => "unusual-height",

@@ -72,6 +72,7 @@ pub fn leg_report(
     let across = measures.levels.found.iter_mut().filter(|landmark| landmark.level >= Level::B);
     let others = other_axes(leg, &sections.axis, body, end_mm, method.tape);
     tilt::complete(across, &sections, &curve, &others);
+    measures.doubt_uncertain_girths();
     for landmark in &mut measures.levels.found {
         landmark.height_sd_mm = landmark.height_sd_mm.hypot(body.floor_sd_mm);
     }
@@ -169,7 +170,21 @@ struct Measures {
     foot: Option<Foot>,
 }
 
+/// A girth with a larger standard error than this is no figure to order by, mm: within two of them it may be
+/// off by a centimetre, two steps of an order form.
+const GIRTH_DOUBT_SD_MM: f64 = 5.0;
+
 impl Measures {
+    /// Adds a doubt to all levels whose girth is poorly determined.
+    fn doubt_uncertain_girths(&mut self) {
+        for landmark in &mut self.levels.found {
+            let girth_sd_mm = landmark.girth_sd_mm;
+            if girth_sd_mm > GIRTH_DOUBT_SD_MM {
+                landmark.doubts.push(Doubt::GirthUncertain { girth_sd_mm });
+            }
+        }
+    }
+
     /// Adds a doubt to all levels above a distance along the axis.
     fn doubt_above(&mut self, along_mm: f64, doubt: Doubt) {
         let found = self.levels.found.iter_mut().filter(|landmark| landmark.along_mm > along_mm);

@@ -53,12 +53,23 @@ impl Kind {
 /// A measure of one leg.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Item {
-    /// Girth and height of a level.
-    Level(Level),
+    /// A level.
+    Level(Level, Part),
     /// Length of the foot.
     Foot,
     /// Length of the inside of the leg.
     InsideLeg,
+}
+
+/// What of a level is to be measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Part {
+    /// Girth and height.
+    Both,
+    /// The girth: a person set the height.
+    Girth,
+    /// The height: a person set the girth.
+    Height,
 }
 
 /// What is to be different in another scan.

@@ -21,6 +21,9 @@ const BELOW_D: &str = "below-d";
 const OF_GIRTH: [&str; 7] =
     ["gap", "scatter", "cloth", "folds", "not-seen", "knee-bent", "sole-not-seen"];
 
+/// The doubt about a girth that is uncertain because its height is: either of them settles it.
+const OF_EITHER: &str = "girth-uncertain";
+
 /// The girth and the height of a level. What a person set counts; the rest is the scan's.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measure<'a> {
@@ -80,8 +83,14 @@ pub fn why_absent(record: &Record, side: Side, level: Level, absent: Absent) -> 
         Absent::NotFound if is_found("level-implausible", Some(level.name())) => {
             "report.missing.level_implausible"
         }
+        // The scan shows the skin, and not where on it the level lies.
+        Absent::NotFound if is_estimated(record, side, level) => "report.missing.level_absent",
         Absent::NotFound => "report.missing.level_not_seen",
     }
+}
+
+fn is_estimated(record: &Record, side: Side, level: Level) -> bool {
+    record.leg(side).is_some_and(|leg| leg.estimates.contains_key(level.name()))
 }
 
 impl Absent {
@@ -181,9 +190,10 @@ impl Measure<'_> {
             (None, None) => scanned.as_ref()?.girth,
         };
         let height = hand.height_mm.map(Length::by_hand);
-        let counts = |doubt: &&str| match OF_GIRTH.contains(doubt) {
-            true => hand.girth_mm.is_none(),
-            false => height.is_none(),
+        let counts = |doubt: &&str| match *doubt {
+            OF_EITHER => hand.girth_mm.is_none() && height.is_none(),
+            doubt if OF_GIRTH.contains(&doubt) => hand.girth_mm.is_none(),
+            _ => height.is_none(),
         };
         Some(Measure {
             girth,

@@ -230,6 +230,7 @@ impl From<&Doubt> for Statement {
             Doubt::Cloth { step_mm, height_mm } => {
                 said.number("step_mm", step_mm).number("height_mm", height_mm)
             }
+            Doubt::GirthUncertain { girth_sd_mm } => said.number("girth_sd_mm", girth_sd_mm),
             Doubt::Folds { percent } => said.number("percent", percent),
             Doubt::KneeBent { bend_deg } => said.number("bend_deg", bend_deg),
             Doubt::BelowD { d_height_mm } => said.number("d_height_mm", d_height_mm),

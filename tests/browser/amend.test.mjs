@@ -51,6 +51,10 @@ test("a person sets measures, is told what is wrong, and sees them with their ma
     await save.click();
     await form.getByText("right leg, C: girth 3.8 cm is not between 5.0 and 150.0 cm").waitFor();
     assert.equal(await form.getByLabel("Reason").inputValue(), "swollen", "what was typed stays");
+    await girth.fill("13,8");
+    await save.click();
+    await form.getByText("right leg, C: girth 13.8 cm is far off the scan").waitFor();
+    await form.getByRole("button", { name: "Save all the same" }).waitFor();
     // A decimal comma, and a second measure in the same revision.
     await girth.fill("38,55");
     await form.getByRole("combobox", { name: "Left D" }).selectOption({ label: "not measurable" });

@@ -126,7 +126,7 @@ fn what_is_refused_says_why_and_writes_nothing() {
             "girth 3.0 cm is not between 5.0 and 150.0 cm",
         ),
         (&old, &["--level", "B", "--height-cm", "38"], 64, "height 38.0 cm is not below"),
-        (&old, &["--level", "Y", "--height-cm", "4"], 64, "there is no height of it"),
+        (&old, &["--level", "Y", "--height-cm", "4"], 64, "it has no height"),
         (&old, &["--level", "C"], 64, "required"),
         (&old, &["--level", "C", "--take-back"], 64, "nothing was set by hand"),
         (&missing, &["--level", "C", "--girth-cm", "38"], 66, "nothing was set"),

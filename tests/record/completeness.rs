@@ -191,7 +191,7 @@ fn by_hand(record: &Record, measure: &str, is: Deed, cm: [Option<f64>; 3]) -> Re
         by: "Anna Berg".to_owned(),
         at: "2026-11-25T10:00:00Z".parse().unwrap(),
     };
-    record.amended(&[amendment]).unwrap()
+    record.amended(&[amendment], true).unwrap()
 }
 
 #[test]

@@ -202,11 +202,14 @@ fn amended(record: &Record) -> Record {
     let d = record.legs.iter().find(|leg| leg.side == "left").unwrap().landmarks["D"].height_mm;
     let (measured, not) = (Deed::Measured, Deed::NotMeasurable);
     record
-        .amended(&[
-            set("right", "C", measured, [Some(41.25), Some(c / 10.0 + 0.7)]),
-            set("right", "D", not, [None, None]),
-            set("left", "E", measured, [Some(39.9), Some(d / 10.0 + 3.0)]),
-        ])
+        .amended(
+            &[
+                set("right", "C", measured, [Some(41.25), Some(c / 10.0 + 0.7)]),
+                set("right", "D", not, [None, None]),
+                set("left", "E", measured, [Some(39.9), Some(d / 10.0 + 3.0)]),
+            ],
+            true,
+        )
         .unwrap()
 }
 

@@ -36,10 +36,10 @@ fn told(record: &Record) -> [Vec<String>; 2] {
 #[test]
 fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_told() {
     let record = record(&[("D", 0.9), ("C", 0.6)]);
-    let english = "Right leg: a tape that is tilted by 3° reads more or less than this, at D by up \
-                   to 2.7 mm. Hold it square to the shank.";
-    let german = "Rechtes Bein: Liegt das Maßband um 3° schräg, misst es mehr oder weniger, bei D \
-                  um bis zu 2,7 mm. Das Maßband rechtwinklig zum Unterschenkel anlegen.";
+    let english = "Right leg: a tape that is tilted by 3° may read up to this much more or less: D \
+                   2.7 mm. Hold it square to the shank.";
+    let german = "Rechtes Bein: Liegt das Maßband um 3° schräg, kann es bis zu so viel mehr oder \
+                  weniger anzeigen: D 2,7 mm. Das Maßband rechtwinklig zum Unterschenkel anlegen.";
     assert_eq!(told(&record), [[english], [german]]);
     for (language, sentence) in [(Language::En, english), (Language::De, german)] {
         let page =
@@ -52,10 +52,10 @@ fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_tol
 #[test]
 fn one_sentence_names_all_levels_of_a_leg_from_the_highest() {
     let [english, german] = told(&record(&[("B", 0.8), ("G", 2.0), ("D", 1.37)]));
-    let levels = ", at G by up to 6.0 mm, at D by up to 4.1 mm, at B by up to 2.4 mm. Hold it \
-                  square to the shank, above the knee square to the thigh.";
+    let levels = ": G 6.0 mm, D 4.1 mm, B 2.4 mm. Hold it square to the shank, above the knee square \
+                  to the thigh.";
     assert!(english[0].ends_with(levels), "{english:?}");
-    assert!(german[0].contains("bei G um bis zu 6,0 mm, bei D um bis zu 4,1 mm, bei B"));
+    assert!(german[0].contains(": G 6,0 mm, D 4,1 mm, B 2,4 mm"));
     assert!(german[0].ends_with(" oberhalb des Knies rechtwinklig zum Oberschenkel."));
     assert_eq!((english.len(), german.len()), (1, 1));
 }
@@ -75,6 +75,6 @@ fn only_where_girths_are_those_of_a_tape_held_square_it_is_to_be_held_so() {
     let mut record = record(&[("D", 0.9)]);
     record.made_by.method.insert("tape".to_owned(), "horizontal".to_owned());
     let [english, german] = told(&record);
-    assert!(english[0].ends_with("at D by up to 2.7 mm."), "{english:?}");
-    assert!(german[0].ends_with("bei D um bis zu 2,7 mm."), "{german:?}");
+    assert!(english[0].ends_with(": D 2.7 mm."), "{english:?}");
+    assert!(german[0].ends_with(": D 2,7 mm."), "{german:?}");
 }

@@ -73,10 +73,10 @@ fn every_store_gets_the_amended_measure_once_and_nothing_else_tells_who_set_it()
     booth.wait_for_records(1);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'delivered'", 1);
     let (scanned, remark) = c_right(&first);
-    assert_ne!((scanned.as_str(), remark.as_deref()), ("41.7", Some("von Hand eingetragen")));
-    set(&booth, &scan, "41.7");
+    assert_ne!((scanned.as_str(), remark.as_deref()), ("36.7", Some("von Hand eingetragen")));
+    set(&booth, &scan, "36.7");
     let second = fetch(&booth);
-    assert_eq!(c_right(&second), ("41.7".to_owned(), Some("von Hand eingetragen".to_owned())));
+    assert_eq!(c_right(&second), ("36.7".to_owned(), Some("von Hand eingetragen".to_owned())));
     let comments = contents(&second, "6227").join(" ");
     assert!(PLANTED.iter().all(|planted| comments.contains(planted)), "{comments}");
     booth.wait_for_journal(DUE, 0);
@@ -85,7 +85,7 @@ fn every_store_gets_the_amended_measure_once_and_nothing_else_tells_who_set_it()
         assert_eq!(folders.len(), 2, "{store}: {folders:?}");
         let [was, is] = [0, 1].map(|at| record(&folders[at]));
         assert_eq!(was["legs"], is["legs"], "{store}");
-        assert_eq!(is["amendments"][0]["girth_mm"], 417.0);
+        assert_eq!(is["amendments"][0]["girth_mm"], 367.0);
         assert_eq!(names(&folders[0]), names(&folders[1]));
     }
     let events = "SELECT count(*) FROM history WHERE event = 'amended'";
@@ -120,8 +120,8 @@ fn a_store_that_is_away_gets_it_later_also_after_a_kill_and_a_lost_journal() {
         let (here, there) = away(store);
         fs::rename(here, there).unwrap();
     }
-    set(&booth, &scan, "41.7");
-    set(&booth, &scan, "41.8");
+    set(&booth, &scan, "36.7");
+    set(&booth, &scan, "36.8");
     assert_eq!(records(&booth, "records").len(), 3);
     booth.wait_for_journal(DUE, 2);
     daemon.kill();
@@ -130,7 +130,7 @@ fn a_store_that_is_away_gets_it_later_also_after_a_kill_and_a_lost_journal() {
         fs::rename(there, here).unwrap();
     }
     let daemon = booth.start();
-    assert_eq!(c_right(&fetch(&booth)).0, "41.8");
+    assert_eq!(c_right(&fetch(&booth)).0, "36.8");
     booth.wait_for_journal(DUE, 0);
     let copied = records(&booth, "copy");
     let [first, last] = [copied.first(), copied.last()].map(|folder| record(folder.unwrap()));
@@ -158,7 +158,7 @@ fn a_record_that_is_taken_back_takes_along_what_was_set_without_effect() {
     booth.export("4711_a.obj", &scan);
     booth.wait_for_records(1);
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'delivered'", 1);
-    set(&booth, &scan, "41.7");
+    set(&booth, &scan, "36.7");
     let output = booth.gaiter(&["unassign", &sha256(&scan)[..8]]);
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));
     let unassigned = booth.path("records/_unassigned");
@@ -168,7 +168,7 @@ fn a_record_that_is_taken_back_takes_along_what_was_set_without_effect() {
     let kept = names(&folder).into_iter().find(|name| name.starts_with("set-by-hand.")).unwrap();
     let kept = fs::read_to_string(folder.join(kept)).unwrap();
     let kept: Value = serde_json::from_str(&kept).unwrap();
-    assert_eq!(kept["amendments"][0]["girth_mm"], 417.0);
+    assert_eq!(kept["amendments"][0]["girth_mm"], 367.0);
     assert!(records(&booth, "records").is_empty());
     assert_eq!(daemon.stop().code(), Some(0));
 }
@@ -177,11 +177,11 @@ fn a_record_that_is_taken_back_takes_along_what_was_set_without_effect() {
 fn what_has_no_record_cannot_be_amended() {
     let booth = Booth::new();
     let daemon = booth.start_ready();
-    let unknown = amend(&booth, b"unknown", "41.7");
+    let unknown = amend(&booth, b"unknown", "36.7");
     assert_eq!(code(&unknown), Some(66), "{}", stderr(&unknown));
     booth.export("4711_a.obj", b"v 0 0 0\n");
     booth.wait_for_journal("SELECT count(*) FROM scans WHERE state = 'refused'", 1);
-    let refused = amend(&booth, b"v 0 0 0\n", "41.7");
+    let refused = amend(&booth, b"v 0 0 0\n", "36.7");
     assert_eq!(code(&refused), Some(64), "{}", stderr(&refused));
     assert!(stderr(&refused).contains("has no record in the store"), "{}", stderr(&refused));
     assert_eq!(daemon.stop().code(), Some(0));

@@ -12,9 +12,9 @@ use crate::cli::terminal::screen;
 use crate::cli::terminal::table;
 use crate::cli::{Exit, ask, complain, explain_config, print, shown};
 use crate::config::{self, ConfigError};
-use crate::record::ReportChoice;
 use crate::record::measure::amendment::Deed;
 use crate::record::rounding;
+use crate::record::{RECORD, ReportChoice};
 use crate::station::operator::act::{Measured, Setting};
 use crate::station::operator::control::protocol::Request;
 use crate::station::runtime::causes::chain;
@@ -26,6 +26,7 @@ pub fn amend(args: &AmendArgs) -> Exit {
         measures: vec![measured(args)],
         reason: args.reason.clone(),
         by: args.by.clone(),
+        is_sure: args.sure,
     };
     match Named::of(&args.record) {
         Named::Scan(scan) => {
@@ -64,9 +65,14 @@ fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Exit {
         Ok(choice) => choice,
         Err(error) => return explain_config(&error),
     };
-    // The record's own file names its folder, too.
-    let folder = if path.is_file() { path.parent().unwrap_or(path) } else { path };
-    match amend_record(folder, &setting.amendments(Timestamp::now()), &choice) {
+    // The record's own file names its folder, too; no other file does.
+    let is_record = path.file_name().is_some_and(|name| name == RECORD);
+    let folder = path.parent().filter(|_| is_record && path.is_file()).unwrap_or(path);
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    if folder.is_file() {
+        return refused(args, path, &Fault::NoRecord);
+    }
+    match amend_record(folder, &setting.amendments(Timestamp::now()), args.sure, &choice) {
         Ok(amended) => told(args, &amended, &choice),
         Err(fault) => refused(args, path, &fault),
     }
@@ -118,6 +124,7 @@ fn refused(args: &AmendArgs, path: &Path, fault: &Fault) -> Exit {
         Fault::Io(error) if error.kind() == std::io::ErrorKind::NotFound => {
             ("no-record", Exit::NoFile)
         }
+        Fault::Amend(fault) if fault.is_far_off() => ("measure-far-off", Exit::Usage),
         Fault::Amend(_) => ("measure-not-possible", Exit::Usage),
         Fault::Stored(fault) => (fault.code(), Exit::Unmeasurable),
         Fault::OtherVersion(_) | Fault::Withdrawn | Fault::Meanwhile => {
@@ -133,6 +140,9 @@ fn refused(args: &AmendArgs, path: &Path, fault: &Fault) -> Exit {
         let _ = print(format_args!("{fault:#}\n"));
     } else {
         complain(format_args!("gaiter: {said} [{code}]"));
+        if code == "measure-far-off" {
+            complain("  hint: --sure sets it all the same");
+        }
     }
     exit
 }

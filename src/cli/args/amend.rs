@@ -23,16 +23,17 @@ pub struct AmendArgs {
     #[arg(long, value_parser = of_words(LEGS))]
     pub leg: Side,
     /// The level, or a length of the foot or of the inside of the leg
-    #[arg(long, value_parser = level())]
+    #[arg(long, value_parser = level(), ignore_case = true)]
     pub level: Subject,
     /// Girth of the level by tape, cm
-    #[arg(long, value_name = "CM", group = "what")]
+    #[arg(long, value_name = "CM", group = "what", value_parser = cm)]
     pub girth_cm: Option<f64>,
     /// Height of the level above the floor, cm; without --girth-cm the scan's girth there counts
-    #[arg(long, value_name = "CM", group = "what")]
+    #[arg(long, value_name = "CM", group = "what", value_parser = cm)]
     pub height_cm: Option<f64>,
     /// Length or breadth of the foot, or length of the inside of the leg, cm
-    #[arg(long, value_name = "CM", group = "what", conflicts_with_all = ["girth_cm", "height_cm"])]
+    #[arg(long, value_name = "CM", group = "what", value_parser = cm,
+          conflicts_with_all = ["girth_cm", "height_cm"])]
     pub length_cm: Option<f64>,
     /// It cannot be measured on this patient
     #[arg(long, group = "what", conflicts_with_all = ["girth_cm", "height_cm", "length_cm"])]
@@ -47,6 +48,9 @@ pub struct AmendArgs {
     /// Who measured; it is printed
     #[arg(long, value_name = "NAME")]
     pub by: String,
+    /// Accept a value that is more than 15 % off the scan's
+    #[arg(long)]
+    pub sure: bool,
     /// Ask for the patient's id: needed if the scan belongs to more than one patient
     #[arg(long)]
     pub of: bool,
@@ -58,5 +62,26 @@ pub struct AmendArgs {
 
 fn level() -> impl TypedValueParser<Value = Subject> {
     PossibleValuesParser::new(Subject::all().map(Subject::word))
-        .try_map(|text| Subject::of_word(&text).ok_or("no such level"))
+        .try_map(|text| Subject::of_any_case(&text).ok_or("no such level"))
+}
+
+/// Parses a length in cm, with a decimal point or comma.
+fn cm(text: &str) -> Result<f64, String> {
+    let cm = text.replace(',', ".").parse::<f64>().ok().filter(|cm| cm.is_finite());
+    cm.ok_or_else(|| "write a length in cm as 38.5 or 38,5, without a unit".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_length_has_a_point_or_a_comma_and_no_unit() {
+        for text in ["38.5", "38,5"] {
+            assert_eq!(cm(text), Ok(38.5));
+        }
+        for text in ["38.5cm", "38,5 cm", "", "inf", "1.000,5"] {
+            assert!(cm(text).is_err(), "{text}");
+        }
+    }
 }

@@ -1,6 +1,6 @@
 //! What a record holds for an order, from its findings and doubts and from what the garment needs.
 
-use super::{Again, Check, Completeness, Item};
+use super::{Again, Check, Completeness, Item, Part};
 use crate::leg::{Level, Side};
 use crate::record::garment::Garment;
 use crate::record::measure::amendment::Subject;
@@ -60,7 +60,8 @@ impl Needs<'_> {
             return Vec::new();
         }
         let inside_leg = self.garment.needs_inside_leg().then_some(Item::InsideLeg);
-        let levels = self.garment.levels().iter().map(|level| Item::Level(*level));
+        let levels = self.garment.levels().iter();
+        let levels = levels.map(|level| Item::Level(*level, self.open_part(side, *level)));
         inside_leg.into_iter().chain(levels).chain([Item::Foot]).collect()
     }
 
@@ -71,12 +72,22 @@ impl Needs<'_> {
 
     fn state(&self, side: Side, item: Item) -> State {
         match item {
-            Item::Level(level) => self.level_state(side, level),
+            Item::Level(level, _) => self.level_state(side, level),
             Item::Foot => self.length_state(side, Subject::FootLength, true),
             Item::InsideLeg => {
                 let is_sure = !self.record.has_finding("crotch-uncertain");
                 self.length_state(side, Subject::InsideLeg, is_sure)
             }
+        }
+    }
+
+    /// What of a level is still to be measured, if anything is.
+    fn open_part(&self, side: Side, level: Level) -> Part {
+        let hand = self.record.by_hand(side, Subject::Level(level));
+        match hand.map(|hand| (hand.girth_mm, hand.height_mm)) {
+            Some((Some(_), None)) => Part::Height,
+            Some((None, Some(_))) => Part::Girth,
+            _ => Part::Both,
         }
     }
 

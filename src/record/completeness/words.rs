@@ -2,9 +2,9 @@
 
 use std::fmt::Display;
 
-use super::{Completeness, Item, Kind};
+use super::{Completeness, Item, Kind, Part};
 use crate::language::Language;
-use crate::leg::Side;
+use crate::leg::{Level, Side};
 
 impl Completeness {
     /// What is to be done in sentences, the most important first; at least one.
@@ -48,7 +48,7 @@ impl Completeness {
 /// `right C, D · left D`; empty if there are none.
 fn items_by_leg(of_legs: &[Vec<Item>; 2], language: Language) -> String {
     let of_leg = |(side, items): (Side, &Vec<Item>)| {
-        let names: Vec<&str> = items.iter().map(|item| item.name(language)).collect();
+        let names: Vec<String> = items.iter().map(|item| item.name(language)).collect();
         let leg = language.word("completeness.leg", side.word());
         (!names.is_empty()).then(|| format!("{leg} {}", names.join(", ")))
     };
@@ -57,12 +57,16 @@ fn items_by_leg(of_legs: &[Vec<Item>; 2], language: Language) -> String {
 }
 
 impl Item {
-    /// The short name: `C`, or a word.
-    fn name(self, language: Language) -> &'static str {
+    /// The short name: `C`, `C (height)`, or a word.
+    fn name(self, language: Language) -> String {
+        let of_level =
+            |key, level: Level| language.filled(key, &[("level", &level.name() as &dyn Display)]);
         match self {
-            Item::Level(level) => level.name(),
-            Item::Foot => language.text("completeness.item.foot"),
-            Item::InsideLeg => language.text("completeness.item.inside_leg"),
+            Item::Level(level, Part::Both) => level.name().to_owned(),
+            Item::Level(level, Part::Girth) => of_level("completeness.item.girth", level),
+            Item::Level(level, Part::Height) => of_level("completeness.item.height", level),
+            Item::Foot => language.text("completeness.item.foot").to_owned(),
+            Item::InsideLeg => language.text("completeness.item.inside_leg").to_owned(),
         }
     }
 }

@@ -93,6 +93,8 @@ pub struct Levels {
     pub rows: Vec<LevelRow>,
     /// Foot and inside leg.
     pub lengths: Vec<SheetRow>,
+    /// How to read the signs on the sheet.
+    pub key: String,
     /// The doubts about these figures, a line for each leg that has any.
     pub doubts: Vec<String>,
     /// What people set in place of the scan's figures, a line for each measure.
@@ -292,8 +294,18 @@ impl Content {
 }
 
 /// What a person fills in on the measuring sheet, in this order.
-const OPEN_FIELDS: [&str; 9] =
-    ["class", "knit", "product", "colour", "toe", "band", "quantity", "date", "signature"];
+const OPEN_FIELDS: [&str; 10] = [
+    "patient",
+    "class",
+    "knit",
+    "product",
+    "colour",
+    "toe",
+    "band",
+    "quantity",
+    "date",
+    "signature",
+];
 
 /// A record with the language of its report.
 struct Report<'a> {

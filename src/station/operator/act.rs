@@ -119,6 +119,7 @@ impl ActFault {
             ActFault::NoBytes(_) => "bytes-gone",
             ActFault::NotAnId => "patient-id-not-allowed",
             ActFault::AnotherNamed => "another-is-named",
+            ActFault::NotSet(fault) if fault.is_far_off() => "measure-far-off",
             ActFault::NotSet(_) => "measure-not-possible",
             ActFault::NotAmended(_) => "record-not-amended",
             ActFault::Somebodys => "scan-of-a-patient",

@@ -32,7 +32,7 @@ pub struct Amended {
 #[derive(Debug, thiserror::Error)]
 pub enum Fault {
     /// There is no record.
-    #[error("there is no record")]
+    #[error("there is no record there; name a record's folder or its record.json")]
     NoRecord,
     /// It cannot be read.
     #[error(transparent)]
@@ -44,7 +44,7 @@ pub enum Fault {
     #[error("its record.json was made by gaiter {0}; measure it again with gaiter reextract first")]
     OtherVersion(String),
     /// Files of the revision cannot be made.
-    #[error("the new revision cannot be made: {0}")]
+    #[error("the new revision cannot be made")]
     Files(#[from] FilesFault),
     /// The record was taken back from its patient meanwhile.
     #[error("the record was taken back from its patient meanwhile")]
@@ -56,7 +56,7 @@ pub enum Fault {
     #[error(transparent)]
     Unlisted(#[from] StoreFault),
     /// The revision cannot be written.
-    #[error("the new revision cannot be written: {0}")]
+    #[error("the new revision cannot be written")]
     Io(#[from] io::Error),
 }
 
@@ -69,7 +69,7 @@ enum Revisions {
     Alone { latest: PathBuf, name: String },
 }
 
-/// Sets measures of a record, in this order: writes a further revision beside the latest one. `folder` is
+/// Sets measures of a record, in this order; values that are far off the scan's only if `is_sure`: writes a further revision beside the latest one. `folder` is
 /// the folder of any of its revisions.
 ///
 /// # Errors
@@ -77,14 +77,19 @@ enum Revisions {
 pub fn amend(
     folder: &Path,
     amendments: &[Amendment],
+    is_sure: bool,
     choice: &ReportChoice,
 ) -> Result<Amended, Fault> {
-    let revisions = Revisions::of(&folder.canonicalize()?)?;
+    let whole = folder.canonicalize().map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => Fault::NoRecord,
+        _ => Fault::Io(error),
+    })?;
+    let revisions = Revisions::of(&whole)?;
     let stored = revisions.read()?;
     if !is_kept_whole(&stored) {
         return Err(Fault::OtherVersion(stored.record.made_by.gaiter));
     }
-    let mut record = stored.record.amended(amendments)?;
+    let mut record = stored.record.amended(amendments, is_sure)?;
     record.revision = revisions.number().max(record.revision).saturating_add(1);
     let before = stored.listed.iter().map(|name| {
         let bytes = stored.listed_file(name)?;

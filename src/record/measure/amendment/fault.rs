@@ -14,7 +14,9 @@ pub enum AmendFault {
     Leg(String),
     /// No such measure.
     Measure(String),
-    /// Reason (`reason`) or name (`by`) is missing, too long or not in one line.
+    /// Reason (`reason`) or name (`by`) is missing.
+    NoWords(&'static str),
+    /// Reason or name is too long, or not in one line.
     Words(&'static str),
     /// It does not fit the measure of a leg.
     At {
@@ -62,11 +64,25 @@ pub enum What {
         /// The height of the other level, mm.
         other_mm: f64,
     },
+    /// A value that is far off the scan's, by a person who did not say that they are sure.
+    FarOff {
+        /// Which.
+        value: &'static str,
+        /// The value found, mm.
+        found_mm: f64,
+        /// The scan's at that height, mm.
+        scanned_mm: f64,
+    },
     /// Nothing was set before that could be taken back.
     NothingToTakeBack,
 }
 
 impl AmendFault {
+    /// Whether a person who is sure may set it all the same.
+    pub fn is_far_off(&self) -> bool {
+        matches!(self, AmendFault::At { what: What::FarOff { .. }, .. })
+    }
+
     pub(super) fn at(side: Side, subject: Subject, what: What) -> AmendFault {
         AmendFault::At { side, subject, what }
     }
@@ -76,6 +92,10 @@ impl AmendFault {
         match self {
             AmendFault::Leg(leg) => language.filled("amend.leg", &[("leg", leg)]),
             AmendFault::Measure(of) => language.filled("amend.measure", &[("measure", of)]),
+            AmendFault::NoWords(which) => {
+                let which = language.word("amend.words", which);
+                language.filled("amend.words_missing", &[("which", &which)])
+            }
             AmendFault::Words(which) => {
                 let which = language.word("amend.words", which);
                 language.filled("amend.no_words", &[("which", &which), ("most", &WORDS_MOST)])
@@ -119,6 +139,11 @@ impl What {
                     ("other_height", &cm(other_mm)),
                 ];
                 language.filled(key, &words)
+            }
+            What::FarOff { value: of, found_mm, scanned_mm } => {
+                let words: [(&str, &dyn fmt::Display); 3] =
+                    [("value", &value(of)), ("found", &cm(found_mm)), ("scan", &cm(scanned_mm))];
+                language.filled("amend.far_off", &words)
             }
             What::NothingToTakeBack => language.text("amend.nothing_to_take_back").to_owned(),
         }

@@ -41,8 +41,12 @@ impl Report<'_> {
         let height_mm = scanned.and_then(|of| of.height).map(|of| of.mm);
         let girth = hand.girth_mm.map(|mm| ("report.by_hand.girth", mm, girth_mm));
         let height = hand.height_mm.map(|mm| ("report.by_hand.height", mm, height_mm));
+        // Where only the height was set, the girth is another than at the scan's height.
+        let there = Measure::of(self.record, side, level).ok().filter(|of| !of.girth.is_by_hand);
+        let there = there.filter(|_| hand.height_mm.is_some());
+        let there = there.map(|of| ("report.by_hand.girth_there", of.girth.mm, girth_mm));
         let said = |(key, mm, scanned_mm)| self.with_scanned(key, mm, scanned_mm);
-        [girth, height].into_iter().flatten().map(said).collect::<Vec<_>>().join(", ")
+        [girth, height, there].into_iter().flatten().map(said).collect::<Vec<_>>().join(", ")
     }
 
     fn length_by_hand(&self, side: Side, subject: Subject, mm: f64) -> String {

@@ -1,5 +1,7 @@
 //! Where a record comes from, in words.
 
+use std::fmt::Display;
+
 use jiff::Timestamp;
 use jiff::tz::{Offset, TimeZone};
 
@@ -10,6 +12,9 @@ use crate::record::{AcquiredFrom, SourceKind, shown};
 
 /// How many digits of a scan's hash distinguish it from all others of a clinic.
 const HASH_DIGITS: usize = 16;
+
+/// How many digits of it name a scan to people, on the page and in the log.
+const ID_DIGITS: usize = 8;
 
 impl Report<'_> {
     pub(super) fn patient(&self) -> String {
@@ -44,7 +49,11 @@ impl Report<'_> {
     pub(super) fn facts(&self) -> Vec<Fact> {
         let record = self.record;
         let fact = |name: String, value: String| Fact { name, value };
-        let mut facts = vec![fact(self.text("report.fact.patient"), self.patient())];
+        let mut facts = vec![
+            fact(self.text("report.fact.patient"), self.patient()),
+            fact(self.text("report.fact.record"), self.which_record()),
+            fact(self.text("report.fact.order"), self.ordered()),
+        ];
         facts.extend(self.sources().map(|by| fact(self.text("report.fact.named_by"), by)));
         facts.push(fact(self.text("report.fact.taken"), self.time_and_source()));
         let station = record
@@ -59,8 +68,20 @@ impl Report<'_> {
         facts.extend(phantom.map(|check| fact(self.text("report.fact.phantom"), check)));
         let program = format!("gaiter {}", shown::id(&record.made_by.gaiter));
         facts.push(fact(self.text("report.fact.program"), program));
-        facts.push(fact(self.text("report.fact.revision"), record.revision.to_string()));
         facts
+    }
+
+    /// What tells this sheet from all others: the beginning of the scan's id, and the revision.
+    fn which_record(&self) -> String {
+        let digits: String = self.record.scan.sha256.chars().take(ID_DIGITS).collect();
+        let words: [(&str, &dyn Display); 2] =
+            [("scan", &shown::id(&digits)), ("revision", &self.record.revision)];
+        self.filled("report.fact.record_is", &words)
+    }
+
+    /// The garment that the sheet is for.
+    fn ordered(&self) -> String {
+        self.language.word("garment", self.garment().name()).to_owned()
     }
 
     /// All sources that named the patient.

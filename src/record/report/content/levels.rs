@@ -10,6 +10,8 @@ use crate::record::rounding::cm_words;
 
 impl Report<'_> {
     pub(super) fn levels(&self) -> Levels {
+        let rows: Vec<LevelRow> =
+            Level::ALL.into_iter().rev().map(|level| self.row(level)).collect();
         Levels {
             title: self.text("report.sheet.title"),
             columns: SheetColumns {
@@ -19,7 +21,8 @@ impl Report<'_> {
                 height: self.text("report.sheet.height"),
                 by_hand: self.text("report.sheet.by_hand"),
             },
-            rows: Level::ALL.into_iter().rev().map(|level| self.row(level)).collect(),
+            key: self.key(&rows),
+            rows,
             lengths: self.lengths(),
             doubts: self.doubts_of_levels(),
             by_hand: self.by_hand(),
@@ -121,19 +124,47 @@ impl Report<'_> {
         }
     }
 
-    /// The doubts about figures of the sheet, a line for each leg that has any: `Right leg – B1: height
-    /// uncertain; C: skin partly not seen`.
+    /// How to read the signs that stand on the sheet.
+    fn key(&self, rows: &[LevelRow]) -> String {
+        let figures = rows.iter().flat_map(|row| &row.legs);
+        let figures = figures.flat_map(|leg| [&leg.girth, &leg.height]);
+        let marks: Vec<Mark> = figures.map(|figure| figure.mark).collect();
+        let has = |mark| marks.contains(&mark);
+        let keys = [
+            (true, "report.sheet.key_bold"),
+            (true, "report.sheet.key_margin"),
+            (has(Mark::Estimated), "report.sheet.key_estimated"),
+            (has(Mark::Doubtful), "report.sheet.key_doubtful"),
+            (has(Mark::ByHand), "report.sheet.key_by_hand"),
+        ];
+        let words = keys.into_iter().filter(|(is_used, _)| *is_used);
+        words.map(|(_, key)| self.language.text(key)).collect::<Vec<_>>().join(" ")
+    }
+
+    /// The doubts about figures of the sheet, a line for each leg that has any: `Right leg – Height uncertain:
+    /// B1; Skin partly not seen: C, B.`
     fn doubts_of_levels(&self) -> Vec<String> {
         let of_leg = |side: Side| {
-            let of_level = |level: Level| {
-                let codes = Measure::of(self.record, side, level).ok()?.doubts;
-                let words: Vec<String> =
-                    codes.iter().map(|code| short(code, self.language)).collect();
-                (!words.is_empty()).then(|| format!("{}: {}", level.name(), words.join(", ")))
-            };
-            let levels: Vec<String> = Level::ALL.into_iter().rev().filter_map(of_level).collect();
+            let doubted: Vec<(String, Level)> = Level::ALL
+                .into_iter()
+                .rev()
+                .filter_map(|level| Some((level, Measure::of(self.record, side, level).ok()?)))
+                .flat_map(|(level, of)| {
+                    of.doubts.into_iter().map(move |code| (short(code, self.language), level))
+                })
+                .collect();
+            let mut groups: Vec<(String, Vec<&str>)> = Vec::new();
+            for (word, level) in doubted {
+                match groups.iter_mut().find(|(its, _)| *its == word) {
+                    Some((_, levels)) => levels.push(level.name()),
+                    None => groups.push((word, vec![level.name()])),
+                }
+            }
+            let group =
+                |(word, levels): &(String, Vec<&str>)| format!("{word}: {}", levels.join(", "));
+            let said: Vec<String> = groups.iter().map(group).collect();
             let leg = self.leg_heading(side);
-            (!levels.is_empty()).then(|| format!("{leg} – {}.", levels.join("; ")))
+            (!said.is_empty()).then(|| format!("{leg} – {}.", said.join("; ")))
         };
         Side::FROM_FRONT.into_iter().filter_map(of_leg).collect()
     }

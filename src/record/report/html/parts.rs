@@ -82,7 +82,8 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let head = groups.to_owned() + &element("thead", "", &head);
     let inside = head + &element("tbody", "", &(rows + &lengths));
     let table = wide("levels", &element("table", " class=\"levels\"", &inside));
-    let below = levels.by_hand.iter().chain(&levels.doubts).chain(&levels.tilted);
+    let key = std::iter::once(&levels.key);
+    let below = key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted);
     let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
     let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
         let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);

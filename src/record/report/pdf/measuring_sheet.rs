@@ -17,8 +17,8 @@ use crate::record::report::content::{
     LevelFigures, LevelRow, Levels, OpenFields, SheetRow, Verdict,
 };
 
-/// How many facts about the record stand on the first page: patient, source, time, station.
-const FACTS: usize = 4;
+/// How many facts about the record stand on the first page: patient, record, order, source, time, station.
+const FACTS: usize = 6;
 
 /// Height of a field to fill in, pt: room for handwriting.
 const FIELD_HEIGHT: f64 = 19.0;
@@ -92,7 +92,8 @@ fn levels(flow: &mut Flow<'_>, levels: &Levels) {
     let table = Table { heads, rows, is_ruled: true };
     flow.heading(&levels.title, table.first_height());
     table.write(flow);
-    for below in levels.by_hand.iter().chain(&levels.doubts).chain(&levels.tilted) {
+    let key = std::iter::once(&levels.key);
+    for below in key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted) {
         flow.space(2.0);
         flow.text(below, StructRole::P, SMALL_TYPE, Ink::Text);
     }

@@ -28,6 +28,9 @@ pub struct Setting {
     pub reason: String,
     /// The person's name.
     pub by: String,
+    /// They are sure of values that are far off the scan's.
+    #[serde(default)]
+    pub is_sure: bool,
 }
 
 /// One measure; see [`Amendment`].
@@ -97,7 +100,7 @@ pub(super) fn set(
     let others: Vec<&str> =
         core.stores.names().into_iter().filter(|name| *name != FOLDER).collect();
     journal.amend_begun(&row.scan, &patient, &others)?;
-    let amended = amend(&PathBuf::from(folder), &amendments, &choice);
+    let amended = amend(&PathBuf::from(folder), &amendments, setting.is_sure, &choice);
     let measures: BTreeSet<String> = match &amended {
         Ok(_) => amendments.iter().map(|of| format!("{} {}", of.leg, of.measure)).collect(),
         Err(_) => BTreeSet::new(),

@@ -109,6 +109,13 @@ async function amend(scan) {
   $("amend_body").replaceChildren(table);
   fault.textContent = "";
   save.disabled = false;
+  let isSure = false;
+  const askAnew = () => {
+    isSure = false;
+    save.textContent = label("amend_yes");
+  };
+  askAnew();
+  table.addEventListener("input", askAnew);
   $("amend_reason").value = "";
   $("amend_by").value = rememberedName();
   dialog.querySelector("form").onsubmit = async (event) => {
@@ -128,12 +135,15 @@ async function amend(scan) {
     const by = $("amend_by").value.trim();
     rememberName(by);
     const said = await ask({
-      ask: "amend", scan: scan.scan, patient: scan.owner?.id, measures: set, reason: $("amend_reason").value.trim(), by,
+      ask: "amend", scan: scan.scan, patient: scan.owner?.id, measures: set, reason: $("amend_reason").value.trim(), by, is_sure: isSure,
     });
     if (mine !== amending) return;
     save.disabled = false;
     if (!said.isDone) {
       fault.textContent = said.sentence;
+      // A value that is far off the scan is asked about once; any change asks anew.
+      isSure = said.code === "measure-far-off";
+      save.textContent = label(isSure ? "amend_sure" : "amend_yes");
       return;
     }
     dialog.close();

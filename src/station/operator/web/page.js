@@ -169,10 +169,11 @@ function scanCard(scan, canAct, showsIds) {
     make("div", { class: "measures" }, measures(scan.measures)));
 }
 
+const isSettled = ({ verdict: kind }) => ["complete", "not-measurable"].includes(kind);
+
 // What is to be done before the patient dresses.
-function verdict({ verdict: kind, to_do: sentences }) {
-  const isSettled = ["complete", "not-measurable"].includes(kind);
-  return sentences.map((sentence) => make("p", { class: isSettled ? "quiet" : "bad" }, sentence));
+function verdict(of) {
+  return of.to_do.map((sentence) => make("p", { class: isSettled(of) ? "quiet" : "bad" }, sentence));
 }
 
 let viewed = null;
@@ -262,10 +263,12 @@ function show(station) {
   redraw("next_body", whole, () => nextPatient(station.next, station.paused, canAct && !isKiosk));
   if (isKiosk) {
     const [newest] = [...station.undecided, ...station.scans].sort((a, b) => Date.parse(b.at) - Date.parse(a.at));
-    redraw("last_body", newest ?? null, (scan) => scan
+    // As long as the light says what to do, it is not said twice.
+    const isSaid = light.signal === "attention";
+    redraw("last_body", newest ? { ...newest, isSaid } : null, (scan) => scan
       ? [
           make("p", { class: "when" }, time(scan.at), " ", state(scan.word, HEALTH[scan.state])),
-          ...(scan.measures ? [...verdict(scan.measures), measures(scan.measures)] : []),
+          ...(scan.measures ? [...(isSaid || isSettled(scan.measures) ? [] : verdict(scan.measures)), measures(scan.measures)] : []),
         ]
       : make("p", { class: "quiet" }, label("no_scans")));
     fit();
