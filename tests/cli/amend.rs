@@ -82,7 +82,7 @@ fn measuring_the_scan_again_keeps_what_people_set() {
     let dir = tempfile::tempdir().unwrap();
     let method = Method { fit: gaiter::leg::method::SectionFit::Paper, ..Method::default() };
     let old = store(dir.path(), "4711", AT, &coarse_body(1), &method);
-    assert_eq!(code(&amend(&old, &["--level", "C", "--girth-cm", "38.5"])), Some(0));
+    assert_eq!(code(&amend(&old, &["--level", "c", "--girth-cm", "38.5", "--sure"])), Some(0));
     let output = gaiter(&["reextract", dir.path().to_str().unwrap()]);
     assert_eq!(code(&output), Some(0), "{}", stderr(&output));
     let [amended, again] = [2, 3].map(|number| record(&revision(&old, number)));
@@ -104,7 +104,7 @@ fn a_record_of_extract_gets_its_revisions_beside_it() {
     assert_eq!(code(&extracted), Some(0), "{}", stderr(&extracted));
     let place = out.join("4711");
     for number in [2, 3] {
-        let output = amend(&place, &["--level", "foot-length", "--length-cm", "25.5"]);
+        let output = amend(&place, &["--level", "foot-length", "--length-cm", "21,5"]);
         assert_eq!(code(&output), Some(0), "{}", stderr(&output));
         assert_eq!(record(&revision(&place, number))["revision"], number);
         assert!(is_whole(&revision(&place, number), &coarse_body(1)));
@@ -127,8 +127,11 @@ fn what_is_refused_says_why_and_writes_nothing() {
         ),
         (&old, &["--level", "B", "--height-cm", "38"], 64, "height 38.0 cm is not below"),
         (&old, &["--level", "Y", "--height-cm", "4"], 64, "it has no height"),
-        (&old, &["--level", "C"], 64, "required"),
+        (&old, &["--level", "C"], 64, "no value is given"),
         (&old, &["--level", "C", "--take-back"], 64, "nothing was set by hand"),
+        (&old, &["--level", "C", "--girth-cm", "15"], 64, "is far off the scan"),
+        (&old, &["--level", "C", "--girth-cm", "38.5cm"], 64, "without a unit"),
+        (&old.join("report.pdf"), &["--level", "C", "--girth-cm", "38"], 66, "no record there"),
         (&missing, &["--level", "C", "--girth-cm", "38"], 66, "nothing was set"),
     ] {
         let output = amend(record, more);

@@ -203,11 +203,11 @@ fn what_a_person_set_is_not_asked_for_again() {
     let gap = doubted("C", "gap");
     assert_eq!(said(&measured(&gap, "C", Some(38.0), None), Garment::Ad), COMPLETE);
     let only_height = measured(&gap, "C", None, Some(31.0));
-    assert_eq!(said(&only_height, Garment::Ad), "Measure by hand: right C.");
+    assert_eq!(said(&only_height, Garment::Ad), "Measure by hand: right C (girth).");
     let shallow = doubted("C", "shallow");
     assert_eq!(said(&measured(&shallow, "C", None, Some(31.0)), Garment::Ad), COMPLETE);
     let only_girth = measured(&shallow, "C", Some(38.0), None);
-    assert_eq!(said(&only_girth, Garment::Ad), "Measure by hand: right C.");
+    assert_eq!(said(&only_girth, Garment::Ad), "Measure by hand: right C (height).");
     // Where another scan was wanted for this level alone, none is now.
     let cloth = doubted("C", "cloth");
     assert_eq!(said(&measured(&cloth, "C", Some(38.0), Some(31.0)), Garment::Ad), COMPLETE);

@@ -30,6 +30,7 @@ pub fn all() -> Vec<What> {
     let doubts = [
         Doubt::Shallow { prominence_mm: 1.2 },
         Doubt::Flat { height_sd_mm: 21.0 },
+        Doubt::GirthUncertain { girth_sd_mm: 8.0 },
         Doubt::Double { other_height_mm: 372.0 },
         Doubt::Several { other_height_mm: 395.0 },
         Doubt::UnusualHeight { percent: 13.0 },

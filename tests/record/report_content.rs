@@ -173,7 +173,7 @@ fn doubted() -> Record {
 fn a_doubt_is_told_at_its_level_and_among_the_notes_with_all_its_places() {
     let content = Content::of(&doubted(), Language::En, Garment::Ad);
     let c = content.levels.rows.iter().find(|row| row.level == "C").unwrap();
-    let doubts = ["Right leg – C: Skin partly not seen.", "Left leg – C: Skin partly not seen."];
+    let doubts = ["Right leg – Skin partly not seen: C.", "Left leg – Skin partly not seen: C."];
     assert_eq!(content.levels.doubts, doubts);
     // A knee that would lie below D is no knee.
     let e = content.levels.rows.iter().find(|row| row.level == "E").unwrap();
@@ -327,7 +327,7 @@ fn a_level_that_one_leg_lacks_is_told_with_the_girth_at_the_other_s_height() {
         let levels = Content::of(record, Language::En, Garment::Ad).levels;
         levels.rows.into_iter().find(|row| row.level == "C").unwrap().legs[1].girth.value.clone()
     };
-    assert_eq!(c(&record), "not seen; 32.0 at 15.0 (height of the other leg)");
+    assert_eq!(c(&record), "not seen; here 32.0 cm at 15.0 cm, its height on the other leg");
     record.legs[left].girth_curve.tape_mm[2] = None;
     assert_eq!(c(&record), "not seen");
 }

@@ -297,7 +297,7 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
     assert!(words.replace("\n\n", "\n").contains(heads), "{words}");
     let figures = "20.0 ± 0.2 ?\n15.0 ± 0.6 ?\n";
     assert!(words.contains(figures) && words.contains("40.0 ± 0.4 ?\n30.0 ± 1.2 ?\n"), "{words}");
-    assert!(words.contains("Right leg – C: Skin partly not seen"), "{words}");
+    assert!(words.contains("Right leg – Skin partly not seen: C"), "{words}");
     assert!(words.contains("~19.0 ± 0.4\n") && words.contains("~38.0 ± 0.8\n"), "{words}");
     let words = words.replace('\n', " ");
     let content = Content::of(&record, Language::En, Garment::Ad);

@@ -79,7 +79,7 @@ fn every_code_has_a_title_a_meaning_and_an_action_in_both_languages() {
 }
 
 /// A code, words of its title in both languages, and of its meaning in German.
-const KEYWORDS: [[&str; 4]; 41] = [
+const KEYWORDS: [[&str; 4]; 42] = [
     ["level-absent", "absent", "fehlt", "nicht gefunden"],
     ["level-implausible", "plausible", "plausibel", "120 cm"],
     ["shallow", "stands out", "kaum", "kehrt dort kaum um"],
@@ -90,13 +90,14 @@ const KEYWORDS: [[&str; 4]; 41] = [
     ["edge", "edge of the visible", "Rand", "vom Ende"],
     ["gap", "partly", "teilweise", "30°"],
     ["scatter", "scatter", "streuen", "nicht eine Haut"],
-    ["cloth", "Cloth", "Stoff", "Saum"],
+    ["cloth", "Cloth", "Kleidung", "Saum"],
     ["folds", "folded", "Falten", "Hautfalten"],
     ["not-seen", "Skin not", "Haut nicht", "nicht zu messen"],
     ["knee-bent", "Knee bent", "Knie gebeugt", "so großem Winkel"],
     ["below-d", "below D", "unter D", "gefundenen D"],
     ["sole-not-seen", "Sole", "Sohle", "Sohle"],
     ["height-not-measured", "Height", "Höhe", "gewünschte Höhe"],
+    ["girth-uncertain", "Girth uncertain", "Umfang unsicher", "größer als 5 mm"],
     ["facing-unchecked", "not checked", "nicht geprüft", "Füße zeigen nicht"],
     ["floor-uneven", "level", "eben", "waagerechten Ebene"],
     ["feet-cut", "Sole not", "Fußrand", "Schuhe"],

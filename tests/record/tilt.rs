@@ -37,7 +37,7 @@ fn told(record: &Record) -> [Vec<String>; 2] {
 fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_told() {
     let record = record(&[("D", 0.9), ("C", 0.6)]);
     let english = "Right leg: a tape that is tilted by 3° may read up to this much more or less: D \
-                   2.7 mm. Hold it square to the shank.";
+                   2.7 mm. Hold it square to the lower leg.";
     let german = "Rechtes Bein: Liegt das Maßband um 3° schräg, kann es bis zu so viel mehr oder \
                   weniger anzeigen: D 2,7 mm. Das Maßband rechtwinklig zum Unterschenkel anlegen.";
     assert_eq!(told(&record), [[english], [german]]);
@@ -52,7 +52,7 @@ fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_tol
 #[test]
 fn one_sentence_names_all_levels_of_a_leg_from_the_highest() {
     let [english, german] = told(&record(&[("B", 0.8), ("G", 2.0), ("D", 1.37)]));
-    let levels = ": G 6.0 mm, D 4.1 mm, B 2.4 mm. Hold it square to the shank, above the knee square \
+    let levels = ": G 6.0 mm, D 4.1 mm, B 2.4 mm. Hold it square to the lower leg, above the knee square \
                   to the thigh.";
     assert!(english[0].ends_with(levels), "{english:?}");
     assert!(german[0].contains(": G 6,0 mm, D 4,1 mm, B 2,4 mm"));

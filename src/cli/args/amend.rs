@@ -14,7 +14,6 @@ const LEGS: Words<Side> = &[("right", Side::Right), ("left", Side::Left)];
 
 /// `gaiter amend`
 #[derive(Debug, clap::Args)]
-#[command(group(clap::ArgGroup::new("what").required(true).multiple(true)))]
 pub struct AmendArgs {
     /// A record's folder; or a scan of the station: the first digits of its id, at least four
     #[arg(value_name = "RECORD|ID")]
@@ -26,20 +25,20 @@ pub struct AmendArgs {
     #[arg(long, value_parser = level(), ignore_case = true)]
     pub level: Subject,
     /// Girth of the level by tape, cm
-    #[arg(long, value_name = "CM", group = "what", value_parser = cm)]
+    #[arg(long, value_name = "CM", value_parser = cm)]
     pub girth_cm: Option<f64>,
     /// Height of the level above the floor, cm; without --girth-cm the scan's girth there counts
-    #[arg(long, value_name = "CM", group = "what", value_parser = cm)]
+    #[arg(long, value_name = "CM", value_parser = cm)]
     pub height_cm: Option<f64>,
     /// Length or breadth of the foot, or length of the inside of the leg, cm
-    #[arg(long, value_name = "CM", group = "what", value_parser = cm,
+    #[arg(long, value_name = "CM", value_parser = cm,
           conflicts_with_all = ["girth_cm", "height_cm"])]
     pub length_cm: Option<f64>,
     /// It cannot be measured on this patient
-    #[arg(long, group = "what", conflicts_with_all = ["girth_cm", "height_cm", "length_cm"])]
+    #[arg(long, conflicts_with_all = ["girth_cm", "height_cm", "length_cm"])]
     pub not_measurable: bool,
     /// Take back what was set by hand: the scan's value counts again
-    #[arg(long, group = "what",
+    #[arg(long,
           conflicts_with_all = ["girth_cm", "height_cm", "length_cm", "not_measurable"])]
     pub take_back: bool,
     /// Why, in a line; it is printed
