@@ -20,7 +20,7 @@ use crate::layering::{collect, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 32] = [
+const BY_CODE: [(&str, &str); 33] = [
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
@@ -51,6 +51,7 @@ const BY_CODE: [(&str, &str); 32] = [
     ("picture.larger", "`Side::word`"),
     ("report.by_hand.measure", "`Subject::word`"),
     ("report.caption", "the figures of a report"),
+    ("report.garment", "`Garment::name`"),
     ("report.open.field", "`OPEN_FIELDS`"),
     ("statement", "`Statement::of`"),
 ];

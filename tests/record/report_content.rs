@@ -237,9 +237,13 @@ fn in_german_right_is_rechts_and_every_level_is_where_it_is_on_the_leg() {
     let rows: Vec<&str> = content.landmarks.rows.iter().map(|row| row.head.as_str()).collect();
     let place = |head: &str| rows.iter().position(|row| *row == head).unwrap();
     assert!(place("C, rechtes Bein") < place("C, linkes Bein"), "{rows:?}");
-    for (level, words) in
-        [("A", "Vorfuß"), ("B", "Fessel"), ("C", "Wade"), ("D", "unter dem Knie"), ("E", "Knie,")]
-    {
+    for (level, words) in [
+        ("A", "Vorfuß"),
+        ("B", "Fessel"),
+        ("C", "Wade"),
+        ("D", "unter dem Knie"),
+        ("E", "Mitte der Kniescheibe"),
+    ] {
         let row = content.levels.rows.iter().find(|row| row.level == level).unwrap();
         assert!(row.place.starts_with(words), "{level}: {}", row.place);
     }

@@ -99,8 +99,8 @@ pub struct Levels {
     pub doubts: Vec<String>,
     /// What people set in place of the scan's figures, a line for each measure.
     pub by_hand: Vec<String>,
-    /// Where a tape that is not held square reads another girth, a sentence for each such leg.
-    pub tilted: Vec<String>,
+    /// Where a tape that is not held square reads another girth; `None` where that does not matter.
+    pub tilted: Option<String>,
 }
 
 /// Headings of the measuring sheet.
@@ -294,18 +294,8 @@ impl Content {
 }
 
 /// What a person fills in on the measuring sheet, in this order.
-const OPEN_FIELDS: [&str; 10] = [
-    "patient",
-    "class",
-    "knit",
-    "product",
-    "colour",
-    "toe",
-    "band",
-    "quantity",
-    "date",
-    "signature",
-];
+const OPEN_FIELDS: [&str; 9] =
+    ["patient", "class", "knit", "product", "colour", "toe", "band", "quantity", "signature"];
 
 /// A record with the language of its report.
 struct Report<'a> {

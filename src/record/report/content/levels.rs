@@ -141,7 +141,7 @@ impl Report<'_> {
         words.map(|(_, key)| self.language.text(key)).collect::<Vec<_>>().join(" ")
     }
 
-    /// The doubts about figures of the sheet, a line for each leg that has any: `Right leg – Height uncertain:
+    /// The doubts about measured figures of the sheet, a line for each leg that has any: `Right leg – Height uncertain:
     /// B1; Skin partly not seen: C, B.`
     fn doubts_of_levels(&self) -> Vec<String> {
         let of_leg = |side: Side| {
@@ -149,6 +149,8 @@ impl Report<'_> {
                 .into_iter()
                 .rev()
                 .filter_map(|level| Some((level, Measure::of(self.record, side, level).ok()?)))
+                // An estimate bears its own mark, and is measured by hand anyhow.
+                .filter(|(_, of)| !of.is_estimate)
                 .flat_map(|(level, of)| {
                     of.doubts.into_iter().map(move |code| (short(code, self.language), level))
                 })

@@ -17,26 +17,31 @@ const TILT_DEG: f64 = 3.0;
 const TELL_MM: f64 = 2.0;
 
 impl Report<'_> {
-    /// A statement for each leg with levels where the tilt matters.
-    pub(super) fn tilted(&self) -> Vec<String> {
-        Side::FROM_FRONT.into_iter().filter_map(|side| self.tilted_at(side)).collect()
-    }
-
-    fn tilted_at(&self, side: Side) -> Option<String> {
-        let off = off_by_tilt(self.record.leg(side)?);
-        let highest = off.first()?.0;
-        let at = |(level, off_mm): &(Level, f64)| {
-            let mm = tenths_words(*off_mm, self.language);
-            self.filled("report.levels.tilted_at", &[("level", &level.name()), ("mm", &mm)])
-        };
-        let levels = off.iter().map(at).collect::<Vec<_>>().join(", ");
-        let (leg, deg) = (self.leg_heading(side), number(TILT_DEG, 0, self.language));
-        let words: [(&str, &dyn Display); 3] = [("leg", &leg), ("deg", &deg), ("levels", &levels)];
+    /// Where the tilt matters, on both legs, and how to hold the tape; `None` where it does not.
+    pub(super) fn tilted(&self) -> Option<String> {
+        let off = |side: Side| Some((side, off_by_tilt(self.record.leg(side)?)));
+        let legs = Side::FROM_FRONT.into_iter().filter_map(off);
+        let legs: Vec<(Side, Vec<(Level, f64)>)> =
+            legs.filter(|(_, off)| !off.is_empty()).collect();
+        let highest = legs.iter().filter_map(|(_, off)| Some(off.first()?.0)).max()?;
+        let said: Vec<String> = legs.iter().map(|(side, off)| self.tilted_at(*side, off)).collect();
+        let deg = number(TILT_DEG, 0, self.language);
+        let words: [(&str, &dyn Display); 2] = [("deg", &deg), ("legs", &said.join("; "))];
         let told = self.filled("report.levels.tilted", &words);
         // In the other planes, a tape that is held square reads another girth than that of the record.
         let plane = self.record.made_by.method.get("tape").map(String::as_str);
         let how = (plane == Some(Tape::Shank.word())).then(|| self.held(highest));
         Some([Some(told), how].into_iter().flatten().collect::<Vec<_>>().join(" "))
+    }
+
+    /// `right leg D 2.7 mm, C 2.1 mm`
+    fn tilted_at(&self, side: Side, off: &[(Level, f64)]) -> String {
+        let at = |(level, off_mm): &(Level, f64)| {
+            let mm = tenths_words(*off_mm, self.language);
+            self.filled("report.levels.tilted_at", &[("level", &level.name()), ("mm", &mm)])
+        };
+        let levels = off.iter().map(at).collect::<Vec<_>>().join(", ");
+        format!("{} {levels}", self.leg(side))
     }
 
     /// How to hold the tape at levels up to this one.

@@ -17,8 +17,8 @@ use crate::record::report::content::{
     LevelFigures, LevelRow, Levels, OpenFields, SheetRow, Verdict,
 };
 
-/// How many facts about the record stand on the first page: patient, record, order, source, time, station.
-const FACTS: usize = 6;
+/// How many facts about the record stand on the first page: patient, record, order, and who named the patient.
+const FACTS: usize = 4;
 
 /// Height of a field to fill in, pt: room for handwriting.
 const FIELD_HEIGHT: f64 = 19.0;
@@ -104,7 +104,7 @@ fn level(row: &LevelRow) -> Row {
     let name = Type { is_bold: row.is_needed, ..BODY_TYPE };
     let mut cells = vec![
         Cell::new(&row.level, name, Anchor::Start),
-        Cell::new(&row.place, SMALL_TYPE, Anchor::Start).inked(Ink::Muted),
+        Cell::new(&row.place, SMALL_TYPE, Anchor::Start).inked(Ink::Muted).whole(),
     ];
     for LevelFigures { girth, height } in &row.legs {
         if girth.is_missing() {
@@ -121,7 +121,7 @@ fn level(row: &LevelRow) -> Row {
 
 /// A length, which has one figure a leg.
 fn length(row: &SheetRow) -> Row {
-    let mut cells = vec![Cell::new(&row.head, BODY_TYPE, Anchor::Start).over(2)];
+    let mut cells = vec![Cell::new(&row.head, BODY_TYPE, Anchor::Start).over(2).whole()];
     for of in &row.figures {
         cells.push(figure(of, if of.is_missing() { SMALL_TYPE } else { BODY_TYPE }).over(2));
         cells.push(Cell::to_fill_in());
