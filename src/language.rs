@@ -25,24 +25,37 @@ pub enum Language {
     De,
 }
 
+/// A language without its texts.
+struct Row {
+    tag: &'static str,
+    decimal_sign: &'static str,
+    file: &'static str,
+}
+
 impl Language {
     /// Every language.
     pub const ALL: [Language; 2] = [Language::En, Language::De];
 
     /// Its tag in the configuration and on pages (BCP 47).
     pub const fn tag(self) -> &'static str {
-        match self {
-            Language::En => "en",
-            Language::De => "de",
-        }
+        self.row().tag
     }
 
     /// The sign before the decimals of a figure. It is no text of the file, because figures alone should
     /// not cost the reading of it.
     pub const fn decimal_sign(self) -> &'static str {
+        self.row().decimal_sign
+    }
+
+    /// All that is not in its file: a new language is a file and a row here.
+    const fn row(self) -> Row {
         match self {
-            Language::En => ".",
-            Language::De => ",",
+            Language::En => {
+                Row { tag: "en", decimal_sign: ".", file: include_str!("language/en.toml") }
+            }
+            Language::De => {
+                Row { tag: "de", decimal_sign: ",", file: include_str!("language/de.toml") }
+            }
         }
     }
 
@@ -79,13 +92,9 @@ impl Language {
 
     /// The texts of the language. Its file is read when the first of them is asked for.
     fn texts(self) -> &'static Texts {
-        static ENGLISH: OnceLock<Texts> = OnceLock::new();
-        static GERMAN: OnceLock<Texts> = OnceLock::new();
-        let (texts, file) = match self {
-            Language::En => (&ENGLISH, include_str!("language/en.toml")),
-            Language::De => (&GERMAN, include_str!("language/de.toml")),
-        };
-        texts.get_or_init(|| read(file))
+        static ALL: [OnceLock<Texts>; Language::ALL.len()] =
+            [const { OnceLock::new() }; Language::ALL.len()];
+        ALL[self as usize].get_or_init(|| read(self.row().file))
     }
 }
 

@@ -6,6 +6,7 @@ use super::completeness::Completeness;
 use super::garment::Garment;
 use super::measure::amendment::Subject;
 use super::measure::{Absent, Length, Measure, why_absent};
+use super::report::Content;
 use super::rounding;
 use super::schema::Record;
 use crate::language::Language;
@@ -19,8 +20,8 @@ const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];
 pub struct RecordSummary {
     /// D, C, B1 and B.
     pub levels: Vec<SummaryLevel>,
-    /// Number of findings, without those that are only information.
-    pub findings: usize,
+    /// How many notes of each weight the report has, in its words; empty if it has none.
+    pub notes: String,
     /// `complete`, `not-measurable`, `by-hand` or `scan-again`; see [`Kind`](super::completeness::Kind).
     pub verdict: &'static str,
     /// What is to be done before the patient dresses, in sentences; at least one.
@@ -72,11 +73,10 @@ impl RecordSummary {
             right_absent: absent(Side::Right, level),
             left_absent: absent(Side::Left, level),
         });
-        let findings = record.findings.iter().filter(|finding| finding.severity != "info").count();
         let completeness = Completeness::of(record, garment);
         RecordSummary {
             levels: levels.into(),
-            findings,
+            notes: Content::counted(record, language),
             verdict: completeness.kind().word(),
             to_do: completeness.sentences(language),
         }

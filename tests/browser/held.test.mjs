@@ -13,7 +13,7 @@ after(async () => { await browser.close(); });
 const WORDS = {
   en: {
     name: "Name the next patient …", id: "Patient's id", assign: "Assign …", yes: "Assign", cancel: "Cancel", close: "Close",
-    view: "3D view", held: "Held", give: (id) => `Give to ${id}`, given: (id) => `The scan is then ${id}'s, and its record goes to nobody else.`,
+    view: "3D view", held: "Held", give: (id) => `Give to ${id}`, given: (id) => `The scan is then ${id}'s, and its record goes to no other patient.`,
     next: (id) => `Next: ${id}.`, replace: "Replace", asks: (a, b) => `${a} is named and was not scanned. Replace by ${b}?`,
     hidden: "The next patient is named.", inBooth: (id) => `${id} is in the booth`, refused: /not a valid patient id/,
     again: "Scan again …", yesAgain: "Scan again", againOf: (id) => `Scan ${id} again`,

@@ -90,7 +90,7 @@ test("assign, take back, retry and release work by clicking", async () => {
     await light(page, "attention");
     await shoot(page, "attention");
     await held.getByRole("button", { name: "Release" }).click();
-    assert.match(await question.textContent(), /Release to 4712.*to this patient and to nobody else/s);
+    assert.match(await question.textContent(), /Release to 4712.*to this patient and to no other/s);
     await question.getByRole("button", { name: "Release" }).click();
     await page.getByText("Nothing waits for a decision.").waitFor();
     await until("the second patient's record", async () =>

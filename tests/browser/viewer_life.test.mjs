@@ -199,7 +199,7 @@ test("whatever stands at any place of a record, there is a picture or a sentence
         const copy = structuredClone(given);
         path.slice(0, -1).reduce((at, key) => at[key], copy)[path.at(-1)] = value;
         try {
-          const view = globalThis.gaiterViewer.mount(document.getElementById("place"), copy, { language: "en" });
+          const view = globalThis.gaiterViewer.mount(document.getElementById("place"), copy, {});
           if (!document.querySelector("#place :is(canvas, p)")) bad.push([path, String(value), "nothing"]);
           view.destroy();
         } catch (error) {

@@ -8,10 +8,19 @@ import { chromium } from "playwright-core";
 
 const VIEWER = new URL("../../src/record/report/viewer/", import.meta.url);
 
-/** The parts of the script in the order of their names, as the program has them. */
+/** The parts of the script in the order of their names behind the English words, as the program has them. */
 export async function script() {
   const names = (await readdir(VIEWER)).sort();
-  return (await Promise.all(names.map((name) => readFile(new URL(name, VIEWER), "utf8")))).join("");
+  const parts = await Promise.all(names.map((name) => readFile(new URL(name, VIEWER), "utf8")));
+  return `globalThis.gaiterViewerWords = ${JSON.stringify(await words("en"))};\n${parts.join("")}`;
+}
+
+/** The words of the view in a language, from the last table of its file, with what the program adds. */
+export async function words(language) {
+  const file = await readFile(new URL(`../../src/language/${language}.toml`, import.meta.url), "utf8");
+  const table = file.split("\n[viewer]\n")[1];
+  const pairs = [...table.matchAll(/^(\w+) = "(.*)"$/gm)].map(([, key, text]) => [key, text]);
+  return { ...Object.fromEntries(pairs), point: language === "de" ? "," : ".", tag: language };
 }
 
 /** What the report and the operator's page allow, and nothing else. */
@@ -58,10 +67,12 @@ async function openPage(browser, address, options) {
 }
 
 /** Mounts the view of a record. */
-export async function mount(page, record, options = { language: "en" }) {
-  await page.evaluate(([given, how]) => {
+export async function mount(page, record, options = {}) {
+  const { language = "en", ...others } = options;
+  await page.evaluate(([given, how, said]) => {
+    globalThis.gaiterViewerWords = said;
     window.view = globalThis.gaiterViewer.mount(document.getElementById("place"), given, how);
-  }, [record, options]);
+  }, [record, others, await words(language)]);
   await settled(page);
 }
 

@@ -250,7 +250,7 @@ fn in_german_right_is_rechts_and_every_level_is_where_it_is_on_the_leg() {
 }
 
 #[test]
-fn at_a_glance_a_doubt_is_seen_and_only_what_must_be_looked_at_is_counted() {
+fn at_a_glance_a_doubt_is_seen_and_the_notes_are_counted_as_in_the_report() {
     let mut record = doubted();
     for severity in ["error", "warning", "info"] {
         let (code, message) = ("leg-cut".to_owned(), String::new());
@@ -265,7 +265,7 @@ fn at_a_glance_a_doubt_is_seen_and_only_what_must_be_looked_at_is_counted() {
         });
     }
     let brief = RecordSummary::of(&record, Language::De, Garment::Ad);
-    assert_eq!(brief.findings, 2);
+    assert_eq!(brief.notes, Content::of(&record, Language::De, Garment::Ad).summary);
     let names: Vec<&str> = brief.levels.iter().map(|level| level.level).collect();
     assert_eq!(names, ["D", "C", "B1", "B"]);
     for level in &brief.levels {

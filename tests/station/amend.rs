@@ -151,6 +151,24 @@ fn a_store_that_is_away_gets_it_later_also_after_a_kill_and_a_lost_journal() {
 }
 
 #[test]
+fn what_is_set_before_the_practice_software_has_the_record_comes_after_it() {
+    let booth = practice("");
+    let daemon = booth.start_ready();
+    let (results, away) = (booth.path("results"), booth.path("results-away"));
+    fs::rename(&results, &away).unwrap();
+    let scan = coarse_body(1);
+    booth.export("4711_a.obj", &scan);
+    let stored = "SELECT count(*) FROM deliveries WHERE store = 'folder' AND state = 'delivered'";
+    booth.wait_for_journal(stored, 1);
+    set(&booth, &scan, "36.7");
+    fs::rename(&away, &results).unwrap();
+    let [first, second] = [fetch(&booth), fetch(&booth)].map(|result| c_right(&result));
+    assert!(first.0 != "36.7" && second.0 == "36.7", "{first:?}, {second:?}");
+    booth.wait_for_journal(DUE, 0);
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+#[test]
 fn a_record_that_is_taken_back_takes_along_what_was_set_without_effect() {
     let booth = Booth::new();
     let daemon = booth.start();

@@ -293,6 +293,16 @@ impl Content {
     }
 }
 
+impl Content {
+    /// How many notes of each weight a report has, in a line; empty if it has none.
+    pub fn counted(record: &Record, language: Language) -> String {
+        let completeness = Completeness::of(record, Garment::default());
+        let report = Report { record, language, completeness: &completeness };
+        let notes = report.notes().entries;
+        if notes.is_empty() { String::new() } else { report.summary(&notes) }
+    }
+}
+
 /// What a person fills in on the measuring sheet, in this order.
 const OPEN_FIELDS: [&str; 9] =
     ["patient", "class", "knit", "product", "colour", "toe", "band", "quantity", "signature"];

@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
 use super::print::parted;
-use super::{Content, Paper, VIEWER};
+use super::{Content, Paper, viewer};
 use crate::language::{Piece, pieces};
 use crate::record::Record;
 use crate::record::picture::figures::Figure;
@@ -35,7 +35,7 @@ pub fn page(
     // `<` in the JSON's strings could end the script element, and it occurs nowhere else in JSON.
     let json = serde_json::to_string(record)?.replace('<', "\\u003c");
     let style = format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(content, paper));
-    let script = format!("{VIEWER}\n{BEGIN}");
+    let script = format!("{}\n{BEGIN}", viewer(content.language)?);
     Ok(format!(
         "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}\
          <script type=\"application/json\" id=\"record\">{json}</script>\n\

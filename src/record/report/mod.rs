@@ -13,4 +13,4 @@ pub use figure::{Figure, Mark};
 pub use html::page;
 pub use pdf::{PdfFault, paper};
 pub use print::{Paper, Print};
-pub use viewer::VIEWER;
+pub use viewer::{VIEWER, viewer};

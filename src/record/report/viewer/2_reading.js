@@ -161,7 +161,7 @@
       if (!known) damaged = true;
       if (leg) legs.push(leg);
     }
-    if (legs.length === 0) return { legs, note: damaged ? "unreadable" : "noShape" };
+    if (legs.length === 0) return { legs, note: damaged ? "unreadable" : "no_shape" };
     for (const leg of legs) {
       const other = legs.find((one) => one !== leg && one.frame && leg.frame);
       leg.ghost = other ? [other.skin, other.foot].filter(Boolean).map((grid) => mirroredOnto(grid, other.frame, leg.frame)) : [];

@@ -30,10 +30,10 @@
       const doubt = (isDoubted) => (isDoubted ? " ?" : "");
       return scene.legs.flatMap((leg) => [
         tag("side", () => 0, leg, (size) => this.besideLeg(leg, size), () =>
-          (this.isNarrow() ? words[`${leg.side}Letter`] : `${words[`${leg.side}Letter`]} – ${words[`${leg.side}Leg`]}`)),
+          (this.isNarrow() ? words[`${leg.side}_letter`] : `${words[`${leg.side}_letter`]} – ${words[`${leg.side}_leg`]}`)),
         tag("reading", () => 1, leg, (size) => this.besideTape(leg, size), () => {
           const reading = this.viewer.tape.readings.get(leg);
-          const letter = this.isNarrow() ? "" : `${words[`${leg.side}Letter`]} `;
+          const letter = this.isNarrow() ? "" : `${words[`${leg.side}_letter`]} `;
           return reading ? `${letter}${inCm(reading.girthMm, words)}${doubt(reading.isDoubted)}` : "";
         }),
         ...leg.levels.map((level) => tag("level", () => 3, leg, (size, anchors) => this.besideLevel(leg, level, size, anchors), () =>
@@ -59,7 +59,7 @@
     prefix(leg) {
       const widthPx = (leg.box[3] - leg.box[0]) * this.camera.pxPerMm;
       const isAlone = this.scene.legs.filter(({ side }) => this.shows[side]).length < 2;
-      return isAlone || Math.abs(this.awayPx(leg)) > widthPx / 2 ? "" : `${this.words[`${leg.side}Letter`]} `;
+      return isAlone || Math.abs(this.awayPx(leg)) > widthPx / 2 ? "" : `${this.words[`${leg.side}_letter`]} `;
     }
 
     /** The way to the side away from the other leg: −1 or 1. Seen from the side the legs stand behind one

@@ -63,7 +63,7 @@
       const id = `gaiter-tape-${mounted}`;
       this.slider = make("input", { id, type: "range", min: low, max: high, step: 1 });
       this.output = make("output", { for: id, "aria-live": "off" });
-      this.element = make("div", { class: "gaiter-tape" }, make("label", { for: id }, words.tapeHeight), this.slider, this.output);
+      this.element = make("div", { class: "gaiter-tape" }, make("label", { for: id }, words.tape_height), this.slider, this.output);
       this.slider.addEventListener("input", () => this.set(Number(this.slider.value)));
       this.slider.addEventListener("keydown", (event) => {
         if (event.key !== "PageUp" && event.key !== "PageDown") return;
@@ -83,9 +83,9 @@
         const reading = tapeReading(leg, this.heightMm);
         this.readings.set(leg, reading);
         this.curves.set(leg, reading && tapeCurve(leg, this.heightMm));
-        if (!reading) return `${words[`${leg.side}Leg`]} ${words.notMeasured}`;
+        if (!reading) return `${words[`${leg.side}_leg`]} ${words.not_measured}`;
         const level = reading.level ? ` (${reading.level})` : "";
-        return `${words[`${leg.side}Leg`]} ${inCm(reading.girthMm, words)} cm${reading.isDoubted ? " ?" : ""}${level}`;
+        return `${words[`${leg.side}_leg`]} ${inCm(reading.girthMm, words)} cm${reading.isDoubted ? " ?" : ""}${level}`;
       });
       const height = `${inCm(this.heightMm, words)} cm`;
       this.slider.value = Math.round(this.heightMm);
@@ -162,14 +162,14 @@
       Object.entries(named).forEach(([key, value]) => this.canvas.setAttribute(key, value));
       this.bar = make("div", { class: "gaiter-bar" });
       this.legend = this.makeLegend();
-      this.ghostHelp = make("p", {}, words.ghostHelp);
+      this.ghostHelp = make("p", {}, words.ghost_help);
       this.grips = scene.legs.map(() => make("i", { class: "gaiter-grip" }));
       this.labels.overlay.append(...this.grips);
       this.root.append(
         group(words.look, ...Object.keys(VIEWS).map((key) => button(key, () => camera.look(VIEWS[key]))),
           button("nearer", () => camera.zoomBy(KEY_ZOOM), "+"), button("farther", () => camera.zoomBy(1 / KEY_ZOOM), "−"),
           button("reset", () => camera.look(START))),
-        group(words.show, ...scene.legs.map(({ side }) => check(side, words[`${side}Leg`], side)), ...layers(FIRST_LAYERS)),
+        group(words.show, ...scene.legs.map(({ side }) => check(side, words[`${side}_leg`], side)), ...layers(FIRST_LAYERS)),
         make("div", { class: "gaiter-stage" }, this.canvas, this.labels.overlay),
         ...(this.tape.element ? [this.tape.element] : []),
         make("div", { class: "gaiter-foot" }, this.bar, words.girths, this.legend), this.ghostHelp,
@@ -268,15 +268,15 @@
 
   /** Fills `element` with the view of a record; see the top of this file. */
   function mount(element, record, options) {
-    const { language, patient } = options || {};
-    const words = WORDS[language === "de" ? "de" : "en"];
+    const { patient } = options || {};
+    const words = globalThis.gaiterViewerWords;
     const title = patient ? `${words.title} – ${patient}` : words.title;
     const scene = readScene(record);
-    const root = make("section", { class: "gaiter-viewer", lang: language === "de" ? "de" : "en", "aria-label": title });
+    const root = make("section", { class: "gaiter-viewer", lang: words.tag, "aria-label": title });
     element.replaceChildren(root);
     const gl = scene.legs.length ? openWebgl() : null;
     if (!gl) {
-      root.append(make("p", {}, scene.legs.length ? words.noWebgl : words[scene.note]));
+      root.append(make("p", {}, scene.legs.length ? words.no_webgl : words[scene.note]));
       return { destroy: () => root.remove() };
     }
     adoptStyle();

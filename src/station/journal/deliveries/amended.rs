@@ -22,7 +22,8 @@ const BEGUN: &str = "begun";
 pub(super) const DUE: &str = "due";
 
 impl Journal {
-    /// Notes, before the revision is written, that these stores will have to be given it.
+    /// Notes, before the revision is written, that these stores will have to be given it: also those that
+    /// have not been given the record yet, because that delivery has only what was measured.
     pub fn amend_begun(
         &self,
         scan: &ScanId,
@@ -33,7 +34,8 @@ impl Journal {
             for store in stores {
                 transaction.execute(
                     "UPDATE deliveries SET amended = ?4
-                     WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state = 'delivered'",
+                     WHERE sha256 = ?1 AND patient = ?2 AND store = ?3
+                           AND state IN ('delivered', 'pending')",
                     [scan.as_str(), patient, store, BEGUN],
                 )?;
             }

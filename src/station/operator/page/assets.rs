@@ -9,7 +9,7 @@ use axum::routing::get;
 
 use super::endpoint::HttpEndpoint;
 use crate::language::Language;
-use crate::record::report::VIEWER;
+use crate::record::report::viewer;
 use crate::record::sha256;
 use crate::station::operator::http::listeners::Way;
 
@@ -24,6 +24,9 @@ const SCRIPT: &str = concat!(
 );
 const ICON: &str = include_str!("../web/icon.svg");
 
+/// The content type of scripts.
+const JAVASCRIPT: &str = "text/javascript; charset=utf-8";
+
 /// The content type of an answer for programs.
 pub const JSON: (HeaderName, &str) = (CONTENT_TYPE, "application/json");
 
@@ -32,7 +35,9 @@ pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
     let language = endpoint.desk.core.config.language;
     let html = |template: &str| Html(fill(template, language, endpoint.way));
     let (page, kiosk) = (html(PAGE), html(KIOSK));
-    let script = |text: &'static str| ([(CONTENT_TYPE, "text/javascript; charset=utf-8")], text);
+    let script = |text: &'static str| ([(CONTENT_TYPE, JAVASCRIPT)], text);
+    // Without its words the view says nothing, and the page shows everything else.
+    let with_words = ([(CONTENT_TYPE, JAVASCRIPT)], viewer(language).unwrap_or_default());
     let style = ([(CONTENT_TYPE, "text/css; charset=utf-8")], STYLE);
     Router::new()
         .route("/", get(async move || page.clone()))
@@ -40,13 +45,13 @@ pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
         .route("/page.css", get(async move || style))
         .route("/icon.svg", get(async || ([(CONTENT_TYPE, "image/svg+xml")], ICON)))
         .route("/page.js", get(async move || script(SCRIPT)))
-        .route("/viewer.js", get(async move || script(VIEWER)))
+        .route("/viewer.js", get(async move || with_words.clone()))
 }
 
 /// The version of the page; a page that was loaded from another version reloads itself.
 pub fn version(language: Language) -> String {
-    let labels = labels(language);
-    let parts = [env!("CARGO_PKG_VERSION"), PAGE, KIOSK, STYLE, SCRIPT, VIEWER, &labels];
+    let (labels, viewer) = (labels(language), viewer(language).unwrap_or_default());
+    let parts = [env!("CARGO_PKG_VERSION"), PAGE, KIOSK, STYLE, SCRIPT, &viewer, &labels];
     let hash = sha256(parts.join("\0").as_bytes());
     hash.chars().take(16).collect()
 }
@@ -78,6 +83,7 @@ fn fill(template: &str, language: Language, way: Way) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::record::report::VIEWER;
 
     fn keys(template: &str) -> Vec<&str> {
         template.split("{{").skip(1).filter_map(|part| part.split("}}").next()).collect()

@@ -158,10 +158,10 @@ function scanCard(scan, canAct, showsIds) {
   const drawing = showsIds && scan.files.includes("legs.svg")
     ? make("img", { class: "drawing", src: address(scan, "legs.svg"), alt: label("drawing"), loading: "lazy" })
     : null;
-  const { findings: count } = scan.measures;
+  const { notes } = scan.measures;
   const findings = [
     ...verdict(scan.measures),
-    count ? make("p", { class: "quiet" }, label(count === 1 ? "finding" : "findings").replace("{count}", count)) : null,
+    notes ? make("p", { class: "quiet" }, notes) : null,
   ];
   return make("article", { class: drawing ? "card scan" : "card scan without" },
     drawing ? make("div", {}, drawing) : null,
@@ -188,7 +188,7 @@ async function view(row) {
   dialog.showModal();
   try {
     const record = await (await fetch(address(row, "record.json"))).json();
-    if (dialog.open) viewed = window.gaiterViewer.mount(place, record, { language: root.lang, patient: patients.join(", ") });
+    if (dialog.open) viewed = window.gaiterViewer.mount(place, record, { patient: patients.join(", ") });
   } catch {
     place.textContent = label("away");
   }
