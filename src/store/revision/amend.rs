@@ -69,8 +69,8 @@ enum Revisions {
     Alone { latest: PathBuf, name: String },
 }
 
-/// Sets measures of a record, in this order; values that are far off the scan's only if `is_sure`: writes a further revision beside the latest one. `folder` is
-/// the folder of any of its revisions.
+/// Sets measures of a record, in this order: writes a further revision beside the latest one. Values that are
+/// far off the scan's are only set if `is_sure`. `folder` is the folder of any of its revisions.
 ///
 /// # Errors
 /// See [`Fault`].
