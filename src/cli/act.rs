@@ -1,6 +1,5 @@
 //! `gaiter retry`, `release`, `assign`, `unassign`, `give-up`, `amend`, `patient`, `gdt-order`, `page`,
-//! `pause` and `resume`:
-//! the operator's decisions.
+//! `pause` and `resume`: the operator's decisions.
 
 mod amend;
 mod order;

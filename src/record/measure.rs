@@ -190,6 +190,10 @@ impl Measure<'_> {
             (None, None) => scanned.as_ref()?.girth,
         };
         let height = hand.height_mm.map(Length::by_hand);
+        let scanned_height = scanned.as_ref().and_then(|of| of.height);
+        // On the foot there is no height, so nothing of an estimate is left beside a girth by hand.
+        let is_all_by_hand = girth.is_by_hand && scanned_height.is_none();
+        let is_estimate = scanned.as_ref().is_some_and(|of| of.is_estimate);
         let counts = |doubt: &&str| match *doubt {
             OF_EITHER => hand.girth_mm.is_none() && height.is_none(),
             doubt if OF_GIRTH.contains(&doubt) => hand.girth_mm.is_none(),
@@ -197,8 +201,8 @@ impl Measure<'_> {
         };
         Some(Measure {
             girth,
-            height: height.or(scanned.as_ref().and_then(|of| of.height)),
-            is_estimate: height.is_none() && scanned.as_ref().is_some_and(|of| of.is_estimate),
+            height: height.or(scanned_height),
+            is_estimate: is_estimate && height.is_none() && !is_all_by_hand,
             by: scanned.as_ref().map_or("", |of| of.by),
             doubts: scanned.into_iter().flat_map(|of| of.doubts).filter(counts).collect(),
             by_hand: Some(hand),

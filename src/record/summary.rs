@@ -52,8 +52,10 @@ pub struct SummaryFigures {
     pub height_cm: String,
     /// Whether there is a doubt about it.
     pub is_doubted: bool,
-    /// Whether a person set it, or part of it.
-    pub is_by_hand: bool,
+    /// Whether a person set the girth.
+    pub is_girth_by_hand: bool,
+    /// Whether a person set the height.
+    pub is_height_by_hand: bool,
 }
 
 impl RecordSummary {
@@ -90,7 +92,8 @@ impl SummaryFigures {
             girth_cm: words(measure.girth),
             height_cm: measure.height.map(words).unwrap_or_default(),
             is_doubted: !measure.doubts.is_empty(),
-            is_by_hand: measure.by_hand.is_some(),
+            is_girth_by_hand: measure.girth.is_by_hand,
+            is_height_by_hand: measure.height.is_some_and(|height| height.is_by_hand),
         }
     }
 }

@@ -22,7 +22,7 @@ impl Stores {
     pub fn of(config: &Config) -> Stores {
         let station = &config.station.id;
         let first = FolderStore::new(
-            "folder",
+            FolderStore::FIRST,
             config.store.folder.path.clone(),
             station,
             config.store.folder.access,

@@ -52,6 +52,9 @@ pub struct FolderStore {
 }
 
 impl FolderStore {
+    /// The name in the journal of the store whose records people open and amend.
+    pub const FIRST: &str = "folder";
+
     /// The store with this name in the journal, at `root`, used by the station `station`, with records
     /// for `access`.
     pub fn new(name: &'static str, root: PathBuf, station: &str, access: Access) -> FolderStore {

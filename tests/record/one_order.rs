@@ -7,10 +7,11 @@ use std::collections::BTreeMap;
 
 use gaiter::cad::Output;
 use gaiter::language::Language;
-use gaiter::leg::{Method, extract};
+use gaiter::leg::{Level, Method, Side, extract};
 use gaiter::record::completeness::Completeness;
 use gaiter::record::garment::Garment;
 use gaiter::record::gdt::{Charset, result};
+use gaiter::record::measure::Measure;
 use gaiter::record::measure::amendment::{Amendment, Deed};
 use gaiter::record::report::{Content, Mark};
 use gaiter::record::{
@@ -143,7 +144,7 @@ fn of_gdt_table(lines: &[(String, Vec<u8>)]) -> Vec<Row> {
                 "nicht" => row(name, "not found", "", ""),
                 "nichts" => row(name, "not measurable", "", ""),
                 _ if girth.starts_with('*') => {
-                    row(name, "by hand", &girth[1..], height.trim_start_matches('*'))
+                    row(name, "by hand", &girth[1..], height.trim_start_matches(['*', '~']))
                 }
                 _ if girth.starts_with('~') => row(name, "estimated", plain[0], plain[1]),
                 _ => row(name, "measured", plain[0], plain[1]),
@@ -201,12 +202,17 @@ fn amended(record: &Record) -> Record {
     let c = record.legs.iter().find(|leg| leg.side == "right").unwrap().landmarks["C"].height_mm;
     let d = record.legs.iter().find(|leg| leg.side == "left").unwrap().landmarks["D"].height_mm;
     let (measured, not) = (Deed::Measured, Deed::NotMeasurable);
+    let record = match Measure::of(record, Side::Right, Level::F) {
+        Ok(_) => record.amended(&[set("right", "F", measured, [Some(45.5), None])], true).unwrap(),
+        Err(_) => record.clone(),
+    };
     record
         .amended(
             &[
                 set("right", "C", measured, [Some(41.25), Some(c / 10.0 + 0.7)]),
                 set("right", "D", not, [None, None]),
                 set("left", "E", measured, [Some(39.9), Some(d / 10.0 + 3.0)]),
+                set("left", "A", measured, [Some(21.5), None]),
             ],
             true,
         )
@@ -215,6 +221,7 @@ fn amended(record: &Record) -> Record {
 
 #[test]
 fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_value_beside_it() {
+    let mut with_f = 0;
     for body in BODIES {
         let (before, _) = made(body);
         let record = amended(&before);
@@ -248,6 +255,12 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
         assert_eq!(String::from_utf8_lossy(&mark.1), "von Hand eingetragen", "{body}");
         let blocks = contents(&lines, "8410");
         assert!(!blocks.contains(&"LD_R".to_owned()) && blocks.contains(&"LE_L".to_owned()));
+        // Of an estimate only what was set goes out.
+        let goes_out = |block: &str| blocks.iter().any(|its| its == block);
+        let has_f = state("right F")[0] == "by hand";
+        assert!(goes_out("LA_L") && goes_out("LF_R") == has_f, "{blocks:?}");
+        assert!(!["HF_R", "LA_R", "LF_L"].into_iter().any(goes_out), "{blocks:?}");
+        with_f += usize::from(has_f);
         let comments = contents(&lines, "6227").join(" ");
         for said in ["C: Umfang 41,3 cm (Scan: ", "Jürgen Müßig", "D: nicht messbar"] {
             assert!(comments.contains(said), "{said}: {comments}");
@@ -255,6 +268,7 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
         let verdict = Completeness::of(&record, GARMENT).sentences(Language::En).join(" ");
         assert!(verdict.contains("Not measurable: right D."), "{verdict}");
     }
+    assert!(with_f > 0, "a girth was set in place of an estimate");
 }
 
 #[test]

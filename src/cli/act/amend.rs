@@ -7,9 +7,7 @@ use serde_json::json;
 
 use super::with_patient;
 use crate::cli::args::{AmendArgs, Named};
-use crate::cli::terminal::paint;
-use crate::cli::terminal::screen;
-use crate::cli::terminal::table;
+use crate::cli::terminal::{paint, screen, table};
 use crate::cli::{Exit, ask, complain, explain_config, print, shown};
 use crate::config::{self, ConfigError};
 use crate::record::measure::amendment::Deed;
@@ -121,9 +119,6 @@ fn told(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {
 fn refused(args: &AmendArgs, path: &Path, fault: &Fault) -> Exit {
     let (code, exit) = match fault {
         Fault::NoRecord => ("no-record", Exit::NoFile),
-        Fault::Io(error) if error.kind() == std::io::ErrorKind::NotFound => {
-            ("no-record", Exit::NoFile)
-        }
         Fault::Amend(fault) if fault.is_far_off() => ("measure-far-off", Exit::Usage),
         Fault::Amend(_) => ("measure-not-possible", Exit::Usage),
         Fault::Stored(fault) => (fault.code(), Exit::Unmeasurable),

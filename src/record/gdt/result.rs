@@ -14,7 +14,7 @@ use crate::leg::{Level, Side};
 use crate::record::completeness::Completeness;
 use crate::record::garment::Garment;
 use crate::record::measure::Measure;
-use crate::record::report::Content;
+use crate::record::report::{Content, Mark};
 use crate::record::rounding::cm_words;
 use crate::record::schema::{FindingNote, Record};
 
@@ -69,9 +69,7 @@ pub fn result(
     fields.extend([(6200, date.clone()), (6201, time.clone()), (8402, rules.procedure.clone())]);
     for side in record.sides() {
         for level in Level::ALL.into_iter().rev() {
-            // A number without its mark would be taken for a measured one, so estimates are only in the table.
-            let measured = Measure::of(record, side, level).ok();
-            let Some(measure) = measured.filter(|measure| !measure.is_estimate) else { continue };
+            let Ok(measure) = Measure::of(record, side, level) else { continue };
             let block = Block { level, side, measure, date: &date, time: &time, rules };
             block.write(&mut fields);
         }
@@ -117,7 +115,9 @@ impl Block<'_> {
         };
         let (level, side) = (self.level.name(), words::side(self.side));
         for (kind, name, figure) in figures {
-            let Some(figure) = figure else { continue };
+            // A number without its mark would be taken for a measured one, so estimates are only in the table.
+            let measured = figure.filter(|of| self.measure.mark_of(**of) != Mark::Estimated);
+            let Some(figure) = measured else { continue };
             let name = words::written(&format!("{name} {level} {side}"), self.rules.charset);
             fields.extend([
                 (8410, format!("{kind}{level}_{letter}")),

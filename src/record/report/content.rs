@@ -255,7 +255,7 @@ impl Content {
     /// The content of a report of this record in this language, for an order of this garment.
     pub fn of(record: &Record, language: Language, garment: Garment) -> Content {
         let completeness = Completeness::of(record, garment);
-        let report = Report { record, language, completeness: &completeness };
+        let report = Report { record, language, garment };
         let notes = report.notes();
         let is_vouched = !record.has_finding(NOT_VOUCHED);
         let title = if is_vouched { "report.title" } else { "report.title_not_vouched" };
@@ -288,16 +288,12 @@ impl Content {
 impl Content {
     /// What people set in place of the scan's figures, a line for each measure.
     pub fn by_hand(record: &Record, language: Language) -> Vec<String> {
-        let completeness = Completeness::of(record, Garment::default());
-        Report { record, language, completeness: &completeness }.by_hand()
+        Report { record, language, garment: Garment::default() }.by_hand()
     }
-}
 
-impl Content {
     /// How many notes of each weight a report has, in a line; empty if it has none.
     pub fn counted(record: &Record, language: Language) -> String {
-        let completeness = Completeness::of(record, Garment::default());
-        let report = Report { record, language, completeness: &completeness };
+        let report = Report { record, language, garment: Garment::default() };
         let notes = report.notes().entries;
         if notes.is_empty() { String::new() } else { report.summary(&notes) }
     }
@@ -311,7 +307,8 @@ const OPEN_FIELDS: [&str; 9] =
 struct Report<'a> {
     record: &'a Record,
     language: Language,
-    completeness: &'a Completeness,
+    /// The garment that is ordered.
+    garment: Garment,
 }
 
 impl Report<'_> {
@@ -321,11 +318,6 @@ impl Report<'_> {
 
     fn filled(&self, key: &'static str, words: &[(&str, &dyn Display)]) -> String {
         self.language.filled(key, words)
-    }
-
-    /// The garment that is ordered.
-    fn garment(&self) -> Garment {
-        self.completeness.garment
     }
 
     fn open_fields(&self) -> OpenFields {

@@ -34,7 +34,7 @@ impl Report<'_> {
         LevelRow {
             level: level.name().to_owned(),
             place: self.language.word("level", level.name()).to_owned(),
-            is_needed: self.garment().levels().contains(&level),
+            is_needed: self.garment.levels().contains(&level),
             legs: Side::FROM_FRONT.map(|side| self.level(side, level)),
         }
     }

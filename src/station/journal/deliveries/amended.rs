@@ -11,9 +11,7 @@ use super::super::delivery_row::detail;
 use super::super::withdrawal::UNWANTED;
 use super::super::{Due, Event, Journal, JournalError, history};
 use crate::flow::{DeliveryState, ScanId};
-
-/// The store whose folders hold the records that people amend.
-const FOLDER: &str = "folder";
+use crate::store::FolderStore;
 
 /// The revision is being written: a crash may leave it unwritten.
 const BEGUN: &str = "begun";
@@ -69,7 +67,7 @@ impl Journal {
     pub fn found_amended(&self, scan: &ScanId, patient: &str) -> Result<(), JournalError> {
         let noted = "UPDATE deliveries SET amended = ?3
                      WHERE sha256 = ?1 AND patient = ?2 AND store <> ?4 AND state = 'delivered'";
-        self.connection().execute(noted, [scan.as_str(), patient, DUE, FOLDER])?;
+        self.connection().execute(noted, [scan.as_str(), patient, DUE, FolderStore::FIRST])?;
         Ok(())
     }
 
@@ -84,8 +82,9 @@ impl Journal {
             "SELECT folder FROM deliveries
              WHERE sha256 = ?1 AND patient = ?2 AND store = ?3 AND state = 'delivered'",
         )?;
-        let found: Option<Option<String>> =
-            query.query_row([scan.as_str(), patient, FOLDER], |row| row.get(0)).optional()?;
+        let found: Option<Option<String>> = query
+            .query_row([scan.as_str(), patient, FolderStore::FIRST], |row| row.get(0))
+            .optional()?;
         Ok(found.flatten())
     }
 

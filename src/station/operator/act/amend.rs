@@ -17,6 +17,7 @@ use crate::station::booth::Booth;
 use crate::station::core::Core;
 use crate::station::event::short;
 use crate::station::journal::ScanRow;
+use crate::store::FolderStore;
 use crate::store::revision::amend::{Fault, amend};
 
 /// What a person sets, and why.
@@ -98,7 +99,7 @@ pub(super) fn set(
     };
     let amendments = setting.amendments(Timestamp::now());
     let others: Vec<&str> =
-        core.stores.names().into_iter().filter(|name| *name != FOLDER).collect();
+        core.stores.names().into_iter().filter(|name| *name != FolderStore::FIRST).collect();
     journal.amend_begun(&row.scan, &patient, &others)?;
     let amended = amend(&PathBuf::from(folder), &amendments, setting.is_sure, &choice);
     let measures: BTreeSet<String> = match &amended {
@@ -122,9 +123,6 @@ pub(super) fn set(
     let verdict = completeness.sentences(Language::En).join(" ");
     Ok(format!("scan {scan}: revision {revision} of its record is stored. {verdict}"))
 }
-
-/// The store whose records people amend.
-const FOLDER: &str = "folder";
 
 /// The patient whose record is amended, as the journal's column holds it.
 fn owner(core: &Core, scan: &ScanId, patient: Option<&str>) -> Result<String, ActFault> {

@@ -1,6 +1,6 @@
 //! The page's own files, inside the binary, with the words of the station's language.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use axum::Router;
 use axum::http::header::{CONTENT_TYPE, HeaderName};
@@ -48,8 +48,15 @@ pub fn routes(endpoint: &HttpEndpoint) -> Router<Arc<HttpEndpoint>> {
         .route("/viewer.js", get(async move || with_words.clone()))
 }
 
-/// The version of the page; a page that was loaded from another version reloads itself.
-pub fn version(language: Language) -> String {
+/// The version of the page; a page that was loaded from another version reloads itself. It is computed once:
+/// every snapshot has it.
+pub fn version(language: Language) -> &'static str {
+    static ALL: [OnceLock<String>; Language::ALL.len()] =
+        [const { OnceLock::new() }; Language::ALL.len()];
+    ALL[language as usize].get_or_init(|| computed_version(language))
+}
+
+fn computed_version(language: Language) -> String {
     let (labels, viewer) = (labels(language), viewer(language).unwrap_or_default());
     let parts = [env!("CARGO_PKG_VERSION"), PAGE, KIOSK, STYLE, SCRIPT, &viewer, &labels];
     let hash = sha256(parts.join("\0").as_bytes());
@@ -69,7 +76,7 @@ fn fill(template: &str, language: Language, way: Way) -> String {
     for part in parts {
         let (key, rest) = part.split_once("}}").unwrap_or((part, ""));
         match key {
-            "page" => text += &version(language),
+            "page" => text += version(language),
             "language" => text += language.tag(),
             "way" => text += way.word(),
             "labels" => text += &labels(language),

@@ -9,6 +9,7 @@ use jiff::Timestamp;
 use serde::{Deserialize, Serialize};
 use tokio::task::spawn_blocking;
 
+use super::desk::Desk;
 use super::endpoint::HttpEndpoint;
 use super::files::Row;
 use super::{assets, snapshot};
@@ -66,19 +67,7 @@ pub async fn one(
     Asked(scan): Asked<String>,
     headers: HeaderMap,
 ) -> Response {
-    let Ok(scan) = ScanId::parse(&scan) else { return StatusCode::NOT_FOUND.into_response() };
-    if !endpoint.shows_ids(&headers, None) {
-        return StatusCode::FORBIDDEN.into_response();
-    }
-    // A store that does not answer holds a few readers and no more.
-    let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
-        return StatusCode::SERVICE_UNAVAILABLE.into_response();
-    };
-    let rows = spawn_blocking(move || {
-        let _reader = reader;
-        snapshot::one(&endpoint.desk, &scan)
-    });
-    answer(rows.await.ok())
+    of_scan(endpoint, &scan, &headers, snapshot::one).await
 }
 
 /// `/scan/ID/measures?of=KEY`: every measure of the record, for a person who sets some of them.
@@ -88,18 +77,30 @@ pub async fn measures(
     Query(row): Query<Row>,
     headers: HeaderMap,
 ) -> Response {
-    let Ok(scan) = ScanId::parse(&scan) else { return StatusCode::NOT_FOUND.into_response() };
-    if !endpoint.shows_ids(&headers, None) {
+    let sheet = move |desk: &Desk, scan: &ScanId| snapshot::sheet(desk, scan, row.key());
+    of_scan(endpoint, &scan, &headers, sheet).await
+}
+
+/// What a scan's records tell, for readers who may see whose scan it is.
+async fn of_scan<T: Serialize + Send + 'static>(
+    endpoint: Arc<HttpEndpoint>,
+    scan: &str,
+    headers: &HeaderMap,
+    told: impl FnOnce(&Desk, &ScanId) -> T + Send + 'static,
+) -> Response {
+    let Ok(scan) = ScanId::parse(scan) else { return StatusCode::NOT_FOUND.into_response() };
+    if !endpoint.shows_ids(headers, None) {
         return StatusCode::FORBIDDEN.into_response();
     }
+    // A store that does not answer holds a few readers and no more.
     let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
         return StatusCode::SERVICE_UNAVAILABLE.into_response();
     };
-    let sheet = spawn_blocking(move || {
+    let told = spawn_blocking(move || {
         let _reader = reader;
-        snapshot::sheet(&endpoint.desk, &scan, row.key())
+        told(&endpoint.desk, &scan)
     });
-    answer(sheet.await.ok())
+    answer(told.await.ok())
 }
 
 fn answer(of: Option<impl Serialize>) -> Response {

@@ -11,15 +11,13 @@ use crate::record::SheetLine;
 use crate::station::delivery::preview::Preview;
 use crate::station::journal::JournalError;
 use crate::station::overview::Overview;
+use crate::store::FolderStore;
 
 /// How many of the last scans are shown: what fits a screen.
 const LAST: u32 = 12;
 
 /// How many scans that wait for a decision are shown. More than that cannot be handled by clicks.
 const UNDECIDED: u32 = 20;
-
-/// The store whose folders the page reads.
-const STORE: &str = "folder";
 
 /// Takes a snapshot. Blocks, on the local disk only: what records say comes from the summaries. The
 /// second value names the records that the summaries should read, by the key of their row.
@@ -46,7 +44,7 @@ pub fn take(desk: &Desk) -> (Shown, Vec<(String, PathBuf)>) {
     let more = count.unwrap_or_default().saturating_sub(undecided.len() as u64);
     let version = assets::version(language);
     let known = Known {
-        page: &version,
+        page: version,
         station: &core.config.station.id,
         facts: &overview.facts,
         complaints: &overview.complaints,
@@ -127,7 +125,7 @@ pub fn row(desk: &Desk, scan: &ScanId, key: Option<&str>) -> Option<Whole> {
 /// The folder of the record that can be opened from a row, if any; otherwise the preview of a held
 /// scan.
 pub fn folder(desk: &Desk, row: &Whole) -> Option<PathBuf> {
-    let record = page::record_folder(row, STORE).map(PathBuf::from);
+    let record = page::record_folder(row, FolderStore::FIRST).map(PathBuf::from);
     record.or_else(|| match preview(desk, row) {
         Some(Preview::Made(folder)) => Some(folder),
         _ => None,

@@ -96,9 +96,13 @@ async function amend(scan) {
   const mine = amending += 1;
   let lines = [];
   try {
-    lines = await (await fetch(`/scan/${scan.scan}/measures${scan.of ? `?of=${scan.of}` : ""}`)).json();
+    const answer = await fetch(address(scan, "measures"));
+    if (answer.ok) lines = await answer.json();
   } catch {
-    say(label("away"), true);
+    // Told below.
+  }
+  if (!lines.length) {
+    say(label("amend_away"), true);
     return;
   }
   if (mine !== amending) return;

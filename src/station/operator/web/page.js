@@ -86,7 +86,8 @@ function state(word, health) {
 function cell(figures, name) {
   const kind = name === "girth_cm" ? "girth" : undefined;
   const doubt = figures.is_doubted && kind ? make("abbr", { title: label("doubted") }, "?") : null;
-  const hand = figures.is_by_hand && kind ? make("abbr", { title: label("by_hand") }, "*") : null;
+  const isByHand = kind ? figures.is_girth_by_hand : figures.is_height_by_hand;
+  const hand = isByHand ? make("abbr", { title: label("by_hand") }, "*") : null;
   return make("td", { class: kind }, figures[name], doubt, hand);
 }
 
