@@ -122,7 +122,7 @@ mod tests {
             for template in [PAGE, KIOSK] {
                 let page = fill(template, language, Way::Local);
                 assert!(!page.contains("{{"), "{page}");
-                assert!(page.contains(&version(language)));
+                assert!(page.contains(version(language)));
             }
         }
         assert!(fill(PAGE, Language::De, Way::Local).contains("lang=\"de\""));
