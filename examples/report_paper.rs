@@ -11,9 +11,9 @@ use std::{env, fs};
 
 use gaiter::language::Language;
 use gaiter::record::Record;
-use gaiter::record::garment::Garment;
 use gaiter::record::picture::{Theme, figures, png};
 use gaiter::record::report::{self, Content, Print};
+use gaiter::sizes::Garment;
 
 /// The other work of a machine makes single times longer, never shorter.
 const TIMES: usize = 20;
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let record: Record = serde_json::from_slice(&fs::read(&path)?)?;
         for language in Language::ALL {
             let drawn = figures::all(&record, language);
-            let content = Content::of(&record, language, Garment::default());
+            let content = Content::of(&record, language, &Garment::default());
             let paper = report::paper(&record, &content, &drawn, Print::default())?;
             let milliseconds =
                 fastest_ms(|| report::paper(&record, &content, &drawn, Print::default()));

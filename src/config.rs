@@ -15,6 +15,7 @@ mod phantom;
 mod place;
 pub mod port;
 mod reader;
+pub mod sizes;
 #[cfg(test)]
 mod tests;
 pub mod trigger;
@@ -27,6 +28,7 @@ use std::net::SocketAddr;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use jiff::civil::Date;
 use regex::Regex;
 
 use crate::cad::Output;
@@ -35,15 +37,18 @@ use crate::flow::confinement::Confine;
 use crate::flow::retention::Retention;
 use crate::language::Language;
 use crate::leg::Method;
-use crate::record::garment::Garment;
+use crate::record::ReportChoice;
 use crate::record::report::Print;
+use crate::record::sizing::SizeChoice;
+use crate::sizes::{Garment, SizeTable};
 pub use capture::{CaptureConfig, PatientConfig};
 pub use fault::{ConfigFault, What};
 pub use gdt::{AfterOrder, GdtStoreConfig, OrdersConfig};
-pub use load::{load, nested};
+pub use load::{load, load_with, nested};
 pub use observability::{control_path, state_dir};
 pub use page::PageConfig;
 pub use phantom::PhantomConfig;
+pub use sizes::beside::{Beside, Files};
 pub use trigger::TriggerConfig;
 pub use watch::WatchConfig;
 pub use words::{LogFormat, WithoutTrigger};
@@ -71,6 +76,12 @@ pub struct Config {
     pub language: Language,
     /// `[report]`: the garment that is usually ordered.
     pub garment: Garment,
+    /// `[report]`: the garments that can be ordered.
+    pub garments: Vec<Garment>,
+    /// `[sizes]`: the size tables that reports are made with, in the order of the configuration.
+    pub tables: Vec<SizeTable>,
+    /// The files that garments and tables were read from, passed on to the measuring process.
+    pub beside: Vec<Beside>,
     /// `[report]`: the paper, and how much of the report is printed.
     pub print: Print,
     /// `[measure]`: limits on the measurement of one scan.
@@ -90,6 +101,17 @@ pub struct Config {
 }
 
 impl Config {
+    /// How reports are made on this day.
+    pub fn report_choice(&self, today: Date) -> ReportChoice {
+        ReportChoice {
+            language: self.language,
+            garment: self.garment.clone(),
+            print: self.print,
+            sizes: SizeChoice { tables: self.tables.clone(), today, ..SizeChoice::default() },
+            ..ReportChoice::default()
+        }
+    }
+
     /// The names of the ports with buttons, as the trigger's workers call them.
     pub fn buttons(&self) -> BTreeSet<&'static str> {
         let TriggerConfig { serial, usb, keys, .. } = &self.trigger;
@@ -211,7 +233,7 @@ pub fn read(path: &Path) -> Result<Config, ConfigError> {
     let bytes = std::fs::read(path)
         .map_err(|source| ConfigError::Unreadable { path: path.into(), source })?;
     let loaded = match str::from_utf8(&bytes) {
-        Ok(text) => load(text),
+        Ok(text) => load_with(text, Files::Disk),
         Err(error) => Err(vec![place::not_utf8(&bytes, error.valid_up_to())]),
     };
     loaded.map_err(|mut faults| {

@@ -22,7 +22,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! With `default-features = false` gaiter is this library: language, scan, spline, leg, cad and record.
+//! With `default-features = false` gaiter is this library: language, scan, spline, leg, cad, sizes and record.
 //! The feature `station` adds the program.
 //!
 //! Data goes one way, top to bottom; a layer uses only layers above it.
@@ -34,6 +34,7 @@
 //! | [`spline`] | pure | bases, fits, solvers, curves and surfaces; knows no legs |
 //! | [`leg`] | pure | scan → leg reports: the paper, a stage per file |
 //! | [`cad`] | pure | surface → CAD files and meshes, as bytes |
+//! | [`sizes`] | pure | garments and size tables, and what a table says about a leg; knows no records |
 //! | [`record`] | pure | reports → record: JSON, CSV, pictures, the report people read, as bytes |
 //! | [`flow`] | pure | the station's decisions as functions of state and `now` |
 //! | [`store`] | effects | record stores; idempotent `put` |
@@ -54,6 +55,7 @@
 //! | `spline` | nalgebra, rayon, thiserror |
 //! | `leg` | nalgebra, rayon, thiserror |
 //! | `cad` | nalgebra, thiserror, zmij (numbers as text) |
+//! | `sizes` | jiff (calendar only), libm (the error function), serde, sha2, thiserror, toml (the files) |
 //! | `record` | base64, `encoding_rs` (code page 1252), flate2 (packing), jiff (calendar only), nalgebra, `pdf_writer`, serde, `serde_json`, sha2, subsetter (fonts), thiserror, `tiny_skia` (pixels) |
 //! | `flow` | regex, serde, thiserror, jiff (calendar only) |
 
@@ -68,6 +70,7 @@ pub mod language;
 pub mod leg;
 pub mod record;
 pub mod scan;
+pub mod sizes;
 pub mod spline;
 #[cfg(feature = "station")]
 pub mod station;

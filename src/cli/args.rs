@@ -5,9 +5,11 @@ mod asking;
 mod calibrate;
 mod examples;
 mod extract;
+mod garment;
 mod groups;
 mod reextract;
 mod report;
+mod sizes;
 
 use std::env;
 use std::path::PathBuf;
@@ -25,8 +27,10 @@ pub use asking::{
 };
 pub use calibrate::CalibrateArgs;
 pub use extract::ExtractArgs;
+pub use garment::GarmentArgs;
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
+pub use sizes::{SizesArgs, SizesCheckArgs, SizesOf, SizesVerb};
 
 /// The station's configuration if neither `--config` nor the environment names one.
 pub const DEFAULT_CONFIG: &str = "/etc/gaiter/station.toml";
@@ -107,6 +111,12 @@ pub enum Verb {
     /// Uses only record.json; the scan is not needed, and nothing is measured. The record is not
     /// changed, because its folder's SHA256SUMS would then be wrong.
     Report(ReportArgs),
+    /// Say which sizes of makers' tables fit, or check such tables
+    ///
+    /// Shows every size that the deciding point allows, with each point's margins to its limits and the
+    /// probability that it lies inside; several tables side by side. Never chooses a size. Also names
+    /// calibre jumps: where the girth changes by more than the length.
+    Sizes(SizesArgs),
     /// Measure one scan on standard input; the station runs this itself
     #[command(name = VERB, hide = true)]
     Measure(MeasureArgs),

@@ -4,6 +4,7 @@ mod environment;
 mod names;
 mod readers;
 mod row;
+mod tables;
 mod unit;
 
 use std::path::Path;
@@ -56,6 +57,7 @@ pub fn check(args: &CheckArgs) -> Exit {
 /// The checks of what is around the station: folders and disks, who may read, the system's service.
 fn around(file: &Path, config: &Config) -> Vec<Row> {
     let mut rows = environment::rows(config);
+    rows.extend(tables::rows(config));
     rows.extend(readers::rows(config));
     rows.extend(unit::rows(file, config));
     rows

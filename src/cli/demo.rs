@@ -23,7 +23,7 @@ use super::terminal::{paint, screen, table};
 use super::{Exit, complain, explain_config, print};
 use crate::config::{self, Config};
 use crate::record::Record;
-use crate::record::garment::Garment;
+use crate::sizes::Garment;
 use crate::station::demo::button::{self, SimulatedButton};
 use crate::station::demo::scanner;
 use crate::station::{self, Orders, StationEvent};
@@ -307,7 +307,7 @@ fn summary(seen: &Seen, state_dir: &Path) -> Result<(), DemoFault> {
     let records = records(seen)?;
     for (folder, record) in &records {
         let patient = record.patient.as_ref().map_or("unassigned", |patient| &patient.id);
-        let table = table::of(record, Garment::default(), screen::columns());
+        let table = table::of(record, &Garment::default(), screen::columns());
         paint::print(format_args!("\npatient {patient}: {}\n{table}\n", folder.display()))?;
     }
     print(format_args!(

@@ -12,6 +12,8 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use jiff::Zoned;
+
 use super::args::ExtractArgs;
 use super::parallel::{in_order, usual_jobs};
 use super::terminal::progress::Progress;
@@ -23,6 +25,7 @@ use crate::leg::method::Up;
 use crate::leg::{Method, Refusal, extract as measure};
 use crate::record::{self, FilesFault, Provenance, Record, RecordFile, ReportChoice, ScanFile};
 use crate::scan::Format;
+use crate::sizes::Garment;
 use found::{FolderFault, found};
 use names::Names;
 use place::{Foreign, put_folder};
@@ -125,7 +128,7 @@ impl Run<'_> {
                         Exit::Io
                     }
                 };
-                (exit, Some(Row::measured(name, &measured.record, self.choices.report.garment)))
+                (exit, Some(Row::measured(name, &measured.record, &self.choices.report.garment)))
             }
             Err(fault) => {
                 complain(&fault);
@@ -141,7 +144,7 @@ impl Run<'_> {
             print(format_args!("{}\n", serde_json::to_string(record)?))?;
         } else {
             let name = screen::shortened(&self.names.name(path), self.columns);
-            let table = table::of(record, self.choices.report.garment, self.columns);
+            let table = table::of(record, &self.choices.report.garment, self.columns);
             paint::print(format_args!("{name}\n{table}\n"))?;
         }
         // Written next to its place first, then moved there as a whole. It replaces an earlier record of
@@ -177,18 +180,24 @@ struct Choices {
 impl Choices {
     /// The values of the configuration, or the defaults, overridden by the command line.
     fn of(args: &ExtractArgs) -> Result<Choices, Exit> {
-        let (mut method, mut output, language, garment, print) = match &args.config {
+        let (mut method, mut output, configured, garments) = match &args.config {
             Some(path) => {
                 let config = config::read(path).map_err(|error| explain_config(&error))?;
-                (config.method, config.output, config.language, config.garment, config.print)
+                let report = config.report_choice(Zoned::now().date());
+                (config.method, config.output, report, config.garments)
             }
-            None => Default::default(),
+            None => (
+                Method::default(),
+                Output::default(),
+                ReportChoice::default(),
+                Garment::shipped().to_vec(),
+            ),
         };
         let report = ReportChoice {
-            language: args.language.unwrap_or(language),
-            garment: args.garment.unwrap_or(garment),
-            print,
+            language: args.language.unwrap_or(configured.language),
+            garment: args.garment.chosen(&garments, &configured.garment)?,
             figures: args.figures.iter().flatten().copied().collect(),
+            ..configured
         };
         method.scope = args.scope.unwrap_or(method.scope);
         method.unit = args.unit.unwrap_or(method.unit);

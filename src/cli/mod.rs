@@ -17,6 +17,7 @@ pub mod reextract;
 pub mod report;
 pub mod run;
 pub mod scans;
+pub mod sizes;
 pub mod status;
 pub mod terminal;
 
@@ -50,6 +51,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Calibrate(args) => calibrate::calibrate(&args),
         Verb::Reextract(args) => reextract::reextract(&args),
         Verb::Report(args) => report::report(&args),
+        Verb::Sizes(args) => sizes::sizes(&args),
         Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
         Verb::Status(args) => status::status(&args),

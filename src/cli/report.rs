@@ -7,22 +7,33 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use jiff::Zoned;
 use serde_json::json;
 
 use super::args::ReportArgs;
+use super::sizes::tables;
 use super::{Exit, complain, print, shown};
 use crate::record::report::Print;
 use crate::record::schema::{FindingNote, NOT_VOUCHED, OLDER_SCHEMA, SCHEMA};
+use crate::record::sizing::SizeChoice;
 use crate::record::{
     FilesFault, Record, RecordFault, RecordFile, ReportChoice, SUMS, report_files,
 };
+use crate::sizes::Garment;
 use crate::store::durable;
 use crate::store::sums::{self, SumsFault};
 use found::{NotFound, found};
 
 /// Writes the report and prints its paths.
 pub fn report(args: &ReportArgs) -> Exit {
-    match made(args) {
+    let chosen = args.garment.chosen(Garment::shipped(), &Garment::default());
+    let chosen = chosen.and_then(|garment| Ok((garment, tables(&args.tables)?)));
+    let (garment, tables) = match chosen {
+        Ok(chosen) => chosen,
+        Err(exit) => return exit,
+    };
+    let sizes = SizeChoice { tables, today: Zoned::now().date(), ..SizeChoice::default() };
+    match made(args, sizes, garment) {
         Ok(paths) => match print(told(&paths, args.json)) {
             Ok(()) => Exit::Done,
             Err(error) => {
@@ -48,7 +59,7 @@ fn told(paths: &[PathBuf], as_json: bool) -> String {
 
 /// Why there is no report.
 #[derive(Debug, thiserror::Error)]
-enum Fault {
+pub enum Fault {
     /// There is none.
     #[error(transparent)]
     NotFound(#[from] NotFound),
@@ -120,7 +131,8 @@ enum Fault {
 }
 
 impl Fault {
-    fn exit(&self) -> Exit {
+    /// The exit of the verb.
+    pub fn exit(&self) -> Exit {
         match self {
             Fault::NotFound(NotFound::Nothing(_) | NotFound::NoRecord(_)) => Exit::NoFile,
             Fault::NotFound(NotFound::Unreadable { .. } | NotFound::Unlisted { .. }) => Exit::Io,
@@ -135,13 +147,21 @@ impl Fault {
     }
 }
 
-/// Writes the report's files and returns their paths.
-fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
-    let found = found(&args.record)?;
+/// The record at a path; which of several it is, is told.
+///
+/// # Errors
+/// See [`Fault`].
+pub fn record_at(path: &Path) -> Result<Record, Fault> {
+    let found = found(path)?;
     if let Some(remark) = found.remark {
-        complain(format_args!("gaiter: {}: {remark}", shown(args.record.display())));
+        complain(format_args!("gaiter: {}: {remark}", shown(path.display())));
     }
-    let record = read(found.path)?;
+    read(found.path)
+}
+
+/// Writes the report's files and returns their paths.
+fn made(args: &ReportArgs, sizes: SizeChoice, garment: Garment) -> Result<Vec<PathBuf>, Fault> {
+    let record = record_at(&args.record)?;
     if record.has_finding(NOT_VOUCHED) {
         complain(format_args!(
             "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it; the report \
@@ -150,12 +170,8 @@ fn made(args: &ReportArgs) -> Result<Vec<PathBuf>, Fault> {
         ));
     }
     let print = Print { paper: args.paper, has_appendix: args.appendix };
-    let choice = ReportChoice {
-        language: args.language,
-        garment: args.garment,
-        print,
-        ..ReportChoice::default()
-    };
+    let choice =
+        ReportChoice { language: args.language, garment, print, sizes, ..ReportChoice::default() };
     let files = report_files(&record, &choice)?;
     if args.out.join(SUMS).symlink_metadata().is_ok() {
         return Err(Fault::RecordFolder(args.out.clone()));

@@ -109,6 +109,19 @@ pub enum What {
         /// The word that was probably meant.
         similar: Option<&'static str>,
     },
+    /// Not the name of a garment.
+    #[error("\"{text}\" is not one of {}", quoted(&known.iter().map(String::as_str).collect::<Vec<_>>()))]
+    NotAGarment {
+        /// As written.
+        text: String,
+        /// The garments that are known.
+        known: Vec<String>,
+        /// The one that was probably meant.
+        similar: Option<String>,
+    },
+    /// A file that the configuration names cannot be read, or has a fault.
+    #[error("{0}")]
+    NamedFile(String),
     /// Not valid as a station's name.
     #[error("\"{0}\" cannot be the name of a station")]
     NotAStationId(String),
@@ -265,6 +278,10 @@ impl What {
             What::NotAWord { similar, .. } => {
                 return similar.map(|word| format!("did you mean \"{word}\"?"));
             }
+            What::NotAGarment { similar, .. } => {
+                return similar.as_ref().map(|name| format!("did you mean \"{name}\"?"));
+            }
+            What::NamedFile(_) => "gaiter sizes check FILE names every fault of a file".into(),
             What::NotAStationId(_) => "1 to 32 letters (a-z, A-Z), digits, - and _".into(),
             What::RelativePath(text) if text.starts_with('~') => {
                 "write the home folder in full; ~ is only known to a shell".into()

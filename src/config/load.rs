@@ -9,13 +9,14 @@ use super::fault::{ConfigFault, What};
 use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
+use super::sizes::beside::Files;
 use super::words::{
-    ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, GARMENTS, KNOTS, LANGUAGES,
-    PAPERS, SCOPES, SURFACES, TAPES, UNITS, UPS, WINDINGS, Words, faces_up_or_down,
+    ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, PAPERS, SCOPES,
+    SURFACES, TAPES, UNITS, UPS, WINDINGS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
-    StoreConfig, capture, gdt, notation, observability, page, phantom, trigger, watch,
+    StoreConfig, capture, gdt, notation, observability, page, phantom, sizes, trigger, watch,
 };
 use crate::cad::Output;
 use crate::flow::retention::Retention;
@@ -23,14 +24,22 @@ use crate::leg::Method;
 use crate::leg::method::{AxisFit, B1, LevelChoices, SurfaceMethod, Tape};
 use crate::record::report::Print;
 
-/// Reads the text of a configuration.
+/// Reads the text of a configuration that names no other files.
 ///
 /// # Errors
 /// Every fault of the text, in the order of its lines.
 pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
+    load_with(text, Files::Read(&[]))
+}
+
+/// Reads the text of a configuration with the garments and size tables that it names.
+///
+/// # Errors
+/// Every fault of the text and of these files, in the order of its lines.
+pub fn load_with(text: &str, files: Files<'_>) -> Result<Config, Vec<ConfigFault>> {
     let (root, errors) = DeTable::parse_recoverable(text);
     let mut reader = Reader::new(root.get_ref(), text.len());
-    let config = config(&mut reader);
+    let config = config(&mut reader, files);
     let mut findings = reader.finish();
     if !errors.is_empty() {
         let (notation, sound_until) = notation::findings(text, &errors);
@@ -57,7 +66,7 @@ fn sound(text: &str, notation: &[Finding], finding: &Finding) -> bool {
 }
 
 /// Reads all keys, each with what applies if it is absent.
-pub(super) fn config(reader: &mut Reader) -> Option<Config> {
+pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     use Absent::{Default, Nothing, Required};
     let id = reader.text("station.id", Required("booth-1"), parse::station_id);
     let state_dir = reader.text("station.state_dir", Required("/var/lib/gaiter"), parse::full_path);
@@ -96,9 +105,11 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
     let surface = surface_method(reader);
     let output = output(reader);
     let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
-    let garment = reader.text("report.garment", Default("AD"), parse::word(GARMENTS));
+    let mut beside = Vec::new();
+    let garments = sizes::garments(reader, files, &mut beside);
     let paper = reader.text("report.paper", Default("A4"), parse::word(PAPERS));
     let appendix = reader.flag("report.appendix", "false");
+    let tables = sizes::tables(reader, files, &mut beside);
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let store_mode = reader.text("store.folder.mode", Default("private"), parse::word(ACCESSES));
@@ -163,7 +174,10 @@ pub(super) fn config(reader: &mut Reader) -> Option<Config> {
         },
         output: output?,
         language: language?.value,
-        garment: garment?.value,
+        garment: garments.usual?,
+        garments: garments.all,
+        tables,
+        beside,
         print: Print { paper: paper?.value, has_appendix: appendix?.value },
         measure: measure?,
         store: StoreConfig {

@@ -5,6 +5,7 @@ use toml::de::DeTable;
 use super::Config;
 use super::load::{config, load};
 use super::reader::{Absent, Key, Reader};
+use super::sizes::beside::Files;
 use super::words::{FITS, TAPES};
 use crate::leg::method::{AxisFit, Tape};
 
@@ -14,7 +15,10 @@ const SHIPPED: &str = include_str!("../../config/station.toml");
 fn keys() -> Vec<Key> {
     let empty = DeTable::parse("").unwrap();
     let mut reader = Reader::new(empty.get_ref(), 0);
-    assert!(config(&mut reader).is_none(), "an empty file lacks the required keys");
+    assert!(
+        config(&mut reader, Files::Read(&[])).is_none(),
+        "an empty file lacks the required keys"
+    );
     assert!(!reader.keys.is_empty());
     reader.keys
 }

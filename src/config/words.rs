@@ -14,7 +14,6 @@ use crate::leg::method::{
     Winding,
 };
 use crate::record::FigureFormat;
-use crate::record::garment::Garment;
 use crate::record::report::Paper;
 
 /// The choices for `method.b1`; the distance for the second has a key of its own.
@@ -64,14 +63,6 @@ pub const ACCESSES: Words<Access> = &[("private", Access::Private), ("group", Ac
 /// `report.language`, `--language`
 pub const LANGUAGES: Words<Language> =
     &[(Language::En.tag(), Language::En), (Language::De.tag(), Language::De)];
-
-/// `report.garment`, `--garment`
-pub const GARMENTS: Words<Garment> = &[
-    (Garment::Ad.name(), Garment::Ad),
-    (Garment::Af.name(), Garment::Af),
-    (Garment::Ag.name(), Garment::Ag),
-    (Garment::At.name(), Garment::At),
-];
 
 /// `report.paper` and `--paper`
 pub const PAPERS: Words<Paper> =

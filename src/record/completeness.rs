@@ -6,11 +6,11 @@
 mod rule;
 mod words;
 
-use super::garment::Garment;
 use crate::leg::Level;
+use crate::sizes::Garment;
 
 /// What a record holds for an order of one garment.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Completeness {
     /// The garment that is ordered.
     pub garment: Garment,

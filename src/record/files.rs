@@ -125,7 +125,7 @@ pub fn json(record: &Record) -> Result<Vec<u8>, serde_json::Error> {
 }
 
 fn csv(record: &Record, choice: &ReportChoice) -> Vec<u8> {
-    csv::measurements(record, choice.garment, choice.language).into_bytes()
+    csv::measurements(record, &choice.garment, choice.language).into_bytes()
 }
 
 fn sums_of(files: &[RecordFile]) -> String {

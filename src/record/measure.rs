@@ -4,8 +4,8 @@ pub mod amendment;
 mod at_height;
 pub(super) mod csv;
 
-pub(super) use at_height::girth_mm_at;
 use at_height::girth_sd_mm_near;
+pub(super) use at_height::{along_mm_at, girth_mm_at};
 
 use self::amendment::{ByHand, Subject};
 use super::report::Mark;
@@ -16,6 +16,9 @@ use crate::leg::{Level, Side};
 
 /// The doubt of a knee that lies below D by its proportion: it is no knee, so it has no figures.
 const BELOW_D: &str = "below-d";
+
+/// A doubt that does not touch the girth by tape or the height.
+const HARMLESS: &str = "folds";
 
 /// The doubts that concern the girth alone. All others concern the height at which it was taken.
 const OF_GIRTH: [&str; 7] =
@@ -129,6 +132,11 @@ impl Measure<'_> {
             }
             (None, _) => None,
         }
+    }
+
+    /// Whether there is a doubt about girth or height by tape.
+    pub fn has_a_doubt_that_matters(&self) -> bool {
+        self.doubts.iter().any(|doubt| *doubt != HARMLESS)
     }
 
     /// How to read its girth.

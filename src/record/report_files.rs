@@ -4,12 +4,13 @@ use std::collections::BTreeSet;
 
 use super::Record;
 use super::file::{RecordFile, file};
-use super::garment::Garment;
 use super::picture::figures::{self, Figure};
 use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};
 use super::report::{self, Content, PdfFault, Print};
+use super::sizing::{SizeChoice, SizeVerdicts};
 use crate::language::Language;
+use crate::sizes::Garment;
 
 /// The report as an HTML page.
 const PAGE: &str = "report.html";
@@ -25,7 +26,7 @@ const DRAWING: &str = "legs.svg";
 const PNG_SCALE: f64 = 2.0;
 
 /// Which files for people are made of a record.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReportChoice {
     /// The language of the report and its figures.
     pub language: Language,
@@ -35,6 +36,8 @@ pub struct ReportChoice {
     pub print: Print,
     /// The formats in which each figure also gets a file of its own. If empty, it is only in the report.
     pub figures: BTreeSet<FigureFormat>,
+    /// The size tables that the report shows, and the day on which it does.
+    pub sizes: SizeChoice,
 }
 
 /// The format of a figure's file.
@@ -100,7 +103,8 @@ pub(super) fn paper(
 }
 
 fn content(record: &Record, choice: &ReportChoice) -> Content {
-    Content::of(record, choice.language, choice.garment)
+    let sizes = SizeVerdicts::of(record, &choice.garment, &choice.sizes);
+    Content::with_sizes(record, choice.language, &choice.garment, &sizes)
 }
 
 /// Both legs and their girths as one drawing, shown by practice software and pages.

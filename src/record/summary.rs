@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::completeness::Completeness;
-use super::garment::Garment;
 use super::measure::amendment::Subject;
 use super::measure::{Absent, Length, Measure, why_absent};
 use super::report::Content;
@@ -11,6 +10,7 @@ use super::rounding;
 use super::schema::Record;
 use crate::language::Language;
 use crate::leg::{Level, Side};
+use crate::sizes::Garment;
 
 /// The levels of a stocking that ends below the knee, highest first as on the measuring sheet.
 const LEVELS: [Level; 4] = [Level::D, Level::C, Level::B1, Level::B];
@@ -60,7 +60,7 @@ pub struct SummaryFigures {
 
 impl RecordSummary {
     /// The measures of a record as text in a language, for an order of this garment.
-    pub fn of(record: &Record, language: Language, garment: Garment) -> RecordSummary {
+    pub fn of(record: &Record, language: Language, garment: &Garment) -> RecordSummary {
         let figures = |side: Side, level: Level| {
             Some(SummaryFigures::of(&Measure::of(record, side, level).ok()?, language))
         };

@@ -5,6 +5,7 @@ use std::future::Future;
 use std::sync::Arc;
 use std::time::Duration;
 
+use jiff::Zoned;
 use tokio::sync::mpsc::{self, UnboundedSender};
 use tokio::task::spawn_blocking;
 use tokio::time::{interval, sleep, timeout};
@@ -162,6 +163,14 @@ async fn pause(length: Duration, stop: &mut (impl Future<Output = ()> + Unpin)) 
     }
 }
 
+/// Warns of size tables that are no longer valid: reports still show them, and say so.
+fn tell_expired_tables(config: &Config) {
+    let today = Zoned::now().date();
+    for table in config.tables.iter().filter(|table| table.is_expired(today)) {
+        warn!(event = "size-table-expired", table = table.id);
+    }
+}
+
 /// One generation of workers, from their start to their end.
 async fn generation(
     station: &Station,
@@ -169,6 +178,7 @@ async fn generation(
     stop: &mut (impl Future<Output = ()> + Unpin),
     reload: &mut mpsc::Receiver<Reload>,
 ) -> Result<Turn, StationError> {
+    tell_expired_tables(&station.core.config);
     let (stopper, asked) = Stopper::new();
     let (mut workers, looked) = Workers::start(station, lasting, &asked);
     let ready = async {

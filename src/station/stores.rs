@@ -85,7 +85,7 @@ fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> RecordStore {
         reference: gdt.attach_as,
         root: gdt.attach_root.clone(),
     };
-    let rules = (gdt.rules.clone(), config.garment, attach);
+    let rules = (gdt.rules.clone(), config.garment.clone(), attach);
     let station = (config.station.id.as_str(), config.station.state_dir.clone());
     let zone = if gdt.utc { TimeZone::UTC } else { TimeZone::system() };
     let names = gdt.file_name.clone();

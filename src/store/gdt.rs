@@ -26,10 +26,10 @@ use sha2::{Digest, Sha256};
 
 use super::{Delivery, FoundRecord, Misfit, Receipt, StoreFault};
 use crate::flow::ScanId;
-use crate::record::garment::Garment;
 use crate::record::gdt::rules::FileName;
 use crate::record::gdt::{self, GdtRules};
 use crate::record::{FIRST_REVISION, Record, hex};
+use crate::sizes::Garment;
 pub use attach::Attach;
 use place::Place;
 use register::{Entry, Register};
@@ -157,7 +157,7 @@ impl GdtStore {
         let acquired = record.acquired.as_ref().map_or(delivery.first_seen, |acquired| acquired.at);
         let taken = self.zone.to_datetime(acquired);
         let attachments = self.attach.attachments(key, delivery.files, self.place.folder());
-        let message = gdt::result(&record, self.garment, &self.rules, taken, &attachments);
+        let message = gdt::result(&record, &self.garment, &self.rules, taken, &attachments);
         let message = message.map_err(|fault| misfit(Misfit::Gdt(fault)))?;
         self.attach.write(key, delivery.files, &self.place)?;
         self.place.stage(key, &message)

@@ -20,7 +20,7 @@ use crate::layering::{collect, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 34] = [
+const BY_CODE: [(&str, &str); 37] = [
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
@@ -28,7 +28,6 @@ const BY_CODE: [(&str, &str); 34] = [
     ("completeness.check", "`Check::key`"),
     ("completeness.leg", "`Side::word`"),
     ("finding", "the findings and doubts of a record"),
-    ("garment", "`Garment::name`"),
     ("leg", "`Side::word`"),
     ("leg.heading", "`Side::word`"),
     ("leg.only", "`Side::word`"),
@@ -51,8 +50,12 @@ const BY_CODE: [(&str, &str); 34] = [
     ("picture.larger", "`Side::word`"),
     ("report.by_hand.measure", "`Subject::word`"),
     ("report.caption", "the figures of a report"),
-    ("report.garment", "`Garment::name`"),
     ("report.open.field", "`OPEN_FIELDS`"),
+    ("sizes.check.what", "the remarks on a size table"),
+    ("sizes.fit", "`Fit::word`"),
+    ("sizes.not_comparable", "`NotComparable::word`"),
+    ("sizes.not_given", "`NotGiven::word`"),
+    ("sizes.status", "`Status::word`"),
     ("statement", "`Statement::of`"),
     ("viewer", "the 3D view's own script"),
 ];

@@ -13,15 +13,20 @@ struct Rule {
     crates: &'static [&'static str],
 }
 
-const PURE: [Rule; 7] = [
+const PURE: [Rule; 8] = [
     Rule { layer: "language", layers: &[], crates: &["toml"] },
     Rule { layer: "scan", layers: &[], crates: &["nalgebra", "rayon", "thiserror", "tobj"] },
     Rule { layer: "spline", layers: &[], crates: &["nalgebra", "rayon", "thiserror"] },
     Rule { layer: "leg", layers: &["scan", "spline"], crates: &["nalgebra", "rayon", "thiserror"] },
     Rule { layer: "cad", layers: &["spline"], crates: &["nalgebra", "thiserror", "zmij"] },
     Rule {
+        layer: "sizes",
+        layers: &["leg"],
+        crates: &["jiff", "libm", "serde", "sha2", "thiserror", "toml"],
+    },
+    Rule {
         layer: "record",
-        layers: &["language", "scan", "spline", "leg", "cad"],
+        layers: &["language", "scan", "spline", "leg", "cad", "sizes"],
         crates: &[
             "base64",
             "encoding_rs",
@@ -40,20 +45,24 @@ const PURE: [Rule; 7] = [
     },
     Rule {
         layer: "flow",
-        layers: &["language", "scan", "record"],
+        layers: &["language", "scan", "sizes", "record"],
         crates: &["jiff", "regex", "serde", "thiserror"],
     },
 ];
 
 /// Layers with effects, and which of the others they may use.
 const EFFECTS: [Rule; 3] = [
-    Rule { layer: "store", layers: &["record", "flow"], crates: &[] },
+    Rule { layer: "store", layers: &["sizes", "record", "flow"], crates: &[] },
     Rule {
         layer: "station",
-        layers: &["language", "scan", "leg", "record", "flow", "store", "config"],
+        layers: &["language", "scan", "leg", "sizes", "record", "flow", "store", "config"],
         crates: &[],
     },
-    Rule { layer: "config", layers: &["language", "leg", "cad", "record", "flow"], crates: &[] },
+    Rule {
+        layer: "config",
+        layers: &["language", "leg", "cad", "sizes", "record", "flow"],
+        crates: &[],
+    },
 ];
 
 /// What no pure layer may name.

@@ -7,7 +7,6 @@ use std::collections::BTreeMap;
 
 use gaiter::leg::What;
 use gaiter::record::Record;
-use gaiter::record::garment::Garment;
 use gaiter::record::gdt::rules::{COUNTER_MOST, FileName};
 use gaiter::record::gdt::{
     Attachment, AttachmentFields, Charset, GdtRules, Product, ResultFault, WriteFault, message,
@@ -15,6 +14,7 @@ use gaiter::record::gdt::{
 };
 use gaiter::record::schema::{FindingNote, LandmarkFigures};
 use gaiter::record::statement::Statement;
+use gaiter::sizes::Garment;
 use jiff::civil::{DateTime, date};
 use proptest::prelude::*;
 use serde_json::json;
@@ -121,7 +121,8 @@ fn a_result_holds_the_fields_of_the_worked_example_in_their_order() {
         path: r"\\srv\gdt\4711_20261121.pdf".into(),
     };
     let bytes =
-        result(&record, Garment::Ad, &rules(Charset::Cp1252), noon(), &[attachment]).unwrap();
+        result(&record, &Garment::default(), &rules(Charset::Cp1252), noon(), &[attachment])
+            .unwrap();
     let lines = checked(&bytes);
     let mut rest = lines.iter();
     let worked = checked(WORKED).into_iter();
@@ -135,7 +136,7 @@ fn a_result_holds_the_fields_of_the_worked_example_in_their_order() {
 fn both_legs_are_blocks_and_columns_in_centimetres_with_one_decimal() {
     let left = json!({"B": landmark(118.04, 223.5), "C": landmark(301.0, 365.449)});
     let record = record(json!({"left": left, "right": {"B": landmark(117.96, 219.95)}}));
-    let bytes = result(&record, Garment::Ad, &rules(Charset::Utf8), noon(), &[]).unwrap();
+    let bytes = result(&record, &Garment::default(), &rules(Charset::Utf8), noon(), &[]).unwrap();
     let lines = checked(&bytes);
     assert_eq!(contents(&lines, "8410"), ["LB_R", "HB_R", "LC_L", "HC_L", "LB_L", "HB_L"]);
     assert_eq!(contents(&lines, "8420"), ["22.0", "11.8", "36.5", "30.1", "22.4", "11.8"]);
@@ -174,8 +175,9 @@ fn doubts_and_findings_are_told_and_what_is_only_information_is_not() {
         message: message.into(),
     };
     record.findings = vec![note("warning", "D was not found"), note("info", "secret of the info")];
-    let lines =
-        checked(&result(&record, Garment::Ad, &rules(Charset::Ascii), noon(), &[]).unwrap());
+    let lines = checked(
+        &result(&record, &Garment::default(), &rules(Charset::Ascii), noon(), &[]).unwrap(),
+    );
     let twice = ["Hebt sich kaum ab", "never-heard-of"].repeat(2);
     assert_eq!(contents(&lines, "8470"), twice);
     assert_eq!(
@@ -185,15 +187,17 @@ fn doubts_and_findings_are_told_and_what_is_only_information_is_not() {
     assert_eq!(contents(&lines, "8411")[1], "Hoehe B links");
     // What the character set cannot write is told by its code.
     record.findings = vec![note("error", "5° – wrong")];
-    let lines =
-        checked(&result(&record, Garment::Ad, &rules(Charset::Cp437), noon(), &[]).unwrap());
+    let lines = checked(
+        &result(&record, &Garment::default(), &rules(Charset::Cp437), noon(), &[]).unwrap(),
+    );
     assert_eq!(contents(&lines, "6227")[1], "rechts D: level-absent");
     // A statement is told in German, with umlauts as far as there are any.
     let mut said = note("warning", "the thighs touch from 702 mm on");
     said.says = Statement::of_finding(&What::ThighsTouch { from_mm: 702.0 });
     record.findings = vec![said];
-    let lines =
-        checked(&result(&record, Garment::Ad, &rules(Charset::Ascii), noon(), &[]).unwrap());
+    let lines = checked(
+        &result(&record, &Garment::default(), &rules(Charset::Ascii), noon(), &[]).unwrap(),
+    );
     let told = contents(&lines, "6227")[1..].join(" ");
     assert!(told.starts_with("rechts D: Ab 702 mm Hoehe sind die Beine eins"), "{told}");
 }
@@ -213,8 +217,9 @@ fn fields_of_attachments_are_the_configured_ones_in_the_order_of_their_numbers()
         description: Some(6304),
         path: Some(6303),
     };
-    let lines =
-        checked(&result(&record(json!({})), Garment::Ad, &rules, noon(), &[attachment]).unwrap());
+    let lines = checked(
+        &result(&record(json!({})), &Garment::default(), &rules, noon(), &[attachment]).unwrap(),
+    );
     let tail: Vec<String> = lines[lines.len() - 3..]
         .iter()
         .map(|(field, content)| format!("{field} {}", String::from_utf8_lossy(content)))
@@ -226,12 +231,14 @@ fn fields_of_attachments_are_the_configured_ones_in_the_order_of_their_numbers()
 fn unassigned_record_and_an_id_that_cannot_be_written_make_no_message() {
     let mut record = record(json!({}));
     record.patient.as_mut().unwrap().id = "Ł4711".into();
-    let fault = result(&record, Garment::Ad, &rules(Charset::Cp1252), noon(), &[]).unwrap_err();
+    let fault =
+        result(&record, &Garment::default(), &rules(Charset::Cp1252), noon(), &[]).unwrap_err();
     let unwritable =
         matches!(fault, ResultFault::Write(WriteFault::Unwritable { field: 3000, .. }));
     assert!(unwritable, "{fault}");
     record.patient = None;
-    let fault = result(&record, Garment::Ad, &rules(Charset::Cp1252), noon(), &[]).unwrap_err();
+    let fault =
+        result(&record, &Garment::default(), &rules(Charset::Cp1252), noon(), &[]).unwrap_err();
     assert_eq!(fault, ResultFault::NoPatient);
 }
 
@@ -287,9 +294,9 @@ proptest! {
             level: None,
             message,
         }).collect();
-        let bytes = result(&record, Garment::Ad, &rules(charset), noon(), &[]).unwrap();
+        let bytes = result(&record, &Garment::default(), &rules(charset), noon(), &[]).unwrap();
         let lines = check(&bytes).map_err(TestCaseError::fail)?;
-        prop_assert_eq!(bytes, result(&record, Garment::Ad, &rules(charset), noon(), &[]).unwrap());
+        prop_assert_eq!(bytes, result(&record, &Garment::default(), &rules(charset), noon(), &[]).unwrap());
         let figures: BTreeMap<String, f64> = contents(&lines, "8410")
             .into_iter()
             .zip(contents(&lines, "8420").iter().map(|figure| figure.parse().unwrap()))

@@ -7,9 +7,9 @@ use std::io::Read;
 use flate2::read::GzDecoder;
 use gaiter::language::Language;
 use gaiter::record::Record;
-use gaiter::record::garment::Garment;
 use gaiter::record::report::Content;
 use gaiter::record::schema::OLDER_SCHEMA;
+use gaiter::sizes::Garment;
 use serde_json::Value;
 
 /// A record of schema 1.
@@ -48,7 +48,7 @@ fn a_record_of_schema_1_is_read_with_all_its_figures() {
 #[test]
 fn the_rules_of_a_record_of_schema_1_are_told_in_german() {
     let record: Record = serde_json::from_value(older()).unwrap();
-    let table = Content::of(&record, Language::De, Garment::Ad).landmarks;
+    let table = Content::of(&record, Language::De, &Garment::default()).landmarks;
     let cells: Vec<&str> = table
         .rows
         .iter()
@@ -67,7 +67,7 @@ fn a_record_without_statements_is_told_in_its_english_words() {
         "code": "thighs-touch", "severity": "warning", "leg": null, "level": null, "message": message,
     }]);
     let record: Record = serde_json::from_value(older).unwrap();
-    let note = Content::of(&record, Language::De, Garment::Ad).notes.entries.swap_remove(0);
+    let note = Content::of(&record, Language::De, &Garment::default()).notes.entries.swap_remove(0);
     assert!(note.is_message_english);
     assert!(note.message.to_lowercase().starts_with(message), "{note:?}");
     assert!(note.meaning.unwrap().contains("berühren sich"));

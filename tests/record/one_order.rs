@@ -9,7 +9,6 @@ use gaiter::cad::Output;
 use gaiter::language::Language;
 use gaiter::leg::{Level, Method, Side, extract};
 use gaiter::record::completeness::Completeness;
-use gaiter::record::garment::Garment;
 use gaiter::record::gdt::{Charset, result};
 use gaiter::record::measure::Measure;
 use gaiter::record::measure::amendment::{Amendment, Deed};
@@ -19,6 +18,7 @@ use gaiter::record::{
     amended_files, record_files, sha256,
 };
 use gaiter::scan::Format;
+use gaiter::sizes::Garment;
 use support::gdt_check::{checked, contents};
 use support::geometry::bodies::export;
 
@@ -27,7 +27,9 @@ use crate::gdt_message::rules;
 /// All bodies of `fixtures/scans`.
 const BODIES: [&str; 3] = ["f_average_clean", "f_average_tc2", "m_average_clean"];
 
-const GARMENT: Garment = Garment::Ag;
+fn garment() -> Garment {
+    Garment::of("AG").unwrap()
+}
 
 /// State, girth and height of a level of one leg, as words with a point; a figure that is missing is empty.
 type Row = (String, [String; 3]);
@@ -40,7 +42,7 @@ fn made(body: &str) -> (Record, String) {
     let mut provenance = Provenance::of_scan(sha256(&bytes));
     let sources = vec![Source::of(SourceKind::FileName)];
     provenance.patient = Some(Patient { id: "4711".to_owned(), sources });
-    let choice = ReportChoice { garment: GARMENT, ..ReportChoice::default() };
+    let choice = ReportChoice { garment: garment(), ..ReportChoice::default() };
     let scan = ScanFile { bytes: &bytes, format: Format::Obj, ord: None };
     let made = record_files(&extraction, &provenance, &method, &Output::default(), &choice, scan);
     let (_, files) = made.unwrap();
@@ -56,7 +58,7 @@ fn row(name: String, state: &str, girth: &str, height: &str) -> Row {
 }
 
 fn of_sheet(record: &Record) -> Vec<Row> {
-    let content = Content::of(record, Language::En, GARMENT);
+    let content = Content::of(record, Language::En, &garment());
     let of_leg = |(index, side): (usize, &str)| {
         let rows = content.levels.rows.iter().map(move |level| {
             let name = format!("{side} {}", level.level);
@@ -119,7 +121,7 @@ fn of_record(record: &Record, rows: &[Row]) -> Vec<Row> {
 fn gdt(record: &Record) -> Vec<(String, Vec<u8>)> {
     let rules = rules(Charset::Utf8);
     let taken = jiff::civil::date(2026, 11, 21).at(9, 15, 0, 0);
-    checked(&result(record, GARMENT, &rules, taken, &[]).unwrap())
+    checked(&result(record, &garment(), &rules, taken, &[]).unwrap())
 }
 
 /// The rows of the table for people in a result.
@@ -226,7 +228,7 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
         let (before, _) = made(body);
         let record = amended(&before);
         assert_eq!(record.legs, before.legs, "{body}: the scan's values");
-        let choice = ReportChoice { garment: GARMENT, ..ReportChoice::default() };
+        let choice = ReportChoice { garment: garment(), ..ReportChoice::default() };
         let old = ["record.json", "measurements.csv"]
             .map(|name| RecordFile { name: name.to_owned(), bytes: Vec::new() });
         let files = amended_files(&record, &choice, old.into()).unwrap();
@@ -265,7 +267,7 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
         for said in ["C: Umfang 41,3 cm (Scan: ", "Jürgen Müßig", "D: nicht messbar"] {
             assert!(comments.contains(said), "{said}: {comments}");
         }
-        let verdict = Completeness::of(&record, GARMENT).sentences(Language::En).join(" ");
+        let verdict = Completeness::of(&record, &garment()).sentences(Language::En).join(" ");
         assert!(verdict.contains("Not measurable: right D."), "{verdict}");
     }
     assert!(with_f > 0, "a girth was set in place of an estimate");
@@ -275,7 +277,7 @@ fn what_a_person_set_is_the_same_on_every_surface_with_its_mark_and_the_scans_va
 fn spreadsheet_and_practice_software_say_the_verdict_of_the_sheet() {
     for body in BODIES {
         let (record, csv) = made(body);
-        let verdict = Completeness::of(&record, GARMENT);
+        let verdict = Completeness::of(&record, &garment());
         let said = verdict.sentences(Language::En).join(" ");
         let line = csv.lines().nth(1).unwrap();
         assert!(line.starts_with(&format!(",verdict,{},", verdict.kind().word())), "{line}");

@@ -8,12 +8,12 @@ use std::sync::LazyLock;
 use gaiter::language::Language;
 use gaiter::leg::Method;
 use gaiter::record::chart::{AtFigures, SliceFigures, VolumeDifferenceFigures};
-use gaiter::record::garment::Garment;
 use gaiter::record::picture::figures;
 use gaiter::record::report::content::{Table, Weight};
 use gaiter::record::report::{self, Content, Figure, Mark, Paper};
 use gaiter::record::schema::{FindingNote, LegFigures};
 use gaiter::record::{Record, RecordSummary};
+use gaiter::sizes::Garment;
 use support::geometry::bodies::{export, record_of};
 use support::page::words;
 
@@ -102,7 +102,7 @@ fn rows(table: &Table) -> Vec<Vec<String>> {
 
 #[test]
 fn every_volume_girth_and_foot_stands_at_its_own_leg_with_its_sign_and_uncertainty() {
-    let content = Content::of(&RECORD, Language::En, Garment::Ad);
+    let content = Content::of(&RECORD, Language::En, &Garment::default());
     let [same, asked, volumes] = &content.tables[..] else { unreachable!() };
     let slices = content.slices.as_ref().unwrap();
     for table in [same, asked, volumes, slices] {
@@ -146,7 +146,7 @@ fn every_volume_girth_and_foot_stands_at_its_own_leg_with_its_sign_and_uncertain
 
 #[test]
 fn a_height_has_its_own_uncertainty_an_estimate_is_marked_and_the_foot_has_no_heights() {
-    let content = Content::of(&RECORD, Language::En, Garment::Ad);
+    let content = Content::of(&RECORD, Language::En, &Garment::default());
     let row = |level: &str| content.levels.rows.iter().find(|row| row.level == level).unwrap();
     let level =
         |level: &str| row(level).legs.each_ref().map(|leg| [&leg.girth, &leg.height].map(told));
@@ -171,7 +171,7 @@ fn doubted() -> Record {
 
 #[test]
 fn a_doubt_is_told_at_its_level_and_among_the_notes_with_all_its_places() {
-    let content = Content::of(&doubted(), Language::En, Garment::Ad);
+    let content = Content::of(&doubted(), Language::En, &Garment::default());
     let c = content.levels.rows.iter().find(|row| row.level == "C").unwrap();
     let doubts = ["Right leg – Skin partly not seen: C.", "Left leg – Skin partly not seen: C."];
     assert_eq!(content.levels.doubts, doubts);
@@ -200,7 +200,8 @@ fn findings_of_one_code_are_one_note_that_keeps_every_message() {
         message: message.to_owned(),
     };
     let findings = vec![finding("left", "seen to 5 mm"), finding("right", "seen to 7 mm")];
-    let content = Content::of(&Record { findings, ..RECORD.clone() }, Language::En, Garment::Ad);
+    let content =
+        Content::of(&Record { findings, ..RECORD.clone() }, Language::En, &Garment::default());
     let [note] = &content.notes.entries[..] else { unreachable!("{:?}", content.notes) };
     assert_eq!(note.place, "left leg · right leg");
     assert_eq!(note.message, "left leg: Seen to 5 mm. right leg: Seen to 7 mm.");
@@ -209,7 +210,7 @@ fn findings_of_one_code_are_one_note_that_keeps_every_message() {
 #[test]
 fn the_page_shows_marks_uncertainties_and_every_note_with_what_to_do() {
     let record = doubted();
-    let content = Content::of(&record, Language::En, Garment::Ad);
+    let content = Content::of(&record, Language::En, &Garment::default());
     let page =
         report::page(&record, &content, &figures::all(&record, Language::En), Paper::A4).unwrap();
     let words = words(&page);
@@ -229,7 +230,7 @@ fn the_page_shows_marks_uncertainties_and_every_note_with_what_to_do() {
 
 #[test]
 fn in_german_right_is_rechts_and_every_level_is_where_it_is_on_the_leg() {
-    let content = Content::of(&RECORD, Language::De, Garment::Ad);
+    let content = Content::of(&RECORD, Language::De, &Garment::default());
     assert_eq!(content.levels.columns.legs, ["Rechtes Bein", "Linkes Bein"]);
     for table in &content.tables {
         assert_eq!(table.columns[1..3], ["Rechtes Bein", "Linkes Bein"], "{}", table.title);
@@ -264,8 +265,8 @@ fn at_a_glance_a_doubt_is_seen_and_the_notes_are_counted_as_in_the_report() {
             message,
         });
     }
-    let brief = RecordSummary::of(&record, Language::De, Garment::Ad);
-    assert_eq!(brief.notes, Content::of(&record, Language::De, Garment::Ad).summary);
+    let brief = RecordSummary::of(&record, Language::De, &Garment::default());
+    assert_eq!(brief.notes, Content::of(&record, Language::De, &Garment::default()).summary);
     let names: Vec<&str> = brief.levels.iter().map(|level| level.level).collect();
     assert_eq!(names, ["D", "C", "B1", "B"]);
     for level in &brief.levels {
@@ -283,7 +284,7 @@ fn a_unit_that_was_found_was_not_declared_and_heights_of_the_body_are_its_own() 
     (record.body.stature_mm, record.body.crotch_height_mm) = (Some(1604.0), Some(743.0));
     for (unit_inferred, words) in [(true, "unit mm, found)"), (false, "unit mm, declared)")] {
         record.scan.unit_inferred = unit_inferred;
-        let facts = Content::of(&record, Language::En, Garment::Ad).facts;
+        let facts = Content::of(&record, Language::En, &Garment::default()).facts;
         let fact = |name: &str| &facts.iter().find(|fact| fact.name == name).unwrap().value;
         assert!(fact("Scan").ends_with(words), "{facts:?}");
         assert_eq!(fact("Body"), "stature 160.4 cm, crotch at 74.3 cm");
@@ -309,7 +310,7 @@ fn why_a_level_has_no_figure_is_told() {
             level: Some("D".to_owned()),
             message: String::new(),
         }];
-        let levels = Content::of(&record, Language::En, Garment::Ad).levels;
+        let levels = Content::of(&record, Language::En, &Garment::default()).levels;
         let d = levels.rows.iter().find(|row| row.level == "D").unwrap();
         assert_eq!([&d.legs[0], &d.legs[1]].map(|leg| leg.girth.value.as_str()), ["not seen", why]);
         let g = levels.rows.iter().find(|row| row.level == "G").unwrap();
@@ -328,7 +329,7 @@ fn a_level_that_one_leg_lacks_is_told_with_the_girth_at_the_other_s_height() {
     curve.height_mm = vec![Some(140.0), Some(145.0), Some(155.0)];
     curve.tape_mm = vec![Some(300.0), Some(310.0), Some(330.0)];
     let c = |record: &Record| {
-        let levels = Content::of(record, Language::En, Garment::Ad).levels;
+        let levels = Content::of(record, Language::En, &Garment::default()).levels;
         levels.rows.into_iter().find(|row| row.level == "C").unwrap().legs[1].girth.value.clone()
     };
     assert_eq!(c(&record), "not seen; here 32.0 cm at 15.0 cm, its height on the other leg");

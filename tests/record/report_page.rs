@@ -11,7 +11,6 @@ use base64::engine::general_purpose::STANDARD;
 use gaiter::cad::Output;
 use gaiter::language::Language;
 use gaiter::leg::{Level, Method, extract};
-use gaiter::record::garment::Garment;
 use gaiter::record::gdt::{Charset, result};
 use gaiter::record::picture::figures;
 use gaiter::record::report::{self, Content, Mark, Paper};
@@ -20,6 +19,7 @@ use gaiter::record::{
     SourceKind, record_files, report_files, sha256,
 };
 use gaiter::scan::Format;
+use gaiter::sizes::Garment;
 use sha2::{Digest, Sha256};
 use support::geometry::bodies::export;
 use support::page::{check_markup, words};
@@ -49,7 +49,7 @@ fn german() -> ReportChoice {
 }
 
 fn made_page(record: &Record, language: Language) -> String {
-    let content = Content::of(record, language, Garment::Ad);
+    let content = Content::of(record, language, &Garment::default());
     report::page(record, &content, &figures::all(record, language), Paper::A4).unwrap()
 }
 
@@ -72,9 +72,10 @@ fn girths_and_lengths_agree_on_page_csv_json_gdt_and_drawing_to_the_last_digit()
     let (csv, drawing) = (file("measurements.csv"), file("legs.svg"));
     let rules = rules(Charset::Utf8);
     let taken = jiff::civil::date(2026, 11, 21).at(9, 15, 0, 0);
-    let gdt = String::from_utf8(result(&record, Garment::Ad, &rules, taken, &[]).unwrap()).unwrap();
+    let gdt = String::from_utf8(result(&record, &Garment::default(), &rules, taken, &[]).unwrap())
+        .unwrap();
     let [english, german] = LANGUAGES.map(|language| words(&made_page(&record, language)));
-    let content = Content::of(&record, Language::En, Garment::Ad);
+    let content = Content::of(&record, Language::En, &Garment::default());
     let mut seen = 0;
     for (index, side) in ["right", "left"].into_iter().enumerate() {
         let leg = record.legs.iter().find(|leg| leg.side == side).unwrap();
@@ -230,13 +231,13 @@ fn what_is_missing_is_said_with_its_reason_and_never_left_blank() {
             }
         }
         assert!(words(&made_page(record, Language::En)).contains(reason), "{reason}");
-        let content = Content::of(record, Language::En, Garment::Ad);
+        let content = Content::of(record, Language::En, &Garment::default());
         let names: Vec<&str> = content.levels.rows.iter().map(|row| row.level.as_str()).collect();
         for level in Level::SOUGHT.map(Level::name) {
             assert!(names.contains(&level), "{reason}: no row for {level}");
         }
     }
-    let content = Content::of(&refused, Language::En, Garment::Ad);
+    let content = Content::of(&refused, Language::En, &Garment::default());
     assert_eq!(content.notes.entries[0].code, "leg-not-measured", "the heaviest note comes first");
     assert!(content.levels.rows.iter().all(|row| row.legs[0].girth.mark == Mark::Missing));
     assert!(content.levels.rows.iter().any(|row| row.legs[1].girth.mark != Mark::Missing));
@@ -248,8 +249,8 @@ fn the_right_leg_is_on_the_left_and_a_swapped_record_swaps_every_figure() {
     for leg in &mut swapped.legs {
         leg.side = if leg.side == "left" { "right" } else { "left" }.to_owned();
     }
-    let [rows, other] =
-        [&MADE.0, &swapped].map(|of| Content::of(of, Language::En, Garment::Ad).levels.rows);
+    let [rows, other] = [&MADE.0, &swapped]
+        .map(|of| Content::of(of, Language::En, &Garment::default()).levels.rows);
     for (row, other) in rows.iter().zip(&other) {
         assert_eq!(
             [&row.legs[0].girth, &row.legs[1].girth],
@@ -277,7 +278,7 @@ fn a_difference_is_real_where_it_is_told_larger_than_its_uncertainty() {
             at.girth_tape_mm = Some(if is_left { 200.0 + mm } else { 200.0 });
             at.girth_sd_mm = sd_mm.map(|sd_mm| if is_left { sd_mm } else { 0.0 });
         }
-        let content = Content::of(&record, Language::En, Garment::Ad);
+        let content = Content::of(&record, Language::En, &Garment::default());
         let told = &content.tables[0].rows[0].figures[2];
         assert_eq!(
             (told.value.as_str(), told.margin.as_deref(), told.mark),

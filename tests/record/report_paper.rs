@@ -9,10 +9,10 @@ use std::sync::LazyLock;
 
 use gaiter::language::Language;
 use gaiter::leg::Method;
-use gaiter::record::garment::Garment;
 use gaiter::record::picture::figures;
 use gaiter::record::report::{self, Content, Print};
 use gaiter::record::{Patient, Record, Source, SourceKind};
+use gaiter::sizes::Garment;
 use support::geometry::bodies::{export, record_of};
 
 static RECORD: LazyLock<Record> =
@@ -149,7 +149,7 @@ fn paper(record: &Record, language: Language) -> Vec<u8> {
 }
 
 fn printed(record: &Record, language: Language, print: Print) -> Vec<u8> {
-    let content = Content::of(record, language, Garment::Ad);
+    let content = Content::of(record, language, &Garment::default());
     report::paper(record, &content, &figures::all(record, language), print).unwrap()
 }
 
@@ -300,7 +300,7 @@ fn figures_stand_at_their_own_leg_with_uncertainty_and_mark_and_every_note_says_
     assert!(words.contains("Right leg – Skin partly not seen: C"), "{words}");
     assert!(words.contains("~19.0 ± 0.4\n") && words.contains("~38.0 ± 0.8\n"), "{words}");
     let words = words.replace('\n', " ");
-    let content = Content::of(&record, Language::En, Garment::Ad);
+    let content = Content::of(&record, Language::En, &Garment::default());
     assert_eq!(content.verdict.sentences, ["Measure by hand: right C."]);
     assert!(words.contains("Measure by hand: right C."), "{words}");
     let tilted = content.levels.tilted.unwrap();

@@ -7,8 +7,8 @@ use std::sync::LazyLock;
 use gaiter::language::Language;
 use gaiter::leg::Method;
 use gaiter::record::Record;
-use gaiter::record::garment::Garment;
 use gaiter::record::report::{self, Content, Paper};
+use gaiter::sizes::Garment;
 use support::geometry::bodies::{export, record_of};
 use support::page::words;
 
@@ -30,7 +30,7 @@ fn record(per_deg_mm: &[(&str, f64)]) -> Record {
 /// What a report says of it, in every language.
 fn told(record: &Record) -> [Option<String>; 2] {
     [Language::En, Language::De]
-        .map(|language| Content::of(record, language, Garment::Ad).levels.tilted)
+        .map(|language| Content::of(record, language, &Garment::default()).levels.tilted)
 }
 
 #[test]
@@ -42,9 +42,13 @@ fn a_girth_that_three_degrees_of_tilt_change_by_more_than_two_millimetres_is_tol
                   anzeigen: rechtes Bein D 2,7 mm. Das Maßband rechtwinklig zum Unterschenkel anlegen.";
     assert_eq!(told(&record), [english, german].map(|said| Some(said.to_owned())));
     for (language, sentence) in [(Language::En, english), (Language::De, german)] {
-        let page =
-            report::page(&record, &Content::of(&record, language, Garment::Ad), &[], Paper::A4)
-                .unwrap();
+        let page = report::page(
+            &record,
+            &Content::of(&record, language, &Garment::default()),
+            &[],
+            Paper::A4,
+        )
+        .unwrap();
         assert!(words(&page).contains(sentence), "{language:?}");
     }
 }

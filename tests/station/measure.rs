@@ -62,6 +62,8 @@ fn begun(limits: Limits, scan: &[u8]) -> Child {
     let provenance = Provenance::of_scan(sha256);
     let job = Job {
         config: include_str!("../../config/station.toml").to_owned(),
+        beside: Vec::new(),
+        today: jiff::civil::date(2026, 11, 25),
         subject: Subject::Patient,
         provenance,
         ending: "obj".to_owned(),

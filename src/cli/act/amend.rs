@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use jiff::Timestamp;
+use jiff::{Timestamp, Zoned};
 use serde_json::json;
 
 use super::with_patient;
@@ -76,15 +76,10 @@ fn in_folder(args: &AmendArgs, path: &Path, setting: &Setting) -> Exit {
     }
 }
 
-/// Language, garment and paper as the station has them; the defaults on a machine without a station.
+/// Language, garment, size tables and paper as the station has them; the defaults on a machine without a station.
 fn choice(config: &PathBuf) -> Result<ReportChoice, ConfigError> {
     match config::read(config) {
-        Ok(config) => Ok(ReportChoice {
-            language: config.language,
-            garment: config.garment,
-            print: config.print,
-            ..ReportChoice::default()
-        }),
+        Ok(config) => Ok(config.report_choice(Zoned::now().date())),
         Err(ConfigError::Unreadable { source, .. })
             if source.kind() == std::io::ErrorKind::NotFound
                 && *config == crate::cli::args::usual_config() =>
@@ -103,7 +98,7 @@ fn told(args: &AmendArgs, amended: &Amended, choice: &ReportChoice) -> Exit {
             format!("{}\n", json!({ "folder": folder, "revision": record.revision }))
         }
         false => {
-            let table = table::of(record, choice.garment, screen::columns());
+            let table = table::of(record, &choice.garment, screen::columns());
             format!("{}\n{table}\n", shown(folder.display()))
         }
     };

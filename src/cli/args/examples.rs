@@ -70,6 +70,21 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     of(
+        "sizes",
+        &[
+            ["gaiter sizes /srv/records/4711", "judges the newest record by the station's tables"],
+            ["gaiter sizes record.json --table maker.toml --garment AG", "by one table"],
+            ["gaiter sizes check maker.toml", "checks a table before it is used"],
+        ],
+    ),
+    of(
+        "sizes check",
+        &[
+            ["gaiter sizes check maker.toml", "names faults, gaps and overlaps"],
+            ["gaiter sizes check /etc/gaiter/sizes --language de", "of all tables, in German"],
+        ],
+    ),
+    of(
         "check",
         &[
             ["gaiter check", "checks the configuration of this machine's station"],

@@ -4,15 +4,14 @@ use std::num::NonZeroUsize;
 use std::ops::Range;
 use std::path::PathBuf;
 
-use super::of_words;
+use super::{GarmentArgs, of_words};
 use crate::cad::FileKind;
 use crate::config::words::{
-    self, FACINGS, FIGURES, FILES, GARMENTS, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, WINDINGS,
+    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, WINDINGS,
 };
 use crate::language::Language;
 use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up, Winding};
 use crate::record::FigureFormat;
-use crate::record::garment::Garment;
 
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
 #[derive(Debug, clap::Args)]
@@ -54,10 +53,9 @@ pub struct ExtractArgs {
     /// The language of the report, with --out [default: en, or that of --config]
     #[arg(long, value_parser = of_words(LANGUAGES), requires = "out")]
     pub language: Option<Language>,
-    /// The garment that is ordered: the sheet says which of its measures are missing [default: AD, or that of
-    /// --config]
-    #[arg(long, value_parser = of_words(GARMENTS))]
-    pub garment: Option<Garment>,
+    /// The garment that is ordered: the sheet says which of its measures are missing
+    #[command(flatten)]
+    pub garment: GarmentArgs,
     /// What the scan contains: a whole body, or one leg with its foot; the scan does not show its side
     #[arg(long, value_parser = of_words(SCOPES))]
     pub scope: Option<Scope>,

@@ -2,10 +2,9 @@
 
 use std::path::PathBuf;
 
-use super::of_words;
-use crate::config::words::{GARMENTS, LANGUAGES, PAPERS};
+use super::{GarmentArgs, of_words};
+use crate::config::words::{LANGUAGES, PAPERS};
 use crate::language::Language;
-use crate::record::garment::Garment;
 use crate::record::report::Paper;
 
 /// `gaiter report`
@@ -18,8 +17,11 @@ pub struct ReportArgs {
     #[arg(long, value_parser = of_words(LANGUAGES), default_value = "en")]
     pub language: Language,
     /// The garment that is ordered: the sheet says which of its measures are missing
-    #[arg(long, value_parser = of_words(GARMENTS), default_value = "AD")]
-    pub garment: Garment,
+    #[command(flatten)]
+    pub garment: GarmentArgs,
+    /// A size table whose sizes the report shows, or a folder of them; may be repeated
+    #[arg(long = "table", value_name = "FILE")]
+    pub tables: Vec<PathBuf>,
     /// The paper of the PDF, and of what a browser prints
     #[arg(long, value_parser = of_words(PAPERS), default_value = "A4")]
     pub paper: Paper,

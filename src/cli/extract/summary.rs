@@ -11,9 +11,9 @@ use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::Record;
 use crate::record::completeness::{Completeness, Kind};
-use crate::record::garment::Garment;
 use crate::record::measure::Measure;
 use crate::record::rounding::cm_words;
+use crate::sizes::Garment;
 
 /// The levels whose girths are shown, as on the measuring sheet: those of a stocking that ends below the
 /// knee.
@@ -52,7 +52,7 @@ enum Came {
 
 impl Row {
     /// The row of a scan that was measured, with the verdict for an order of this garment.
-    pub fn measured(name: String, record: &Record, garment: Garment) -> Row {
+    pub fn measured(name: String, record: &Record, garment: &Garment) -> Row {
         let girths_mm = Side::FROM_FRONT
             .map(|side| LEVELS.map(|level| Some(Measure::of(record, side, level).ok()?.girth.mm)));
         let verdict = Completeness::of(record, garment).kind();
@@ -167,7 +167,7 @@ mod tests {
         });
         let record: Record = serde_json::from_value(record).unwrap();
         let of = |girth_mm: f64| [None, Some(girth_mm), None, None];
-        let measured = Row::measured("a.obj".to_owned(), &record, Garment::Ad);
+        let measured = Row::measured("a.obj".to_owned(), &record, &Garment::default());
         assert_eq!(measured, row("a.obj", [of(380.0), of(412.0)], Kind::ByHand));
     }
 

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use jiff::Zoned;
+
 use crate::cad::Output;
 use crate::cli::{Exit, explain_config};
 use crate::config::words::{self, FACINGS, UNITS, UPS, WINDINGS};
@@ -27,12 +29,7 @@ impl Choices {
     pub fn of(config: Option<&Path>) -> Result<Choices, Exit> {
         let Some(path) = config else { return Ok(Choices::Default) };
         let config = crate::config::read(path).map_err(|error| explain_config(&error))?;
-        let choice = ReportChoice {
-            language: config.language,
-            garment: config.garment,
-            print: config.print,
-            ..ReportChoice::default()
-        };
+        let choice = config.report_choice(Zoned::now().date());
         Ok(Choices::Configured(Box::new((config.method, config.output, choice))))
     }
 

@@ -10,12 +10,12 @@ use crate::leg::{Level, Side};
 use crate::record::Record;
 use crate::record::chart::AtFigures;
 use crate::record::completeness::{Completeness, Kind};
-use crate::record::garment::Garment;
 use crate::record::measure::amendment::Subject;
 use crate::record::measure::{Absent, Length, Measure};
 use crate::record::report::{Content, Mark};
 use crate::record::rounding::{cm_margin, cm_words};
 use crate::record::schema::{FindingNote, LegFigures};
+use crate::sizes::Garment;
 
 /// Width of the column of level names, characters.
 const NAME: usize = 12;
@@ -35,7 +35,7 @@ const NOTHING: &str = "-";
 
 /// The verdict for an order of this garment, the measures and the findings of a record, in lines of at most
 /// this many characters; without a line end after the last one.
-pub fn of(record: &Record, garment: Garment, columns: usize) -> String {
+pub fn of(record: &Record, garment: &Garment, columns: usize) -> String {
     let mut text = verdict(record, garment, columns);
     text += &body(record);
     let sides: Vec<Side> = record.sides().collect();
@@ -66,7 +66,7 @@ pub fn colour(kind: Kind) -> anstyle::Style {
     }
 }
 
-fn verdict(record: &Record, garment: Garment, columns: usize) -> String {
+fn verdict(record: &Record, garment: &Garment, columns: usize) -> String {
     let verdict = Completeness::of(record, garment);
     let sentences = verdict.sentences(Language::En).join(" ");
     let lines = indented(&sentences, "  ", columns);

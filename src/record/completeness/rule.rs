@@ -2,20 +2,17 @@
 
 use super::{Again, Check, Completeness, Item, Part};
 use crate::leg::{Level, Side};
-use crate::record::garment::Garment;
 use crate::record::measure::amendment::Subject;
 use crate::record::measure::{Absent, Length, Measure};
 use crate::record::schema::{FindingNote, NOT_VOUCHED, Record};
+use crate::sizes::{Garment, Point};
 
 /// A leg that was sought and could not be measured.
 const LEG_NOT_MEASURED: &str = "leg-not-measured";
 
-/// A doubt that does not touch the girth by tape or the height.
-const HARMLESS: &str = "folds";
-
 impl Completeness {
     /// What a record holds for an order of this garment.
-    pub fn of(record: &Record, garment: Garment) -> Completeness {
+    pub fn of(record: &Record, garment: &Garment) -> Completeness {
         let needs = Needs { record, garment };
         let mut again: Vec<Again> = match needs.has_all_by_hand() {
             true => Vec::new(),
@@ -29,14 +26,14 @@ impl Completeness {
         let by_hand = Side::FROM_FRONT.map(|side| needs.in_state(side, State::Open));
         let not_measurable =
             Side::FROM_FRONT.map(|side| needs.in_state(side, State::NotMeasurable));
-        Completeness { garment, again, by_hand, not_measurable, checks }
+        Completeness { garment: garment.clone(), again, by_hand, not_measurable, checks }
     }
 }
 
 /// A record and the garment that it must do for.
 struct Needs<'a> {
     record: &'a Record,
-    garment: Garment,
+    garment: &'a Garment,
 }
 
 /// How far a measure that is needed has come.
@@ -62,7 +59,8 @@ impl Needs<'_> {
         let inside_leg = self.garment.needs_inside_leg().then_some(Item::InsideLeg);
         let levels = self.garment.levels().iter();
         let levels = levels.map(|level| Item::Level(*level, self.open_part(side, *level)));
-        inside_leg.into_iter().chain(levels).chain([Item::Foot]).collect()
+        let foot = self.garment.needs_foot().then_some(Item::Foot);
+        inside_leg.into_iter().chain(levels).chain(foot).collect()
     }
 
     fn in_state(&self, side: Side, state: State) -> Vec<Item> {
@@ -84,7 +82,12 @@ impl Needs<'_> {
     /// What of a level is still to be measured, if anything is.
     fn open_part(&self, side: Side, level: Level) -> Part {
         let hand = self.record.by_hand(side, Subject::Level(level));
+        let needs_girth = self.garment.needs(Point::Girth(level));
+        let needs_height = self.garment.needs(Point::Length(level));
         match hand.map(|hand| (hand.girth_mm, hand.height_mm)) {
+            // On the foot there is no height.
+            _ if needs_girth && !needs_height && level >= Level::B => Part::Girth,
+            _ if !needs_girth => Part::Height,
             Some((Some(_), None)) => Part::Height,
             Some((None, Some(_))) => Part::Girth,
             _ => Part::Both,
@@ -95,10 +98,20 @@ impl Needs<'_> {
         match Measure::of(self.record, side, level) {
             Err(Absent::NotMeasurable) => State::NotMeasurable,
             Err(Absent::NotFound) => State::Open,
-            Ok(of) if of.is_estimate || of.doubts.iter().any(|doubt| *doubt != HARMLESS) => {
-                State::Open
-            }
+            Ok(of) if self.is_by_hand_where_needed(level, &of) => State::ByHand,
+            Ok(of) if of.is_estimate || of.has_a_doubt_that_matters() => State::Open,
             Ok(of) => of.by_hand.map_or(State::Scanned, |_| State::ByHand),
+        }
+    }
+
+    /// Whether a person set the only part of a level that the garment needs: the other may stay doubtful.
+    fn is_by_hand_where_needed(&self, level: Level, of: &Measure<'_>) -> bool {
+        let is_by_hand = |length: Option<Length>| length.is_some_and(|of| of.is_by_hand);
+        let needs = [Point::Girth(level), Point::Length(level)].map(|of| self.garment.needs(of));
+        match needs {
+            [true, false] if level >= Level::B => is_by_hand(Some(of.girth)),
+            [false, true] => is_by_hand(of.height),
+            _ => false,
         }
     }
 
@@ -200,7 +213,7 @@ impl Needs<'_> {
     fn is_thigh_doubted(&self) -> bool {
         let is_doubted = |side: Side| match Measure::of(self.record, side, Level::G) {
             Ok(root) if root.is_estimate => true,
-            Ok(root) => root.doubts.iter().any(|doubt| *doubt != HARMLESS),
+            Ok(root) => root.has_a_doubt_that_matters(),
             Err(absent) => absent == Absent::NotFound,
         };
         self.garment.levels().contains(&Level::G) && self.record.sides().any(is_doubted)

@@ -9,7 +9,7 @@ use crate::leg::{Level, Side};
 impl Completeness {
     /// What is to be done in sentences, the most important first; at least one.
     pub fn sentences(&self, language: Language) -> Vec<String> {
-        let garment = language.word("garment", self.garment.name());
+        let garment = self.garment.in_sentence(language.tag());
         if self.kind() == Kind::Complete {
             return vec![language.filled("completeness.complete", &[("garment", &garment)])];
         }

@@ -12,11 +12,11 @@ use super::{table, words};
 use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::completeness::Completeness;
-use crate::record::garment::Garment;
 use crate::record::measure::Measure;
 use crate::record::report::{Content, Mark};
 use crate::record::rounding::cm_words;
 use crate::record::schema::{FindingNote, Record};
+use crate::sizes::Garment;
 
 /// The kind of message for the result of an examination.
 const RESULT: u16 = 6310;
@@ -57,7 +57,7 @@ type Fields = Vec<(u16, String)>;
 /// See [`ResultFault`].
 pub fn result(
     record: &Record,
-    garment: Garment,
+    garment: &Garment,
     rules: &GdtRules,
     taken: DateTime,
     attachments: &[Attachment],
@@ -138,7 +138,7 @@ impl Block<'_> {
 }
 
 /// What is to be done for an order of this garment, in lines.
-fn verdict(record: &Record, garment: Garment, rules: &GdtRules) -> Vec<String> {
+fn verdict(record: &Record, garment: &Garment, rules: &GdtRules) -> Vec<String> {
     let sentences = Completeness::of(record, garment).sentences(Language::De);
     let written = |sentence: &String| wrapped(&words::written(sentence, rules.charset));
     sentences.iter().flat_map(written).collect()

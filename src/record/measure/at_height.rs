@@ -20,6 +20,20 @@ pub(in crate::record) fn girth_mm_at(leg: &LegFigures, height_mm: f64) -> Option
     Some(low? + share * (high? - low?))
 }
 
+/// Where a height above the floor lies along the axis of a leg, mm, straight between the two sections around
+/// it; `None` beyond the sections.
+pub(in crate::record) fn along_mm_at(leg: &LegFigures, height_mm: f64) -> Option<f64> {
+    let curve = &leg.girth_curve;
+    let heights = curve.height_mm.iter().zip(&curve.along_axis_mm);
+    let known: Vec<(f64, f64)> =
+        heights.filter_map(|(height_mm, along_mm)| Some(((*height_mm)?, *along_mm))).collect();
+    let is_around = |pair: &&[(f64, f64)]| pair[0].0 <= height_mm && height_mm <= pair[1].0;
+    let [(low_mm, from_mm), (high_mm, to_mm)] =
+        known.windows(2).find(is_around)?.try_into().ok()?;
+    let share = if high_mm > low_mm { (height_mm - low_mm) / (high_mm - low_mm) } else { 0.0 };
+    Some(from_mm + share * (to_mm - from_mm))
+}
+
 /// The larger standard error of the girths next to a height, below and above it, mm; `None` if one of them
 /// is unknown.
 pub(super) fn girth_sd_mm_near(leg: &LegFigures, height_mm: f64) -> Option<f64> {

@@ -6,10 +6,10 @@ use crate::language::Language;
 use crate::leg::{Level, Side};
 use crate::record::chart::AtFigures;
 use crate::record::completeness::Completeness;
-use crate::record::garment::Garment;
 use crate::record::measure::amendment::{Amendment, ByHand, Subject};
 use crate::record::rounding::{self, cm_words};
 use crate::record::schema::{LegFigures, Record};
+use crate::sizes::Garment;
 
 const HEADER: &str = "leg,level,state,girth_cm,height_cm,doubts,girth_tape_mm,girth_sd_mm,\
                       height_mm,height_sd_mm,girth_contour_mm,note,scan_girth_tape_mm,\
@@ -38,7 +38,7 @@ const NOT_SET: &str = ",,";
 
 /// The verdict for an order of this garment, in words of this language, and all levels of the measured
 /// legs. The columns in cm are those of the measuring sheet; the columns in mm have all digits.
-pub fn measurements(record: &Record, garment: Garment, language: Language) -> String {
+pub fn measurements(record: &Record, garment: &Garment, language: Language) -> String {
     let verdict = Completeness::of(record, garment);
     let to_do = quoted(&verdict.sentences(language).join(" "));
     let kind = verdict.kind().word();

@@ -9,6 +9,7 @@ mod landmarks;
 mod levels;
 mod notes;
 mod pictures;
+mod sizes;
 mod surfaces;
 mod tables;
 mod tilt;
@@ -20,8 +21,9 @@ use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
 use crate::record::completeness::{Completeness, Kind};
-use crate::record::garment::Garment;
 use crate::record::schema::NOT_VOUCHED;
+use crate::record::sizing::{SizeChoice, SizeVerdicts};
+use crate::sizes::Garment;
 
 /// The whole content of a report.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +48,8 @@ pub struct Content {
     pub levels: Levels,
     /// What a person fills in beside it.
     pub open: OpenFields,
+    /// The sizes of makers' tables; `None` if there are no tables.
+    pub sizes: Option<Sizes>,
     /// The tables that follow: both legs at the same heights, requested heights, volumes.
     pub tables: Vec<Table>,
     /// The volumes of slices; `None` if there are none.
@@ -167,6 +171,23 @@ pub struct Verdict {
     pub sentences: Vec<String>,
 }
 
+/// What makers' tables say, and the boxes of an order form.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sizes {
+    /// The heading.
+    pub title: String,
+    /// On the sheet: where the sizes are; `None` without tables.
+    pub see: Option<String>,
+    /// The tables, with what a reader must know before their verdicts, one paragraph each.
+    pub about: Vec<String>,
+    /// The sizes of all tables, a table for each leg.
+    pub tables: Vec<Table>,
+    /// The calibre jumps; `None` without tables.
+    pub calibre: Option<Section>,
+    /// The boxes of the order form, as printed.
+    pub form: Table,
+}
+
 /// A table. Each row has a head and one figure for every column after the first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
@@ -252,8 +273,19 @@ pub struct Caption {
 }
 
 impl Content {
-    /// The content of a report of this record in this language, for an order of this garment.
-    pub fn of(record: &Record, language: Language, garment: Garment) -> Content {
+    /// The content of a report of this record in this language, for an order of this garment, without sizes.
+    pub fn of(record: &Record, language: Language, garment: &Garment) -> Content {
+        let none = SizeVerdicts::of(record, garment, &SizeChoice::default());
+        Content::with_sizes(record, language, garment, &none)
+    }
+
+    /// The content of a report with what size tables say about the record.
+    pub fn with_sizes(
+        record: &Record,
+        language: Language,
+        garment: &Garment,
+        verdicts: &SizeVerdicts,
+    ) -> Content {
         let completeness = Completeness::of(record, garment);
         let report = Report { record, language, garment };
         let notes = report.notes();
@@ -273,6 +305,7 @@ impl Content {
             },
             levels: report.levels(),
             open: report.open_fields(),
+            sizes: report.sizes(verdicts),
             tables: report.tables(),
             slices: report.slices(),
             surfaces: report.surfaces(),
@@ -288,12 +321,13 @@ impl Content {
 impl Content {
     /// What people set in place of the scan's figures, a line for each measure.
     pub fn by_hand(record: &Record, language: Language) -> Vec<String> {
-        Report { record, language, garment: Garment::default() }.by_hand()
+        Report { record, language, garment: &Garment::default() }.by_hand()
     }
 
     /// How many notes of each weight a report has, in a line; empty if it has none.
     pub fn counted(record: &Record, language: Language) -> String {
-        let report = Report { record, language, garment: Garment::default() };
+        let garment = Garment::default();
+        let report = Report { record, language, garment: &garment };
         let notes = report.notes().entries;
         if notes.is_empty() { String::new() } else { report.summary(&notes) }
     }
@@ -308,7 +342,7 @@ struct Report<'a> {
     record: &'a Record,
     language: Language,
     /// The garment that is ordered.
-    garment: Garment,
+    garment: &'a Garment,
 }
 
 impl Report<'_> {

@@ -108,6 +108,7 @@ fn body(content: &Content, figures: &[Figure]) -> String {
             " class=\"first-page\"",
             &(parts::verdict(content) + &parts::levels(content, figures)),
         ),
+        parts::sizes(content),
         parts::view(content),
         parts::notes(content),
         parts::pictures(content, &pictures),

@@ -5,13 +5,13 @@ use std::panic;
 
 use super::confine::confine;
 use super::job::{Answer, Job, Subject};
-use crate::config::{self, Config};
+use crate::config::{self, Config, Files};
 use crate::leg::comparison::opinion::SecondOpinion;
 use crate::leg::comparison::second_opinion::compare;
 use crate::leg::{self, Finding, phantom};
 use crate::record::completeness::{Completeness, Kind};
 use crate::record::phantom::CheckRecord;
-use crate::record::{self, RecordFile, ReportChoice, ScanFile};
+use crate::record::{self, RecordFile, ScanFile};
 use crate::scan::{Format, ord};
 use crate::station::runtime::caught::caught;
 use crate::station::runtime::causes::chain;
@@ -58,7 +58,7 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
         Ok(format) => format,
         Err(fault) => return refused(fault.code(), fault.to_string()),
     };
-    let config = match config::load(&job.config) {
+    let config = match config::load_with(&job.config, Files::Read(&job.beside)) {
         Ok(config) => config,
         Err(faults) => return refused("config", format!("{} faults", faults.len())),
     };
@@ -73,17 +73,12 @@ fn answer(job: &Job, hash: &str, scan: &[u8], ord: &[u8]) -> Answer {
     let opinions = opinions(&extraction, ord, job.ord_files);
     extraction.findings.extend(opinions);
     let (method, output) = (&config.method, &config.output);
-    let choice = ReportChoice {
-        language: config.language,
-        garment: config.garment,
-        print: config.print,
-        ..ReportChoice::default()
-    };
+    let choice = config.report_choice(job.today);
     let scan = ScanFile { bytes: scan, format, ord };
     // The station has the scan's own bytes already, in the spool.
     match record::files_beside_scan(&extraction, &job.provenance, method, output, &choice, scan) {
         Ok((record, files)) => {
-            let completeness = Completeness::of(&record, config.garment);
+            let completeness = Completeness::of(&record, &config.garment);
             let to_do = match completeness.kind() {
                 Kind::Complete | Kind::NotMeasurable => Vec::new(),
                 Kind::ByHand | Kind::ScanAgain => completeness.sentences(config.language),

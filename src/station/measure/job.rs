@@ -3,14 +3,19 @@
 use std::io::{self, BufRead, Read, Write};
 use std::time::Duration;
 
+use jiff::Zoned;
+use jiff::civil::Date;
 use serde::{Deserialize, Serialize};
 
-use crate::config::{Config, MeasureConfig};
+use crate::config::{Beside, Config, MeasureConfig};
 use crate::flow::confinement::Confine;
 use crate::record::{Provenance, RecordFile};
 
-/// The longest line before the bytes; a configuration has some kilobytes.
+/// The longest line of an answer.
 const LINE_MAX: u64 = 1 << 20;
+
+/// The longest line of a job: a configuration has some kilobytes, and what it names at most 4 MiB.
+const JOB_MAX: u64 = 16 << 20;
 
 /// The most that is set aside for a file before its first byte has come: the process that names the length
 /// has read what the scanner wrote. No file of a record is larger, so none has to grow.
@@ -32,6 +37,10 @@ pub struct Limits {
 pub struct Job {
     /// The text of the station's configuration: method and output.
     pub config: String,
+    /// The garments and size tables that the configuration names.
+    pub beside: Vec<Beside>,
+    /// The station's day: a size table may be expired by then.
+    pub today: Date,
     /// What the scan shows.
     pub subject: Subject,
     /// Where the scan comes from.
@@ -94,6 +103,8 @@ impl Job {
         let MeasureConfig { memory_bytes, cpu, wall, confine } = config.measure;
         Job {
             config: config.text.clone(),
+            beside: config.beside.clone(),
+            today: Zoned::now().date(),
             subject: Subject::Patient,
             provenance,
             ending: ending.to_owned(),
@@ -116,7 +127,7 @@ impl Job {
     /// # Errors
     /// Any I/O error; `InvalidData` if the line is not a job.
     pub fn read(from: &mut impl BufRead) -> io::Result<Job> {
-        read_line(from)
+        read_line(from, JOB_MAX)
     }
 }
 
@@ -144,7 +155,7 @@ impl Answer {
     /// Any I/O error; `UnexpectedEof` if the process ended in the middle; `InvalidData` if it is not an
     /// answer.
     pub fn read(from: &mut impl BufRead, most: u64) -> io::Result<Answer> {
-        let (names, to_do) = match read_line(from)? {
+        let (names, to_do) = match read_line(from, LINE_MAX)? {
             Header::Refused { code, message } => return Ok(Answer::Refused { code, message }),
             Header::Files { files, to_do } => (files, to_do),
         };
@@ -173,9 +184,9 @@ fn write_line(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
     to.write_all(&line)
 }
 
-fn read_line<T: serde::de::DeserializeOwned>(from: &mut impl BufRead) -> io::Result<T> {
+fn read_line<T: serde::de::DeserializeOwned>(from: &mut impl BufRead, most: u64) -> io::Result<T> {
     let mut line = Vec::new();
-    from.take(LINE_MAX).read_until(b'\n', &mut line)?;
+    from.take(most).read_until(b'\n', &mut line)?;
     if line.last() != Some(&b'\n') {
         return Err(io::ErrorKind::UnexpectedEof.into());
     }

@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 use serde_json::json;
 
 use super::*;
-use crate::record::garment::Garment;
 use crate::record::gdt::{AttachmentFields, Charset, Reference};
 use crate::record::{FIRST_REVISION, RecordFile};
+use crate::sizes::Garment;
 use crate::store::sums;
 
 struct Case {
@@ -45,7 +45,7 @@ impl Case {
         };
         let names = FileName::new(self.names, &rules.receiver, &rules.sender).unwrap();
         let state = self.dir.path().join("state");
-        let (rules, place) = ((rules, Garment::Ad, self.attach.clone()), self.exchange());
+        let (rules, place) = ((rules, Garment::default(), self.attach.clone()), self.exchange());
         let store = GdtStore::new(place, names, rules, ("booth-1", state), TimeZone::UTC);
         if self.staging().exists() {
             store.open().unwrap();

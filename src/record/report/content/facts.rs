@@ -81,7 +81,7 @@ impl Report<'_> {
 
     /// The garment that the sheet is for.
     fn ordered(&self) -> String {
-        self.language.word("report.garment", self.garment.name()).to_owned()
+        self.garment.title(self.language.tag()).to_owned()
     }
 
     /// All sources that named the patient.

@@ -83,7 +83,9 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let inside = head + &element("tbody", "", &(rows + &lengths));
     let table = wide("levels", &element("table", " class=\"levels\"", &inside));
     let key = std::iter::once(&levels.key);
-    let below = key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted);
+    let see_sizes = content.sizes.as_ref().and_then(|of| of.see.as_ref());
+    let below =
+        key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(see_sizes);
     let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
     let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
         let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);
@@ -196,6 +198,17 @@ pub(super) fn view(content: &Content) -> String {
 pub(super) fn tables(content: &Content) -> String {
     let part = |(index, of): (usize, &Table)| whole_table(&format!("table-{index}"), of);
     content.tables.iter().enumerate().map(part).collect()
+}
+
+/// The sizes of makers' tables.
+pub(super) fn sizes(content: &Content) -> String {
+    let Some(of) = &content.sizes else { return String::new() };
+    let about: String = of.about.iter().map(|text| words("p", " class=\"aside\"", text)).collect();
+    let part = |(index, of): (usize, &Table)| whole_table(&format!("sizes-{index}"), of);
+    let tables: String = of.tables.iter().enumerate().map(part).collect();
+    let calibre = of.calibre.as_ref().map(|of| entries("calibre", of)).unwrap_or_default();
+    let form = whole_table("form", &of.form);
+    section("sizes", &of.title, &about) + &tables + &calibre + &form
 }
 
 fn whole_table(id: &str, of: &Table) -> String {

@@ -40,7 +40,8 @@ pub(super) fn write(flow: &mut Flow<'_>, content: &Content, figures: &[Drawn]) {
     let rows = content.facts.iter().take(FACTS).map(fact).collect();
     Table { heads: Vec::new(), rows, is_ruled: false }.write(flow);
     flow.space(4.0);
-    levels(flow, &content.levels);
+    let see = content.sizes.as_ref().and_then(|of| of.see.as_ref());
+    levels(flow, &content.levels, see);
     if let Some(legs) = figures.iter().find(|drawn| drawn.name == SHEET) {
         let room = flow.room() - fields_height(&content.open);
         if room >= DRAWING_MIN {
@@ -73,7 +74,7 @@ fn rule(flow: &mut Flow<'_>, width: f64) {
 }
 
 /// Girths and heights at the levels of both legs, with room for corrections.
-fn levels(flow: &mut Flow<'_>, levels: &Levels) {
+fn levels(flow: &mut Flow<'_>, levels: &Levels, see_sizes: Option<&String>) {
     let columns = &levels.columns;
     let head = |words: &str, anchor: Anchor| {
         Cell::new(words, Type { is_bold: true, ..SMALL_TYPE }, anchor).inked(Ink::Muted)
@@ -93,7 +94,9 @@ fn levels(flow: &mut Flow<'_>, levels: &Levels) {
     flow.heading(&levels.title, table.first_height());
     table.write(flow);
     let key = std::iter::once(&levels.key);
-    for below in key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted) {
+    for below in
+        key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(see_sizes)
+    {
         flow.space(2.0);
         flow.text(below, StructRole::P, SMALL_TYPE, Ink::Text);
     }

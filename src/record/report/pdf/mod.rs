@@ -54,6 +54,7 @@ pub fn paper(
     let mut flow = Flow::new(content, print.paper);
     let (pictures, appendix) = parted(figures);
     measuring_sheet::write(&mut flow, content, figures);
+    parts::sizes(&mut flow, content.sizes.as_ref());
     parts::notes(&mut flow, content);
     parts::pictures(&mut flow, &content.pictures, &pictures);
     parts::tables(&mut flow, &content.tables);

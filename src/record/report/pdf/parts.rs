@@ -7,7 +7,7 @@ use super::table::{Cell, Row, Table};
 use super::wrap::Type;
 use crate::record::picture::figures::Figure as Drawn;
 use crate::record::picture::{Anchor, Ink};
-use crate::record::report::content::{self, Content, Note, PictureWords, Section, Weight};
+use crate::record::report::content::{self, Content, Note, PictureWords, Section, Sizes, Weight};
 use crate::record::report::{Figure, Mark};
 
 /// Letter size of the table of all figures, which has many columns, pt.
@@ -92,6 +92,24 @@ pub(super) fn tables(flow: &mut Flow<'_>, tables: &[content::Table]) {
     for table in tables {
         figures(flow, table, BODY_TYPE, Anchor::End);
     }
+}
+
+/// The sizes of makers' tables, on a page of their own behind the sheet.
+pub(super) fn sizes(flow: &mut Flow<'_>, sizes: Option<&Sizes>) {
+    let Some(sizes) = sizes else { return };
+    flow.turn();
+    flow.heading(&sizes.title, 3.0 * SMALL_TYPE.leading());
+    for said in &sizes.about {
+        flow.text(said, StructRole::P, SMALL_TYPE, Ink::Text);
+        flow.space(2.0);
+    }
+    for table in &sizes.tables {
+        figures(flow, table, SMALL_TYPE, Anchor::Start);
+    }
+    if let Some(calibre) = &sizes.calibre {
+        section(flow, calibre);
+    }
+    figures(flow, &sizes.form, BODY_TYPE, Anchor::End);
 }
 
 /// Every figure of the levels in mm, on a page of its own.

@@ -3,14 +3,13 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-use jiff::Timestamp;
+use jiff::{Timestamp, Zoned};
 use serde::{Deserialize, Serialize};
 use tracing::info;
 
 use super::ActFault;
 use crate::flow::{ScanId, light};
 use crate::language::Language;
-use crate::record::ReportChoice;
 use crate::record::completeness::{Completeness, Kind};
 use crate::record::measure::amendment::{Amendment, Deed};
 use crate::station::booth::Booth;
@@ -91,12 +90,7 @@ pub(super) fn set(
     };
     let folder = journal.record_folder(&row.scan, &patient)?.ok_or_else(no_record)?;
     let config = &core.config;
-    let choice = ReportChoice {
-        language: config.language,
-        garment: config.garment,
-        print: config.print,
-        ..ReportChoice::default()
-    };
+    let choice = config.report_choice(Zoned::now().date());
     let amendments = setting.amendments(Timestamp::now());
     let others: Vec<&str> =
         core.stores.names().into_iter().filter(|name| *name != FolderStore::FIRST).collect();
@@ -108,7 +102,7 @@ pub(super) fn set(
     };
     journal.amend_ended(&row.scan, &patient, &Vec::from_iter(measures))?;
     let amended = amended?;
-    let completeness = Completeness::of(&amended.record, config.garment);
+    let completeness = Completeness::of(&amended.record, &config.garment);
     let lacks = matches!(completeness.kind(), Kind::ByHand | Kind::ScanAgain);
     journal.still_lacks_measures(&row.scan, lacks)?;
     booth.amended(

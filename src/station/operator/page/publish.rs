@@ -63,7 +63,7 @@ fn read_summaries(desk: &Arc<Desk>, records: Vec<(String, PathBuf)>) {
     spawn_blocking(move || {
         let config = &desk.core.config;
         for (scan, folder) in due {
-            let told = summaries::read(&folder, config.language, config.garment);
+            let told = summaries::read(&folder, config.language, &config.garment);
             desk.summaries.note(scan, folder, told, desk.core.now());
         }
         desk.summaries.all_read();

@@ -98,7 +98,7 @@ pub fn one(desk: &Desk, scan: &ScanId) -> Vec<ScanShown> {
     let config = &desk.core.config;
     let told = |row: &Whole| {
         let folder = folder(desk, row)?;
-        Some(summaries::read(&folder, config.language, config.garment))
+        Some(summaries::read(&folder, config.language, &config.garment))
     };
     let rows = rows(desk, Ok(vec![scan.clone()]));
     rows.iter().map(|row| shown(desk, row, told(row).unwrap_or_default())).collect()

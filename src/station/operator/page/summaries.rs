@@ -11,8 +11,8 @@ use std::time::Duration;
 use crate::flow::page::Told;
 use crate::flow::page::files::in_order;
 use crate::language::Language;
-use crate::record::garment::Garment;
 use crate::record::{self, Record, RecordSummary, SheetLine};
+use crate::sizes::Garment;
 use crate::store::{revision, sums};
 
 /// A summary is read again after this time: a report may have been made since.
@@ -104,7 +104,7 @@ impl Summaries {
 }
 
 /// What the record in this folder, or its latest revision, says. Blocks as long as the store does.
-pub fn read(folder: &Path, language: Language, garment: Garment) -> Told {
+pub fn read(folder: &Path, language: Language, garment: &Garment) -> Told {
     let folder = revision::latest(folder);
     let record = record(&folder.join("record.json"));
     Told {

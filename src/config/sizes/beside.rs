@@ -1,0 +1,144 @@
+//! The files that a configuration names and that belong to it: garments and size tables.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::{Deserialize, Serialize};
+
+use crate::sizes::BYTES_MAX;
+
+/// The ending of these files in a folder.
+const ENDING: &str = "toml";
+
+/// The most files of a folder that are read: more are no collection of size tables.
+const FILES_MAX: usize = 200;
+
+/// What a path of the configuration led to when it was read.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Beside {
+    /// The path as configured: a file, or a folder of them.
+    pub named: PathBuf,
+    /// The files, in the order of their names.
+    pub files: Vec<TextFile>,
+}
+
+/// A file with its text.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TextFile {
+    /// Its path.
+    pub path: PathBuf,
+    /// Its text.
+    pub text: String,
+}
+
+/// Where the files come from.
+#[derive(Debug, Clone, Copy)]
+pub enum Files<'a> {
+    /// They are read from the disk.
+    Disk,
+    /// They were read before, by the process that hands them over.
+    Read(&'a [Beside]),
+}
+
+/// Why a path gave no files.
+#[derive(Debug, thiserror::Error)]
+pub enum NoFiles {
+    /// It cannot be read.
+    #[error("{}: {source}", path.display())]
+    Io {
+        /// The file or folder.
+        path: PathBuf,
+        /// The underlying error.
+        source: io::Error,
+    },
+    /// The text is not UTF-8.
+    #[error("{} is not UTF-8 text", .0.display())]
+    NotUtf8(PathBuf),
+    /// The file is too long for its kind.
+    #[error("{} has {found} bytes; such a file has at most {BYTES_MAX}", path.display())]
+    TooLong {
+        /// The file.
+        path: PathBuf,
+        /// Its length, bytes.
+        found: u64,
+    },
+    /// The folder holds no such file.
+    #[error("{} holds no file that ends in .{ENDING}", .0.display())]
+    Empty(PathBuf),
+    /// The folder holds too many of them.
+    #[error("{} holds more than {FILES_MAX} files that end in .{ENDING}", .0.display())]
+    TooMany(PathBuf),
+    /// It was not handed over.
+    #[error("{} was not handed over", .0.display())]
+    NotHandedOver(PathBuf),
+}
+
+impl NoFiles {
+    /// Whether there is no such file or folder.
+    pub fn is_not_found(&self) -> bool {
+        matches!(self, NoFiles::Io { source, .. } if source.kind() == io::ErrorKind::NotFound)
+    }
+}
+
+impl Files<'_> {
+    /// The files at a path of the configuration.
+    pub fn at(self, named: &Path) -> Result<Beside, NoFiles> {
+        match self {
+            Files::Disk => on_disk(named),
+            Files::Read(known) => {
+                let found = known.iter().find(|of| of.named == named).cloned();
+                found.ok_or_else(|| NoFiles::NotHandedOver(named.to_owned()))
+            }
+        }
+    }
+}
+
+/// The file at a path, or the files of a folder, from the disk.
+///
+/// # Errors
+/// See [`NoFiles`].
+pub fn on_disk(named: &Path) -> Result<Beside, NoFiles> {
+    let io = |source| NoFiles::Io { path: named.to_owned(), source };
+    let paths = match fs::metadata(named).map_err(io)?.is_dir() {
+        false => vec![named.to_owned()],
+        true => in_folder(named)?,
+    };
+    let read = |path: PathBuf| text(&path).map(|text| TextFile { path, text });
+    let files = paths.into_iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    Ok(Beside { named: named.to_owned(), files })
+}
+
+/// The files of a folder by their names, except hidden ones.
+fn in_folder(folder: &Path) -> Result<Vec<PathBuf>, NoFiles> {
+    let io = |source| NoFiles::Io { path: folder.to_owned(), source };
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).map_err(io)? {
+        let path = entry.map_err(io)?.path();
+        let is_hidden =
+            path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(b"."));
+        if path.extension().is_some_and(|ending| ending == ENDING) && !is_hidden {
+            paths.push(path);
+        }
+    }
+    paths.sort();
+    match paths.len() {
+        0 => Err(NoFiles::Empty(folder.to_owned())),
+        1..=FILES_MAX => Ok(paths),
+        _ => Err(NoFiles::TooMany(folder.to_owned())),
+    }
+}
+
+/// The text of a file. Its length is looked at first: a scan in the wrong place is not read whole.
+fn text(path: &Path) -> Result<String, NoFiles> {
+    let io = |source| NoFiles::Io { path: path.to_owned(), source };
+    let metadata = fs::metadata(path).map_err(io)?;
+    if !metadata.is_file() {
+        return Err(io(io::Error::other("is not a regular file")));
+    }
+    if metadata.len() > BYTES_MAX as u64 {
+        return Err(NoFiles::TooLong { path: path.to_owned(), found: metadata.len() });
+    }
+    let bytes = fs::read(path).map_err(io)?;
+    String::from_utf8(bytes).map_err(|_| NoFiles::NotUtf8(path.to_owned()))
+}

@@ -1,0 +1,189 @@
+//! Verdicts of size tables in words.
+
+use std::fmt::Display;
+
+use super::calibre::Stretch;
+use super::{LegSizes, TableVerdict};
+use crate::language::Language;
+use crate::record::rounding::{cm_words, number, signed};
+use crate::record::shown;
+use crate::sizes::Point;
+use crate::sizes::table::Status;
+use crate::sizes::verdict::{Fit, PointVerdict, Reading, SizeVerdict};
+
+/// How many digits of a file's hash tell it from all others of a clinic.
+pub const HASH_DIGITS: usize = 12;
+
+/// Probabilities this near to one that decides, as shares, are told with a decimal.
+const NEAR: f64 = 0.005;
+
+/// The letter of a table in a report: A, B, …, Z, 27, 28 ….
+pub fn letter(index: usize) -> String {
+    let letter = u8::try_from(index).ok().filter(|index| *index < 26).map(|index| b'A' + index);
+    letter.map_or_else(|| (index + 1).to_string(), |letter| char::from(letter).to_string())
+}
+
+/// The letter with what a table may be used for, if it is not released: `A (test only)`.
+pub fn marked(index: usize, table: &TableVerdict, language: Language) -> String {
+    match table.status {
+        Status::Released => letter(index),
+        status => format!("{} ({})", letter(index), language.word("sizes.status", status.word())),
+    }
+}
+
+/// Maker and product behind the letter.
+pub fn heading(index: usize, table: &TableVerdict, language: Language) -> String {
+    let (maker, product) = (shown::id(&table.maker), shown::id(&table.product));
+    let words: [(&str, &dyn Display); 3] =
+        [("letter", &marked(index, table, language)), ("maker", &maker), ("product", &product)];
+    language.filled("sizes.table", &words)
+}
+
+/// What tells the table from all others: name, edition and the beginning of its hash.
+pub fn identity(table: &TableVerdict, language: Language) -> String {
+    let hash: String = table.sha256.chars().take(HASH_DIGITS).collect();
+    let (id, edition) = (shown::id(&table.id), shown::id(&table.edition));
+    let words: [(&str, &dyn Display); 3] = [("id", &id), ("edition", &edition), ("hash", &hash)];
+    language.filled("sizes.identity", &words)
+}
+
+/// What a reader must know before the verdicts of a table: what it may not be used for, that it is expired,
+/// that it cannot be compared.
+pub fn warnings(table: &TableVerdict, language: Language) -> Vec<String> {
+    let mut said = Vec::new();
+    match table.status {
+        Status::TestOnly => said.push(language.text("sizes.warning.test-only").to_owned()),
+        Status::Draft => said.push(language.text("sizes.warning.draft").to_owned()),
+        Status::Released => {}
+    }
+    if let Some(last) = table.valid_until.filter(|_| table.is_expired) {
+        said.push(language.filled("sizes.warning.expired", &[("date", &last)]));
+    }
+    let why = table.not_comparable;
+    said.extend(why.map(|why| language.word("sizes.not_comparable", why.word()).to_owned()));
+    said
+}
+
+/// A size with its variant: `II`, `II, wide thigh`.
+pub fn size(of: &SizeVerdict, language: Language) -> String {
+    match &of.variant {
+        None => shown::id(&of.size),
+        Some(variant) => {
+            let (size, variant) = (shown::id(&of.size), shown::id(variant));
+            language.filled("sizes.variant", &[("size", &size), ("variant", &variant)])
+        }
+    }
+}
+
+/// A verdict, with what is missing for it.
+pub fn fit(fit: Fit, missing: &[Point], language: Language) -> String {
+    let verdict = language.word("sizes.fit", fit.word());
+    if missing.is_empty() || fit == Fit::DoesNotFit {
+        return verdict.to_owned();
+    }
+    let points: Vec<String> = missing.iter().map(ToString::to_string).collect();
+    let words: [(&str, &dyn Display); 2] = [("verdict", &verdict), ("points", &points.join(", "))];
+    language.filled("sizes.missing", &words)
+}
+
+/// How far a value lies above the lower and below the upper limit, cm: `+0.4 / −0.1`. The sign of a margin
+/// that is rounded to nothing stays: it says on which side of the limit the value lies.
+pub fn margins([low_mm, high_mm]: [f64; 2], language: Language) -> String {
+    let margin = |mm: f64| {
+        let words = cm_words(mm, language);
+        let told = signed(mm, &words);
+        match told.starts_with(['+', '\u{2212}']) || mm == 0.0 {
+            true => told,
+            false if mm < 0.0 => format!("\u{2212}{told}"),
+            false => format!("+{told}"),
+        }
+    };
+    format!("{} / {}", margin(low_mm), margin(high_mm))
+}
+
+/// A probability in per cent. Next to one that decides it has a decimal, so that 94.9 % is not told as 95 %.
+pub fn percent(share: f64, language: Language) -> String {
+    use crate::sizes::verdict::{SURE, UNLIKELY};
+    let is_near = [SURE, UNLIKELY].iter().any(|limit| (share - limit).abs() < NEAR);
+    match 100.0 * share {
+        most if most > 99.0 => ">\u{a0}99\u{a0}%".to_owned(),
+        least if least < 1.0 => "<\u{a0}1\u{a0}%".to_owned(),
+        percent if is_near => format!("{}\u{a0}%", number(percent, 1, language)),
+        percent => format!("{}\u{a0}%", number(percent, 0, language)),
+    }
+}
+
+/// The probability of a point, or that its value alone counts.
+pub fn inside(of: &PointVerdict, language: Language) -> String {
+    match of.probability {
+        Some(share) => percent(share, language),
+        None => language.text("sizes.value_alone").to_owned(),
+    }
+}
+
+/// Why a point has no value, in the place of its margins; `None` if it has one.
+pub fn not_given(of: &PointVerdict, language: Language) -> Option<&'static str> {
+    match of.reading {
+        Reading::Given(_) => None,
+        Reading::NotGiven { why } => language.find(&format!("sizes.not_given.{}", why.word())),
+    }
+}
+
+/// The article codes of a size in one text; `None` if it has none.
+pub fn codes(of: &SizeVerdict, language: Language) -> Option<String> {
+    let code = |code: &crate::sizes::table::Code| match &code.length {
+        Some(length) => format!("{} ({})", shown::id(&code.code), shown::id(length)),
+        None => shown::id(&code.code),
+    };
+    let codes: Vec<String> = of.codes.iter().map(code).collect();
+    (!codes.is_empty()).then(|| language.filled("sizes.codes", &[("codes", &codes.join(", "))]))
+}
+
+/// The sizes that the deciding point does not allow, in a line; `None` if it allows all.
+pub fn left_out(table: &TableVerdict, leg: &LegSizes, language: Language) -> Option<String> {
+    let point = table.decides?;
+    let (allowed, not): (Vec<_>, Vec<_>) = leg.verdict.sizes.iter().partition(|of| of.is_candidate);
+    if allowed.is_empty() {
+        return Some(language.filled("sizes.none_allowed", &[("point", &point)]));
+    }
+    let mut names: Vec<String> = not.into_iter().map(|of| shown::id(&of.size)).collect();
+    names.dedup();
+    let words: [(&str, &dyn Display); 2] = [("point", &point), ("sizes", &names.join(", "))];
+    (!names.is_empty()).then(|| language.filled("sizes.left_out", &words))
+}
+
+/// The calibre jumps in sentences; if there is none, the largest change.
+pub fn calibre(stretches: &[Stretch], language: Language) -> Vec<String> {
+    let jumps: Vec<String> = stretches
+        .iter()
+        .filter(|of| of.is_jump)
+        .map(|of| stretch("sizes.calibre.jump", of, language))
+        .collect();
+    let largest = stretches.iter().max_by(|a, b| a.per_length.total_cmp(&b.per_length));
+    match (jumps.is_empty(), largest) {
+        (false, _) => jumps,
+        (true, Some(largest)) => vec![stretch("sizes.calibre.none", largest, language)],
+        (true, None) => vec![language.text("sizes.calibre.unknown").to_owned()],
+    }
+}
+
+fn stretch(key: &'static str, of: &Stretch, language: Language) -> String {
+    let (leg, margin) = match key {
+        "sizes.calibre.jump" => (language.word("leg.heading", of.side), of.per_length_sd),
+        _ => (language.word("leg", of.side), of.per_length_sd),
+    };
+    // As every uncertainty of the report: two standard errors, rounded up.
+    let margin = margin.map(|sd| (200.0 * sd).ceil() / 100.0);
+    let margin = margin.map(|of| format!(" ± {}", number(of, 2, language))).unwrap_or_default();
+    let ratio = format!("{}{margin}", number(of.per_length, 2, language));
+    let change = signed(of.girth_change_mm, &cm_words(of.girth_change_mm, language));
+    let words: [(&str, &dyn Display); 6] = [
+        ("leg", &leg),
+        ("from", &of.from),
+        ("to", &of.to),
+        ("ratio", &ratio),
+        ("change", &change),
+        ("length", &cm_words(of.length_mm, language)),
+    ];
+    language.filled(key, &words)
+}
