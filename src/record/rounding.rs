@@ -22,6 +22,15 @@ pub fn cm_words(value_mm: f64, language: Language) -> String {
     number(cm(value_mm), 1, language)
 }
 
+/// The limit of a size table in mm as text: cm with all its decimals, at least one.
+pub fn limit_words(value_mm: f64, language: Language) -> String {
+    let cm = to_places(value_mm / 10.0, 4);
+    match to_places(cm, 1) == cm {
+        true => number(cm, 1, language),
+        false => shortest(cm, language),
+    }
+}
+
 /// A figure with this many decimals and the decimal sign of a language.
 pub fn number(value: f64, places: usize, language: Language) -> String {
     in_language(format!("{:.places$}", to_places(value, places as i32)), language)

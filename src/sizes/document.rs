@@ -152,6 +152,11 @@ impl<'s, 't> Section<'s, 't> {
         self.at
     }
 
+    /// Its name.
+    pub fn name(&self) -> &'s str {
+        self.name
+    }
+
     /// A key with the section's name before it.
     pub fn key(&self, name: &str) -> String {
         if self.name.is_empty() { name.to_owned() } else { format!("{}.{name}", self.name) }
@@ -200,7 +205,7 @@ impl<'s, 't> Section<'s, 't> {
     }
 
     /// One of the words of a choice, if it is there.
-    pub fn word<T: Copy>(
+    pub fn choice<T: Copy>(
         &self,
         name: &str,
         words: &[(&str, T)],

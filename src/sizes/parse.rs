@@ -17,8 +17,14 @@ use super::table::{Basis, FORMAT, Limits, Ranged, Required, SizeTable, Status};
 /// The longest file that is read, bytes: hundreds of sizes with their codes have less.
 pub const BYTES_MAX: usize = 256 * 1024;
 
-/// Girths and lengths that a leg or foot can have, mm.
-const REACH_MM: [f64; 2] = [20.0, 2000.0];
+/// Girths that a leg can have, mm: from a child's ankle to the largest thighs of severe lymphoedema.
+const GIRTHS_MM: [f64; 2] = [50.0, 1500.0];
+
+/// Lengths that a leg or foot can have, mm.
+const LENGTHS_MM: [f64; 2] = [20.0, 1400.0];
+
+/// Girths and lengths of hip and waist, mm.
+const BEYOND_MM: [f64; 2] = [200.0, 2500.0];
 
 /// The keys of the whole file. Notes may be added: any key that begins with `note_`.
 const KEYS: &str = "format id maker product table_edition source sureness status entered_by checked_by \
@@ -105,14 +111,14 @@ fn table(whole: Section<'_, '_>, sha256: String, faults: &mut Faults<'_>) -> Opt
     let source = whole.required_text("source", "source = \"where the figures stand\"", faults);
     let statuses =
         [("test-only", Status::TestOnly), ("draft", Status::Draft), ("released", Status::Released)];
-    let status = required_word(whole, "status", &statuses, "test-only, draft, released", faults);
-    let unit = required_word(whole, "unit", &UNITS, "cm, mm", faults);
+    let status = required_choice(whole, "status", &statuses, "test-only, draft, released", faults);
+    let unit = required_choice(whole, "unit", &UNITS, "cm, mm", faults);
     let limits = [("closed", Limits::Closed), ("open", Limits::Open)];
-    let limits = required_word(whole, "limits", &limits, "closed, open", faults);
-    required_word(whole, "match", &[("all", ())], "all", faults);
-    let from = whole.word("lengths_from", &[("floor", ())], "floor", faults);
+    let limits = required_choice(whole, "limits", &limits, "closed, open", faults);
+    required_choice(whole, "match", &[("all", ())], "all", faults);
+    let from = whole.choice("lengths_from", &[("floor", ())], "floor", faults);
     let bases = [("skin", Basis::Skin), ("tension", Basis::Tension)];
-    let basis = whole.word("skin_or_tension", &bases, "skin, tension", faults);
+    let basis = whole.choice("skin_or_tension", &bases, "skin, tension", faults);
     let decides = decides(whole, faults);
     let signed = ["entered_by", "checked_by"].map(|name| whole.text(name, faults));
     signatures(whole, status, &signed, faults);
@@ -123,9 +129,11 @@ fn table(whole: Section<'_, '_>, sha256: String, faults: &mut Faults<'_>) -> Opt
     let unit = unit.unwrap_or(UNITS[0].1);
     let lengths = lengths(whole, unit, faults);
     let sizes = sizes(whole, unit, (&variants, &lengths), faults);
-    let required = required(whole, &sizes, faults);
+    // A range that is wrong is told as such, not as missing.
+    let known = if faults.is_empty() { sizes.as_slice() } else { &[] };
+    let required = required(whole, known, faults);
     if let Some(Some((point, at))) = &decides {
-        every_size_has(*point, &sizes, at, "decides", faults);
+        every_size_has(*point, known, at, "decides", faults);
     }
     let valid_until = day(whole, "valid_until", faults);
     let [entered_by, checked_by] = signed;
@@ -154,7 +162,7 @@ fn table(whole: Section<'_, '_>, sha256: String, faults: &mut Faults<'_>) -> Opt
 }
 
 /// One of the words of a choice that must be made.
-fn required_word<T: Copy>(
+fn required_choice<T: Copy>(
     whole: Section<'_, '_>,
     name: &'static str,
     words: &[(&str, T)],
@@ -170,7 +178,7 @@ fn required_word<T: Copy>(
         };
         whole.miss(name, example, faults);
     }
-    whole.word(name, words, shown, faults)
+    whole.choice(name, words, shown, faults)
 }
 
 /// The point by which the size is sought, with its place; `Some(None)` for `none`.
@@ -328,7 +336,12 @@ fn range(
         };
         // To a millionth of a millimetre: 38.9 cm is 389 mm and not a hair less.
         let mm = (found * unit.mm * 1e6).round() / 1e6;
-        if !(REACH_MM[0]..=REACH_MM[1]).contains(&mm) {
+        let [least_mm, most_mm] = match point {
+            Point::Girth(_) => GIRTHS_MM,
+            Point::Beyond(_) => BEYOND_MM,
+            _ => LENGTHS_MM,
+        };
+        if !(least_mm..=most_mm).contains(&mm) {
             faults.note(&value.span(), key, What::Reach { found: written, unit: unit.name });
             return None;
         }

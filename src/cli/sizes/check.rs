@@ -11,7 +11,7 @@ use crate::cli::terminal::screen::{self, indented};
 use crate::cli::{Exit, complain, print, shown};
 use crate::config::sizes::beside::{Beside, on_disk};
 use crate::language::Language;
-use crate::record::rounding::cm_words;
+use crate::record::rounding::limit_words;
 use crate::record::shown::id;
 use crate::sizes::check::{Neighbours, Remark, remarks};
 use crate::sizes::table::Limits;
@@ -120,7 +120,7 @@ pub fn in_words(remark: &Remark, language: Language) -> String {
             None => language.filled("sizes.check.sizes", &names),
             Some(_) => language.filled("sizes.check.lengths", &names),
         };
-        let [upper, lower] = [at.upper_mm, at.lower_mm].map(|mm| cm_words(mm, language));
+        let [upper, lower] = [at.upper_mm, at.lower_mm].map(|mm| limit_words(mm, language));
         let words: [(&str, &dyn Display); 4] =
             [("point", &at.point), ("where", &place), ("upper", &upper), ("lower", &lower)];
         language.filled(key, &words)

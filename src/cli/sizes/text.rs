@@ -7,7 +7,7 @@ use anstyle::Style;
 use crate::cli::terminal::paint::{self, painted};
 use crate::cli::terminal::screen::indented;
 use crate::language::Language;
-use crate::record::rounding::{cm_margin, cm_words, number, shortest};
+use crate::record::rounding::{cm_margin, cm_words, limit_words, number, shortest};
 use crate::record::sizing::{LegSizes, SizeVerdicts, TableVerdict, words};
 use crate::sizes::Garment;
 use crate::sizes::verdict::{Fit, PointVerdict, Reading, SURE, UNLIKELY};
@@ -144,7 +144,7 @@ fn point(of: &PointVerdict, language: Language) -> String {
         true => name,
         false => language.filled("sizes.not_needed", &[("point", &name)]),
     };
-    let limits = format!("{}–{}", cm(of.limits_mm[0]), cm(of.limits_mm[1]));
+    let limits = of.limits_mm.map(|mm| limit_words(mm, language)).join("–");
     match (of.reading, of.margins_mm) {
         (Reading::Given(given), Some(margins_mm)) => {
             let sign = if given.is_by_hand { "*" } else { "" };

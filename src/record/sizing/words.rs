@@ -88,17 +88,17 @@ pub fn fit(fit: Fit, missing: &[Point], language: Language) -> String {
 
 /// How far a value lies above the lower and below the upper limit, cm: `+0.4 / −0.1`. The sign of a margin
 /// that is rounded to nothing stays: it says on which side of the limit the value lies.
-pub fn margins([low_mm, high_mm]: [f64; 2], language: Language) -> String {
-    let margin = |mm: f64| {
-        let words = cm_words(mm, language);
-        let told = signed(mm, &words);
-        match told.starts_with(['+', '\u{2212}']) || mm == 0.0 {
-            true => told,
-            false if mm < 0.0 => format!("\u{2212}{told}"),
-            false => format!("+{told}"),
-        }
-    };
-    format!("{} / {}", margin(low_mm), margin(high_mm))
+pub fn margins(margins_mm: [f64; 2], language: Language) -> String {
+    margins_mm.map(|mm| margin(mm, language)).join(" / ")
+}
+
+fn margin(mm: f64, language: Language) -> String {
+    let told = signed(mm, &cm_words(mm, language));
+    match told.starts_with(['+', '\u{2212}']) || mm == 0.0 {
+        true => told,
+        false if mm < 0.0 => format!("\u{2212}{told}"),
+        false => format!("+{told}"),
+    }
 }
 
 /// A probability in per cent. Next to one that decides it has a decimal, so that 94.9 % is not told as 95 %.
@@ -144,12 +144,32 @@ pub fn left_out(table: &TableVerdict, leg: &LegSizes, language: Language) -> Opt
     let point = table.decides?;
     let (allowed, not): (Vec<_>, Vec<_>) = leg.verdict.sizes.iter().partition(|of| of.is_candidate);
     if allowed.is_empty() {
-        return Some(language.filled("sizes.none_allowed", &[("point", &point)]));
+        let sizes = nearest(leg, point, language).join(", ");
+        let words: [(&str, &dyn Display); 2] = [("point", &point), ("sizes", &sizes)];
+        return Some(language.filled("sizes.none_allowed", &words));
     }
     let mut names: Vec<String> = not.into_iter().map(|of| shown::id(&of.size)).collect();
     names.dedup();
     let words: [(&str, &dyn Display); 2] = [("point", &point), ("sizes", &names.join(", "))];
     (!names.is_empty()).then(|| language.filled("sizes.left_out", &words))
+}
+
+/// The sizes whose ranges of a point are nearest to the leg below and above it: `II (−0.1)`.
+fn nearest(leg: &LegSizes, point: Point, language: Language) -> Vec<String> {
+    let own = leg.verdict.sizes.iter().filter(|of| of.variant.is_none());
+    let margins = own.filter_map(|of| {
+        let its = of.points.iter().find(|of| of.point == point)?;
+        Some((of, its.margins_mm?))
+    });
+    let margins: Vec<(&SizeVerdict, [f64; 2])> = margins.collect();
+    // Outside a range, exactly one of the two margins is negative.
+    let side = |index: usize| {
+        let outside = margins.iter().filter(|(_, margins_mm)| margins_mm[index] < 0.0);
+        outside.max_by(|(_, a), (_, b)| a[index].total_cmp(&b[index])).map(|(of, margins_mm)| {
+            format!("{} ({})", shown::id(&of.size), margin(margins_mm[index], language))
+        })
+    };
+    [1, 0].into_iter().filter_map(side).collect()
 }
 
 /// The calibre jumps in sentences; if there is none, the largest change.

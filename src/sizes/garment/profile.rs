@@ -100,7 +100,7 @@ fn profile(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Profile> {
     whole.only(KEYS, is_known, faults);
     let name = whole.required_text("name", "name = \"AD\"", faults);
     let units = [("cm", FormUnit::Cm), ("mm", FormUnit::Mm)];
-    let unit = whole.word("unit", &units, "cm, mm", faults).unwrap_or_default();
+    let unit = whole.choice("unit", &units, "cm, mm", faults).unwrap_or_default();
     let roundings = ["round_girths_mm", "round_lengths_mm"].map(|key| rounding(whole, key, faults));
     let notation = notation(whole, faults);
     let boxes = boxes(whole, &notation, faults);

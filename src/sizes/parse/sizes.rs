@@ -108,7 +108,7 @@ fn of_variant(
     let is_known = |name: &str| name == "code" || Point::of(name).is_some();
     section.only("code and the points that the variant replaces", is_known, faults);
     let Some(variant) = variant else {
-        faults.note(section.at(), section.key(""), What::NoVariant(name.to_owned()));
+        faults.note(section.at(), section.name(), What::NoVariant(name.to_owned()));
         return None;
     };
     let ranges = ranges(section, unit, faults);
@@ -135,7 +135,11 @@ fn replaced_points_exist(
     let tables = whole.get("variant").map(|value| value.span());
     for (variant, point) in variants.iter().flat_map(|of| of.replaces.iter().map(move |p| (of, p)))
     {
-        if !sizes.is_empty() && sizes.iter().all(|size| size.range(*point).is_none()) {
+        // A range that is wrong is told as such.
+        if faults.is_empty()
+            && !sizes.is_empty()
+            && sizes.iter().all(|size| size.range(*point).is_none())
+        {
             let at = tables.clone().unwrap_or(0..0);
             let key = format!("variant.{}", variant.name);
             faults.note(&at, key, What::ReplacesNothing(point.to_string()));

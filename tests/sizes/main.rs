@@ -1,0 +1,7 @@
+//! Size tables against cases, against an evaluation of another kind, and against what nobody would write.
+
+mod against_integration;
+mod boundaries;
+mod cases;
+mod hostile;
+mod rules;
