@@ -16,4 +16,6 @@ mod report_page;
 mod report_paper;
 mod report_refused;
 mod report_words;
+mod sizing;
+mod sizing_report;
 mod tilt;

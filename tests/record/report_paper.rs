@@ -21,13 +21,13 @@ static RECORD: LazyLock<Record> =
 const LANGUAGES: [Language; 2] = [Language::En, Language::De];
 
 /// What a PDF of this program says, page by page: only what such a file needs is read.
-struct Paper {
+pub struct Paper {
     /// Every object's bytes between `obj` and `endobj`, by number; streams unpacked behind them.
     objects: BTreeMap<u32, (String, Vec<u8>)>,
 }
 
 impl Paper {
-    fn of(bytes: &[u8]) -> Paper {
+    pub fn of(bytes: &[u8]) -> Paper {
         let mut objects = BTreeMap::new();
         for start in places(bytes, b" 0 obj\n") {
             let digits = bytes[..start].iter().rev().take_while(|byte| byte.is_ascii_digit());
@@ -66,7 +66,7 @@ impl Paper {
     }
 
     /// The words of every page, in the order in which they are drawn, each on a line.
-    fn pages(&self) -> Vec<String> {
+    pub fn pages(&self) -> Vec<String> {
         let is_page = |head: &str| head.contains("/Type /Page\n");
         let pages = self.objects.values().filter(|(head, _)| is_page(head));
         pages.map(|(head, _)| self.words(head)).collect()

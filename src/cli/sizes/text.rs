@@ -50,7 +50,10 @@ fn reading_help(verdicts: &SizeVerdicts, language: Language) -> Vec<String> {
     let limits: [(&str, &dyn Display); 2] =
         [("sure", &percent(SURE)), ("unlikely", &percent(UNLIKELY))];
     let mut said = vec![language.filled("sizes.explanation", &limits)];
-    if verdicts.has_by_hand() {
+    if verdicts.has(|of| !of.is_required) {
+        said.push(language.text("sizes.not_required").to_owned());
+    }
+    if verdicts.has(PointVerdict::is_by_hand) {
         let mm = shortest(verdicts.tape_girth_mm, language);
         said.push(language.filled("sizes.tape", &[("mm", &mm)]));
     }
@@ -120,12 +123,7 @@ fn of_table(
         let name = language.filled("sizes.length", &[("name", &of.length)]);
         entry(&name, of.fit, &words::fit(of.fit, &of.missing, language), &of.points);
     }
-    if let Some(said) = words::left_out(table, leg, language) {
-        text += &indented(&format!("{letter} · {said}"), "  ", columns);
-    }
-    let together = language.word("sizes.fit", verdict.fit.word());
-    let together = language.filled("sizes.together", &[("verdict", &together)]);
-    text + &indented(&format!("{letter} · {together}"), "  ", columns)
+    text + &indented(&words::together(index, table, leg, language), "  ", columns)
 }
 
 /// The colour of a verdict, which only repeats what its words say.
@@ -142,7 +140,7 @@ fn point(of: &PointVerdict, language: Language) -> String {
     let name = of.point.to_string();
     let name = match of.is_required {
         true => name,
-        false => language.filled("sizes.not_needed", &[("point", &name)]),
+        false => format!("[{name}]"),
     };
     let limits = of.limits_mm.map(|mm| limit_words(mm, language)).join("–");
     match (of.reading, of.margins_mm) {

@@ -12,7 +12,7 @@ pub use self::readings::{TAPE_GIRTH_MM, reading};
 use super::Record;
 use crate::leg::Side;
 use crate::sizes::table::{Basis, Limits, Status};
-use crate::sizes::verdict::{LegVerdict, NotComparable, Reading, judged};
+use crate::sizes::verdict::{LegVerdict, NotComparable, PointVerdict, judged};
 use crate::sizes::{Garment, Point, SizeTable};
 
 /// Name and number of the schema of the verdicts as JSON.
@@ -117,14 +117,14 @@ impl SizeVerdicts {
 }
 
 impl SizeVerdicts {
-    /// Whether a person set a value that a table asks for.
-    pub fn has_by_hand(&self) -> bool {
+    /// Whether something holds for a point that a table asks for.
+    pub fn has(&self, holds: impl Fn(&PointVerdict) -> bool) -> bool {
         let legs = self.tables.iter().flat_map(|table| &table.legs).map(|leg| &leg.verdict);
         let mut points = legs.flat_map(|leg| {
             let sizes = leg.sizes.iter().flat_map(|of| &of.points);
             sizes.chain(leg.lengths.iter().flat_map(|of| &of.points))
         });
-        points.any(|of| matches!(of.reading, Reading::Given(given) if given.is_by_hand))
+        points.any(holds)
     }
 }
 

@@ -139,8 +139,19 @@ pub fn codes(of: &SizeVerdict, language: Language) -> Option<String> {
     (!codes.is_empty()).then(|| language.filled("sizes.codes", &[("codes", &codes.join(", "))]))
 }
 
+/// What sizes and lengths of a table allow together for a leg, and what the deciding point leaves out:
+/// `A: fits. Left out by cB: I, III.`
+pub fn together(index: usize, table: &TableVerdict, leg: &LegSizes, language: Language) -> String {
+    let verdict = language.word("sizes.fit", leg.verdict.fit.word());
+    let letter = marked(index, table, language);
+    let words: [(&str, &dyn Display); 2] = [("letter", &letter), ("verdict", &verdict)];
+    let together = language.filled("sizes.together", &words);
+    let left_out = left_out(table, leg, language).map(|said| format!(" {said}."));
+    together + &left_out.unwrap_or_default()
+}
+
 /// The sizes that the deciding point does not allow, in a line; `None` if it allows all.
-pub fn left_out(table: &TableVerdict, leg: &LegSizes, language: Language) -> Option<String> {
+fn left_out(table: &TableVerdict, leg: &LegSizes, language: Language) -> Option<String> {
     let point = table.decides?;
     let (allowed, not): (Vec<_>, Vec<_>) = leg.verdict.sizes.iter().partition(|of| of.is_candidate);
     if allowed.is_empty() {

@@ -64,7 +64,10 @@ impl Report<'_> {
                 let words: [(&str, &dyn Display); 1] = [("mm", &mm(verdicts.scanner_girth_mm))];
                 said.push(self.filled("sizes.common", &words));
             }
-            if verdicts.has_by_hand() {
+            if verdicts.has(|of| !of.is_required) {
+                said.push(self.text("sizes.not_required"));
+            }
+            if verdicts.has(PointVerdict::is_by_hand) {
                 let words: [(&str, &dyn Display); 1] = [("mm", &mm(verdicts.tape_girth_mm))];
                 said.push(self.filled("sizes.tape", &words));
             }
@@ -88,17 +91,20 @@ impl Report<'_> {
             ("leg", &self.leg_heading(side)),
             ("garment", &self.garment.in_sentence(self.language.tag())),
         ];
+        let together = |(index, table, leg): &(usize, &TableVerdict, &LegSizes)| {
+            words::together(*index, table, leg, self.language)
+        };
         let first = ["sizes.size", "sizes.verdict"].map(|key| self.text(key));
         let heads = points.iter().map(ToString::to_string);
-        (!rows.is_empty()).then(|| Table {
+        (!legs.is_empty()).then(|| Table {
             title: self.filled("sizes.leg", &words),
-            explanation: None,
+            explanation: Some(legs.iter().map(together).collect::<Vec<_>>().join(" ")),
             columns: first.into_iter().chain(heads).collect(),
             rows,
         })
     }
 
-    /// The candidates of a table, its lengths, what is left out, and both together.
+    /// The candidates of a table and its lengths.
     fn of_table(
         &self,
         index: usize,
@@ -129,18 +135,12 @@ impl Report<'_> {
             let name = self.filled("sizes.length", &[("name", &of.length)]);
             rows.push(row(&name, words::fit(of.fit, &of.missing, language), &of.points));
         }
-        let left_out = words::left_out(table, leg, language);
-        rows.extend(left_out.map(|said| row(&said, String::new(), &[])));
-        let together = language.word("sizes.fit", verdict.fit.word());
-        let together = self.filled("sizes.together", &[("verdict", &together)]);
-        rows.push(row(&together, String::new(), &[]));
         rows
     }
 
     /// A cell for each of these points.
     fn cells(&self, of: &[PointVerdict], points: &[Point]) -> Vec<Figure> {
         let cell = |point: &Point| match of.iter().find(|of| of.point == *point) {
-            None if of.is_empty() => Figure::plain(""),
             None => Figure::plain(NOT_ASKED),
             Some(of) => self.cell(of),
         };
@@ -156,10 +156,10 @@ impl Report<'_> {
             _ => "",
         };
         let margins = words::margins(margins_mm, self.language);
-        let said = format!("{margins} · {}{sign}", words::inside(of, self.language));
+        let said = format!("{margins}{sign} ({})", words::inside(of, self.language));
         match of.is_required {
             true => Figure::plain(said),
-            false => Figure::plain(format!("({said})")),
+            false => Figure::plain(format!("[{said}]")),
         }
     }
 
