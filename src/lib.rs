@@ -22,7 +22,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! With `default-features = false` gaiter is this library: language, scan, spline, leg, cad, sizes and record.
+//! With `default-features = false` gaiter is this library: language, scan, spline, leg, cad, sizes, record
+//! and visits.
 //! The feature `station` adds the program.
 //!
 //! Data goes one way, top to bottom; a layer uses only layers above it.
@@ -36,6 +37,7 @@
 //! | [`cad`] | pure | surface → CAD files and meshes, as bytes |
 //! | [`sizes`] | pure | garments and size tables, and what a table says about a leg; knows no records |
 //! | [`record`] | pure | reports → record: JSON, CSV, pictures, the report people read, as bytes |
+//! | [`visits`] | pure | records of one patient → what changed between visits |
 //! | [`flow`] | pure | the station's decisions as functions of state and `now` |
 //! | [`store`] | effects | record stores; idempotent `put` |
 //! | [`station`] | effects | watch, spool, journal, work, deliver |
@@ -57,6 +59,7 @@
 //! | `cad` | nalgebra, thiserror, zmij (numbers as text) |
 //! | `sizes` | jiff (calendar only), libm (the error function), serde, sha2, thiserror, toml (the files) |
 //! | `record` | base64, `encoding_rs` (code page 1252), flate2 (packing), jiff (calendar only), nalgebra, `pdf_writer`, serde, `serde_json`, sha2, subsetter (fonts), thiserror, `tiny_skia` (pixels) |
+//! | `visits` | jiff (calendar only), serde, `serde_json`, thiserror |
 //! | `flow` | regex, serde, thiserror, jiff (calendar only) |
 
 pub mod cad;
@@ -76,3 +79,4 @@ pub mod spline;
 pub mod station;
 #[cfg(feature = "station")]
 pub mod store;
+pub mod visits;

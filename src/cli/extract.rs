@@ -204,6 +204,7 @@ impl Choices {
         method.up = args.up.unwrap_or(method.up);
         method.facing = args.facing.unwrap_or(method.facing);
         method.winding = args.winding.unwrap_or(method.winding);
+        method.posture = args.posture.unwrap_or(method.posture);
         method.at_heights_mm = args.at.clone().unwrap_or(method.at_heights_mm);
         if let Some(files) = &args.files {
             output.files = files.iter().copied().collect();

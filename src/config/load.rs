@@ -11,8 +11,8 @@ use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::sizes::beside::Files;
 use super::words::{
-    ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, PAPERS, SCOPES,
-    SURFACES, TAPES, UNITS, UPS, WINDINGS, Words, faces_up_or_down,
+    ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, PAPERS,
+    POSTURES, SCOPES, SURFACES, TAPES, UNITS, UPS, VOLUMES, WINDINGS, Words, faces_up_or_down,
 };
 use super::{
     Config, FolderStoreConfig, MeasureConfig, PatientConfig, ScannerConfig, StationConfig,
@@ -90,6 +90,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let up = reader.text("scanner.up", Default("y"), parse::word(UPS));
     let facing = reader.text("scanner.facing", Default("auto"), parse::word(FACINGS));
     let winding = reader.text("scanner.winding", Default("outward"), parse::word(WINDINGS));
+    let posture = reader.text("scanner.posture", Default("both-legs"), parse::word(POSTURES));
     let example = Nothing("^(?<patient>P?[0-9]+)_");
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
@@ -102,6 +103,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let tape = tape(reader);
     let at = reader.numbers("method.at", "10, 20, 30", parse::height_mm);
     let levels = level_choices(reader);
+    let volume = reader.text("method.volume", Default("cones"), parse::word(VOLUMES));
     let surface = surface_method(reader);
     let output = output(reader);
     let language = reader.text("report.language", Default("en"), parse::word(LANGUAGES));
@@ -166,9 +168,11 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
             up: up?.value,
             facing: facing?.value,
             winding: winding?.value,
+            posture: posture?.value,
             fit: fit?.value,
             at_heights_mm: at.into_iter().map(|height| height.value).collect(),
             levels: levels?,
+            volume: volume?.value,
             tape: tape?,
             surface: surface?,
         },

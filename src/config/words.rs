@@ -10,8 +10,8 @@ use crate::flow::patient::check_digit::CheckDigit;
 use crate::language::Language;
 use crate::leg::Side;
 use crate::leg::method::{
-    Axis, AxisFit, FacingChoice, Knots, Scope, SectionFit, SurfaceFrom, Tape, Unit, UnitChoice, Up,
-    Winding,
+    Axis, AxisFit, FacingChoice, Knots, Posture, Scope, SectionFit, SurfaceFrom, Tape, Unit,
+    UnitChoice, Up, VolumeBy, Winding,
 };
 use crate::record::FigureFormat;
 use crate::record::report::Paper;
@@ -118,6 +118,17 @@ pub const FACINGS: Words<FacingChoice> = &[
 
 /// `scanner.winding`, `--winding`
 pub const WINDINGS: Words<Winding> = &[("outward", Winding::Outward), ("inward", Winding::Inward)];
+
+/// `scanner.posture`
+pub const POSTURES: Words<Posture> = &[
+    ("both-legs", Posture::BothLegs),
+    ("one-leg", Posture::OneLeg),
+    ("sitting", Posture::Sitting),
+    ("lying", Posture::Lying),
+];
+
+/// `method.volume`
+pub const VOLUMES: Words<VolumeBy> = &[("cones", VolumeBy::Cones), ("discs", VolumeBy::Discs)];
 
 /// `method.fit`
 pub const FITS: Words<SectionFit> =

@@ -4,7 +4,7 @@ use super::level::Level;
 use super::side::Side;
 use crate::leg::comparison::volume::LegVolume;
 use crate::leg::features::feature::Feature;
-use crate::leg::levels::at_height::AtHeight;
+use crate::leg::levels::at_height::{AtHeight, AtLength};
 use crate::leg::levels::foot::Foot;
 use crate::leg::levels::girth::GirthCurve;
 use crate::leg::levels::landmark::{Estimate, Landmark};
@@ -43,6 +43,8 @@ pub struct LegReport {
     pub at: Vec<AtHeight>,
     /// Girths at the heights at which both legs are compared, lowest first.
     pub profile: Vec<AtHeight>,
+    /// Girths at the lengths along the axis at which scans of different days are compared, lowest first.
+    pub along: Vec<AtLength>,
 }
 
 /// The section at a level and its features.

@@ -2,6 +2,7 @@
 //! use.
 
 use super::side::Side;
+pub use crate::leg::comparison::tape_volume::VolumeBy;
 pub use crate::spline::Knots;
 
 /// How to read and measure a scan. `Default` is the method without any choices by the user.
@@ -17,6 +18,8 @@ pub struct Method {
     pub facing: FacingChoice,
     /// Which way round the export's triangles are wound.
     pub winding: Winding,
+    /// How the patient holds the legs. It changes nothing of the measurement; girths and volumes depend on it.
+    pub posture: Posture,
     /// The source of the sections.
     pub fit: SectionFit,
     /// How the tape lies around the leg.
@@ -27,6 +30,34 @@ pub struct Method {
     pub at_heights_mm: Vec<f64>,
     /// The chosen definitions of levels that have more than one.
     pub levels: LevelChoices,
+    /// How volumes are made of girths at fixed places, for comparing visits.
+    pub volume: VolumeBy,
+}
+
+/// How the patient holds the legs while they are scanned.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Posture {
+    /// Standing, with the weight on both legs, as in a booth.
+    #[default]
+    BothLegs,
+    /// Standing, with the weight on the leg that is measured, as rules for the tape ask for.
+    OneLeg,
+    /// Sitting.
+    Sitting,
+    /// Lying.
+    Lying,
+}
+
+impl Posture {
+    /// The word used in the configuration and in records.
+    pub fn word(self) -> &'static str {
+        match self {
+            Posture::BothLegs => "both-legs",
+            Posture::OneLeg => "one-leg",
+            Posture::Sitting => "sitting",
+            Posture::Lying => "lying",
+        }
+    }
 }
 
 /// Which way round triangles are wound: their corners run counter-clockwise as seen from …

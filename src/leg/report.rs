@@ -9,7 +9,7 @@ use super::side::Side;
 use super::{Body, Method};
 use crate::leg::comparison::volume::leg_volume;
 use crate::leg::features::feature::features;
-use crate::leg::levels::at_height::{AtHeight, at_heights, profile_heights_mm};
+use crate::leg::levels::at_height::{AtHeight, at_heights, at_lengths, profile_heights_mm};
 use crate::leg::levels::foot::{Foot, foot};
 use crate::leg::levels::girth::{GirthCurve, girth_curve};
 use crate::leg::levels::landmark::{Estimate, Landmark};
@@ -111,6 +111,8 @@ pub fn leg_report(
     let volume = leg_volume(&sections, &curve, &landmarks);
     let at = at_heights(&curve, &method.at_heights_mm, near);
     let profile = at_heights(&curve, &profile_heights_mm(&curve), near);
+    let lengths = AxisLength::of(&sections, scale_mm, method.tape);
+    let along = at_lengths(&curve, &lengths, near);
     findings.about_heights(&at);
     let across = landmarks.iter().filter(|landmark| landmark.level >= Level::B);
     let along_mm: Vec<f64> = across.clone().map(|landmark| landmark.along_mm).collect();
@@ -127,7 +129,7 @@ pub fn leg_report(
         side: leg.side,
         level_sections: level_sections.collect(),
         shape: Shape::of(leg, &sections, surface.as_ref()),
-        lengths: AxisLength::of(&sections, scale_mm, method.tape),
+        lengths,
         axis: sections.axis,
         landmarks,
         estimates: measures.estimates,
@@ -137,6 +139,7 @@ pub fn leg_report(
         volume,
         at,
         profile,
+        along,
     };
     Ok((report, findings.found))
 }

@@ -5,11 +5,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::rounding::{ml, mm, percent};
+use crate::leg::LegReport;
 use crate::leg::comparison::difference::{
     Difference, Differences, LevelDifference, VolumeDifference,
 };
-use crate::leg::comparison::volume::{LegVolume, Slice, Volume};
-use crate::leg::levels::at_height::AtHeight;
+use crate::leg::comparison::tape_volume::{Piece, VolumeBy};
+use crate::leg::comparison::volume::{Slice, Volume};
+use crate::leg::levels::at_height::{AtHeight, AtLength, PROFILE_STEP_MM};
 use crate::leg::sections::axis_length::AxisLength;
 
 /// Volumes of one leg.
@@ -30,6 +32,27 @@ pub struct VolumeFigures {
     pub b_to_d_sd_ml: Option<f64>,
     /// Slices of 4 cm along the axis from the floor up.
     pub slices: Vec<SliceFigures>,
+    /// The volume as clinics compute it from girths every 4 cm along the leg; null if there are none, and in
+    /// records of older versions.
+    #[serde(default)]
+    pub by_tape: Option<TapeVolumeFigures>,
+}
+
+/// A volume made of girths at fixed places.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct TapeVolumeFigures {
+    /// `cones` between neighbouring places or `discs` about each. Volumes of different methods are not
+    /// compared.
+    #[schemars(extend("enum" = ["cones", "discs"]))]
+    pub method: String,
+    /// Distance between two places.
+    pub step_mm: f64,
+    /// Lower end, along the axis from the floor.
+    pub from_mm: f64,
+    /// Upper end, along the axis from the floor; between the two every girth was measured.
+    pub to_mm: f64,
+    /// The volume between the ends.
+    pub ml: f64,
 }
 
 /// The volume of a slice across the axis.
@@ -59,6 +82,23 @@ pub struct AtFigures {
     /// Standard error of the tape girth.
     pub girth_sd_mm: Option<f64>,
     /// Codes of doubts; `height-not-measured` if there is no girth, and then its finding says why.
+    pub doubts: Vec<String>,
+}
+
+/// The girth at a fixed length along the leg; null if it was not measured.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct AlongFigures {
+    /// Length along the leg's axis from the floor.
+    pub along_axis_mm: f64,
+    /// Vertical height of the section's centre above the floor.
+    pub height_mm: Option<f64>,
+    /// Circumference of the convex hull, as a tape reads it.
+    pub girth_tape_mm: Option<f64>,
+    /// Circumference along the skin.
+    pub girth_contour_mm: Option<f64>,
+    /// Standard error of the tape girth at this place.
+    pub girth_sd_mm: Option<f64>,
+    /// Codes of doubts.
     pub doubts: Vec<String>,
 }
 
@@ -108,8 +148,9 @@ fn known(value: f64, rounded: fn(f64) -> f64) -> Option<f64> {
     value.is_finite().then(|| rounded(value))
 }
 
-/// The volumes of a leg.
-pub fn volumes(leg: &LegVolume) -> VolumeFigures {
+/// The volumes of a leg; `by` says how one is made of girths.
+pub fn volumes(report: &LegReport, by: VolumeBy) -> VolumeFigures {
+    let leg = &report.volume;
     let value = |volume: Option<Volume>| volume.and_then(|volume| known(volume.ml, ml));
     let sd = |volume: Option<Volume>| volume.and_then(|volume| known(volume.sd_ml, ml));
     let slice = |slice: &Slice| SliceFigures {
@@ -128,7 +169,27 @@ pub fn volumes(leg: &LegVolume) -> VolumeFigures {
         b_to_d_ml: value(leg.b_to_d),
         b_to_d_sd_ml: sd(leg.b_to_d),
         slices: leg.slices.iter().map(slice).collect(),
+        by_tape: by_tape(&report.along, by),
     }
+}
+
+/// The volume from girths at fixed places, over the longest run of them without a gap.
+fn by_tape(along: &[AtLength], by: VolumeBy) -> Option<TapeVolumeFigures> {
+    let girth_mm = |at: &AtLength| at.found.as_ref().ok().map(|girth| girth.girth_tape_mm);
+    let runs = along.split(|at| at.found.is_err());
+    let run = runs.max_by_key(|run| run.len())?;
+    let piece = |index: usize| {
+        let girths_mm = [Some(&run[index]), run.get(index + 1)].map(|at| at.and_then(girth_mm));
+        by.piece(run[index].length_mm, PROFILE_STEP_MM, girths_mm)
+    };
+    let pieces: Vec<Piece> = (0..run.len()).filter_map(piece).collect();
+    Some(TapeVolumeFigures {
+        method: by.word().to_owned(),
+        step_mm: PROFILE_STEP_MM,
+        from_mm: mm(pieces.first()?.from_mm),
+        to_mm: mm(pieces.last()?.to_mm),
+        ml: ml(pieces.iter().map(|piece| piece.ml).sum()),
+    })
 }
 
 /// The girth at a height.
@@ -144,6 +205,20 @@ pub fn at(at: &AtHeight, lengths: &AxisLength) -> AtFigures {
             Some(girth) => girth.doubts.iter().map(|doubt| doubt.code().to_owned()).collect(),
             None => vec!["height-not-measured".to_owned()],
         },
+    }
+}
+
+/// The girth at a fixed length.
+pub fn along(at: &AtLength) -> AlongFigures {
+    let girth = at.found.as_ref().ok();
+    let doubts = girth.iter().flat_map(|girth| &girth.doubts);
+    AlongFigures {
+        along_axis_mm: mm(at.length_mm),
+        height_mm: at.height_mm.map(mm),
+        girth_tape_mm: girth.map(|girth| mm(girth.girth_tape_mm)),
+        girth_contour_mm: girth.map(|girth| mm(girth.girth_contour_mm)),
+        girth_sd_mm: girth.and_then(|girth| known(girth.girth_sd_mm, mm)),
+        doubts: doubts.map(|doubt| doubt.code().to_owned()).collect(),
     }
 }
 

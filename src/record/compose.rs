@@ -46,6 +46,7 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             crotch_height_mm: crotch.is_seen().then(|| mm(crotch.height_mm)),
             crotch_sd_mm: crotch.is_seen().then(|| mm(crotch.sd_mm.hypot(body.floor_sd_mm))),
             crotch_from: Some(crotch.from.word().to_owned()),
+            floor_sd_mm: Some(mm(body.floor_sd_mm)),
             facing_deg: degrees(body.facing_deg),
             facing_from: match body.facing_from {
                 FacingFrom::Feet => "feet".to_owned(),
@@ -53,7 +54,7 @@ pub fn record(extraction: &Extraction, provenance: &Provenance, method: &Method)
             },
             from_export: std::array::from_fn(|i| body.from_export[(i / 4, i % 4)]),
         },
-        legs: extraction.legs.iter().map(|report| leg(report, method.tape)).collect(),
+        legs: extraction.legs.iter().map(|report| leg(report, method)).collect(),
         differences: extraction.differences.as_ref().map(chart::differences),
         findings: extraction.findings.iter().map(note).collect(),
         amendments: provenance.amendments.clone(),
@@ -71,6 +72,8 @@ fn method_words(method: &Method) -> BTreeMap<String, String> {
         ("up", method.up.word()),
         ("facing", method.facing.word()),
         ("winding", method.winding.word()),
+        ("posture", method.posture.word()),
+        ("volume", method.volume.word()),
         ("fit", method.fit.word()),
         ("tape", method.tape.word()),
     ];
@@ -117,13 +120,13 @@ fn surface_words(method: &Method) -> [(String, String); 3] {
     ]
 }
 
-fn leg(report: &LegReport, tape: Tape) -> LegFigures {
+fn leg(report: &LegReport, method: &Method) -> LegFigures {
     let landmarks = report.landmarks.iter();
     LegFigures {
         side: report.side.word().to_owned(),
         tilt_deg: degrees(report.axis.tilt_deg()),
         axis: Some(shape::axis(&report.axis)),
-        axes: (tape == Tape::Shank).then(|| shape::axes(&report.axis)),
+        axes: (method.tape == Tape::Shank).then(|| shape::axes(&report.axis)),
         landmarks: landmarks.map(|l| (l.level.name().to_owned(), landmark(report, l))).collect(),
         estimates: estimates(report),
         foot: report.foot.map(|foot| FootFigures {
@@ -134,9 +137,10 @@ fn leg(report: &LegReport, tape: Tape) -> LegFigures {
         sections: report.level_sections.iter().map(|at| section(&report.axis, at)).collect(),
         features: report.level_sections.iter().flat_map(features).collect(),
         surface: surface(report),
-        volume: chart::volumes(&report.volume),
+        volume: chart::volumes(report, method.volume),
         at: report.at.iter().map(|at| chart::at(at, &report.lengths)).collect(),
         profile: report.profile.iter().map(|at| chart::at(at, &report.lengths)).collect(),
+        along: report.along.iter().map(chart::along).collect(),
         shape: Some(shape::shape(report)),
     }
 }

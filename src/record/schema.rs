@@ -11,7 +11,7 @@ use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize};
 
-use super::chart::{AtFigures, DifferenceFigures, VolumeFigures};
+use super::chart::{AlongFigures, AtFigures, DifferenceFigures, VolumeFigures};
 use super::phantom::LastCheck;
 use super::provenance::{Acquired, Patient};
 use super::shape::{AxesFigures, AxisFigures, OutlineFigures, ShapeFigures};
@@ -120,6 +120,10 @@ pub struct BodyFigures {
     #[serde(default)]
     #[schemars(extend("enum" = ["saddle", "border", "grown-together", "thighs", "notch", "one-leg", "proportion", null]))]
     pub crotch_from: Option<String>,
+    /// Standard error of the floor's height, from which all heights are counted; null in records of older
+    /// versions.
+    #[serde(default)]
+    pub floor_sd_mm: Option<f64>,
     /// Direction of the toes in the export.
     pub facing_deg: f64,
     /// Source of the facing: `feet` or `declared`.
@@ -170,6 +174,10 @@ pub struct LegFigures {
     /// in records of older versions.
     #[serde(default)]
     pub profile: Vec<AtFigures>,
+    /// Girths every 4 cm along the axis from the floor, lowest first, for comparing scans of different days:
+    /// these places do not depend on how the leg was held. Empty in records of older versions.
+    #[serde(default)]
+    pub along: Vec<AlongFigures>,
     /// The shape from which pictures are drawn; null in records of older versions.
     #[serde(default)]
     pub shape: Option<ShapeFigures>,

@@ -13,7 +13,7 @@ struct Rule {
     crates: &'static [&'static str],
 }
 
-const PURE: [Rule; 8] = [
+const PURE: [Rule; 9] = [
     Rule { layer: "language", layers: &[], crates: &["toml"] },
     Rule { layer: "scan", layers: &[], crates: &["nalgebra", "rayon", "thiserror", "tobj"] },
     Rule { layer: "spline", layers: &[], crates: &["nalgebra", "rayon", "thiserror"] },
@@ -42,6 +42,11 @@ const PURE: [Rule; 8] = [
             "thiserror",
             "tiny_skia",
         ],
+    },
+    Rule {
+        layer: "visits",
+        layers: &["language", "leg", "record"],
+        crates: &["jiff", "serde", "serde_json", "thiserror"],
     },
     Rule {
         layer: "flow",

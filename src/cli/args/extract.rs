@@ -7,10 +7,10 @@ use std::path::PathBuf;
 use super::{GarmentArgs, of_words};
 use crate::cad::FileKind;
 use crate::config::words::{
-    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, SCOPES, UNITS, UPS, WINDINGS,
+    self, FACINGS, FIGURES, FILES, HEIGHTS_CM, LANGUAGES, POSTURES, SCOPES, UNITS, UPS, WINDINGS,
 };
 use crate::language::Language;
-use crate::leg::method::{FacingChoice, Scope, UnitChoice, Up, Winding};
+use crate::leg::method::{FacingChoice, Posture, Scope, UnitChoice, Up, Winding};
 use crate::record::FigureFormat;
 
 /// `gaiter extract`; a choice that was not made is `None`, so that the configuration can make it.
@@ -71,6 +71,10 @@ pub struct ExtractArgs {
     /// Which way round the scan's triangles are wound [default: outward]
     #[arg(long, value_parser = of_words(WINDINGS))]
     pub winding: Option<Winding>,
+    /// How the patient holds the legs; it stands in the record, and only scans of one posture are compared
+    /// without a warning [default: both-legs]
+    #[arg(long, value_parser = of_words(POSTURES))]
+    pub posture: Option<Posture>,
     /// Heights above the floor at which girths are also measured, in cm: --at 10,20,30.5
     #[arg(long, value_name = "CM,…", value_delimiter = ',', value_parser = height_mm)]
     pub at: Option<Vec<f64>>,

@@ -6,7 +6,7 @@ use jiff::Zoned;
 
 use crate::cad::Output;
 use crate::cli::{Exit, explain_config};
-use crate::config::words::{self, FACINGS, UNITS, UPS, WINDINGS};
+use crate::config::words::{self, FACINGS, POSTURES, UNITS, UPS, WINDINGS};
 use crate::leg::method::{B1, Scope, UnitChoice};
 use crate::leg::{Method, Side};
 use crate::record::{Record, ReportChoice};
@@ -58,6 +58,8 @@ fn as_asked(record: &Record) -> Method {
     method.facing = facing.unwrap_or(method.facing);
     let winding = said("winding").and_then(|word| words::meaning(WINDINGS, word));
     method.winding = winding.unwrap_or(method.winding);
+    let posture = said("posture").and_then(|word| words::meaning(POSTURES, word));
+    method.posture = posture.unwrap_or(method.posture);
     let heights = said("at_heights_mm").map(|list| list.split(", ").flat_map(str::parse).collect());
     method.at_heights_mm = heights.unwrap_or_default();
     let mm = |key| said(key)?.strip_suffix("mm")?.parse::<f64>().ok();
@@ -74,7 +76,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::leg::method::{Axis, FacingChoice, Unit, Up, Winding};
+    use crate::leg::method::{Axis, FacingChoice, Posture, Unit, Up, Winding};
 
     #[test]
     fn what_a_record_was_asked_for_is_asked_again() {
@@ -83,7 +85,7 @@ mod tests {
             "acquired": null,
             "made_by": {"gaiter": "0.1.0", "method": {
                 "scope": "right leg", "unit": "cm", "up": "z", "facing": "-x",
-                "winding": "inward",
+                "winding": "inward", "posture": "sitting",
                 "at_heights_mm": "300, 412.5", "g_below_crotch": "40mm", "b1_above_b": "70mm",
             }},
             "scan": {"sha256": "0", "format": "obj", "unit": "cm", "unit_inferred": false,
@@ -99,6 +101,7 @@ mod tests {
         assert_eq!(method.up, Up::Z);
         assert_eq!(method.facing, FacingChoice::Declared(Axis::MinusX));
         assert_eq!(method.winding, Winding::Inward);
+        assert_eq!(method.posture, Posture::Sitting);
         assert_eq!(method.at_heights_mm, [300.0, 412.5]);
         assert_eq!(method.levels.g_below_crotch_mm, 40.0);
         assert_eq!(method.levels.b1, B1::AboveB { distance_mm: 70.0 });

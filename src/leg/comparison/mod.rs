@@ -3,4 +3,5 @@
 pub mod difference;
 pub mod opinion;
 pub mod second_opinion;
+pub mod tape_volume;
 pub mod volume;

@@ -1,9 +1,11 @@
 //! Girths at requested heights, as clinics chart them: every 10 cm above the floor, for example,
-//! independent of the levels of the leg.
+//! independent of the levels of the leg. And at fixed lengths along the leg, for comparing scans of
+//! different days: there they do not depend on how the leg was held.
 
 use super::girth::GirthCurve;
 use super::level_reading::doubts;
 use crate::leg::doubt::Doubt;
+use crate::leg::sections::axis_length::AxisLength;
 use crate::leg::sections::section::{Girth, SPACING_MM, Section};
 
 /// The result at a requested height.
@@ -30,6 +32,17 @@ pub struct HeightGirth {
     pub doubts: Vec<Doubt>,
 }
 
+/// The result at a fixed length along the leg's axis.
+#[derive(Debug, Clone, PartialEq)]
+pub struct AtLength {
+    /// The length along the axis from the floor, mm, as records state it.
+    pub length_mm: f64,
+    /// Height of the section's centre above the floor, mm; `None` if it was not measured.
+    pub height_mm: Option<f64>,
+    /// The girth there, or the reason why there is none.
+    pub found: Result<HeightGirth, NoGirth>,
+}
+
 /// Why there is no girth at a height.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum NoGirth {
@@ -46,7 +59,8 @@ pub enum NoGirth {
     NotSeen,
 }
 
-/// Distance of the heights at which legs are compared, mm: the usual step of tables by hand.
+/// Distance of the heights, and of the lengths, at which legs are compared, mm: the usual step of tables
+/// by hand.
 pub const PROFILE_STEP_MM: f64 = 40.0;
 
 /// The heights above the floor at which both legs are compared, mm: multiples of [`PROFILE_STEP_MM`] where
@@ -68,23 +82,51 @@ pub fn at_heights<'a>(
     near: impl Fn(f64) -> Option<&'a Section>,
 ) -> Vec<AtHeight> {
     let one = |&height_mm: &f64| {
-        let found = along_mm(curve, height_mm).and_then(|along_mm| {
-            let doubts = doubts(curve, along_mm, near(along_mm));
-            let Girth { tape_mm, contour_mm } = curve.girth(along_mm);
-            let girth = HeightGirth {
-                along_mm,
-                girth_tape_mm: tape_mm,
-                girth_contour_mm: contour_mm,
-                girth_sd_mm: curve.tape_sd(along_mm, 0),
-                doubts,
-            };
-            // The curve bridges such gaps; a level there may be reported with a doubt, a charted
-            // girth may not.
-            if girth.doubts.contains(&Doubt::NotSeen) { Err(NoGirth::NotSeen) } else { Ok(girth) }
-        });
+        let along_mm = along_mm(curve, height_mm);
+        let found = along_mm.and_then(|along_mm| girth_at(curve, along_mm, near(along_mm)));
         AtHeight { height_mm, found }
     };
     heights_mm.iter().map(one).collect()
+}
+
+/// The girths at multiples of [`PROFILE_STEP_MM`] along the leg's axis, over the range of the curve.
+pub fn at_lengths<'a>(
+    curve: &GirthCurve,
+    lengths: &AxisLength,
+    near: impl Fn(f64) -> Option<&'a Section>,
+) -> Vec<AtLength> {
+    let (from_mm, to_mm) = curve.domain();
+    let steps = |along_mm: f64| lengths.at(along_mm) / PROFILE_STEP_MM;
+    let (first, last) = (steps(from_mm).ceil() as u32, steps(to_mm).floor() as u32);
+    let one = |step: u32| {
+        let length_mm = PROFILE_STEP_MM * f64::from(step);
+        let along_mm = lengths.along_at(length_mm);
+        let found = girth_at(curve, along_mm, near(along_mm));
+        let height_mm = found.as_ref().ok().and_then(|_| curve.height_mm(along_mm));
+        AtLength { length_mm, height_mm, found }
+    };
+    (first..=last).map(one).collect()
+}
+
+/// The girth at a distance along the axis, of which `near` is the nearest section.
+fn girth_at(
+    curve: &GirthCurve,
+    along_mm: f64,
+    near: Option<&Section>,
+) -> Result<HeightGirth, NoGirth> {
+    let doubts = doubts(curve, along_mm, near);
+    // The curve bridges such gaps; a level there may be reported with a doubt, a charted girth may not.
+    if doubts.contains(&Doubt::NotSeen) {
+        return Err(NoGirth::NotSeen);
+    }
+    let Girth { tape_mm, contour_mm } = curve.girth(along_mm);
+    Ok(HeightGirth {
+        along_mm,
+        girth_tape_mm: tape_mm,
+        girth_contour_mm: contour_mm,
+        girth_sd_mm: curve.tape_sd(along_mm, 0),
+        doubts,
+    })
 }
 
 /// The distance along the axis at which the section's centre has a given height.

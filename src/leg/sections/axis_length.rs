@@ -50,4 +50,15 @@ impl AxisLength {
         let slope = high.map_or(1.0, |[high, to_mm]| (to_mm - from_mm) / (high - low));
         from_mm + (along_mm - low) * slope
     }
+
+    /// The coordinate at a distance along the axis, mm: the inverse of [`AxisLength::at`].
+    pub fn along_at(&self, length_mm: f64) -> f64 {
+        let above = self.knots.partition_point(|[_, length]| *length < length_mm);
+        let (Some([low, from_mm]), high) = (self.knots[..above].last(), self.knots.get(above))
+        else {
+            return length_mm;
+        };
+        let slope = high.map_or(1.0, |[high, to_mm]| (high - low) / (to_mm - from_mm));
+        low + (length_mm - from_mm) * slope
+    }
 }

@@ -6,6 +6,7 @@ pub mod mesh;
 pub mod metric;
 pub mod noise;
 pub mod solids;
+pub mod stance;
 pub mod strip;
 pub mod test_leg;
 pub mod tubes;

@@ -1,0 +1,28 @@
+//! Records of one patient → what changed from visit to visit.
+//!
+//! Girths are compared at fixed places along the leg, every 4 cm from the floor, never at levels that are
+//! found anew in each scan; volumes are made of these girths. What a comparison can show is limited less by
+//! noise than by what all girths of a scan have in common, so the two are kept apart ([`quantity`]).
+//!
+//! | step | where |
+//! |---|---|
+//! | a record as a visit: places, stance, scanner, definition | [`visit`], [`leg`] |
+//! | the visits in order, and which can be compared | [`course`] |
+//! | what changed between two of them | [`comparison`], [`excess`] |
+//! | what speaks against comparing them | [`caution`] |
+
+#![deny(clippy::disallowed_methods, clippy::disallowed_types)]
+
+pub mod caution;
+pub mod comparison;
+pub mod course;
+pub mod excess;
+pub mod leg;
+pub mod quantity;
+pub mod visit;
+
+pub use caution::Caution;
+pub use comparison::{Comparison, LegChange, PlaceChange};
+pub use course::{Affected, Choice, Course, CourseFault, Group};
+pub use quantity::{Change, Quantity, Shown};
+pub use visit::{GIRTH_COMMON_MM, Visit};
