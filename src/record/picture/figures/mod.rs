@@ -5,7 +5,7 @@ mod differences;
 mod error;
 mod fit;
 mod girths;
-mod plot;
+pub(crate) mod plot;
 mod sections;
 mod sheet;
 mod slopes;
