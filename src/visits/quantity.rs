@@ -6,11 +6,7 @@
 
 use crate::record::rounding::MARGIN_SDS;
 
-/// How many standard uncertainties of a difference a change must exceed to be shown: the normal deviate of
-/// 0.05, two-sided. With it, [`Change::detectable`] is what clinics call the minimal detectable change, MDC95.
-const CHANGE_SDS: f64 = 1.96;
-
-/// As [`CHANGE_SDS`], for each of 36 places of two legs: the normal deviate of 0.05 / 36, two-sided
+/// As [`MARGIN_SDS`], for each of 36 places of two legs: the normal deviate of 0.05 / 36, two-sided
 /// (Bonferroni).
 const PLACE_SDS: f64 = 3.2;
 
@@ -111,7 +107,7 @@ impl Change {
     /// The change between figures of two scans. Their errors are independent: how far a scanner's calibration
     /// has moved between them is not known, so nothing of it is assumed to cancel.
     pub fn between(earlier: &Quantity, later: &Quantity) -> Change {
-        Change::of_one(earlier, later, CHANGE_SDS)
+        Change::of_one(earlier, later, MARGIN_SDS)
     }
 
     /// The change at one of the many places of two legs. It must exceed more of its own uncertainty, so that
@@ -138,7 +134,7 @@ impl Change {
         Change { stance, ..self }
     }
 
-    /// The smallest change that is told from none: a difference of two scans of an unchanged leg exceeds it
+    /// The smallest change that is told from none, which clinics call the minimal detectable change (MDC95): a difference of two scans of an unchanged leg exceeds it
     /// in about 5 of 100 comparisons.
     pub fn detectable(&self) -> f64 {
         self.sds * self.random.hypot(self.common).hypot(self.stance)
@@ -194,21 +190,21 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_shown_beyond_1_96_standard_uncertainties_and_not_below_them() {
+    fn a_change_is_shown_beyond_two_standard_uncertainties_and_not_at_them() {
         let earlier = quantity(1000.0, [3.0, 0.0, 0.0]);
         let shown =
             |value: f64| Change::between(&earlier, &quantity(value, [4.0, 0.0, 0.0])).shown();
-        assert_eq!(shown(1009.7), Shown::NoChange);
-        assert_eq!(shown(990.3), Shown::NoChange);
-        assert_eq!(shown(1009.9), Shown::Larger);
-        assert_eq!(shown(990.1), Shown::Smaller);
+        assert_eq!(shown(1010.0), Shown::NoChange);
+        assert_eq!(shown(990.0), Shown::NoChange);
+        assert_eq!(shown(1010.1), Shown::Larger);
+        assert_eq!(shown(989.9), Shown::Smaller);
     }
 
     #[test]
     fn another_stance_adds_to_what_a_change_must_exceed() {
         let earlier = quantity(1000.0, [0.0, 3.0, 0.0]);
         let change = Change::between(&earlier, &earlier).with_stance(5.0);
-        assert!((change.detectable() - 1.96 * 43_f64.sqrt()).abs() < 1e-9);
+        assert!((change.detectable() - 2.0 * 43_f64.sqrt()).abs() < 1e-9);
     }
 
     #[test]

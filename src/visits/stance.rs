@@ -5,7 +5,7 @@ use crate::leg::levels::at_height::PROFILE_STEP_MM;
 use crate::record::schema::{BodyFigures, LegFigures};
 
 /// Height of the knee as a share of the stature (Drillis and Contini; Winter, Biomechanics, fig. 4.1).
-const KNEE_SHARE: f64 = 0.285;
+pub(super) const KNEE_SHARE: f64 = 0.285;
 
 /// Half the length along the leg in which a bent knee folds or stretches the skin, mm; see docs/visits.md.
 const KNEE_ZONE_MM: f64 = 80.0;

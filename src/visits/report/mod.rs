@@ -1,5 +1,6 @@
 //! The report of a patient's visits for people: its content as data, which record's report prints.
 
+mod pictures;
 mod summary;
 mod tables;
 mod words;
@@ -7,7 +8,9 @@ mod words;
 use jiff::civil::Date;
 
 use self::words::Words;
+use super::comparison::Comparison;
 use super::course::{Course, Group};
+use super::overlay::Overlay;
 use super::threshold::Threshold;
 use crate::language::Language;
 use crate::leg::Side;
@@ -60,6 +63,9 @@ impl ReportOf<'_> {
         let compared = self.course.last_compared(group);
         blocks.extend(compared.iter().map(|of| Block::Table(tables::volumes(words, group, of))));
         let shown = shown(group);
+        blocks.extend(pictures::all(words, group, &shown, &compared));
+        let overlaid = compared.first();
+        blocks.extend(overlaid.map(|of| self.overlaid(words, of)).into_iter().flatten());
         let legs = || Side::FROM_FRONT.into_iter();
         let girths = legs().filter_map(|side| tables::girths(words, side, &shown, &compared));
         blocks.extend(girths.map(Block::Table));
@@ -68,6 +74,18 @@ impl ReportOf<'_> {
         blocks.extend(slices.map(Block::Table));
         blocks.extend(tables::levels(words, &shown).map(Block::Table));
         blocks
+    }
+
+    /// The legs of two visits laid over each other: a map of the distances, and the 3D view.
+    fn overlaid(&self, words: &Words, of: &Comparison) -> Vec<Block> {
+        let record = |visit: usize| self.records.get(self.course.visits[visit].record);
+        let (Some(earlier), Some(later)) = (record(of.earlier), record(of.later)) else {
+            return Vec::new();
+        };
+        match Overlay::of(earlier, later) {
+            Some(overlay) => pictures::overlay(words, of, overlay),
+            None => Vec::new(),
+        }
     }
 
     fn head(&self, words: &Words) -> Head {

@@ -6,7 +6,7 @@ use super::ReportOf;
 use super::words::Words;
 use crate::leg::Side;
 use crate::leg::levels::at_height::PROFILE_STEP_MM;
-use crate::record::rounding::{ml_margin, number, shortest, tenths_words};
+use crate::record::rounding::{number, shortest, tenths_words};
 use crate::visits::comparison::Comparison;
 use crate::visits::course::Group;
 use crate::visits::excess::ExcessChange;
@@ -81,14 +81,19 @@ impl ReportOf<'_> {
             said.push(words.filled("visits.break", &values));
         }
         let Some(group) = self.course.last_group() else { return said };
+        // What holds for several comparisons is told once.
+        let mut all: Vec<(String, Vec<String>)> = Vec::new();
         for of in self.course.last_compared(group) {
             let pair = between(words, &of);
-            said.extend(
-                of.cautions
-                    .iter()
-                    .map(|caution| format!("{pair}: {}", words.caution(&of, caution))),
-            );
+            for caution in &of.cautions {
+                let text = words.caution(&of, caution);
+                match all.iter_mut().find(|(known, _)| *known == text) {
+                    Some((_, pairs)) => pairs.push(pair.clone()),
+                    None => all.push((text, vec![pair.clone()])),
+                }
+            }
         }
+        said.extend(all.into_iter().map(|(text, pairs)| format!("{}: {text}", pairs.join(", "))));
         said
     }
 
@@ -143,19 +148,20 @@ fn volume(words: &Words, of: &Comparison, side: Side) -> Option<String> {
 
 fn excess(words: &Words, of: &Comparison, change: &ExcessChange) -> String {
     let whole = |ml: f64| number(ml, 0, words.language);
+    let only = |side: Side| words.language.word("leg.only", side.word());
     let values: [(&str, &dyn Display); 7] = [
-        ("leg", &words.leg_in_sentence(change.later.affected)),
+        ("side", &only(change.later.affected)),
         ("between", &between(words, of)),
         ("ml", &words.ml_change(change.change.by)),
         ("before", &whole(change.earlier.ml.value)),
         ("after", &whole(change.later.ml.value)),
-        ("other", &words.leg_in_sentence(change.later.affected.other())),
-        ("detectable", &number(ml_margin(change.change.detectable() / 2.0), 0, words.language)),
+        ("other_side", &only(change.later.affected.other())),
+        ("detectable", &whole((change.change.detectable() - 1e-9).ceil())),
     ];
     let shown = words.of_code("visits.excess", change.change.shown().word(), &values);
     let reduction = match &change.reduction {
         Some(reduction) => {
-            let percent = words.percent_change(reduction.percent);
+            let percent = tenths_words(reduction.percent, words.language).replace('-', "−");
             let margin = tenths_words((10.0 * reduction.expanded).ceil() / 10.0, words.language);
             words.filled("visits.reduction", &[("percent", &percent), ("margin", &margin)])
         }

@@ -68,10 +68,17 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
         Some(TableRow { head: words.leg(side).to_owned(), figures })
     };
     let excess = of.excess.as_ref().map(|excess| {
-        let leg = words.leg_in_sentence(excess.later.affected);
+        let side = words.language.word("leg.only", excess.later.affected.word());
         TableRow {
-            head: words.filled("visits.excess_of", &[("leg", &leg)]),
-            figures: changed(words, [excess.earlier.ml, excess.later.ml], &excess.change),
+            head: words.filled("visits.excess_of", &[("side", &side)]),
+            figures: {
+                let volumes = [excess.earlier.ml, excess.later.ml];
+                let mut figures = changed(words, volumes, &excess.change);
+                // A percent change of an excess is not told: its percent reduction is, by its own name.
+                figures[3] = missing(words);
+                figures[4] = plain(detectable_ml(words, &excess.change));
+                figures
+            },
         }
     });
     Table {
@@ -84,7 +91,7 @@ pub(super) fn volumes(words: &Words, group: &Group, of: &Comparison) -> Table {
 
 fn changed(words: &Words, [before, after]: [Quantity; 2], change: &Change) -> Vec<Figure> {
     let mark = mark(change.shown());
-    let detectable = number(ml_margin(change.detectable() / 2.0), 0, words.language);
+    let detectable = detectable_ml(words, change);
     let percent = words.detectable(change.detectable_percent());
     vec![
         ml(words, &before),
@@ -94,6 +101,11 @@ fn changed(words: &Words, [before, after]: [Quantity; 2], change: &Change) -> Ve
         plain(format!("{detectable} ({percent} %)")),
         plain(words.language.word("visits.shown", change.shown().word()).to_owned()),
     ]
+}
+
+/// The smallest change of a volume that is shown, mL, rounded up.
+fn detectable_ml(words: &Words, change: &Change) -> String {
+    number((change.detectable() - 1e-9).ceil(), 0, words.language)
 }
 
 /// Girths of a leg at fixed places, highest first, at the visits beside each other; and their changes.

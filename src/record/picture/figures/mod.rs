@@ -2,7 +2,7 @@
 
 mod curves;
 mod differences;
-mod error;
+pub(crate) mod error;
 mod fit;
 mod girths;
 pub(crate) mod plot;
