@@ -27,52 +27,53 @@ fn scanned(name: &str, stance: Stance, noise_mm: f64, seed: u64) -> Record {
 fn look() {
     for name in ["f_average_clean", "m_average_clean"] {
         let plain = scanned(name, Stance::default(), 0.5, 1);
-        for (apart, bent, noise) in [
-            (0.0, 0.0, 0.5),
-            (1.0, 0.0, 0.5),
-            (2.0, 0.0, 0.5),
-            (-1.0, 0.0, 0.5),
-            (-2.0, 0.0, 0.5),
-            (0.0, 3.0, 0.5),
-            (0.0, 6.0, 0.5),
-            (2.0, 6.0, 1.0),
-            (0.0, 10.0, 0.5),
+        let mut others = vec![];
+        for (apart_deg, bent_deg) in [
+            (0.0, 0.0),
+            (0.0, 0.0),
+            (1.0, 0.0),
+            (2.0, 0.0),
+            (3.0, 0.0),
+            (-1.0, 0.0),
+            (-2.0, 0.0),
+            (0.0, 2.0),
+            (0.0, 4.0),
+            (0.0, 6.0),
+            (0.0, 8.0),
         ] {
-            let other = scanned(
-                name,
-                Stance { apart_deg: apart, bent_deg: bent },
-                noise,
-                7 + (apart * 10.0) as u64,
-            );
+            others.push((
+                format!("{apart_deg} {bent_deg}"),
+                scanned(name, Stance { apart_deg, bent_deg }, 0.5, 50 + others.len() as u64),
+            ));
+        }
+        if name.starts_with('f') {
+            others.push((
+                "tc2".into(),
+                record_of(&support::geometry::bodies::export("f_average_tc2"), &Method::default())
+                    .1,
+            ));
+        }
+        for (what, other) in others {
             let course = Course::comparable(&[plain.clone(), other], CHOICE).unwrap();
-            let compared = course.last_compared(&course.groups[0]).remove(0);
             for side in Side::BOTH {
-                let Some(leg) = compared.legs.get(side) else {
-                    println!("no leg");
-                    continue;
-                };
-                let v = leg.volume.unwrap();
+                let group = &course.groups[0];
+                let v: Vec<f64> =
+                    (0..2).map(|i| course.volume(group, i, side).unwrap().value).collect();
                 let [a, b] = [0, 1].map(|i| course.visits[i].legs.get(side).clone().unwrap());
                 let girths: Vec<String> = a
                     .places
                     .iter()
+                    .filter(|(s, _)| **s > 2)
                     .filter_map(|(s, p)| {
                         Some(format!("{}:{:+.1}", s * 4, b.places.get(s)?.girth_mm - p.girth_mm))
                     })
                     .collect();
                 println!(
-                    "{name} {apart} {bent} {noise} {} {:.2} % of {:.2} % (random {:.1} common {:.1} ml) tilt {:.1}->{:.1} bend {:.1}->{:.1} pieces {} {:?} {}",
+                    "LOOK {name} {what} {} {:+.2} % tilt {:+.2} bend {:+.2} {}",
                     side.word(),
-                    v.percent,
-                    v.detectable_percent(),
-                    v.random,
-                    v.common,
-                    a.tilt_deg,
-                    b.tilt_deg,
-                    a.bend_deg.unwrap(),
-                    b.bend_deg.unwrap(),
-                    course.groups[0].pieces.get(side).len(),
-                    compared.cautions.iter().map(|c| c.code()).collect::<Vec<_>>(),
+                    100.0 * (v[1] / v[0] - 1.0),
+                    b.tilt_deg - a.tilt_deg,
+                    b.bend_deg.unwrap() - a.bend_deg.unwrap(),
                     girths.join(" ")
                 );
             }

@@ -85,6 +85,14 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     of(
+        "compare",
+        &[
+            ["gaiter compare /srv/records/4711", "compares all visits of a patient"],
+            ["gaiter compare before.json after.json --affected left", "compares two records"],
+            ["gaiter compare /srv/records/4711 --out visits", "writes a page, a PDF and JSON"],
+        ],
+    ),
+    of(
         "check",
         &[
             ["gaiter check", "checks the configuration of this machine's station"],

@@ -17,6 +17,7 @@ mod tilt;
 use std::fmt::Display;
 
 use super::Figure;
+use super::document::Head;
 use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
@@ -319,6 +320,16 @@ impl Content {
 }
 
 impl Content {
+    /// What stands on every page.
+    pub fn head(&self) -> Head {
+        Head {
+            language: self.language,
+            title: self.title.clone(),
+            patient: self.patient.clone(),
+            taken: self.taken.clone(),
+        }
+    }
+
     /// What people set in place of the scan's figures, a line for each measure.
     pub fn by_hand(record: &Record, language: Language) -> Vec<String> {
         Report { record, language, garment: &Garment::default() }.by_hand()

@@ -1,6 +1,7 @@
 //! The report of a record for people: its content as data, and the pages it is printed on.
 
 pub mod content;
+pub mod document;
 mod figure;
 mod html;
 mod pdf;
@@ -9,8 +10,9 @@ mod viewer;
 mod words;
 
 pub use content::Content;
+pub use document::Document;
 pub use figure::{Figure, Mark};
-pub use html::page;
-pub use pdf::{PdfFault, paper};
+pub use html::{document_page, page};
+pub use pdf::{PdfFault, document_paper, paper};
 pub use print::{Paper, Print};
 pub use viewer::{VIEWER, viewer};

@@ -5,6 +5,7 @@ use crate::leg::Side;
 use crate::record::picture::figures::{Figure as Drawn, SHEET};
 use crate::record::picture::svg;
 use crate::record::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
+use crate::record::report::document::Head;
 use crate::record::report::{Figure, Mark};
 
 /// The patient, and when the scan was taken.
@@ -14,6 +15,36 @@ pub(super) fn header(content: &Content) -> String {
     let patient = format!("<h1>{}</h1>", foreign(&content.patient));
     let taken = format!("<p class=\"taken\">{}</p>", foreign(&content.taken));
     element("header", "", &[title, patient, taken].join("\n"))
+}
+
+/// The head of a report of blocks.
+pub(super) fn document_header(head: &Head) -> String {
+    let title = words("p", " class=\"kind\"", &head.title);
+    let patient = format!("<h1>{}</h1>", foreign(&head.patient));
+    let taken = format!("<p class=\"taken\">{}</p>", foreign(&head.taken));
+    element("header", "", &[title, patient, taken].join("\n"))
+}
+
+/// What matters most, a sentence a line.
+pub(super) fn sentences(sentences: &[String]) -> String {
+    let sentences: String = sentences.iter().map(|sentence| words("p", "", sentence)).collect();
+    element("div", " class=\"verdict\"", &sentences)
+}
+
+/// A picture below a heading.
+pub(super) fn titled(id: &str, title: &str, drawn: &Drawn, caption: &str) -> String {
+    let inside = svg::embedded(drawn.name, &drawn.picture, &drawn.marks)
+        + &element("figcaption", "", &escaped(caption));
+    section(id, title, &element("figure", &format!(" class=\"{}\"", drawn.name), &inside))
+}
+
+/// The place of the interactive 3D view of a report of blocks.
+pub(super) fn view_of(title: &str, text: &str) -> String {
+    let text = words("p", " class=\"aside\"", text);
+    let place = element("div", " id=\"view-place\"", "");
+    let heading = words("h2", " id=\"view\"", title);
+    let inside = element("section", " aria-labelledby=\"view\"", &(heading + &text + &place));
+    element("div", " class=\"screen-only\"", &inside)
 }
 
 /// What is to be done before the patient dresses.
@@ -211,7 +242,7 @@ pub(super) fn sizes(content: &Content) -> String {
     section("sizes", &of.title, &about) + &tables + &calibre + &form
 }
 
-fn whole_table(id: &str, of: &Table) -> String {
+pub(super) fn whole_table(id: &str, of: &Table) -> String {
     section(id, &of.title, &table(id, of, ""))
 }
 

@@ -1,0 +1,105 @@
+//! The records that `gaiter compare` compares: those that are named, or all of a patient's folder.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::cli::report::{Fault, record_of_file};
+use crate::cli::{Exit, complain, shown};
+use crate::record::schema::NOT_VOUCHED;
+use crate::record::{Record, SUMS};
+use crate::station::runtime::causes::chain;
+use crate::store::StoreFault;
+use crate::store::revision::families;
+
+/// The record's file within its folder.
+const RECORD: &str = "record.json";
+
+/// A record and where it is.
+#[derive(Debug)]
+pub(super) struct Found {
+    /// The path of its `record.json`.
+    pub path: PathBuf,
+    /// The record.
+    pub record: Record,
+}
+
+/// Why the records cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Unusable {
+    /// One of them cannot be read.
+    #[error(transparent)]
+    Record(#[from] Fault),
+    /// A folder cannot be listed.
+    #[error("{}: {}", shown(path.display()), shown(chain(source)))]
+    Unlisted {
+        /// The path.
+        path: PathBuf,
+        /// Why.
+        source: StoreFault,
+    },
+}
+
+impl Unusable {
+    /// The exit of the verb.
+    pub(super) fn exit(&self) -> Exit {
+        match self {
+            Unusable::Record(fault) => fault.exit(),
+            Unusable::Unlisted { .. } => Exit::Io,
+        }
+    }
+}
+
+/// The records at these paths, in their order. Of a patient's folder, the newest revision of each scan is
+/// read, and the last scan of each day counts.
+pub(super) fn at(paths: &[PathBuf]) -> Result<Vec<Found>, Unusable> {
+    let mut found = Vec::new();
+    for path in paths {
+        match of_patient(path)? {
+            Some(records) => found.extend(last_of_days(records)),
+            None => found.push(one(path)?),
+        }
+    }
+    Ok(found)
+}
+
+fn one(path: &Path) -> Result<Found, Unusable> {
+    let path = if path.is_dir() { path.join(RECORD) } else { path.to_owned() };
+    let record = record_of_file(path.clone())?;
+    if record.has_finding(NOT_VOUCHED) {
+        complain(format_args!(
+            "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it",
+            shown(path.display())
+        ));
+    }
+    Ok(Found { path, record })
+}
+
+/// The records of a patient's folder; `None` if it is a record or its folder.
+fn of_patient(path: &Path) -> Result<Option<Vec<Found>>, Unusable> {
+    if !path.is_dir() || path.join(RECORD).exists() {
+        return Ok(None);
+    }
+    let unlisted = |source| Unusable::Unlisted { path: path.to_owned(), source };
+    let mut families = families(path).map_err(unlisted)?;
+    families.retain(|family| family.patient_folder == path);
+    let records = families.iter().map(|family| one(&family.latest().1));
+    let records = records.collect::<Result<Vec<Found>, Unusable>>()?;
+    Ok((!records.is_empty()).then_some(records))
+}
+
+/// The last scan of each day on the scanner's calendar; a scan of unknown time stays.
+fn last_of_days(records: Vec<Found>) -> Vec<Found> {
+    let (timed, mut kept): (Vec<Found>, Vec<Found>) =
+        records.into_iter().partition(|of| of.record.acquired.is_some());
+    let mut days: BTreeMap<_, Found> = BTreeMap::new();
+    for of in timed {
+        let Some(acquired) = of.record.acquired.clone() else { continue };
+        let day = acquired.local().date();
+        let known = days.get(&day).and_then(|known| known.record.acquired.as_ref());
+        if known.is_none_or(|known| known.at < acquired.at) {
+            days.insert(day, of);
+        }
+    }
+    kept.extend(days.into_values());
+    kept
+}
