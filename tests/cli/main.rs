@@ -1,4 +1,4 @@
-//! The command line as the real program: check, asking, manual, reextract, terminal.
+//! The command line as the real program: check, asking, manual, reextract, sizes, terminal.
 
 mod amend;
 mod asking;
@@ -7,4 +7,5 @@ mod check;
 mod config_faults;
 mod manual;
 mod reextract;
+mod sizes;
 mod terminal;

@@ -17,5 +17,6 @@ mod names;
 mod orders;
 mod page;
 mod phantom;
+mod sizes;
 mod trigger_pty;
 mod watch;
