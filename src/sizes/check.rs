@@ -62,7 +62,7 @@ pub enum Remark {
     },
     /// It may be used only to try the program.
     TestOnly,
-    /// Nobody has released it yet.
+    /// Not released yet.
     Draft,
     /// Its girths are under tension: no measure of a scan is compared with it.
     Tension,

@@ -80,9 +80,9 @@ pub struct TableVerdict {
     pub sha256: String,
     /// What it may be used for.
     pub status: Status,
-    /// Who entered its figures; null if nobody is named.
+    /// Who entered its figures; null if none is named.
     pub entered_by: Option<String>,
-    /// Who checked them; null if nobody is named.
+    /// Who checked them; null if none is named.
     pub checked_by: Option<String>,
     /// The last day on which it is valid; null if nothing is said.
     pub valid_until: Option<Date>,
