@@ -19,6 +19,7 @@ pub mod course;
 pub mod excess;
 pub mod leg;
 pub mod overlay;
+pub mod place;
 pub mod quantity;
 pub mod registration;
 pub mod report;

@@ -1,6 +1,6 @@
 //! How a leg stood at a visit, and what a different stance does to girths and volumes.
 
-use super::leg::{Step, along_mm};
+use super::place::{Step, along_mm};
 use crate::leg::levels::at_height::PROFILE_STEP_MM;
 use crate::record::schema::{BodyFigures, LegFigures};
 

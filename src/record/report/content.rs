@@ -17,7 +17,7 @@ mod tilt;
 use std::fmt::Display;
 
 use super::Figure;
-use super::document::Head;
+use super::head::Head;
 use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;

@@ -8,7 +8,8 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
-use super::document::{Block, Document, Head};
+use super::document::{Block, Document};
+use super::head::Head;
 use super::print::parted;
 use super::viewer::viewer_with;
 use super::{Content, Paper, viewer};

@@ -3,6 +3,7 @@
 pub mod content;
 pub mod document;
 mod figure;
+mod head;
 mod html;
 mod pdf;
 mod print;
@@ -12,6 +13,7 @@ mod words;
 pub use content::Content;
 pub use document::Document;
 pub use figure::{Figure, Mark};
+pub use head::Head;
 pub use html::{document_page, page};
 pub use pdf::{PdfFault, document_paper, paper};
 pub use print::{Paper, Print};

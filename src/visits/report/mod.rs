@@ -15,8 +15,9 @@ use super::threshold::Threshold;
 use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
+use crate::record::report::Head;
 use crate::record::report::content::Section;
-use crate::record::report::document::{Block, Document, Head, Origin};
+use crate::record::report::document::{Block, Document, Origin};
 
 /// How many visits before the last one stand beside it, except the first.
 const VISITS_BEFORE_LAST: usize = 2;

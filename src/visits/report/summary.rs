@@ -10,7 +10,7 @@ use crate::record::rounding::{number, shortest, tenths_words};
 use crate::visits::comparison::Comparison;
 use crate::visits::course::Group;
 use crate::visits::excess::ExcessChange;
-use crate::visits::leg::along_mm;
+use crate::visits::place::along_mm;
 use crate::visits::threshold::{Reached, verdicts};
 
 impl ReportOf<'_> {

@@ -5,8 +5,7 @@ use crate::leg::Side;
 use crate::record::picture::figures::{Figure as Drawn, SHEET};
 use crate::record::picture::svg;
 use crate::record::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
-use crate::record::report::document::Head;
-use crate::record::report::{Figure, Mark};
+use crate::record::report::{Figure, Head, Mark};
 
 /// The patient, and when the scan was taken.
 pub(super) fn header(content: &Content) -> String {
