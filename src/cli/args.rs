@@ -119,7 +119,7 @@ pub enum Verb {
     /// probability that it lies inside; several tables side by side. Never chooses a size. Also names
     /// calibre jumps: where the girth changes by more than the length.
     Sizes(SizesArgs),
-    /// Compare the visits of a patient: volumes and girths, and what of a change can be shown
+    /// Compare the visits of a patient
     ///
     /// Compares girths at the same lengths along the leg, and volumes made of them, with the uncertainty that
     /// every difference has. Says larger, smaller or no change shown. Refuses records whose figures mean

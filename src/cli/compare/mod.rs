@@ -16,7 +16,7 @@ use super::terminal::{paint, screen};
 use super::{Exit, complain, explain_config, print, shown};
 use crate::config::{self, ConfigError, VisitsConfig};
 use crate::language::Language;
-use crate::record::report::{PdfFault, document_page, document_paper};
+use crate::record::report::{AgeMax, PdfFault, document_page, document_paper};
 use crate::record::{Record, RecordFile, SUMS};
 use crate::visits::report::ReportOf;
 use crate::visits::schema::figures;
@@ -79,6 +79,7 @@ struct Configured {
     language: Language,
     visits: VisitsConfig,
     girth_common_mm: f64,
+    age_max: AgeMax,
 }
 
 /// Compares records and prints or writes what changed.
@@ -114,7 +115,7 @@ fn compared(args: &CompareArgs, configured: &Configured) -> Result<(), Fault> {
         records: &records,
         thresholds: &configured.visits.thresholds,
         today: Zoned::now().date(),
-        age_max_days: configured.visits.max_age_days(),
+        age_max: configured.age_max,
         language: args.language.unwrap_or(configured.language),
     };
     let json = format!(
@@ -171,6 +172,7 @@ fn configured(path: &Path) -> Result<Configured, Exit> {
             language: config.language,
             visits: config.visits,
             girth_common_mm: config.scanner.girth_error_mm,
+            age_max: config.age_max,
         }),
         Err(ConfigError::Unreadable { source, .. })
             if source.kind() == io::ErrorKind::NotFound && path == usual_config() =>
@@ -179,6 +181,7 @@ fn configured(path: &Path) -> Result<Configured, Exit> {
                 language: Language::default(),
                 visits: VisitsConfig::default(),
                 girth_common_mm: GIRTH_COMMON_MM,
+                age_max: AgeMax::default(),
             })
         }
         Err(error) => Err(explain_config(&error)),

@@ -1,5 +1,6 @@
 //! What stands on every page of a report.
 
+use super::content::Content;
 use crate::language::Language;
 
 /// What stands on every page of a report.
@@ -13,4 +14,16 @@ pub struct Head {
     pub patient: String,
     /// When it was taken, in one line.
     pub taken: String,
+}
+
+impl Head {
+    /// The head of a record's report.
+    pub fn of(content: &Content) -> Head {
+        Head {
+            language: content.language,
+            title: content.title.clone(),
+            patient: content.patient.clone(),
+            taken: content.taken.clone(),
+        }
+    }
 }

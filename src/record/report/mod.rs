@@ -1,5 +1,6 @@
 //! The report of a record for people: its content as data, and the pages it is printed on.
 
+pub mod age;
 pub mod content;
 pub mod document;
 mod figure;
@@ -10,6 +11,7 @@ mod print;
 mod viewer;
 mod words;
 
+pub use age::AgeMax;
 pub use content::Content;
 pub use document::Document;
 pub use figure::{Figure, Mark};
