@@ -27,7 +27,7 @@ pub use asking::{
     UnassignArgs,
 };
 pub use calibrate::CalibrateArgs;
-pub use compare::CompareArgs;
+pub use compare::{CompareArgs, CompareChoice, VisitsArgs};
 pub use extract::ExtractArgs;
 pub use garment::GarmentArgs;
 pub use reextract::ReextractArgs;
@@ -226,6 +226,12 @@ pub enum PatientVerb {
     Clear(AskArgs),
     /// Show who is next and whose exports are expected; shows patients' ids
     Show(AskArgs),
+    /// Compare the visits of a patient in the station's store
+    ///
+    /// Asks for the patient's id, or reads it from standard input. Reads the records of the patient's folder in
+    /// the first store; of each day, the last scan counts. Needs no running station. Where figures mean
+    /// something else than before, the curve breaks. Otherwise as `gaiter compare`.
+    Visits(VisitsArgs),
 }
 
 /// `gaiter demo`

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use crate::cli::report::{Fault, record_of_file};
 use crate::cli::{Exit, complain, shown};
+use crate::flow::patient::naming::patient_folder;
 use crate::record::schema::NOT_VOUCHED;
 use crate::record::{Record, SUMS};
 use crate::station::runtime::causes::chain;
@@ -54,12 +55,33 @@ impl Unusable {
 pub(super) fn at(paths: &[PathBuf]) -> Result<Vec<Found>, Unusable> {
     let mut found = Vec::new();
     for path in paths {
-        match of_patient(path)? {
+        match in_folder(path)? {
             Some(records) => found.extend(last_of_days(records)),
             None => found.push(one(path)?),
         }
     }
     Ok(found)
+}
+
+/// The records of a patient in a store, of each day the last scan. A record that a person moved into the
+/// folder of another patient is left out, and that is told.
+pub(super) fn of_patient(store: &Path, patient: &str) -> Result<Vec<Found>, Unusable> {
+    let folder = store.join(patient_folder(Some(patient)));
+    if !folder.is_dir() {
+        return Ok(Vec::new());
+    }
+    let mut records = in_folder(&folder)?.unwrap_or_default();
+    records.retain(|of| {
+        let is_own = of.record.patient.as_ref().is_some_and(|own| own.id == patient);
+        if !is_own {
+            complain(format_args!(
+                "gaiter: {}: is not a record of the patient whose folder it is in; it was left out",
+                shown(of.path.display())
+            ));
+        }
+        is_own
+    });
+    Ok(last_of_days(records))
 }
 
 fn one(path: &Path) -> Result<Found, Unusable> {
@@ -75,7 +97,7 @@ fn one(path: &Path) -> Result<Found, Unusable> {
 }
 
 /// The records of a patient's folder; `None` if it is a record or its folder.
-fn of_patient(path: &Path) -> Result<Option<Vec<Found>>, Unusable> {
+fn in_folder(path: &Path) -> Result<Option<Vec<Found>>, Unusable> {
     if !path.is_dir() || path.join(RECORD).exists() {
         return Ok(None);
     }
