@@ -209,11 +209,7 @@ pub fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
     put
 }
 
-/// The record of a file.
-///
-/// # Errors
-/// See [`Fault`].
-pub fn record_of_file(path: PathBuf) -> Result<Record, Fault> {
+fn record_of_file(path: PathBuf) -> Result<Record, Fault> {
     let bytes = match fs::read(&path) {
         Ok(bytes) => bytes,
         Err(source) => return Err(Fault::Unreadable { path, source }),

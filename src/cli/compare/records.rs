@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use crate::cli::report::{Fault, record_of_file};
+use crate::cli::report::{Fault, record_at};
 use crate::cli::{Exit, complain, shown};
 use crate::flow::patient::naming::patient_folder;
 use crate::record::schema::NOT_VOUCHED;
@@ -18,7 +18,7 @@ const RECORD: &str = "record.json";
 /// A record and where it is.
 #[derive(Debug)]
 pub(super) struct Found {
-    /// The path of its `record.json`.
+    /// Its folder, or its `record.json`.
     pub path: PathBuf,
     /// The record.
     pub record: Record,
@@ -85,15 +85,14 @@ pub(super) fn of_patient(store: &Path, patient: &str) -> Result<Vec<Found>, Unus
 }
 
 fn one(path: &Path) -> Result<Found, Unusable> {
-    let path = if path.is_dir() { path.join(RECORD) } else { path.to_owned() };
-    let record = record_of_file(path.clone())?;
+    let record = record_at(path)?;
     if record.has_finding(NOT_VOUCHED) {
         complain(format_args!(
             "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it",
             shown(path.display())
         ));
     }
-    Ok(Found { path, record })
+    Ok(Found { path: path.to_owned(), record })
 }
 
 /// The records of a patient's folder; `None` if it is a record or its folder.
