@@ -17,12 +17,17 @@ use tempfile::TempDir;
 static BODY: LazyLock<Record> =
     LazyLock::new(|| record_of(&export("m_average_clean"), &Method::default()).1);
 
+/// The id of a scan of a day.
+fn scan(day: i64) -> String {
+    format!("{day:08x}{}", "0".repeat(56))
+}
+
 /// A record of a patient so many days after the first; all girths of the left leg are larger by so much.
 fn visit(patient: &str, day: i64, more_mm: f64) -> Record {
     let mut record = BODY.clone();
     record.patient = Some(Patient { id: patient.to_owned(), sources: Vec::new() });
     record.station = Some("booth-1".to_owned());
-    record.scan.sha256 = format!("{day:064x}");
+    record.scan.sha256 = scan(day);
     let first = "2026-01-08T08:00:00Z".parse::<jiff::Timestamp>().unwrap();
     let acquired = Acquired::new(first + (24 * day).hours(), AcquiredFrom::Press);
     record.acquired = Some(Acquired { utc_offset_min: Some(60), ..acquired });
@@ -38,8 +43,8 @@ fn visit(patient: &str, day: i64, more_mm: f64) -> Record {
 fn placed(within: &Path, record: &Record) -> PathBuf {
     let acquired = record.acquired.as_ref().unwrap();
     let time = acquired.at.strftime("%Y%m%dT%H%M%SZ").to_string();
-    let end = &record.scan.sha256[56..];
-    let folder = within.join(format!("{time}_{end}"));
+    let begin = &record.scan.sha256[..8];
+    let folder = within.join(format!("{time}_{begin}"));
     fs::create_dir_all(&folder).unwrap();
     let json = serde_json::to_vec(record).unwrap();
     fs::write(folder.join("SHA256SUMS"), format!("{}  record.json\n", sha256(&json))).unwrap();
@@ -59,7 +64,7 @@ impl Store {
             placed(&store.patient(), &visit("4711", day, more_mm));
         }
         let mut again = visit("4711", 60, 0.0);
-        again.scan.sha256 = format!("{:064x}", 61);
+        again.scan.sha256 = scan(61);
         let acquired = again.acquired.as_mut().unwrap();
         acquired.at += 1.hour();
         placed(&store.patient(), &again);
@@ -108,7 +113,7 @@ fn the_visits_of_a_patient_are_compared_and_the_last_scan_of_a_day_counts() {
     assert_eq!(json["patient"], "4711");
     let visits = json["visits"].as_array().unwrap();
     let scans: Vec<&str> = visits.iter().map(|of| of["scan_sha256"].as_str().unwrap()).collect();
-    let expected = [0, 30, 61].map(|number| format!("{number:064x}"));
+    let expected = [0, 30, 61].map(scan);
     assert_eq!(scans, expected, "of the two scans of the last day the later one");
     let comparisons = json["comparisons"].as_array().unwrap();
     let pairs: Vec<[u64; 2]> = comparisons
