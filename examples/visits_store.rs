@@ -5,6 +5,7 @@
 
 use std::error::Error;
 use std::fs;
+use std::io::{self, Write};
 use std::path::Path;
 use std::time::Instant;
 
@@ -25,9 +26,10 @@ const VISITS: i64 = 5;
 const ASKED_APART: usize = 40;
 
 fn main() -> Result<(), Box<dyn Error>> {
+    let mut out = io::stdout().lock();
     let store = tempfile::tempdir()?;
     let body = record_of(&export("m_average_clean"), &Method::default()).1;
-    println!("making {} records …", PATIENTS as i64 * VISITS);
+    writeln!(out, "making {} records …", PATIENTS as i64 * VISITS)?;
     for patient in 0..PATIENTS {
         for visit in 0..VISITS {
             place(store.path(), &body, patient, visit)?;
@@ -57,12 +59,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         document_page(&document, gaiter::record::report::Paper::A4)?;
         page.push(begin.elapsed());
     }
-    for (what, mut times) in
-        [("records read and checked", read), ("compared, with pictures", compared), ("as a page", page)]
-    {
+    for (what, mut times) in [
+        ("records read and checked", read),
+        ("compared, with pictures", compared),
+        ("as a page", page),
+    ] {
         times.sort();
-        let at = |share: f64| times[(share * (times.len() - 1) as f64) as usize].as_secs_f64() * 1e3;
-        println!("{what}: median {:.1} ms, 95 % {:.1} ms", at(0.5), at(0.95));
+        let at =
+            |share: f64| times[(share * (times.len() - 1) as f64) as usize].as_secs_f64() * 1e3;
+        writeln!(out, "{what}: median {:.1} ms, 95 % {:.1} ms", at(0.5), at(0.95))?;
     }
     Ok(())
 }
