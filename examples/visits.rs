@@ -45,7 +45,7 @@ fn main() -> io::Result<()> {
     writeln!(
         out,
         "| body | legs apart | knees bent | volume | girths away from the knee | at the knee | shown from |"
-    );
+    )?;
     writeln!(out, "|---|---|---|---|---|---|---|")?;
     for name in BODIES {
         let first = standing(name, Stance::default(), 1);
