@@ -124,7 +124,7 @@ const EXAMPLES: &[Examples] = &[
         "patient visits",
         &[
             ["gaiter patient visits", "asks for the id and prints the comparison"],
-            ["gaiter patient visits --out visits < id.txt", "writes a page, a PDF and JSON"],
+            ["gaiter patient visits --out visits", "writes a page, a PDF and JSON"],
         ],
     ),
     of(
