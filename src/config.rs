@@ -19,6 +19,7 @@ pub mod sizes;
 #[cfg(test)]
 mod tests;
 pub mod trigger;
+pub mod visits;
 mod watch;
 pub mod words;
 
@@ -38,7 +39,7 @@ use crate::flow::retention::Retention;
 use crate::language::Language;
 use crate::leg::Method;
 use crate::record::ReportChoice;
-use crate::record::report::Print;
+use crate::record::report::{AgeMax, Print};
 use crate::record::sizing::SizeChoice;
 use crate::sizes::{Garment, SizeTable};
 pub use capture::{CaptureConfig, PatientConfig};
@@ -50,6 +51,7 @@ pub use page::PageConfig;
 pub use phantom::PhantomConfig;
 pub use sizes::beside::{Beside, Files};
 pub use trigger::TriggerConfig;
+pub use visits::VisitsConfig;
 pub use watch::WatchConfig;
 pub use words::{LogFormat, WithoutTrigger};
 
@@ -78,12 +80,16 @@ pub struct Config {
     pub garment: Garment,
     /// `[report]`: the garments that can be ordered.
     pub garments: Vec<Garment>,
+    /// `[report]`: how old a scan may be for an order.
+    pub age_max: AgeMax,
     /// `[sizes]`: the size tables that reports are made with, in the order of the configuration.
     pub tables: Vec<SizeTable>,
     /// The files that garments and tables were read from, passed on to the measuring process.
     pub beside: Vec<Beside>,
     /// `[report]`: the paper, and how much of the report is printed.
     pub print: Print,
+    /// `[visits]`: how the visits of a patient are compared.
+    pub visits: VisitsConfig,
     /// `[measure]`: limits on the measurement of one scan.
     pub measure: MeasureConfig,
     /// `[store]`
@@ -107,7 +113,12 @@ impl Config {
             language: self.language,
             garment: self.garment.clone(),
             print: self.print,
-            sizes: SizeChoice { tables: self.tables.clone(), today, ..SizeChoice::default() },
+            age_max: self.age_max,
+            sizes: SizeChoice {
+                tables: self.tables.clone(),
+                today,
+                scanner_girth_mm: self.scanner.girth_error_mm,
+            },
             ..ReportChoice::default()
         }
     }
@@ -160,6 +171,8 @@ pub struct ScannerConfig {
     pub max_scan_bytes: u64,
     /// What is watched and when it is trusted.
     pub watch: WatchConfig,
+    /// Standard error that all girths of a scan have in common, mm.
+    pub girth_error_mm: f64,
     /// Regular expression for the file name; its group `patient` is the patient's id.
     pub file_name: Option<Regex>,
 }

@@ -3,6 +3,7 @@
 mod amend;
 mod asking;
 mod calibrate;
+mod compare;
 mod examples;
 mod extract;
 mod garment;
@@ -26,6 +27,7 @@ pub use asking::{
     UnassignArgs,
 };
 pub use calibrate::CalibrateArgs;
+pub use compare::{CompareArgs, CompareChoice, VisitsArgs};
 pub use extract::ExtractArgs;
 pub use garment::GarmentArgs;
 pub use reextract::ReextractArgs;
@@ -117,6 +119,12 @@ pub enum Verb {
     /// probability that it lies inside; several tables side by side. Never chooses a size. Also names
     /// calibre jumps: where the girth changes by more than the length.
     Sizes(SizesArgs),
+    /// Compare the visits of a patient
+    ///
+    /// Compares girths at the same lengths along the leg, and volumes made of them, with the uncertainty that
+    /// every difference has. Says larger, smaller or no change shown. Refuses records whose figures mean
+    /// different things, and records of different patients.
+    Compare(CompareArgs),
     /// Measure one scan on standard input; the station runs this itself
     #[command(name = VERB, hide = true)]
     Measure(MeasureArgs),
@@ -218,6 +226,12 @@ pub enum PatientVerb {
     Clear(AskArgs),
     /// Show who is next and whose exports are expected; shows patients' ids
     Show(AskArgs),
+    /// Compare the visits of a patient in the station's store
+    ///
+    /// Asks for the patient's id, or reads it from standard input. Reads the records of the patient's folder in
+    /// the first store; of each day, the last scan counts. Needs no running station. Where figures mean
+    /// something else than before, the curve breaks. Otherwise as `gaiter compare`.
+    Visits(VisitsArgs),
 }
 
 /// `gaiter demo`

@@ -6,6 +6,7 @@ pub mod args;
 pub mod ask;
 pub mod calibrate;
 pub mod check;
+pub mod compare;
 pub mod demo;
 pub mod exit;
 pub mod extract;
@@ -52,6 +53,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Reextract(args) => reextract::reextract(&args),
         Verb::Report(args) => report::report(&args),
         Verb::Sizes(args) => sizes::sizes(&args),
+        Verb::Compare(args) => compare::compare(&args),
         Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
         Verb::Status(args) => status::status(&args),

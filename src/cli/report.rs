@@ -156,7 +156,7 @@ pub fn record_at(path: &Path) -> Result<Record, Fault> {
     if let Some(remark) = found.remark {
         complain(format_args!("gaiter: {}: {remark}", shown(path.display())));
     }
-    read(found.path)
+    record_of_file(found.path)
 }
 
 /// Writes the report's files and returns their paths.
@@ -190,9 +190,12 @@ fn made(args: &ReportArgs, sizes: SizeChoice, garment: Garment) -> Result<Vec<Pa
     files.iter().map(place).collect()
 }
 
-/// Writes a file, in place of an earlier one only with `replace`. There is never half a report at that
+/// Writes a file, in place of an earlier one only with `replace`. There is never half a file at that
 /// path.
-fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
+///
+/// # Errors
+/// If it cannot be written; `AlreadyExists` if it is there.
+pub fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
     let beside = path.with_file_name(format!(".{}-{}", file.name, std::process::id()));
     let rename = || match replace {
         true => fs::rename(&beside, path),
@@ -206,7 +209,11 @@ fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
     put
 }
 
-fn read(path: PathBuf) -> Result<Record, Fault> {
+/// The record of a file.
+///
+/// # Errors
+/// See [`Fault`].
+pub fn record_of_file(path: PathBuf) -> Result<Record, Fault> {
     let bytes = match fs::read(&path) {
         Ok(bytes) => bytes,
         Err(source) => return Err(Fault::Unreadable { path, source }),

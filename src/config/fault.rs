@@ -83,6 +83,17 @@ pub enum What {
     /// Not a distance at all.
     #[error("\"{0}\" is not a distance")]
     NotADistance(String),
+    /// Nothing where a text is needed.
+    #[error("must not be empty")]
+    EmptyText,
+    /// Not a limit in the unit of what it limits.
+    #[error("\"{text}\" is not a limit in {unit}")]
+    NotALimit {
+        /// As written.
+        text: String,
+        /// The unit.
+        unit: &'static str,
+    },
     /// Not a number of control points that a leg's surface can have.
     #[error("\"{0}\" is not a number of control points")]
     NotControlPoints(String),
@@ -260,6 +271,12 @@ impl What {
             }
             What::NotASize(_) => r#"write a number and a unit: "200MB", "1GB""#.into(),
             What::NotALength(_) => r#"write a number and a unit: "5cm", "80mm""#.into(),
+            What::EmptyText => "write a text that people understand".into(),
+            What::NotALimit { unit: "%", .. } => r#"write a number and %: "3%", "4.5%""#.into(),
+            What::NotALimit { .. } => {
+                r#"write a number and mm: "20mm"; no limit is in mL, because that of arms does not hold for legs"#
+                    .into()
+            }
             What::NotADistance(_) => r#"write a number and mm: "0.05mm", "1mm""#.into(),
             What::NotControlPoints(_) => format!(
                 r#"write "auto" or their number along and around: "{}x{}" to "{}x{}""#,

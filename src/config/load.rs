@@ -10,6 +10,7 @@ use super::parse::{self, Bounds};
 use super::place::{Finding, fault, line_of};
 use super::reader::{Absent, Found, Reader};
 use super::sizes::beside::Files;
+use super::visits;
 use super::words::{
     ACCESSES, AXES, B1S, B1Word, CONFINES, FACINGS, FILES, FITS, KNOTS, LANGUAGES, PAPERS,
     POSTURES, SCOPES, SURFACES, TAPES, UNITS, UPS, VOLUMES, WINDINGS, Words, faces_up_or_down,
@@ -91,6 +92,9 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let facing = reader.text("scanner.facing", Default("auto"), parse::word(FACINGS));
     let winding = reader.text("scanner.winding", Default("outward"), parse::word(WINDINGS));
     let posture = reader.text("scanner.posture", Default("both-legs"), parse::word(POSTURES));
+    let bounds = Bounds { least: "0mm", most: "20mm" };
+    let girth_error =
+        reader.text("scanner.girth_error", Default("1mm"), parse::distance_in(bounds));
     let example = Nothing("^(?<patient>P?[0-9]+)_");
     let file_name = reader.text("scanner.file_name", example, parse::file_name);
 
@@ -110,8 +114,10 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let mut beside = Vec::new();
     let garments = sizes::garments(reader, files, &mut beside);
     let paper = reader.text("report.paper", Default("A4"), parse::word(PAPERS));
+    let age_max = visits::age_max(reader);
     let appendix = reader.flag("report.appendix", "false");
     let tables = sizes::tables(reader, files, &mut beside);
+    let visits = visits::config(reader);
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
     let store_mode = reader.text("store.folder.mode", Default("private"), parse::word(ACCESSES));
@@ -156,6 +162,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
             short_wait: short_wait?.value,
             max_scan_bytes: max_scan?.value,
             watch: watch?,
+            girth_error_mm: girth_error?.value,
             file_name: file_name.map(|found| found.value),
         },
         capture,
@@ -182,6 +189,8 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
         garments: garments.all,
         tables,
         beside,
+        visits,
+        age_max: age_max?,
         print: Print { paper: paper?.value, has_appendix: appendix?.value },
         measure: measure?,
         store: StoreConfig {

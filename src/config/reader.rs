@@ -75,6 +75,8 @@ enum Seen<'t> {
 /// Reads keys of one document and collects the faults.
 pub(super) struct Reader<'t> {
     root: &'t DeTable<'t>,
+    /// The path of the root with a dot behind it; empty for that of the document.
+    before: &'static str,
     end: usize,
     /// The keys asked for so far.
     pub keys: Vec<Key>,
@@ -84,7 +86,7 @@ pub(super) struct Reader<'t> {
 impl<'t> Reader<'t> {
     /// A reader of a parsed document whose text is `length` bytes long.
     pub fn new(root: &'t DeTable<'t>, length: usize) -> Self {
-        Reader { root, end: length, keys: Vec::new(), findings: Vec::new() }
+        Reader { root, before: "", end: length, keys: Vec::new(), findings: Vec::new() }
     }
 
     /// Notes a fault, once.
@@ -196,6 +198,39 @@ impl<'t> Reader<'t> {
         entries.iter().filter_map(|entry| self.judge(path, entry.span(), number(entry))).collect()
     }
 
+    /// A list of tables, each read by `read` from a reader of its own, without the wrong ones; empty if
+    /// absent. The keys that `read` asks for begin with `before`, which is the path with a dot behind it.
+    pub fn tables<T>(
+        &mut self,
+        path: &'static str,
+        before: &'static str,
+        read: impl Fn(&mut Reader<'t>) -> Option<T>,
+    ) -> Vec<T> {
+        self.keys.push(Key { path, absent: Absent::Default(""), list: true });
+        let Seen::Value(value) = self.find(path) else { return Vec::new() };
+        let wrong = |of: &Spanned<DeValue>| What::Kind {
+            expected: "a list of tables",
+            found: kind(of.get_ref()),
+            example: format!("[[{path}]]"),
+        };
+        let DeValue::Array(entries) = value.get_ref() else {
+            self.note(value.span(), path, wrong(value));
+            return Vec::new();
+        };
+        let mut tables = Vec::new();
+        for entry in entries {
+            let DeValue::Table(root) = entry.get_ref() else {
+                self.note(entry.span(), path, wrong(entry));
+                continue;
+            };
+            let end = entry.span().start;
+            let mut inner = Reader { root, before, end, keys: Vec::new(), findings: Vec::new() };
+            tables.extend(read(&mut inner));
+            self.findings.extend(inner.finish());
+        }
+        tables
+    }
+
     fn entry<T>(
         &mut self,
         key: Key,
@@ -234,10 +269,11 @@ impl<'t> Reader<'t> {
     }
 
     fn find(&self, path: &str) -> Seen<'t> {
+        let path = path.strip_prefix(self.before).unwrap_or(path);
         let (sections, name) = path.rsplit_once('.').unwrap_or(("", path));
         let mut table = self.root;
         let mut at = self.end..self.end;
-        for section in sections.split('.') {
+        for section in sections.split('.').filter(|section| !section.is_empty()) {
             match table.get(section).map(|value| (value.get_ref(), value.span())) {
                 Some((DeValue::Table(inner), span)) => (table, at) = (inner, span),
                 Some(_) => return Seen::Blocked,
@@ -250,7 +286,7 @@ impl<'t> Reader<'t> {
     /// All faults, in the order of the file. Call it after all keys were asked for: a key in the file
     /// that was not asked for is unknown.
     pub fn finish(mut self) -> Vec<Finding> {
-        self.walk(self.root, "");
+        self.walk(self.root, self.before.trim_end_matches('.'));
         let meant: Vec<String> = self.findings.iter().filter_map(|f| meant(&f.what)).collect();
         // A misspelt key is also missing under its right name; that is one fault, not two.
         self.findings.retain(|finding| {

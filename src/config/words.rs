@@ -15,6 +15,8 @@ use crate::leg::method::{
 };
 use crate::record::FigureFormat;
 use crate::record::report::Paper;
+use crate::visits::Affected;
+use crate::visits::threshold::Limited;
 
 /// The choices for `method.b1`; the distance for the second has a key of its own.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -126,6 +128,19 @@ pub const POSTURES: Words<Posture> = &[
     ("sitting", Posture::Sitting),
     ("lying", Posture::Lying),
 ];
+
+/// `--affected`
+pub const AFFECTED: Words<Affected> = &[
+    ("left", Affected::One(Side::Left)),
+    ("right", Affected::One(Side::Right)),
+    ("both", Affected::Both),
+];
+
+/// `visits.thresholds.limb`: thresholds for arms are none for legs.
+pub const LIMBS: Words<()> = &[("leg", ())];
+
+/// `visits.thresholds.of`
+pub const LIMITED: Words<Limited> = &Limited::WORDS;
 
 /// `method.volume`
 pub const VOLUMES: Words<VolumeBy> = &[("cones", VolumeBy::Cones), ("discs", VolumeBy::Discs)];

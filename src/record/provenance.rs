@@ -1,6 +1,8 @@
 //! Where a record comes from: station, patient, time, scan. The station knows this, the leg does not.
 
-use jiff::Timestamp;
+use jiff::civil::Date;
+use jiff::tz::{Offset, TimeZone};
+use jiff::{Timestamp, Zoned};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -125,6 +127,18 @@ impl Acquired {
     /// A time of acquisition in UTC.
     pub fn new(at: Timestamp, from: AcquiredFrom) -> Acquired {
         Acquired { at, from, utc_offset_min: None }
+    }
+
+    /// The time on the clock of the scanner; UTC if its zone is not known.
+    pub fn local(&self) -> Zoned {
+        let seconds = self.utc_offset_min.map(|min| 60 * i32::from(min));
+        let offset = seconds.and_then(|seconds| Offset::from_seconds(seconds).ok());
+        self.at.to_zoned(offset.map_or(TimeZone::UTC, TimeZone::fixed))
+    }
+
+    /// How many days before `today` it was, on the calendar of the scanner; negative if it is to come.
+    pub fn age_days(&self, today: Date) -> i64 {
+        self.local().date().until(today).map_or(0, |span| i64::from(span.get_days()))
     }
 }
 

@@ -146,14 +146,14 @@ pub struct CloudFigures {
 pub struct Packed(Vec<i16>);
 
 impl Packed {
-    fn points<'a>(points: impl Iterator<Item = Option<&'a Point3<f64>>>) -> Packed {
+    pub(crate) fn points<'a>(points: impl Iterator<Item = Option<&'a Point3<f64>>>) -> Packed {
         let unseen = [UNSEEN; 3];
         let packed =
             |point: &Point3<f64>| [point.x, point.y, point.z].map(|mm| whole(mm, POINT_UNIT_MM));
         Packed(points.flat_map(|point| point.map_or(unseen, packed)).collect())
     }
 
-    fn errors(errors: &[Option<f64>]) -> Packed {
+    pub(crate) fn errors(errors: &[Option<f64>]) -> Packed {
         let packed = |error: &Option<f64>| error.map_or(UNSEEN, |mm| whole(mm, ERROR_UNIT_MM));
         Packed(errors.iter().map(packed).collect())
     }

@@ -1,21 +1,12 @@
 //! What speaks against comparing two visits, though their figures mean the same.
 
-use jiff::tz::Offset;
-
+use super::stance::StanceChange;
 use super::visit::Visit;
 use crate::leg::Side;
 use crate::record::Acquired;
 
 /// Legs swell during the day; times of day that differ by more than this are told, hours.
 const TIME_OF_DAY_H: f64 = 3.0;
-
-/// A shank that is tilted by more than this compared with the visit before is a different stance, degrees: at
-/// 4° the height of a place above the floor changes by 0.3 %.
-const TILT_DEG: f64 = 4.0;
-
-/// As much for the angle between shank and thigh, degrees: beyond it the skin behind the knee folds or
-/// stretches, and the calf moves along the shank.
-const BEND_DEG: f64 = 8.0;
 
 /// A phantom's mean error that differs by more than this between two checks is told, mm: beyond what the
 /// checks themselves scatter by.
@@ -37,10 +28,8 @@ pub enum Caution {
     Stance {
         /// Which leg.
         side: Side,
-        /// Difference of the shank's tilt, degrees.
-        tilt_deg: f64,
-        /// Difference of the angle at the knee, degrees.
-        bend_deg: f64,
+        /// By how much.
+        change: StanceChange,
     },
     /// The scans are of different stations.
     Station,
@@ -70,16 +59,6 @@ impl Caution {
             Caution::NoPhantom => "phantom-not-checked",
             Caution::Drift { .. } => "phantom-drift",
             Caution::ByHand { .. } => "measures-by-hand",
-        }
-    }
-
-    /// Whether because of it the girths at single places of a leg are not compared: a place on the skin is no
-    /// longer at the same length along the leg.
-    pub fn is_about_places(&self, side: Side) -> bool {
-        match self {
-            Caution::Posture => true,
-            Caution::Stance { side: of, .. } => *of == side,
-            _ => false,
         }
     }
 }
@@ -119,20 +98,19 @@ pub(super) fn cautions([earlier, later]: [&Visit; 2]) -> Vec<Caution> {
 }
 
 fn stance(visits: [&Visit; 2], side: Side) -> Option<Caution> {
-    let [Some(before), Some(after)] = visits.map(|visit| visit.legs.get(side).as_ref()) else {
-        return None;
-    };
-    let tilt_deg = after.tilt_deg - before.tilt_deg;
-    let bend_deg =
-        after.bend_deg.zip(before.bend_deg).map_or(0.0, |(after, before)| after - before);
-    let is_other = tilt_deg.abs() > TILT_DEG || bend_deg.abs() > BEND_DEG;
-    is_other.then_some(Caution::Stance { side, tilt_deg, bend_deg })
+    let change = stance_change(visits, side).filter(StanceChange::matters)?;
+    Some(Caution::Stance { side, change })
+}
+
+/// How differently a leg stood; `None` if one of the records does not say.
+pub(super) fn stance_change(visits: [&Visit; 2], side: Side) -> Option<StanceChange> {
+    let [before, after] = visits.map(|visit| visit.legs.get(side).as_ref()?.stance);
+    Some(before?.to(&after?))
 }
 
 /// The local time of day, hours; `None` if the scanner's time zone is not known: UTC would be off by hours.
 fn time_of_day_h(acquired: &Acquired) -> Option<f64> {
-    let seconds = 60 * i32::from(acquired.utc_offset_min?);
-    let offset = Offset::from_seconds(seconds).ok()?;
-    let time = offset.to_datetime(acquired.at).time();
+    acquired.utc_offset_min?;
+    let time = acquired.local().time();
     Some(f64::from(time.hour()) + f64::from(time.minute()) / 60.0)
 }

@@ -2,11 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use super::caution::{Caution, cautions};
+use super::caution::{Caution, cautions, stance_change};
 use super::course::{Course, Group};
 use super::excess::{ExcessChange, excess_change};
-use super::leg::{LegAtVisit, Step};
+use super::leg::LegAtVisit;
+use super::place::Step;
 use super::quantity::Change;
+use super::stance::StanceChange;
 use super::visit::Visit;
 use crate::leg::Side;
 use crate::leg::side::Sides;
@@ -31,9 +33,10 @@ pub struct Comparison {
 pub struct LegChange {
     /// Of the volume over the pieces that all visits have, mL; `None` if there are none.
     pub volume: Option<Change>,
-    /// Of the girths at fixed places, mm, lowest first. Empty if the legs were held too differently.
+    /// Of the girths at fixed places, mm, lowest first. Places at which the skin has moved too far because the
+    /// leg was held differently are missing.
     pub girths: Vec<PlaceChange>,
-    /// Of the volume of each piece, mL, lowest first. Empty like `girths`.
+    /// Of the volume of each piece, mL, lowest first. Pieces are missing like `girths`.
     pub pieces: Vec<PlaceChange>,
 }
 
@@ -56,17 +59,21 @@ impl Course {
         let leg = |side: Side| {
             let legs = visits.map(|visit| visit.legs.get(side).as_ref());
             let [Some(before), Some(after)] = legs else { return None };
-            let has_moved = cautions.iter().any(|caution| caution.is_about_places(side));
+            let stance = stance_change(visits, side).unwrap_or_default();
             let volumes = [earlier, later].map(|visit| self.volume(group, visit, side));
             let volume = match volumes {
-                [Some(before), Some(after)] => Some(Change::between(&before, &after)),
+                [Some(before), Some(after)] => {
+                    let of_stance = stance.of_volume(before.value);
+                    Some(Change::between(&before, &after).with_stance(of_stance))
+                }
                 _ => None,
             };
-            let [girths, pieces] = match has_moved {
-                true => [Vec::new(), Vec::new()],
-                false => [girths(visits, [before, after]), pieces(visits, [before, after], group)],
-            };
-            Some(LegChange { volume, girths, pieces })
+            if cautions.contains(&Caution::Posture) {
+                return Some(LegChange { volume, girths: Vec::new(), pieces: Vec::new() });
+            }
+            let legs = [before, after];
+            let girths = girths(visits, legs, &stance);
+            Some(LegChange { volume, girths, pieces: pieces(visits, legs, &stance, group) })
         };
         Comparison {
             earlier,
@@ -88,28 +95,35 @@ impl Course {
     }
 }
 
-fn girths(visits: [&Visit; 2], legs: [&LegAtVisit; 2]) -> Vec<PlaceChange> {
+fn girths(visits: [&Visit; 2], legs: [&LegAtVisit; 2], stance: &StanceChange) -> Vec<PlaceChange> {
     let change = |step: &Step| {
         let girth = |of: usize| legs[of].girth(*step, &visits[of].common);
-        let change = Change::at_place(&girth(0)?, &girth(1)?);
+        let change = Change::at_place(&girth(0)?, &girth(1)?).with_stance(stance.of_girth_mm());
         Some(PlaceChange { step: *step, change, is_doubtful: is_doubtful(legs, &[*step]) })
     };
-    legs[0].places.keys().filter_map(change).collect()
+    let steps = legs[0].places.keys().filter(|step| stance.allows(**step, **step));
+    steps.filter_map(change).collect()
 }
 
-fn pieces(visits: [&Visit; 2], legs: [&LegAtVisit; 2], group: &Group) -> Vec<PlaceChange> {
-    let own = [legs[0].pieces(group.volume), legs[1].pieces(group.volume)];
+fn pieces(
+    visits: [&Visit; 2],
+    legs: [&LegAtVisit; 2],
+    stance: &StanceChange,
+    group: &Group,
+) -> Vec<PlaceChange> {
     let change = |step: &Step| {
         let only = BTreeSet::from([*step]);
         let volume = |of: usize| legs[of].volume(group.volume, &only, &visits[of].common);
-        let change = Change::at_place(&volume(0)?, &volume(1)?);
+        let (before, after) = (volume(0)?, volume(1)?);
+        let of_stance = stance.of_piece(before.value);
         Some(PlaceChange {
             step: *step,
-            change,
+            change: Change::at_place(&before, &after).with_stance(of_stance),
             is_doubtful: is_doubtful(legs, &[*step, step + 1]),
         })
     };
-    own[0].keys().filter(|step| own[1].contains_key(step)).filter_map(change).collect()
+    let steps = legs[0].places.keys().filter(|step| stance.allows(**step, **step + 1));
+    steps.filter_map(change).collect()
 }
 
 fn is_doubtful(legs: [&LegAtVisit; 2], steps: &[Step]) -> bool {

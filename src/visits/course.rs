@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::leg::Step;
+use super::place::Step;
 use super::quantity::Quantity;
 use super::visit::{Definition, Visit};
 use crate::leg::Side;
@@ -134,8 +134,8 @@ impl Course {
         if records.len() < 2 {
             return Err(CourseFault::TooFew { found: records.len() });
         }
-        let mut visits: Vec<Visit> =
-            records.iter().map(|record| Visit::of(record, choice.girth_common_mm)).collect();
+        let visit = |(at, record)| Visit::of(at, record, choice.girth_common_mm);
+        let mut visits: Vec<Visit> = records.iter().enumerate().map(visit).collect();
         for other in 1..visits.len() {
             if visits[other].patient != visits[0].patient {
                 return Err(CourseFault::OtherPatient { first: 1, other: other + 1 });
@@ -158,8 +158,8 @@ impl Course {
     /// As [`Course::of`], and if one of them cannot be compared with the others.
     pub fn comparable(records: &[Record], choice: Choice) -> Result<Course, CourseFault> {
         let course = Course::of(records, choice)?;
-        if let Some(at) = course.visits.iter().position(|visit| !has_places(visit)) {
-            return Err(CourseFault::NoPlaces { at: at + 1 });
+        if let Some(visit) = course.visits.iter().find(|visit| !has_places(visit)) {
+            return Err(CourseFault::NoPlaces { at: visit.record + 1 });
         }
         match course.groups.as_slice() {
             [_] => Ok(course),
@@ -184,7 +184,7 @@ impl Course {
         let [first, other] = [one, another].map(|group| group.visits[0]);
         let girths = |at: usize| self.visits[at].definition.girths.clone();
         let (first_girths, other_girths) = (girths(first), girths(other));
-        let (first, other) = (first + 1, other + 1);
+        let [first, other] = [first, other].map(|at| self.visits[at].record + 1);
         if first_girths == other_girths {
             let (one, another) = (one.volume.word(), another.volume.word());
             return CourseFault::OtherVolume { first, other, one, another };

@@ -5,8 +5,9 @@
 
 use std::collections::BTreeSet;
 
+use super::caution::stance_change;
 use super::course::{Affected, Course, Group};
-use super::leg::Step;
+use super::place::Step;
 use super::quantity::{Change, Quantity};
 use crate::leg::Side;
 use crate::record::rounding::MARGIN_SDS;
@@ -20,6 +21,8 @@ pub struct Excess {
     pub ml: Quantity,
     /// The same, % of the other leg.
     pub percent: f64,
+    /// The volume of the other leg, mL.
+    pub other_ml: f64,
 }
 
 /// How the excess changed.
@@ -74,7 +77,12 @@ impl Course {
         };
         let (own, other) = (volume(affected)?, volume(affected.other())?);
         let ml = own.minus_within_scan(&other);
-        Some(Excess { affected, ml, percent: 100.0 * ml.value / other.value })
+        Some(Excess {
+            affected,
+            ml,
+            percent: 100.0 * ml.value / other.value,
+            other_ml: other.value,
+        })
     }
 }
 
@@ -86,10 +94,15 @@ pub(super) fn excess_change(
     later: usize,
 ) -> Option<ExcessChange> {
     let (before, after) = (course.excess(group, earlier)?, course.excess(group, later)?);
+    let visits = [&course.visits[earlier], &course.visits[later]];
+    let stance = Side::BOTH.into_iter().map(|side| {
+        let ml = course.volume(group, earlier, side).map_or(0.0, |volume| volume.value);
+        stance_change(visits, side).unwrap_or_default().of_volume(ml)
+    });
     Some(ExcessChange {
         earlier: before,
         later: after,
-        change: Change::between(&before.ml, &after.ml),
+        change: Change::between(&before.ml, &after.ml).with_stance(stance.fold(0.0, f64::hypot)),
         reduction: reduction(&before.ml, &after.ml),
     })
 }

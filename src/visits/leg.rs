@@ -2,24 +2,21 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::place::{Step, along_mm};
 use super::quantity::{Parts, Quantity};
+use super::stance::Stance;
 use crate::leg::comparison::tape_volume::{Piece, VolumeBy};
 use crate::leg::levels::at_height::PROFILE_STEP_MM;
 use crate::record::chart::AlongFigures;
-use crate::record::schema::LegFigures;
-
-/// The number of a fixed place: its length along the leg's axis from the floor in steps of 4 cm.
-pub type Step = u32;
+use crate::record::schema::{BodyFigures, LegFigures};
 
 /// A leg at one visit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LegAtVisit {
     /// Girths at the places where there are any.
     pub places: BTreeMap<Step, Place>,
-    /// Angle between the axis of the shank and the vertical, degrees.
-    pub tilt_deg: f64,
-    /// Angle between shank and thigh, degrees; `None` if it is not known.
-    pub bend_deg: Option<f64>,
+    /// How it stood; `None` if the record does not say.
+    pub stance: Option<Stance>,
 }
 
 /// The girth at a fixed place.
@@ -44,18 +41,12 @@ pub struct Common {
     pub floor_mm: f64,
 }
 
-/// The length along the axis of a place, mm.
-pub fn along_mm(step: Step) -> f64 {
-    PROFILE_STEP_MM * f64::from(step)
-}
-
 impl LegAtVisit {
     /// The leg of a record. A girth of unknown uncertainty is left out: nothing can be said about its change.
-    pub fn of(leg: &LegFigures) -> LegAtVisit {
+    pub fn of(body: &BodyFigures, leg: &LegFigures) -> LegAtVisit {
         LegAtVisit {
             places: leg.along.iter().filter_map(place).collect(),
-            tilt_deg: leg.tilt_deg,
-            bend_deg: leg.axes.as_ref().and_then(|axes| axes.bend_deg),
+            stance: Stance::of(body, leg),
         }
     }
 
@@ -139,7 +130,7 @@ mod tests {
             let girth_mm = 200.0 + slope * along_mm(step);
             (step, Place { height_mm: None, girth_mm, girth_sd_mm, is_doubtful: false })
         };
-        LegAtVisit { places: (2..=16).map(place).collect(), tilt_deg: 0.0, bend_deg: None }
+        LegAtVisit { places: (2..=16).map(place).collect(), stance: None }
     }
 
     fn all(leg: &LegAtVisit) -> BTreeSet<Step> {

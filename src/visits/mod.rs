@@ -6,7 +6,7 @@
 //!
 //! | step | where |
 //! |---|---|
-//! | a record as a visit: places, stance, scanner, definition | [`visit`], [`leg`] |
+//! | a record as a visit: places, stance, scanner, definition | [`visit`], [`leg`], [`stance`] |
 //! | the visits in order, and which can be compared | [`course`] |
 //! | what changed between two of them | [`comparison`], [`excess`] |
 //! | what speaks against comparing them | [`caution`] |
@@ -18,7 +18,14 @@ pub mod comparison;
 pub mod course;
 pub mod excess;
 pub mod leg;
+pub mod overlay;
+pub mod place;
 pub mod quantity;
+pub mod registration;
+pub mod report;
+pub mod schema;
+pub mod stance;
+pub mod threshold;
 pub mod visit;
 
 pub use caution::Caution;

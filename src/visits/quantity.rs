@@ -95,6 +95,8 @@ pub struct Change {
     pub random: f64,
     /// The part that comes from errors common to all girths of a scan.
     pub common: f64,
+    /// The part that comes from another stance.
+    pub stance: f64,
     /// The earlier figure.
     earlier: f64,
     /// How many standard uncertainties a change must exceed to be shown.
@@ -121,15 +123,21 @@ impl Change {
             percent: 100.0 * by / earlier.value,
             random: earlier.parts.random.hypot(later.parts.random),
             common: earlier.parts.common().hypot(later.parts.common()),
+            stance: 0.0,
             earlier: earlier.value,
             sds,
         }
     }
 
-    /// The smallest change that is told from none: a difference of two scans of an unchanged leg exceeds it
+    /// The change with the part of its uncertainty that comes from another stance.
+    pub fn with_stance(self, stance: f64) -> Change {
+        Change { stance, ..self }
+    }
+
+    /// The smallest change that is told from none, which clinics call the minimal detectable change (MDC95): a difference of two scans of an unchanged leg exceeds it
     /// in about 5 of 100 comparisons.
     pub fn detectable(&self) -> f64 {
-        self.sds * self.random.hypot(self.common)
+        self.sds * self.random.hypot(self.common).hypot(self.stance)
     }
 
     /// The same, % of the earlier figure.
@@ -190,6 +198,13 @@ mod tests {
         assert_eq!(shown(990.0), Shown::NoChange);
         assert_eq!(shown(1010.1), Shown::Larger);
         assert_eq!(shown(989.9), Shown::Smaller);
+    }
+
+    #[test]
+    fn another_stance_adds_to_what_a_change_must_exceed() {
+        let earlier = quantity(1000.0, [0.0, 3.0, 0.0]);
+        let change = Change::between(&earlier, &earlier).with_stance(5.0);
+        assert!((change.detectable() - 2.0 * 43_f64.sqrt()).abs() < 1e-9);
     }
 
     #[test]

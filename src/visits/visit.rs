@@ -17,7 +17,7 @@ pub const GIRTH_COMMON_MM: f64 = 1.0;
 /// The part of the floor's standard error that is not the same at every visit. The rest is of the person and
 /// of the scanner: soles that it never sees, heels that sink in alike. Measured with bodies in other stances
 /// and noise; see docs/visits.md.
-const FLOOR_CHANGES_SHARE: f64 = 0.5;
+const FLOOR_CHANGES_SHARE: f64 = 0.3;
 
 /// Standard error of the floor where a record does not state it, mm.
 const FLOOR_UNKNOWN_MM: f64 = 1.1;
@@ -25,6 +25,8 @@ const FLOOR_UNKNOWN_MM: f64 = 1.1;
 /// One visit.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Visit {
+    /// The place of its record among those that were given, counted from 0.
+    pub record: usize,
     /// The patient's id; `None` if the record names none.
     pub patient: Option<String>,
     /// When the scan was taken; `None` if unknown.
@@ -74,14 +76,15 @@ pub struct LevelAtVisit {
 }
 
 impl Visit {
-    /// The visit of a record. `girth_common_mm` is the standard error that all girths of a scan have in
+    /// The visit of a record at this place among those that were given. `girth_common_mm` is the standard error that all girths of a scan have in
     /// common; a phantom that was off by more counts instead.
-    pub fn of(record: &Record, girth_common_mm: f64) -> Visit {
-        let leg = |side: Side| record.leg(side).map(LegAtVisit::of);
+    pub fn of(at: usize, record: &Record, girth_common_mm: f64) -> Visit {
+        let leg = |side: Side| record.leg(side).map(|leg| LegAtVisit::of(&record.body, leg));
         let check = record.phantom_check.as_ref();
         let phantom_mm = check.and_then(|check| check.bias_mm);
         let floor_mm = record.body.floor_sd_mm.unwrap_or(FLOOR_UNKNOWN_MM);
         Visit {
+            record: at,
             patient: record.patient.as_ref().map(|patient| patient.id.clone()),
             acquired: record.acquired.clone(),
             sha256: record.scan.sha256.clone(),

@@ -85,6 +85,14 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     of(
+        "compare",
+        &[
+            ["gaiter compare /srv/records/4711", "compares all visits of a patient"],
+            ["gaiter compare before.json after.json --affected left", "compares two records"],
+            ["gaiter compare /srv/records/4711 --out visits", "writes a page, a PDF and JSON"],
+        ],
+    ),
+    of(
         "check",
         &[
             ["gaiter check", "checks the configuration of this machine's station"],
@@ -106,11 +114,19 @@ const EXAMPLES: &[Examples] = &[
         &[
             ["gaiter patient set", "asks for the id of the next patient"],
             ["gaiter patient show", "shows who is next"],
+            ["gaiter patient visits", "asks for an id and compares the patient's visits"],
         ],
     ),
     of("patient set", &[["gaiter patient set", "asks for the id of the next patient"]]),
     of("patient clear", &[["gaiter patient clear", "drops the name that waits"]]),
     of("patient show", &[["gaiter patient show", "shows who is next"]]),
+    of(
+        "patient visits",
+        &[
+            ["gaiter patient visits", "asks for the id and prints the comparison"],
+            ["gaiter patient visits --out visits < id.txt", "writes a page, a PDF and JSON"],
+        ],
+    ),
     of(
         "scans",
         &[

@@ -4,7 +4,7 @@ use clap::Command;
 
 /// The groups, each with its verbs, those first that a newcomer needs.
 pub const GROUPS: [(&str, &[&str]); 5] = [
-    ("Measure", &["demo", "extract", "calibrate", "reextract", "report", "sizes"]),
+    ("Measure", &["demo", "extract", "calibrate", "reextract", "report", "sizes", "compare"]),
     ("Run a station", &["check", "run", "status", "pause", "resume"]),
     ("At the station", &["patient", "scans", "show", "explain", "page", "gdt-order"]),
     ("Decide about a scan", &["retry", "release", "assign", "unassign", "give-up", "amend"]),

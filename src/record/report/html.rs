@@ -8,7 +8,10 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
+use super::document::{Block, Document};
+use super::head::Head;
 use super::print::parted;
+use super::viewer::viewer_with;
 use super::{Content, Paper, viewer};
 use crate::language::{Piece, pieces};
 use crate::record::Record;
@@ -20,6 +23,10 @@ const STYLE: &str = include_str!("report.css");
 
 /// Starts the view when the page is loaded. The record is embedded in the page.
 const BEGIN: &str = include_str!("begin.js");
+
+/// The same for a view that is not of a record's own page.
+const BEGIN_VIEW: &str = "gaiterViewer.mount(document.getElementById(\"view-place\"), \
+     JSON.parse(document.getElementById(\"record\").textContent), {});\n";
 
 /// Makes the page of a record with its content and with figures in the same language. The same record gives
 /// the same bytes.
@@ -34,21 +41,72 @@ pub fn page(
 ) -> Result<String, serde_json::Error> {
     // `<` in the JSON's strings could end the script element, and it occurs nowhere else in JSON.
     let json = serde_json::to_string(record)?.replace('<', "\\u003c");
-    let style = format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(content, paper));
+    let style =
+        format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(&Head::of(content), paper));
     let script = format!("{}\n{BEGIN}", viewer(content.language)?);
     Ok(format!(
         "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}\
          <script type=\"application/json\" id=\"record\">{json}</script>\n\
          <script>{script}</script>\n</body>\n</html>\n",
         content.language.tag(),
-        head(content, &policy(&style, &script)),
+        head(&Head::of(content), &policy(&style, &script)),
         body(content, figures),
     ))
 }
 
+/// Makes the page of a report of blocks. The same report gives the same bytes.
+///
+/// # Errors
+/// If a figure of a view cannot be written as JSON.
+pub fn document_page(of: &Document, paper: Paper) -> Result<String, serde_json::Error> {
+    let language = of.head.language;
+    let style = format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(&of.head, paper));
+    let view = of.blocks.iter().find_map(|block| match block {
+        Block::View(view) => Some(view),
+        _ => None,
+    });
+    let (json, script) = match view {
+        None => (String::new(), String::new()),
+        Some(view) => {
+            let json = serde_json::to_string(&view.record)?.replace('<', "\\u003c");
+            let script = format!("{}\n{BEGIN_VIEW}", viewer_with(language, &view.words)?);
+            (json, script)
+        }
+    };
+    let scripts = match view {
+        None => String::new(),
+        Some(_) => format!(
+            "<script type=\"application/json\" id=\"record\">{json}</script>\n\
+             <script>{script}</script>\n"
+        ),
+    };
+    let blocks: String = of.blocks.iter().enumerate().map(block).collect();
+    Ok(format!(
+        "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}{}\
+         {scripts}</body>\n</html>\n",
+        language.tag(),
+        head(&of.head, &policy(&style, &script)),
+        parts::document_header(&of.head),
+        element("main", "", &blocks),
+    ))
+}
+
+/// A part of a report, with its place among all of them.
+fn block((index, of): (usize, &Block)) -> String {
+    let id = format!("part-{index}");
+    match of {
+        Block::Verdict(sentences) => parts::sentences(sentences),
+        Block::Section(section) => parts::entries(&id, section),
+        Block::Table(table) => parts::whole_table(&id, table),
+        Block::Picture { title, figure, caption } => parts::titled(&id, title, figure, caption),
+        Block::View(view) => parts::view_of(&view.title, &view.text),
+        Block::Turn => String::new(),
+    }
+}
+
 /// The rules for paper: its format, and the patient and the number on every page.
-fn printed_margins(content: &Content, paper: Paper) -> String {
-    let number = content.language.text("report.page_number");
+fn printed_margins(head: &Head, paper: Paper) -> String {
+    let number = head.language.text("report.page_number");
     let number: String = pieces(number)
         .map(|piece| match piece {
             Piece::Words(words) => css_string(words),
@@ -60,9 +118,9 @@ fn printed_margins(content: &Content, paper: Paper) -> String {
         "@page {{ size: {}; @top-left {{ content: {}; }} @top-right {{ content: {}; }} \
          @bottom-left {{ content: {}; }} @bottom-right {{ content: {number}; }} }}\n",
         paper.name(),
-        css_string(&content.patient),
-        css_string(&content.taken),
-        css_string(&content.title),
+        css_string(&head.patient),
+        css_string(&head.taken),
+        css_string(&head.title),
     )
 }
 
@@ -76,7 +134,7 @@ fn css_string(text: &str) -> String {
     format!("\"{}\"", text.chars().map(escaped).collect::<String>())
 }
 
-fn head(content: &Content, policy: &str) -> String {
+fn head(head: &Head, policy: &str) -> String {
     format!(
         "<meta charset=\"utf-8\">\n\
          <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
@@ -84,7 +142,7 @@ fn head(content: &Content, policy: &str) -> String {
          <meta name=\"color-scheme\" content=\"light dark\">\n\
          <meta name=\"referrer\" content=\"no-referrer\">\n\
          <title>{}</title>\n",
-        escaped(&format!("{} – {}", content.title, content.patient))
+        escaped(&format!("{} – {}", head.title, head.patient))
     )
 }
 

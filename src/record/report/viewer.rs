@@ -24,9 +24,18 @@ pub const VIEWER: &str = concat!(
 /// # Errors
 /// If the words cannot be written as JSON.
 pub fn viewer(language: Language) -> Result<String, serde_json::Error> {
+    viewer_with(language, &[])
+}
+
+/// The script with the words of a language, some of which are replaced.
+pub(super) fn viewer_with(
+    language: Language,
+    others: &[(&'static str, String)],
+) -> Result<String, serde_json::Error> {
     let mut words: BTreeMap<&str, &str> = language.table("viewer").collect();
     words.insert("point", language.decimal_sign());
     words.insert("tag", language.tag());
+    words.extend(others.iter().map(|(key, text)| (*key, text.as_str())));
     // `<` could end the script's element.
     let words = serde_json::to_string(&words)?.replace('<', "\\u003c");
     Ok(format!("globalThis.gaiterViewerWords = {words};\n{VIEWER}"))

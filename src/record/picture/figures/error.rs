@@ -27,14 +27,21 @@ const CUT_PX: f64 = 366.0;
 /// Left and right of each map, px.
 const MAPS_PX: [[f64; 2]; 2] = [[52.0, 330.0], [412.0, 690.0]];
 
-/// The ends of the scale, mm. Larger distances get the colour of the end.
-const SCALE_MM: f64 = 1.0;
+/// The scale of a map.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MapScale {
+    /// Its ends, mm. Larger distances get the colour of the end.
+    pub end_mm: f64,
+    /// From this distance on a place has its sign, mm.
+    pub sign_mm: f64,
+}
+
+/// The scale of the error: from half a millimetre on a place has its sign, because less is mostly the noise
+/// of scanners.
+const ERROR_SCALE: MapScale = MapScale { end_mm: 1.0, sign_mm: 0.5 };
 
 /// Steps of colour on either side of zero.
 const STEPS: f64 = 4.0;
-
-/// From this distance on a place has its sign, mm: less is mostly the noise of scanners.
-const SIGN_MM: f64 = 0.5;
 
 /// From this share of the scale on, a colour is so strong that its sign must be pale.
 const STRONG_SHARE: f64 = 0.625;
@@ -50,6 +57,16 @@ const NET: f64 = 0.7;
 
 /// The figure; `None` for a record without shapes.
 pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
+    map_of(record, ERROR_SCALE, language.text("picture.error"), language)
+}
+
+/// A map of the distances at the surfaces of a record; `None` without shapes.
+pub(crate) fn map_of(
+    record: &Record,
+    scale: MapScale,
+    title: &str,
+    language: Language,
+) -> Option<Picture> {
     let surfaces = || record.legs.iter().filter_map(|leg| leg.shape.as_ref()?.surface.as_ref());
     surfaces().next()?;
     let heights = surfaces().flat_map(heights);
@@ -62,18 +79,17 @@ pub(super) fn picture(record: &Record, language: Language) -> Option<Picture> {
             Side::Right => [180.0, -180.0],
         };
         let frame = Frame { x: Scale { range, px }, y };
-        let title = [f64::midpoint(px[0], px[1]), 20.0];
+        let middle = [f64::midpoint(px[0], px[1]), 20.0];
         let leg = language.word("leg", side.word());
-        marks.push(heading(title, Anchor::Middle, Ink::of(side), leg));
+        marks.push(heading(middle, Anchor::Middle, Ink::of(side), leg));
         marks.extend(frame.rows(100.0, |mm| format!("{:.0}", mm / 10.0)));
         marks.extend(around(&frame, language));
-        marks.extend(map(record.leg(side), &frame, language));
-        marks.extend(legend(px[0], language));
+        marks.extend(map(record.leg(side), &frame, scale, language));
+        marks.extend(legend(px[0], scale, language));
     }
     let height = language.text("picture.height_cm");
     marks.push(words([4.0, 32.0], Anchor::Start, SMALL, Ink::Muted, height));
-    let title = language.text("picture.error").to_owned();
-    Some(Picture { title, size: SIZE, cuts: vec![CUT_PX], marks })
+    Some(Picture { title: title.to_owned(), size: SIZE, cuts: vec![CUT_PX], marks })
 }
 
 /// The names of the directions below a map.
@@ -102,7 +118,7 @@ fn heights(surface: &SurfaceGridFigures) -> Vec<f64> {
     points.chunks(surface.columns.max(1)).map(mean).collect()
 }
 
-fn map(leg: Option<&LegFigures>, frame: &Frame, language: Language) -> Vec<Mark> {
+fn map(leg: Option<&LegFigures>, frame: &Frame, scale: MapScale, language: Language) -> Vec<Mark> {
     let surface = leg.and_then(|leg| leg.shape.as_ref()?.surface.as_ref());
     let Some((leg, surface)) = leg.zip(surface) else {
         let at =
@@ -110,7 +126,7 @@ fn map(leg: Option<&LegFigures>, frame: &Frame, language: Language) -> Vec<Mark>
         let none = language.text("picture.no_surface");
         return vec![words(at, Anchor::Middle, TEXT, Ink::Muted, none)];
     };
-    let mut marks = cells(surface, frame);
+    let mut marks = cells(surface, frame, scale);
     let named = LEVELS.map(|level| {
         leg.landmarks.get(level.name()).map(|found| (level.name(), frame.y.at(found.height_mm)))
     });
@@ -134,7 +150,7 @@ fn map(leg: Option<&LegFigures>, frame: &Frame, language: Language) -> Vec<Mark>
 }
 
 /// The map's nodes as areas that reach halfway to their neighbours, one mark per colour, and their signs.
-fn cells(surface: &SurfaceGridFigures, frame: &Frame) -> Vec<Mark> {
+fn cells(surface: &SurfaceGridFigures, frame: &Frame, scale: MapScale) -> Vec<Mark> {
     let errors = surface.error.as_errors_mm();
     let heights = heights(surface);
     let columns = surface.columns.max(1);
@@ -147,10 +163,11 @@ fn cells(surface: &SurfaceGridFigures, frame: &Frame) -> Vec<Mark> {
     };
     let edge_x = |column: usize| frame.x.at(-180.0 + width_deg * column as f64);
     let mut by_step = BTreeMap::<Option<i64>, Vec<Vec<[f64; 2]>>>::new();
-    let mut signs = Signs::default();
+    let mut signs = Signs::of(scale);
     for (row, errors) in errors.chunks(columns).enumerate().take(heights.len()) {
         let [low, high] = [edge(row), edge(row + 1)].map(|mm| frame.y.at(mm));
-        let steps: Vec<Option<i64>> = errors.iter().map(|error| error.map(step)).collect();
+        let steps: Vec<Option<i64>> =
+            errors.iter().map(|error| error.map(|mm| scale.step(mm))).collect();
         let mut first = 0;
         for run in steps.chunk_by(|a, b| a == b) {
             let [left, right] = [first, first + run.len()].map(edge_x);
@@ -175,20 +192,24 @@ fn cells(surface: &SurfaceGridFigures, frame: &Frame) -> Vec<Mark> {
 }
 
 /// The signs of places, which are seen without colour too: dark on pale colours and pale on strong ones.
-#[derive(Default)]
 struct Signs {
+    scale: MapScale,
     dots: [Vec<[f64; 2]>; 2],
     strokes: [Vec<Vec<[f64; 2]>>; 2],
     net: Vec<Vec<[f64; 2]>>,
 }
 
 impl Signs {
+    fn of(scale: MapScale) -> Signs {
+        Signs { scale, dots: Default::default(), strokes: Default::default(), net: Vec::new() }
+    }
+
     /// Adds the sign of a distance between two corners of its place.
     fn add(&mut self, mm: f64, [left, low]: [f64; 2], [right, high]: [f64; 2]) {
-        if mm.abs() < SIGN_MM {
+        if mm.abs() < self.scale.sign_mm {
             return;
         }
-        let is_strong = usize::from(step(mm).abs() as f64 / STEPS >= STRONG_SHARE);
+        let is_strong = usize::from(self.scale.step(mm).abs() as f64 / STEPS >= STRONG_SHARE);
         if mm < 0.0 {
             self.dots[is_strong].push([f64::midpoint(left, right), f64::midpoint(low, high)]);
         } else {
@@ -216,9 +237,11 @@ impl Signs {
     }
 }
 
-/// The colour step of a distance.
-fn step(mm: f64) -> i64 {
-    (mm / SCALE_MM * STEPS).round().clamp(-STEPS, STEPS) as i64
+impl MapScale {
+    /// The colour step of a distance.
+    fn step(self, mm: f64) -> i64 {
+        (mm / self.end_mm * STEPS).round().clamp(-STEPS, STEPS) as i64
+    }
 }
 
 fn ink(step: Option<i64>) -> Ink {
@@ -226,16 +249,16 @@ fn ink(step: Option<i64>) -> Ink {
 }
 
 /// The scale below a map, from its left end.
-fn legend(left: f64, language: Language) -> Vec<Mark> {
+fn legend(left: f64, scale: MapScale, language: Language) -> Vec<Mark> {
     const BOX: [f64; 2] = [20.0, 12.0];
     let top = ROWS_PX[1] + 38.0;
     let mut marks = Vec::new();
-    let mut signs = Signs::default();
+    let mut signs = Signs::of(scale);
     let box_at =
         |x: f64| vec![[x, top], [x + BOX[0], top], [x + BOX[0], top + BOX[1]], [x, top + BOX[1]]];
     for (index, step) in (-(STEPS as i64)..=STEPS as i64).enumerate() {
         let x = left + index as f64 * BOX[0];
-        let mm = step as f64 / STEPS * SCALE_MM;
+        let mm = step as f64 / STEPS * scale.end_mm;
         marks.push(area(vec![box_at(x)], ink(Some(step))));
         let middle = x + BOX[0] / 2.0;
         let half = BOX[1] / 2.0;
@@ -274,6 +297,9 @@ mod tests {
 
     #[test]
     fn steps_are_the_nearest_and_end_with_the_scale() {
-        assert_eq!([-9.0, -0.13, -0.12, 0.0, 0.13, 0.3, 1.0].map(step), [-4, -1, 0, 0, 1, 1, 4]);
+        assert_eq!(
+            [-9.0, -0.13, -0.12, 0.0, 0.13, 0.3, 1.0].map(|mm| ERROR_SCALE.step(mm)),
+            [-4, -1, 0, 0, 1, 1, 4]
+        );
     }
 }

@@ -2,10 +2,10 @@
 
 mod curves;
 mod differences;
-mod error;
+pub(crate) mod error;
 mod fit;
 mod girths;
-mod plot;
+pub(crate) mod plot;
 mod sections;
 mod sheet;
 mod slopes;

@@ -3,17 +3,17 @@
 use crate::record::picture::{Anchor, Ink, Mark, Stroke};
 
 /// Size of the text in figures, px.
-pub(super) const TEXT: f64 = 12.0;
+pub(crate) const TEXT: f64 = 12.0;
 
 /// Size of the text at scales, px.
-pub(super) const SMALL: f64 = 10.5;
+pub(crate) const SMALL: f64 = 10.5;
 
 /// Distance of labels above each other, px.
-pub(super) const LINE: f64 = 14.0;
+pub(crate) const LINE: f64 = 14.0;
 
 /// A linear scale from figures to px.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Scale {
+pub(crate) struct Scale {
     /// Its ends, in its own unit.
     pub range: [f64; 2],
     /// The places of the ends, px.
@@ -36,7 +36,7 @@ impl Scale {
 }
 
 /// The smallest range that holds all figures and ends at multiples of a step. `None` without figures.
-pub(super) fn range(figures: impl Iterator<Item = f64>, step: f64) -> Option<[f64; 2]> {
+pub(crate) fn range(figures: impl Iterator<Item = f64>, step: f64) -> Option<[f64; 2]> {
     let none = [f64::INFINITY, f64::NEG_INFINITY];
     let [low, high] = figures.fold(none, |[low, high], of| [low.min(of), high.max(of)]);
     let [low, high] = [(low / step).floor() * step, (high / step).ceil() * step];
@@ -46,8 +46,10 @@ pub(super) fn range(figures: impl Iterator<Item = f64>, step: f64) -> Option<[f6
 
 /// A frame of two scales.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Frame {
+pub(crate) struct Frame {
+    /// The scale to the right.
     pub x: Scale,
+    /// The scale upwards.
     pub y: Scale,
 }
 
@@ -85,17 +87,17 @@ impl Frame {
 }
 
 /// Open lines of one ink.
-pub(super) fn lines(lines: Vec<Vec<[f64; 2]>>, ink: Ink, width: f64) -> Mark {
+pub(crate) fn lines(lines: Vec<Vec<[f64; 2]>>, ink: Ink, width: f64) -> Mark {
     Mark::Lines { lines, is_closed: false, fill: None, stroke: Stroke::of(ink, width) }
 }
 
 /// An area of one ink.
-pub(super) fn area(outlines: Vec<Vec<[f64; 2]>>, fill: Ink) -> Mark {
+pub(crate) fn area(outlines: Vec<Vec<[f64; 2]>>, fill: Ink) -> Mark {
     Mark::Lines { lines: outlines, is_closed: true, fill: Some(fill), stroke: None }
 }
 
 /// Plain text.
-pub(super) fn words(
+pub(crate) fn words(
     at: [f64; 2],
     anchor: Anchor,
     size: f64,
@@ -106,13 +108,13 @@ pub(super) fn words(
 }
 
 /// Bold text.
-pub(super) fn heading(at: [f64; 2], anchor: Anchor, ink: Ink, words: impl Into<String>) -> Mark {
+pub(crate) fn heading(at: [f64; 2], anchor: Anchor, ink: Ink, words: impl Into<String>) -> Mark {
     Mark::Words { at, anchor, size: TEXT, is_bold: true, ink, words: words.into() }
 }
 
 /// Moves labels from the wished places so that they are at least `apart` from each other, in the same
 /// order, with the largest move as small as possible.
-pub(super) fn kept_apart(wished: &[f64], apart: f64) -> Vec<f64> {
+pub(crate) fn kept_apart(wished: &[f64], apart: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wished.len()).collect();
     order.sort_by(|a, b| wished[*a].total_cmp(&wished[*b]));
     // Groups of labels that touch: the sum of the starts they want, and their number.

@@ -4,8 +4,9 @@ use super::markup::{element, escaped, figure, foreign, section, wide, words};
 use crate::leg::Side;
 use crate::record::picture::figures::{Figure as Drawn, SHEET};
 use crate::record::picture::svg;
+use crate::record::report::age::Age;
 use crate::record::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
-use crate::record::report::{Figure, Mark};
+use crate::record::report::{Figure, Head, Mark};
 
 /// The patient, and when the scan was taken.
 pub(super) fn header(content: &Content) -> String {
@@ -14,6 +15,36 @@ pub(super) fn header(content: &Content) -> String {
     let patient = format!("<h1>{}</h1>", foreign(&content.patient));
     let taken = format!("<p class=\"taken\">{}</p>", foreign(&content.taken));
     element("header", "", &[title, patient, taken].join("\n"))
+}
+
+/// The head of a report of blocks.
+pub(super) fn document_header(head: &Head) -> String {
+    let title = words("p", " class=\"kind\"", &head.title);
+    let patient = format!("<h1>{}</h1>", foreign(&head.patient));
+    let taken = format!("<p class=\"taken\">{}</p>", foreign(&head.taken));
+    element("header", "", &[title, patient, taken].join("\n"))
+}
+
+/// What matters most, a sentence a line.
+pub(super) fn sentences(sentences: &[String]) -> String {
+    let sentences: String = sentences.iter().map(|sentence| words("p", "", sentence)).collect();
+    element("div", " class=\"verdict\"", &sentences)
+}
+
+/// A picture below a heading.
+pub(super) fn titled(id: &str, title: &str, drawn: &Drawn, caption: &str) -> String {
+    let inside = svg::embedded(drawn.name, &drawn.picture, &drawn.marks)
+        + &element("figcaption", "", &escaped(caption));
+    section(id, title, &element("figure", &format!(" class=\"{}\"", drawn.name), &inside))
+}
+
+/// The place of the interactive 3D view of a report of blocks.
+pub(super) fn view_of(title: &str, text: &str) -> String {
+    let text = words("p", " class=\"aside\"", text);
+    let place = element("div", " id=\"view-place\"", "");
+    let heading = words("h2", " id=\"view\"", title);
+    let inside = element("section", " aria-labelledby=\"view\"", &(heading + &text + &place));
+    element("div", " class=\"screen-only\"", &inside)
 }
 
 /// What is to be done before the patient dresses.
@@ -87,6 +118,7 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let below =
         key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(see_sizes);
     let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
+    let below = age(&content.age) + &below;
     let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
         let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);
         element("figure", " class=\"sheet\"", &marks)
@@ -126,6 +158,19 @@ fn length(row: &SheetRow) -> String {
     };
     let cells: String = row.figures.iter().map(of_leg).collect();
     element("tr", "", &(words("th", " scope=\"row\"", &row.head) + &cells))
+}
+
+/// How old the scan is: until when it holds for an order, and in a browser how old it is today.
+fn age(age: &Age) -> String {
+    let Some(counted) = &age.counted else { return words("p", " class=\"aside\"", &age.until) };
+    let attributes = format!(
+        " id=\"age\" class=\"aside\" data-taken=\"{}\" data-most=\"{}\" data-fresh=\"{}\" data-old=\"{}\"",
+        counted.taken,
+        counted.most.0,
+        escaped(&counted.fresh),
+        escaped(&counted.old),
+    );
+    words("p", &attributes, &age.until)
 }
 
 /// A cell that is left open on paper.
@@ -211,7 +256,7 @@ pub(super) fn sizes(content: &Content) -> String {
     section("sizes", &of.title, &about) + &tables + &calibre + &form
 }
 
-fn whole_table(id: &str, of: &Table) -> String {
+pub(super) fn whole_table(id: &str, of: &Table) -> String {
     section(id, &of.title, &table(id, of, ""))
 }
 

@@ -10,8 +10,8 @@ use super::letters::{FontRefs, NAMES};
 use super::packing::packed;
 use super::sheet::{SIZE, Sheets, short};
 use super::tags::ROOT;
-use crate::record::Record;
-use crate::record::report::{Content, Paper};
+use crate::record::report::document::Origin;
+use crate::record::report::{Head, Paper};
 
 /// The object numbers.
 struct Refs {
@@ -53,18 +53,14 @@ impl Refs {
 }
 
 /// Writes the finished pages as a file.
-pub(super) fn bytes(
-    sheets: Sheets,
-    record: &Record,
-    content: &Content,
-) -> Result<Vec<u8>, PdfFault> {
+pub(super) fn bytes(sheets: Sheets, head: &Head, origin: &Origin) -> Result<Vec<u8>, PdfFault> {
     let refs = Refs::of(&sheets);
     let mut pdf = Pdf::new();
-    // The id depends on the record only, so that the same record gives the same file.
-    let id = Sha256::digest(format!("{} {}", record.scan.sha256, record.revision));
+    // The id depends on the origin only, so that the same record gives the same file.
+    let id = Sha256::digest(&origin.id);
     pdf.set_file_id((id[..16].to_vec(), id[..16].to_vec()));
-    write_catalog(&mut pdf, &refs, content);
-    write_info(&mut pdf, refs.info, record, content);
+    write_catalog(&mut pdf, &refs, head);
+    write_info(&mut pdf, refs.info, head, origin);
     write_pages(&mut pdf, &refs, sheets.paper);
     write_tags(&mut pdf, &refs, &sheets);
     for (letters, refs) in sheets.letters.iter().zip(&refs.fonts) {
@@ -76,9 +72,9 @@ pub(super) fn bytes(
     Ok(pdf.finish())
 }
 
-fn write_catalog(pdf: &mut Pdf, refs: &Refs, content: &Content) {
+fn write_catalog(pdf: &mut Pdf, refs: &Refs, head: &Head) {
     let mut catalog = pdf.catalog(refs.catalog);
-    catalog.pages(refs.tree).lang(TextStr(content.language.tag()));
+    catalog.pages(refs.tree).lang(TextStr(head.language.tag()));
     catalog.viewer_preferences().display_doc_title(true);
     catalog.mark_info().marked(true);
     catalog.pair(Name(b"StructTreeRoot"), refs.tags);
@@ -122,15 +118,13 @@ fn write_tags(pdf: &mut Pdf, refs: &Refs, sheets: &Sheets) {
     sheets.tags.write(pdf, refs.tags, &refs.elements, &refs.pages);
 }
 
-fn write_info(pdf: &mut Pdf, id: Ref, record: &Record, content: &Content) {
-    let title = format!("{} – {}", content.title, content.patient);
-    let author = record.station.as_deref().unwrap_or("gaiter");
-    let made_by = format!("gaiter {}", record.made_by.gaiter);
+fn write_info(pdf: &mut Pdf, id: Ref, head: &Head, origin: &Origin) {
+    let title = format!("{} – {}", head.title, head.patient);
     let mut info = pdf.document_info(id);
-    info.title(TextStr(&title)).author(TextStr(author)).creator(TextStr(&made_by));
+    info.title(TextStr(&title)).author(TextStr(&origin.author)).creator(TextStr(&origin.made_by));
     info.producer(TextStr("pdf-writer"));
-    let Some(acquired) = &record.acquired else { return };
-    let at = acquired.at.to_zoned(TimeZone::UTC);
+    let Some(at) = origin.at else { return };
+    let at = at.to_zoned(TimeZone::UTC);
     let Ok(year) = u16::try_from(at.year()) else { return };
     let part = |of: i8| of.unsigned_abs();
     info.creation_date(

@@ -8,7 +8,7 @@ use super::tags::{ElementIndex, ROOT};
 use super::wrap::{Type, cut, lines};
 use crate::record::picture::font::writable;
 use crate::record::picture::{Anchor, Ink, Picture};
-use crate::record::report::{Content, Paper};
+use crate::record::report::{Head, Paper};
 
 /// The column of the text, pt: left and right margins of 17 mm.
 pub(super) const COLUMN: [f64; 2] = [48.0, SIZE[0] - 48.0];
@@ -53,14 +53,14 @@ pub(super) const TITLE_TYPE: Type = Type { size: 19.0, is_bold: true };
 /// A PDF being written.
 pub(super) struct Flow<'a> {
     pub sheets: Sheets,
-    content: &'a Content,
+    head: &'a Head,
     /// How far the last page is filled, pt from the top.
     pub y: f64,
 }
 
 impl<'a> Flow<'a> {
-    pub(super) fn new(content: &'a Content, paper: Paper) -> Flow<'a> {
-        let mut flow = Flow { sheets: Sheets::new(paper), content, y: 0.0 };
+    pub(super) fn new(head: &'a Head, paper: Paper) -> Flow<'a> {
+        let mut flow = Flow { sheets: Sheets::new(paper), head, y: 0.0 };
         flow.turn();
         flow
     }
@@ -75,10 +75,10 @@ impl<'a> Flow<'a> {
         self.sheets.turn();
         self.y = TOP;
         let page = self.sheets.current();
-        let patient = writable(&self.content.patient);
-        let whole = self.content.language.text("report.cut_id");
+        let patient = writable(&self.head.patient);
+        let whole = self.head.language.text("report.cut_id");
         let patient = cut(&patient, 0.58 * WIDTH, BOLD_TYPE, whole);
-        let taken = cut(&writable(&self.content.taken), 0.4 * WIDTH, SMALL_TYPE, "…");
+        let taken = cut(&writable(&self.head.taken), 0.4 * WIDTH, SMALL_TYPE, "…");
         self.sheets.decorate(page, |pen| {
             pen.words(&patient, [COLUMN[0], HEAD], Anchor::Start, BOLD_TYPE, Ink::Text);
             pen.words(&taken, [COLUMN[1], HEAD], Anchor::End, SMALL_TYPE, Ink::Muted);
@@ -189,11 +189,11 @@ impl<'a> Flow<'a> {
     pub(super) fn finished(mut self) -> Sheets {
         let count = self.sheets.pages.len();
         let foot = self.sheets.paper.size_pt()[1] - FOOT_MARGIN;
-        let language = self.content.language;
+        let language = self.head.language;
         for page in 0..count {
             let number =
                 language.filled("report.page_number", &[("page", &(page + 1)), ("count", &count)]);
-            let title = writable(&self.content.title);
+            let title = writable(&self.head.title);
             self.sheets.decorate(page, |pen| {
                 pen.words(&title, [COLUMN[0], foot], Anchor::Start, SMALL_TYPE, Ink::Muted);
                 pen.words(&number, [COLUMN[1], foot], Anchor::End, SMALL_TYPE, Ink::Muted);

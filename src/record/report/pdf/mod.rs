@@ -15,8 +15,9 @@ mod wrap;
 use thiserror::Error;
 
 use self::flow::Flow;
+use super::document::{Block, Document, Origin};
 use super::print::parted;
-use super::{Content, Print};
+use super::{Content, Head, Paper, Print};
 use crate::record::Record;
 use crate::record::picture::figures::Figure;
 
@@ -51,7 +52,8 @@ pub fn paper(
     figures: &[Figure],
     print: Print,
 ) -> Result<Vec<u8>, PdfFault> {
-    let mut flow = Flow::new(content, print.paper);
+    let head = Head::of(content);
+    let mut flow = Flow::new(&head, print.paper);
     let (pictures, appendix) = parted(figures);
     measuring_sheet::write(&mut flow, content, figures);
     parts::sizes(&mut flow, content.sizes.as_ref());
@@ -66,5 +68,33 @@ pub fn paper(
         parts::section(&mut flow, &content.surfaces);
         parts::landmarks(&mut flow, &content.landmarks);
     }
-    document::bytes(flow.finished(), record, content)
+    let origin = Origin {
+        id: format!("{} {}", record.scan.sha256, record.revision),
+        author: record.station.clone().unwrap_or_else(|| "gaiter".to_owned()),
+        made_by: format!("gaiter {}", record.made_by.gaiter),
+        at: record.acquired.as_ref().map(|acquired| acquired.at),
+    };
+    document::bytes(flow.finished(), &head, &origin)
+}
+
+/// Makes the PDF of a report of blocks.
+///
+/// # Errors
+/// If a font cannot be subset, which the tests rule out.
+pub fn document_paper(of: &Document, paper: Paper) -> Result<Vec<u8>, PdfFault> {
+    let mut flow = Flow::new(&of.head, paper);
+    parts::title(&mut flow, &of.head.title);
+    for block in &of.blocks {
+        match block {
+            Block::Verdict(sentences) => parts::sentences(&mut flow, sentences),
+            Block::Section(section) => parts::section(&mut flow, section),
+            Block::Table(table) => parts::tables(&mut flow, std::slice::from_ref(table)),
+            Block::Picture { title, figure, caption } => {
+                parts::picture(&mut flow, title, figure, caption);
+            }
+            Block::View(_) => {}
+            Block::Turn => flow.turn(),
+        }
+    }
+    document::bytes(flow.finished(), &of.head, &of.origin)
 }

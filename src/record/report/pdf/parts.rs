@@ -2,7 +2,7 @@
 
 use pdf_writer::types::StructRole;
 
-use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_ROOM, SMALL_TYPE};
+use super::flow::{BODY_TYPE, BOLD_TYPE, Flow, HEADING_ROOM, SMALL_TYPE, TITLE_TYPE};
 use super::table::{Cell, Row, Table};
 use super::wrap::Type;
 use crate::record::picture::figures::Figure as Drawn;
@@ -15,6 +15,28 @@ const DENSE: f64 = 7.0;
 
 /// A note or paragraph of up to this height stays on one page, pt.
 const WHOLE_MAX: f64 = 150.0;
+
+/// The title of a report.
+pub(super) fn title(flow: &mut Flow<'_>, title: &str) {
+    flow.text(title, StructRole::H1, TITLE_TYPE, Ink::Text);
+    flow.space(6.0);
+}
+
+/// What matters most, a sentence a line.
+pub(super) fn sentences(flow: &mut Flow<'_>, sentences: &[String]) {
+    for sentence in sentences {
+        flow.need(Flow::height_of(sentence, BOLD_TYPE));
+        flow.text(sentence, StructRole::P, BOLD_TYPE, Ink::Text);
+        flow.space(3.0);
+    }
+}
+
+/// A picture below a heading.
+pub(super) fn picture(flow: &mut Flow<'_>, title: &str, drawn: &Drawn, caption: &str) {
+    let height = flow.picture_height(&drawn.picture, [caption, ""], HEADING_ROOM);
+    flow.heading(title, height);
+    flow.picture(&drawn.picture, "", caption);
+}
 
 /// Where the record comes from.
 pub(super) fn facts(flow: &mut Flow<'_>, content: &Content) {

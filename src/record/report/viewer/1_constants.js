@@ -32,7 +32,8 @@ globalThis.gaiterViewer = (() => {
   const MOST_ITEMS = 100; // Of sections, levels and feature points of a leg each.
   const FARTHEST_MM = 4000; // No coordinate of a body lies farther out.
   const UNSEEN = -32768; // Stands in grids where nothing was seen.
-  const ERROR_MM = 1; // Where the error's colours are full; the report's flat figure has the same scale.
+  // Where the error's colours are full; the report's flat figure has the same scale.
+  const ERROR_MM = Number((globalThis.gaiterViewerWords || {}).error_mm) || 1;
   const RING_MM = 1.3; // Half the thickness of a drawn section.
   // How far layers that lie on one another are lifted towards the eye, so that they do not flicker. The ghost
   // sinks, so that it shows only where it is clearly thicker.

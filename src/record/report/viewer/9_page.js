@@ -121,7 +121,8 @@
       mounted += 1;
       this.shows = { left: true, right: true };
       this.tape = new Tape(scene, words, () => this.redraw());
-      [...FIRST_LAYERS, ...MORE_LAYERS].forEach((layer) => { this.shows[layer] = SHOWN_FIRST.includes(layer) && this.has(layer); });
+      const first = words.first_layers ? words.first_layers.split(" ") : SHOWN_FIRST;
+      [...FIRST_LAYERS, ...MORE_LAYERS].forEach((layer) => { this.shows[layer] = first.includes(layer) && this.has(layer); });
       if (!this.has("skin")) this.shows.surface = this.has("surface");
       this.labels = new Labels(this);
       this.build();

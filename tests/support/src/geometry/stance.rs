@@ -11,60 +11,90 @@ pub struct Stance {
     pub bent_deg: f64,
 }
 
-/// The joints of a leg of a body with y up, the toes along z, as shares of the crotch's height.
+/// Heights of the joints of a leg, of a body with y up and the toes along z, as shares of the crotch's height.
 const ANKLE_SHARE: f64 = 0.10;
 const KNEE_SHARE: f64 = 0.58;
 const HIP_SHARE: f64 = 1.10;
 
+/// Height at which the middle of the leg is taken for the hip joint: above the crotch a section is of both legs.
+const UPPER_SHARE: f64 = 0.95;
+
 /// Half the length over which a joint bends, as the same share.
 const BEND_SHARE: f64 = 0.06;
-
-/// Horizontal distance of the joints from the body's middle, as the same share.
-const ASIDE_SHARE: f64 = 0.12;
 
 impl Stance {
     /// The body in this stance.
     pub fn of(self, body: Mesh, crotch_mm: f64) -> Mesh {
-        let joints = Joints { crotch_mm };
-        body.moved(|[x, y, z]| {
-            let side = if x < 0.0 { -1.0 } else { 1.0 };
-            let aside = side * ASIDE_SHARE * crotch_mm;
-            let [mut u, mut v, mut w] = [x - aside, y, z];
-            // From the foot up, so that each joint carries what is below it.
-            let knee = self.bent_deg.to_radians();
-            let hip = knee * (KNEE_SHARE - ANKLE_SHARE) / (HIP_SHARE - ANKLE_SHARE);
-            let turns = [(ANKLE_SHARE, hip - knee), (KNEE_SHARE, knee), (HIP_SHARE, -hip)];
-            for (share, angle) in turns {
-                let part = angle * joints.below(share, y);
-                (v, w) = joints.turned(share, [v, w], part);
-            }
+        let legs = [-1.0, 1.0].map(|side| Joints::of(&body, crotch_mm, side));
+        let knee = self.bent_deg.to_radians();
+        let hip = knee * (KNEE_SHARE - ANKLE_SHARE) / (HIP_SHARE - ANKLE_SHARE);
+        body.moved(|at| {
+            let side = if at[0] < 0.0 { -1.0 } else { 1.0 };
+            let leg = if at[0] < 0.0 { &legs[0] } else { &legs[1] };
             let apart = side * self.apart_deg.to_radians();
-            for (share, angle) in [(ANKLE_SHARE, -apart), (HIP_SHARE, apart)] {
-                let part = angle * joints.below(share, y);
-                (v, u) = joints.turned(share, [v, u], part);
+            // From the foot up, so that each joint carries what is below it.
+            let turns = [
+                (leg.ankle, 2, hip - knee),
+                (leg.knee, 2, knee),
+                (leg.hip, 2, -hip),
+                (leg.ankle, 0, -apart),
+                (leg.hip, 0, apart),
+            ];
+            let mut moved = at;
+            for (joint, across, angle) in turns {
+                moved = turned(moved, joint, across, angle * leg.below(joint[1], at[1]));
             }
-            [u + aside, v, w]
+            moved
         })
     }
 }
 
+/// The middles of the joints of a leg.
 struct Joints {
     crotch_mm: f64,
+    ankle: [f64; 3],
+    knee: [f64; 3],
+    hip: [f64; 3],
 }
 
 impl Joints {
+    fn of(body: &Mesh, crotch_mm: f64, side: f64) -> Joints {
+        let middle = |share: f64| {
+            let near = |p: &&[f64; 3]| {
+                side * p[0] > 0.0 && (p[1] / crotch_mm - share).abs() < BEND_SHARE / 3.0
+            };
+            let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+            for point in body.points.iter().filter(near) {
+                for (index, value) in [point[0], point[2]].into_iter().enumerate() {
+                    low[index] = low[index].min(value);
+                    high[index] = high[index].max(value);
+                }
+            }
+            [0, 1].map(|index| (low[index] + high[index]) / 2.0)
+        };
+        let joint = |share: f64, [x, z]: [f64; 2]| [x, share * crotch_mm, z];
+        Joints {
+            crotch_mm,
+            ankle: joint(ANKLE_SHARE, middle(ANKLE_SHARE)),
+            knee: joint(KNEE_SHARE, middle(KNEE_SHARE)),
+            hip: joint(HIP_SHARE, middle(UPPER_SHARE)),
+        }
+    }
+
     /// Which part of a joint's turn a place at a height takes part in: all below it, none above.
-    fn below(&self, share: f64, y: f64) -> f64 {
-        let t = (share + BEND_SHARE - y / self.crotch_mm) / (2.0 * BEND_SHARE);
+    fn below(&self, joint_mm: f64, y_mm: f64) -> f64 {
+        let t = (joint_mm - y_mm) / (2.0 * BEND_SHARE * self.crotch_mm) + 0.5;
         let t = t.clamp(0.0, 1.0);
         t * t * (3.0 - 2.0 * t)
     }
+}
 
-    /// Height and the coordinate across, turned about a joint: a positive angle moves what is below it
-    /// along the positive direction.
-    fn turned(&self, share: f64, [v, across]: [f64; 2], angle: f64) -> (f64, f64) {
-        let (sin, cos) = angle.sin_cos();
-        let v = v - share * self.crotch_mm;
-        (share * self.crotch_mm + v * cos + across * sin, across * cos - v * sin)
-    }
+/// A point turned about a joint in the plane of the height and one coordinate across it: a positive angle moves
+/// what is below the joint along the positive direction.
+fn turned(mut at: [f64; 3], joint: [f64; 3], across: usize, angle: f64) -> [f64; 3] {
+    let (sin, cos) = angle.sin_cos();
+    let (up, aside) = (at[1] - joint[1], at[across] - joint[across]);
+    at[1] = joint[1] + up * cos + aside * sin;
+    at[across] = joint[across] + aside * cos - up * sin;
+    at
 }

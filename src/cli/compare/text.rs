@@ -1,0 +1,102 @@
+//! A report of blocks for a terminal.
+
+use crate::cli::terminal::paint::{self, painted};
+use crate::cli::terminal::screen::indented;
+use crate::record::report::content::{Section, Table};
+use crate::record::report::document::{Block, Document};
+use crate::record::report::{Figure, Mark};
+
+/// The report in lines of at most this many characters; pictures are left out.
+pub(super) fn of(document: &Document, columns: usize) -> String {
+    let head = &document.head;
+    let mut text = format!("{}: {} · {}\n", head.title, head.patient, head.taken);
+    for block in &document.blocks {
+        text += &match block {
+            Block::Verdict(sentences) => {
+                sentences.iter().map(|said| indented(said, "  ", columns)).collect()
+            }
+            Block::Section(of) => section(of, columns),
+            Block::Table(of) => table(of, columns),
+            Block::Picture { .. } | Block::View(_) | Block::Turn => String::new(),
+        };
+    }
+    text
+}
+
+fn section(of: &Section, columns: usize) -> String {
+    let entries: String = of.entries.iter().map(|said| indented(said, "  ", columns)).collect();
+    format!("\n{}\n{entries}", of.title)
+}
+
+/// A table; its rows are broken between columns if they do not fit.
+fn table(of: &Table, columns: usize) -> String {
+    let cells: Vec<Vec<(String, Mark)>> = of
+        .rows
+        .iter()
+        .map(|row| {
+            let head = (row.head.clone(), Mark::Sure);
+            std::iter::once(head).chain(row.figures.iter().map(figure)).collect()
+        })
+        .collect();
+    let width = |column: usize| {
+        let own =
+            cells.iter().filter_map(|row| row.get(column)).map(|(cell, _)| cell.chars().count());
+        own.chain(of.columns.get(column).map(|head| head.chars().count())).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..of.columns.len()).map(width).collect();
+    let mut text = format!("\n{}\n", of.title);
+    text.extend(of.explanation.as_ref().map(|said| indented(said, "  ", columns)));
+    for part in parts(&widths, columns.saturating_sub(2)) {
+        let head: Vec<(String, Mark)> =
+            of.columns.iter().map(|head| (head.clone(), Mark::Sure)).collect();
+        for row in std::iter::once(&head).chain(&cells) {
+            text += &line(row, &widths, &part);
+        }
+    }
+    text
+}
+
+/// The columns of each part of a table that fits into this many characters; every part begins with the
+/// first column.
+fn parts(widths: &[usize], most: usize) -> Vec<Vec<usize>> {
+    let first = widths.first().copied().unwrap_or(0);
+    let mut parts: Vec<Vec<usize>> = Vec::new();
+    let mut used = usize::MAX;
+    for (column, width) in widths.iter().enumerate().skip(1) {
+        if used.saturating_add(width + GAP) > most {
+            parts.push(vec![0]);
+            used = first;
+        }
+        used += width + GAP;
+        parts.iter_mut().last().into_iter().for_each(|part| part.push(column));
+    }
+    parts
+}
+
+/// Blanks between two columns.
+const GAP: usize = 2;
+
+fn line(row: &[(String, Mark)], widths: &[usize], columns: &[usize]) -> String {
+    let mut line = String::from("  ");
+    for (place, column) in columns.iter().enumerate() {
+        let Some((cell, mark)) = row.get(*column) else { continue };
+        let blanks = " ".repeat(widths[*column].saturating_sub(cell.chars().count()));
+        let cell = match mark {
+            Mark::Real => painted(paint::CARE, cell),
+            _ => cell.clone(),
+        };
+        line += &match place {
+            0 => format!("{cell}{blanks}"),
+            _ => format!("{:GAP$}{blanks}{cell}", ""),
+        };
+    }
+    line.trim_end().to_owned() + "\n"
+}
+
+/// A figure with its uncertainty and its sign; one that is shown to have changed ends in an exclamation mark,
+/// because a terminal may have no colour.
+fn figure(of: &Figure) -> (String, Mark) {
+    let margin = of.margin.as_ref().map(|margin| format!(" ± {margin}")).unwrap_or_default();
+    let sign = if of.mark == Mark::Real { "!" } else { of.mark.sign() };
+    (format!("{}{margin}{sign}", of.value), of.mark)
+}

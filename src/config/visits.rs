@@ -1,0 +1,60 @@
+//! `[visits]`: how the visits of a patient are compared.
+
+use super::fault::What;
+use super::parse::{self, Bounds};
+use super::reader::{Absent, Reader};
+use super::words::{LIMBS, LIMITED};
+use crate::record::report::AgeMax;
+use crate::visits::threshold::{Limited, Threshold};
+
+/// `[visits]`: how the visits of a patient are compared.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct VisitsConfig {
+    /// The clinic's own thresholds, in the order of the file.
+    pub thresholds: Vec<Threshold>,
+}
+
+/// Reads `report.max_age`: how old a scan may be for an order, whole days.
+pub(super) fn age_max(reader: &mut Reader) -> Option<AgeMax> {
+    const DAY_S: u64 = 24 * 3600;
+    let bounds = Bounds { least: "24h", most: "87600h" };
+    let default = Absent::Default("4320h");
+    let max_age = reader.text("report.max_age", default, parse::duration_in(bounds))?;
+    u32::try_from(max_age.value.as_secs() / DAY_S).ok().map(AgeMax)
+}
+
+/// Reads the keys of the section.
+pub(super) fn config(reader: &mut Reader) -> VisitsConfig {
+    let thresholds = reader.tables("visits.thresholds", "visits.thresholds.", threshold);
+    VisitsConfig { thresholds }
+}
+
+/// A threshold: its name, its source, the limb it was made for, what it limits and the limit.
+fn threshold(reader: &mut Reader) -> Option<Threshold> {
+    use Absent::Required;
+    let text = |text: &str| match text.trim() {
+        "" => Err(What::EmptyText),
+        text => Ok(text.to_owned()),
+    };
+    let name = reader.text("visits.thresholds.name", Required("DXA, mild"), text);
+    let source =
+        reader.text("visits.thresholds.source", Required("Lymphat Res Biol 2018;16:75"), text);
+    let limb = reader.text("visits.thresholds.limb", Required("leg"), parse::word(LIMBS));
+    let of = reader.text("visits.thresholds.of", Required("excess"), parse::word(LIMITED));
+    let limit = reader.text("visits.thresholds.limit", Required("3%"), |text| match of.as_ref() {
+        Some(of) => limit(of.value, text),
+        None => Ok(0.0),
+    });
+    limb?;
+    Some(Threshold { name: name?.value, source: source?.value, of: of?.value, limit: limit?.value })
+}
+
+/// A limit with the unit of what it limits.
+fn limit(of: Limited, text: &str) -> Result<f64, What> {
+    let number = text.strip_suffix(of.unit()).filter(|number| {
+        number.starts_with(|c: char| c.is_ascii_digit())
+            && number.chars().all(|c| c.is_ascii_digit() || c == '.')
+    });
+    let limit = number.and_then(|number| number.parse().ok()).filter(|limit| *limit > 0.0);
+    limit.ok_or_else(|| What::NotALimit { text: text.to_owned(), unit: of.unit() })
+}
