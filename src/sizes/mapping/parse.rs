@@ -7,7 +7,7 @@ use super::fault::MappingWhat;
 use super::file_name::FileName;
 use super::value::Cell;
 use super::{Column, Csv, Encoding, FORMAT, Figures, Instead, Layout, Mapping, Rounding, Rows};
-use crate::sizes::document::{Faults, Section, Value, kind, lines, number};
+use crate::sizes::document::{Faults, Known, Section, Value, kind, lines, number};
 use crate::sizes::fault::{Fault, What};
 use crate::sizes::parse::{is_of_format, points, readable};
 
@@ -55,8 +55,12 @@ pub fn parse(bytes: &[u8]) -> Result<Mapping, Vec<Fault>> {
 fn in_own_words(faults: Vec<Fault>) -> Vec<Fault> {
     let own = |fault: Fault| {
         let what = match fault.what {
-            What::Notation(said) => MappingWhat::Notation(said).into(),
-            What::Kind { expected, found } => MappingWhat::Kind { expected, found }.into(),
+            What::Notation { slip, written } => {
+                MappingWhat::Notation(format!("{slip}: {written}")).into()
+            }
+            What::Kind { form, found, .. } => {
+                MappingWhat::Kind { expected: form.words, found }.into()
+            }
             What::TooLong { found, most } => MappingWhat::TooLong { found, most }.into(),
             other => other,
         };
@@ -73,7 +77,7 @@ fn mapping(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Mapping> {
     let is_known = |name: &str| {
         name.starts_with("note_") || KEYS.split_whitespace().any(|known| known == name)
     };
-    whole.only(KEYS, is_known, faults);
+    whole.only(Known::here(KEYS), is_known, faults);
     let id = whole.required_text("id", "id = \"shop-2026\"", faults);
     let name = whole.required_text("name", "name = \"…\"", faults);
     let source = whole.required_text("source", "source = \"where the form was read\"", faults);
@@ -273,7 +277,7 @@ fn texts(
     };
     let at = value.span();
     let section = Section::within(table, &at, name);
-    section.only(known, |key| known.split(' ').any(|word| word == key), faults);
+    section.only(Known::here(known), |key| known.split(' ').any(|word| word == key), faults);
     let mut texts = Vec::new();
     for (key, value) in section.pairs() {
         let key = key.get_ref().as_ref();
@@ -304,7 +308,7 @@ fn columns(whole: Section<'_, '_>, rows: Option<Rows>, faults: &mut Faults<'_>) 
     for (table, at) in &tables {
         let section = Section::within(table, at, "column");
         section.only(
-            "name value text format",
+            Known::here("name value text format"),
             |key| ["name", "value", "text", "format"].contains(&key),
             faults,
         );
@@ -381,5 +385,5 @@ fn flag(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> Option<b
 }
 
 fn not_a(expected: &'static str, value: &Value<'_>) -> What {
-    What::Kind { expected, found: kind(value.get_ref()) }
+    MappingWhat::Kind { expected, found: kind(value.get_ref()) }.into()
 }
