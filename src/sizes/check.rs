@@ -62,7 +62,7 @@ pub enum Remark {
     },
     /// It may be used only to try the program.
     TestOnly,
-    /// Nobody has released it yet.
+    /// Not released yet.
     Draft,
     /// Its girths are under tension: no measure of a scan is compared with it.
     Tension,
@@ -93,6 +93,11 @@ pub struct Neighbours {
 }
 
 impl Remark {
+    /// Whether it says only how neighbours lie: makers' tables have gaps and overlaps, and it is good to know.
+    pub fn is_of_neighbours(&self) -> bool {
+        matches!(self, Remark::Gap(_) | Remark::Overlap(_) | Remark::Touch { .. })
+    }
+
     /// The stable code.
     pub fn code(&self) -> &'static str {
         match self {

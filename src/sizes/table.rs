@@ -59,7 +59,7 @@ pub struct SizeTable {
 pub enum Status {
     /// Only to try the program.
     TestOnly,
-    /// Nobody has released it yet.
+    /// Not released yet.
     Draft,
     /// Two persons vouch for it.
     Released,

@@ -41,7 +41,7 @@ pub struct Given {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NotGiven {
-    /// The scan does not show it, and nobody measured it.
+    /// The scan does not show it, and no person measured it.
     NotFound,
     /// A person noted that it cannot be measured.
     NotMeasurable,

@@ -8,11 +8,11 @@ use crate::leg::side::Sides;
 use crate::leg::{Level, Side};
 use crate::record::measure::Measure;
 use crate::record::report::Mark;
+use crate::record::sizing::SCANNER_GIRTH_MM;
 use crate::record::{Acquired, Record};
 
-/// Standard error of all girths of a scan in common, mm, where nothing better is known: scanners and tapes
-/// differ by 1 to 4 mm, and a scanner that is checked with a phantom stays within about 1 mm.
-pub const GIRTH_COMMON_MM: f64 = 1.0;
+/// Standard error of all girths of a scan in common, mm, where nothing better is known.
+pub const GIRTH_COMMON_MM: f64 = SCANNER_GIRTH_MM;
 
 /// The part of the floor's standard error that is not the same at every visit. The rest is of the person and
 /// of the scanner: soles that it never sees, heels that sink in alike. Measured with bodies in other stances

@@ -1,4 +1,4 @@
-//! The command line as the real program: check, asking, manual, reextract, terminal.
+//! The command line as the real program: check, asking, manual, reextract, sizes, terminal.
 
 mod amend;
 mod asking;
@@ -8,4 +8,5 @@ mod compare;
 mod config_faults;
 mod manual;
 mod reextract;
+mod sizes;
 mod terminal;

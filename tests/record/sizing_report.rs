@@ -115,8 +115,8 @@ fn a_missing_point_leaves_the_size_open_and_says_what_to_measure() {
         let of = content(&record, language, &Garment::default(), &example()).sizes.unwrap();
         of.tables[0].rows[0].figures[0].value.clone()
     };
-    assert_eq!(verdict(Language::En), "not decided: cC missing, measure by hand");
-    assert_eq!(verdict(Language::De), "nicht entschieden: es fehlt cC, von Hand messen");
+    assert_eq!(verdict(Language::En), "not decided, still to measure by hand: cC");
+    assert_eq!(verdict(Language::De), "nicht entschieden, noch von Hand messen: cC");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! Size tables against cases, against an evaluation of another kind, and against what nobody would write.
+//! Size tables against cases, against an evaluation of another kind, and against hostile files.
 
 mod against_integration;
 mod boundaries;

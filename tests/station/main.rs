@@ -17,6 +17,7 @@ mod names;
 mod orders;
 mod page;
 mod phantom;
+mod sizes;
 mod trigger_pty;
 mod visits_page;
 mod watch;

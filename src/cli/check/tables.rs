@@ -6,26 +6,36 @@ use super::row::{Row, Verdict};
 use crate::cli::sizes::remark_in_words;
 use crate::config::Config;
 use crate::language::Language;
-use crate::sizes::Garment;
-use crate::sizes::check::remarks;
+use crate::record::shown::id;
+use crate::sizes::check::{Remark, remarks};
+use crate::sizes::{Garment, SizeTable};
 
 /// The check's name in the table.
 const CHECK: &str = "size table";
 
-/// A row for each remark on a table; one that says so for a table without remarks.
+/// A row for each remark on a table. How neighbours lie is told in one row, which warns of nothing.
 pub(super) fn rows(config: &Config) -> Vec<Row> {
     let today = Zoned::now().date();
     let names: Vec<&str> = config.garments.iter().map(Garment::name).collect();
     let mut rows = Vec::new();
     for table in &config.tables {
-        let remarks = remarks(table, today, &names);
-        if remarks.is_empty() {
-            rows.push(Row::at(CHECK, &table.id, Verdict::Ok, "no remark"));
-        }
-        for remark in remarks {
+        let (of_neighbours, warnings): (Vec<Remark>, Vec<Remark>) =
+            remarks(table, today, &names).into_iter().partition(Remark::is_of_neighbours);
+        rows.push(Row::at(CHECK, &table.id, Verdict::Ok, in_use(table, of_neighbours.len())));
+        for remark in warnings {
             let said = remark_in_words(&remark, Language::En);
             rows.push(Row::at(CHECK, &table.id, Verdict::Warn, said));
         }
     }
     rows
+}
+
+fn in_use(table: &SizeTable, of_neighbours: usize) -> String {
+    let said = format!("{}, {}: in use", id(&table.product), id(&table.edition));
+    match of_neighbours {
+        0 => said,
+        count => format!(
+            "{said}; gaps, overlaps and touching limits: {count}, gaiter sizes check names them"
+        ),
+    }
 }

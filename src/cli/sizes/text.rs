@@ -116,12 +116,12 @@ fn of_table(
     for of in verdict.sizes.iter().filter(|of| of.is_candidate) {
         let codes =
             words::codes(of, language).map(|codes| format!("; {codes}")).unwrap_or_default();
-        let said = words::fit(of.fit, &of.missing, language) + &codes;
+        let said = words::fit(of.fit, &of.points, language) + &codes;
         entry(&words::size(of, language), of.fit, &said, &of.points);
     }
     for of in &verdict.lengths {
         let name = language.filled("sizes.length", &[("name", &of.length)]);
-        entry(&name, of.fit, &words::fit(of.fit, &of.missing, language), &of.points);
+        entry(&name, of.fit, &words::fit(of.fit, &of.points, language), &of.points);
     }
     text + &indented(&words::together(index, table, leg, language), "  ", columns)
 }

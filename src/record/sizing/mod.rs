@@ -18,15 +18,26 @@ use crate::sizes::{Garment, Point, SizeTable};
 /// Name and number of the schema of the verdicts as JSON.
 pub const SCHEMA: &str = "gaiter.size-verdicts/1";
 
+/// Standard error of all girths of a scan in common, mm, where nothing better is known: scanners and tapes
+/// differ by 1 to 4 mm, and a scanner that is checked with a phantom stays within about 1 mm.
+pub const SCANNER_GIRTH_MM: f64 = 1.0;
+
 /// By which tables a report judges a record.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SizeChoice {
     /// The tables, in the order in which they are shown.
     pub tables: Vec<SizeTable>,
     /// The day of the report: a table may be expired by then.
     pub today: Date,
-    /// A standard error that is common to all girths of the scanner, mm; 0 if none is known.
+    /// A standard error that is common to all girths of the scanner, mm; 0 to leave it out.
     pub scanner_girth_mm: f64,
+}
+
+impl Default for SizeChoice {
+    fn default() -> SizeChoice {
+        let today = Date::default();
+        SizeChoice { tables: Vec::new(), today, scanner_girth_mm: SCANNER_GIRTH_MM }
+    }
 }
 
 /// What tables say about a record.
@@ -69,9 +80,9 @@ pub struct TableVerdict {
     pub sha256: String,
     /// What it may be used for.
     pub status: Status,
-    /// Who entered its figures; null if nobody is named.
+    /// Who entered its figures; null if none is named.
     pub entered_by: Option<String>,
-    /// Who checked them; null if nobody is named.
+    /// Who checked them; null if none is named.
     pub checked_by: Option<String>,
     /// The last day on which it is valid; null if nothing is said.
     pub valid_until: Option<Date>,

@@ -75,15 +75,21 @@ pub fn size(of: &SizeVerdict, language: Language) -> String {
     }
 }
 
-/// A verdict, with what is missing for it.
-pub fn fit(fit: Fit, missing: &[Point], language: Language) -> String {
+/// A verdict, with the points that speak against it or that are missing for it.
+pub fn fit(fit: Fit, points: &[PointVerdict], language: Language) -> String {
     let verdict = language.word("sizes.fit", fit.word());
-    if missing.is_empty() || fit == Fit::DoesNotFit {
+    let key = match fit {
+        Fit::DoesNotFit => "sizes.outside",
+        Fit::NotDecided => "sizes.missing",
+        Fit::FitsWithinUncertainty | Fit::Fits => return verdict.to_owned(),
+    };
+    let named = points.iter().filter(|of| of.is_required && of.fit == fit);
+    let points: Vec<String> = named.map(|of| of.point.to_string()).collect();
+    if points.is_empty() {
         return verdict.to_owned();
     }
-    let points: Vec<String> = missing.iter().map(ToString::to_string).collect();
     let words: [(&str, &dyn Display); 2] = [("verdict", &verdict), ("points", &points.join(", "))];
-    language.filled("sizes.missing", &words)
+    language.filled(key, &words)
 }
 
 /// How far a value lies above the lower and below the upper limit, cm: `+0.4 / −0.1`. The sign of a margin

@@ -123,7 +123,7 @@ impl Report<'_> {
         let verdict = &leg.verdict;
         let mut rows = Vec::new();
         for of in verdict.sizes.iter().filter(|of| of.is_candidate) {
-            let fit = words::fit(of.fit, &of.missing, language);
+            let fit = words::fit(of.fit, &of.points, language);
             let codes = words::codes(of, language).map(|codes| format!(", {codes}"));
             rows.push(row(
                 &words::size(of, language),
@@ -133,7 +133,7 @@ impl Report<'_> {
         }
         for of in &verdict.lengths {
             let name = self.filled("sizes.length", &[("name", &of.length)]);
-            rows.push(row(&name, words::fit(of.fit, &of.missing, language), &of.points));
+            rows.push(row(&name, words::fit(of.fit, &of.points, language), &of.points));
         }
         rows
     }

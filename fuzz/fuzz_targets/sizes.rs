@@ -1,0 +1,52 @@
+//! Any bytes as a size table, and as a garment: read or refused with places, then used.
+#![no_main]
+
+#[path = "../../src/leg/level.rs"]
+mod level;
+pub mod leg {
+    pub use super::level::Level;
+}
+#[path = "../../src/sizes/mod.rs"]
+pub mod sizes;
+
+use jiff::civil::date;
+use sizes::check::remarks;
+use sizes::verdict::{Given, Reading, judged};
+use sizes::{Fault, Garment, parse};
+
+/// What is true of the faults of any file.
+fn placed(bytes: &[u8], faults: &[Fault]) {
+    assert!(!faults.is_empty());
+    let lines = bytes.iter().filter(|byte| **byte == b'\n').count() + 1;
+    for fault in faults {
+        assert!((1..=lines).contains(&fault.line) && fault.column >= 1, "{fault}");
+        let said = fault.to_string();
+        assert!(!said.chars().any(|letter| letter.is_control()), "{said:?}");
+    }
+}
+
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
+    match parse(bytes) {
+        Err(faults) => placed(bytes, &faults),
+        Ok(table) => {
+            remarks(&table, date(2026, 11, 25), &["AD"]);
+            let given = Given { mm: 300.0, uncertainty_mm: Some(1.0), is_by_hand: false };
+            for garment in Garment::shipped() {
+                let Ok(verdict) = judged(&table, garment, |_| Reading::Given(given)) else { continue };
+                let points = verdict.sizes.iter().flat_map(|size| &size.points);
+                for share in points.filter_map(|point| point.probability) {
+                    assert!((0.0..=1.0).contains(&share), "{share}");
+                }
+            }
+        }
+    }
+    match Garment::read(bytes) {
+        Err(faults) => placed(bytes, &faults),
+        Ok(garment) => {
+            for of in garment.boxes() {
+                let printed_mm = garment.printed_mm(of.point, 1234.5);
+                assert!((printed_mm - 1234.5).abs() <= garment.step_mm(of.point) / 2.0 + 1e-9);
+            }
+        }
+    }
+});
