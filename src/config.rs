@@ -39,7 +39,7 @@ use crate::flow::retention::Retention;
 use crate::language::Language;
 use crate::leg::Method;
 use crate::record::ReportChoice;
-use crate::record::report::Print;
+use crate::record::report::{AgeMax, Print};
 use crate::record::sizing::SizeChoice;
 use crate::sizes::{Garment, SizeTable};
 pub use capture::{CaptureConfig, PatientConfig};
@@ -80,6 +80,8 @@ pub struct Config {
     pub garment: Garment,
     /// `[report]`: the garments that can be ordered.
     pub garments: Vec<Garment>,
+    /// `[report]`: how old a scan may be for an order.
+    pub age_max: AgeMax,
     /// `[sizes]`: the size tables that reports are made with, in the order of the configuration.
     pub tables: Vec<SizeTable>,
     /// The files that garments and tables were read from, passed on to the measuring process.
@@ -111,6 +113,7 @@ impl Config {
             language: self.language,
             garment: self.garment.clone(),
             print: self.print,
+            age_max: self.age_max,
             sizes: SizeChoice {
                 tables: self.tables.clone(),
                 today,

@@ -59,7 +59,7 @@
 //! | `cad` | nalgebra, thiserror, zmij (numbers as text) |
 //! | `sizes` | jiff (calendar only), libm (the error function), serde, sha2, thiserror, toml (the files) |
 //! | `record` | base64, `encoding_rs` (code page 1252), flate2 (packing), jiff (calendar only), nalgebra, `pdf_writer`, serde, `serde_json`, sha2, subsetter (fonts), thiserror, `tiny_skia` (pixels) |
-//! | `visits` | jiff (calendar only), serde, `serde_json`, thiserror |
+//! | `visits` | jiff (calendar only), nalgebra, serde, thiserror |
 //! | `flow` | regex, serde, thiserror, jiff (calendar only) |
 
 pub mod cad;

@@ -4,16 +4,12 @@
 mod amend;
 mod order;
 
-use std::io::{self, BufRead, IsTerminal, Read, Write};
-
 use super::args::{AskArgs, AssignArgs, OneArgs, PatientVerb, UnassignArgs};
-use super::{Exit, ask, complain};
+use super::ask::read_patient;
+use super::{Exit, ask, compare, complain};
 use crate::station::operator::control::protocol::Request;
 pub use amend::amend;
 pub use order::order;
-
-/// The longest patient id that is read, bytes.
-const ID_MOST: u64 = 1024;
 
 /// Tries a refused scan again.
 pub fn retry(args: &OneArgs) -> Exit {
@@ -57,6 +53,10 @@ pub fn patient(verb: &PatientVerb) -> Exit {
         }
         PatientVerb::Clear(args) => ask::sentence(args, &Request::CallOff),
         PatientVerb::Show(args) => ask::sentence(args, &Request::Next),
+        PatientVerb::Visits(args) if args.stray.is_some() => {
+            not_an_argument("gaiter patient visits")
+        }
+        PatientVerb::Visits(args) => compare::visits(&args.how),
     }
 }
 
@@ -83,19 +83,6 @@ fn with_patient(args: &AskArgs, request: impl FnOnce(String) -> Request) -> Exit
             Exit::Io
         }
     }
-}
-
-/// Reads the patient's id as a line of standard input, with a prompt if it is a terminal.
-fn read_patient() -> io::Result<String> {
-    let stdin = io::stdin();
-    if stdin.is_terminal() {
-        let mut screen = io::stderr().lock();
-        screen.write_all(b"patient's id: ")?;
-        screen.flush()?;
-    }
-    let mut line = String::new();
-    stdin.lock().take(ID_MOST).read_line(&mut line)?;
-    Ok(line.trim().to_owned())
 }
 
 /// Prints the link to the operator's page.

@@ -1,6 +1,6 @@
 //! Queries a running station over its control socket and maps the answer to an exit code.
 
-use std::io::{self, BufRead, BufReader, Read, Write};
+use std::io::{self, BufRead, BufReader, IsTerminal, Read, Write};
 use std::os::unix::net::UnixStream;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -23,6 +23,9 @@ const BETWEEN_SOCKETS: Duration = Duration::from_secs(5);
 
 /// The longest answer that is read, bytes. The longest list of scans is far shorter.
 const ANSWER_MOST: u64 = 16 * 1024 * 1024;
+
+/// The longest patient id that is read, bytes.
+const ID_MOST: u64 = 1024;
 
 /// Why there is no answer.
 #[derive(Debug, thiserror::Error)]
@@ -232,4 +235,20 @@ pub fn refused(args: &AskArgs, fault: &AskFault) -> Exit {
         complain(format_args!("  hint: {hint}"));
     }
     exit
+}
+
+/// Reads the patient's id as a line of standard input, with a prompt if it is a terminal.
+///
+/// # Errors
+/// If it cannot be read.
+pub fn read_patient() -> io::Result<String> {
+    let stdin = io::stdin();
+    if stdin.is_terminal() {
+        let mut screen = io::stderr().lock();
+        screen.write_all(b"patient's id: ")?;
+        screen.flush()?;
+    }
+    let mut line = String::new();
+    stdin.lock().take(ID_MOST).read_line(&mut line)?;
+    Ok(line.trim().to_owned())
 }

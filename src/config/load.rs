@@ -114,6 +114,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let mut beside = Vec::new();
     let garments = sizes::garments(reader, files, &mut beside);
     let paper = reader.text("report.paper", Default("A4"), parse::word(PAPERS));
+    let age_max = visits::age_max(reader);
     let appendix = reader.flag("report.appendix", "false");
     let tables = sizes::tables(reader, files, &mut beside);
     let visits = visits::config(reader);
@@ -188,7 +189,8 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
         garments: garments.all,
         tables,
         beside,
-        visits: visits?,
+        visits,
+        age_max: age_max?,
         print: Print { paper: paper?.value, has_appendix: appendix?.value },
         measure: measure?,
         store: StoreConfig {

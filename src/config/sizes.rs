@@ -98,7 +98,7 @@ fn named_files(
     for Found { value: named, at } in reader.list(key, Absent::Default(""), parse::full_path) {
         match files.at(&named) {
             Err(why) => reader.note(at, key, What::NamedFile(why.to_string())),
-            Ok(beside) if bytes(read) + bytes(&[beside.clone()]) > BYTES_MOST => {
+            Ok(beside) if bytes(read) + bytes(std::slice::from_ref(&beside)) > BYTES_MOST => {
                 let said = format!("garments and size tables have more than {BYTES_MOST} bytes");
                 reader.note(at, key, What::NamedFile(said));
             }

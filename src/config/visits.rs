@@ -1,46 +1,32 @@
 //! `[visits]`: how the visits of a patient are compared.
 
-use std::time::Duration;
-
 use super::fault::What;
 use super::parse::{self, Bounds};
 use super::reader::{Absent, Reader};
 use super::words::{LIMBS, LIMITED};
+use crate::record::report::AgeMax;
 use crate::visits::threshold::{Limited, Threshold};
 
 /// `[visits]`: how the visits of a patient are compared.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct VisitsConfig {
-    /// A scan that is older than this is told as old.
-    pub max_age: Duration,
     /// The clinic's own thresholds, in the order of the file.
     pub thresholds: Vec<Threshold>,
 }
 
-impl VisitsConfig {
-    /// How old a scan may be, whole days.
-    pub fn max_age_days(&self) -> i64 {
-        const HOUR_S: u64 = 3600;
-        i64::try_from(self.max_age.as_secs() / (24 * HOUR_S)).unwrap_or(i64::MAX)
-    }
+/// Reads `report.max_age`: how old a scan may be for an order, whole days.
+pub(super) fn age_max(reader: &mut Reader) -> Option<AgeMax> {
+    const DAY_S: u64 = 24 * 3600;
+    let bounds = Bounds { least: "24h", most: "87600h" };
+    let default = Absent::Default("4320h");
+    let max_age = reader.text("report.max_age", default, parse::duration_in(bounds))?;
+    u32::try_from(max_age.value.as_secs() / DAY_S).ok().map(AgeMax)
 }
-
-impl Default for VisitsConfig {
-    fn default() -> VisitsConfig {
-        VisitsConfig { max_age: MAX_AGE, thresholds: Vec::new() }
-    }
-}
-
-/// How old a scan may be if nothing is configured: suppliers measure again after six months.
-const MAX_AGE: Duration = Duration::from_secs(180 * 24 * 3600);
 
 /// Reads the keys of the section.
-pub(super) fn config(reader: &mut Reader) -> Option<VisitsConfig> {
-    let bounds = Bounds { least: "24h", most: "87600h" };
-    let max_age =
-        reader.text("visits.max_age", Absent::Default("4320h"), parse::duration_in(bounds));
+pub(super) fn config(reader: &mut Reader) -> VisitsConfig {
     let thresholds = reader.tables("visits.thresholds", "visits.thresholds.", threshold);
-    Some(VisitsConfig { max_age: max_age?.value, thresholds })
+    VisitsConfig { thresholds }
 }
 
 /// A threshold: its name, its source, the limb it was made for, what it limits and the limit.

@@ -105,6 +105,11 @@ impl Checked<'_> {
         for (level, of) in &leg.estimates {
             self.level(level, of.height_mm, of.girth_tape_mm, [of.height_sd_mm, of.girth_sd_mm])?;
         }
+        for at in &leg.along {
+            let place = format!("{} mm along the leg", at.along_axis_mm);
+            self.all(&place, [at.along_axis_mm].into_iter().chain(at.height_mm), HEIGHTS_MM)?;
+            self.all(&place, at.girth_tape_mm.into_iter().chain(at.girth_sd_mm), LENGTHS_MM)?;
+        }
         self.girth_curve(leg)?;
         for section in &leg.sections {
             if let Some(outline) = &section.outline {

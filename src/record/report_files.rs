@@ -4,10 +4,11 @@ use std::collections::BTreeSet;
 
 use super::Record;
 use super::file::{RecordFile, file};
+use super::order::OrderChoice;
 use super::picture::figures::{self, Figure};
 use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};
-use super::report::{self, Content, PdfFault, Print};
+use super::report::{self, AgeMax, Content, PdfFault, Print};
 use super::sizing::{SizeChoice, SizeVerdicts};
 use crate::language::Language;
 use crate::sizes::Garment;
@@ -36,8 +37,12 @@ pub struct ReportChoice {
     pub print: Print,
     /// The formats in which each figure also gets a file of its own. If empty, it is only in the report.
     pub figures: BTreeSet<FigureFormat>,
+    /// How old the scan may be for an order.
+    pub age_max: AgeMax,
     /// The size tables that the report shows, and the day on which it does.
     pub sizes: SizeChoice,
+    /// The files of the order.
+    pub orders: OrderChoice,
 }
 
 /// The format of a figure's file.
@@ -104,7 +109,7 @@ pub(super) fn paper(
 
 fn content(record: &Record, choice: &ReportChoice) -> Content {
     let sizes = SizeVerdicts::of(record, &choice.garment, &choice.sizes);
-    Content::with_sizes(record, choice.language, &choice.garment, &sizes)
+    Content::with_sizes(record, choice.language, &choice.garment, &sizes, choice.age_max)
 }
 
 /// Both legs and their girths as one drawing, shown by practice software and pages.

@@ -1,6 +1,8 @@
-//! A fault of a size table or garment file: where it is, what was found, and what to do.
+//! A fault of a size table, garment or mapping file: where it is, what was found, and what to do.
 
 use std::fmt;
+
+use super::mapping::MappingWhat;
 
 /// One fault in a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -168,6 +170,9 @@ pub enum What {
     /// A notation without the place for the level's letter.
     #[error("\"{0}\" has no place for the letter of the level")]
     NoPlace(String),
+    /// What only a mapping of an order can have wrong.
+    #[error(transparent)]
+    Mapping(#[from] MappingWhat),
 }
 
 /// What a line that is no TOML was probably meant to be.
@@ -297,6 +302,7 @@ impl What {
             What::SamePerson(_) => "let another person check the figures and sign".to_owned(),
             What::NotABox(_) => "add it to boxes, at its place on the form".to_owned(),
             What::NoPlace(_) => "write {level} where the letter belongs: \"c{level}\"".to_owned(),
+            What::Mapping(what) => what.hint(),
         }
     }
 }

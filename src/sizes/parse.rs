@@ -75,16 +75,12 @@ pub(super) fn readable(bytes: &[u8]) -> Result<&str, Vec<Fault>> {
     })
 }
 
-/// Whether a file is of a format; notes it if not.
+/// Whether a file is of a format, which the line `example` sets; notes it if not.
 pub(super) fn is_of_format(
     whole: Section<'_, '_>,
-    expected: &'static str,
+    (expected, example): (&'static str, &'static str),
     faults: &mut Faults<'_>,
 ) -> bool {
-    let example = match expected {
-        FORMAT => "format = \"gaiter-size-table/1\"",
-        _ => "format = \"gaiter-garment/1\"",
-    };
     let found = whole.required_text("format", example, faults);
     match (found, whole.get("format")) {
         (Some(found), Some(value)) if found != expected => {
@@ -97,7 +93,7 @@ pub(super) fn is_of_format(
 
 /// The table of a file. What is wrong is noted, and the rest is read all the same.
 fn table(whole: Section<'_, '_>, sha256: String, faults: &mut Faults<'_>) -> Option<SizeTable> {
-    if !is_of_format(whole, FORMAT, faults) {
+    if !is_of_format(whole, (FORMAT, "format = \"gaiter-size-table/1\""), faults) {
         return None;
     }
     let is_known = |name: &str| {
@@ -369,6 +365,6 @@ fn own_name(section: Section<'_, '_>, taken: &[String], faults: &mut Faults<'_>)
 }
 
 /// Bytes as lower-case hexadecimal digits.
-fn hex(bytes: &[u8]) -> String {
+pub(super) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::leg::Step;
+use super::place::Step;
 use super::quantity::Quantity;
 use super::visit::{Definition, Visit};
 use crate::leg::Side;

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use super::caution::stance_change;
 use super::course::{Affected, Course, Group};
-use super::leg::Step;
+use super::place::Step;
 use super::quantity::{Change, Quantity};
 use crate::leg::Side;
 use crate::record::rounding::MARGIN_SDS;

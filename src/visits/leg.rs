@@ -2,15 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::place::{Step, along_mm};
 use super::quantity::{Parts, Quantity};
 use super::stance::Stance;
 use crate::leg::comparison::tape_volume::{Piece, VolumeBy};
 use crate::leg::levels::at_height::PROFILE_STEP_MM;
 use crate::record::chart::AlongFigures;
 use crate::record::schema::{BodyFigures, LegFigures};
-
-/// The number of a fixed place: its length along the leg's axis from the floor in steps of 4 cm.
-pub type Step = u32;
 
 /// A leg at one visit.
 #[derive(Debug, Clone, PartialEq)]
@@ -41,11 +39,6 @@ pub struct Common {
     pub girth_mm: f64,
     /// Standard error of the floor's height, mm.
     pub floor_mm: f64,
-}
-
-/// The length along the axis of a place, mm.
-pub fn along_mm(step: Step) -> f64 {
-    PROFILE_STEP_MM * f64::from(step)
 }
 
 impl LegAtVisit {

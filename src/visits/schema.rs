@@ -7,7 +7,7 @@ use super::caution::Caution;
 use super::comparison::{Comparison, LegChange, PlaceChange};
 use super::course::{Course, Group};
 use super::excess::{Excess, ExcessChange};
-use super::leg::along_mm;
+use super::place::along_mm;
 use super::quantity::{Change, Quantity};
 use super::threshold::{Threshold, verdicts};
 use super::visit::Visit;

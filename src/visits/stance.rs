@@ -1,6 +1,6 @@
 //! How a leg stood at a visit, and what a different stance does to girths and volumes.
 
-use super::leg::{Step, along_mm};
+use super::place::{Step, along_mm};
 use crate::leg::levels::at_height::PROFILE_STEP_MM;
 use crate::record::schema::{BodyFigures, LegFigures};
 
@@ -20,12 +20,12 @@ const BEND_DEG: f64 = 8.0;
 /// As much for the tilt of the shank, degrees.
 const TILT_DEG: f64 = 6.0;
 
-/// What a degree of bend does to the volume of the leg, share of it. Measured with bodies whose knees are bent;
-/// see docs/visits.md.
-const VOLUME_PER_DEG: f64 = 0.0016;
+/// What a degree of bend does to the volume of the leg, as a standard uncertainty, share of it: bodies whose
+/// knees are bent change by up to 0.13 % a degree (docs/visits.md), here taken as evenly distributed up to that.
+const VOLUME_PER_DEG: f64 = 0.0008;
 
-/// What a degree of bend does to a girth away from the knee, mm. Measured in the same way.
-const GIRTH_MM_PER_DEG: f64 = 0.6;
+/// What a degree of bend does to a girth away from the knee, in the same way, mm: up to 0.5 mm.
+const GIRTH_MM_PER_DEG: f64 = 0.3;
 
 /// How a leg stood.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -163,6 +163,6 @@ mod tests {
     fn a_piece_changes_as_its_girth_squared() {
         let change = bent(0.0).to(&bent(1.0));
         let ml = 400.0_f64.powi(2) * 40.0 / (4.0 * std::f64::consts::PI) / 1000.0;
-        assert!((change.of_piece(ml) - 0.005 * 0.6 * ml).abs() < 1e-9);
+        assert!((change.of_piece(ml) - 0.005 * 0.3 * ml).abs() < 1e-9);
     }
 }

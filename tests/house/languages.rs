@@ -20,7 +20,7 @@ use crate::layering::{collect, root};
 
 /// The tables whose keys are codes, and where the codes come from. A text of such a table is shown if its
 /// code stands in the source; every other text has its whole key there.
-const BY_CODE: [(&str, &str); 37] = [
+const BY_CODE: [(&str, &str); 46] = [
     ("amend.value", "the values of `What`"),
     ("amend.words", "reason and name of `AmendFault`"),
     ("around", "`Around::word`"),
@@ -48,6 +48,7 @@ const BY_CODE: [(&str, &str); 37] = [
     ("page.scan", "the state of a scan on the page"),
     ("page.scan.closed", "why a scan needs no decision any longer"),
     ("picture.larger", "`Side::word`"),
+    ("posture", "`Posture::word`"),
     ("report.by_hand.measure", "`Subject::word`"),
     ("report.caption", "the figures of a report"),
     ("report.open.field", "`OPEN_FIELDS`"),
@@ -58,6 +59,14 @@ const BY_CODE: [(&str, &str); 37] = [
     ("sizes.status", "`Status::word`"),
     ("statement", "`Statement::of`"),
     ("viewer", "the 3D view's own script"),
+    ("visits.caption", "the pictures of a report of visits"),
+    ("visits.caution", "`Caution::code`"),
+    ("visits.column", "the columns of a table of volumes"),
+    ("visits.excess", "`Shown::word`"),
+    ("visits.limited", "`Limited::word`"),
+    ("visits.shown", "`Shown::word`"),
+    ("visits.volume", "`Shown::word`"),
+    ("visits.volume_by", "`VolumeBy::word`"),
 ];
 
 /// The keys and texts of a language's file, in its order.

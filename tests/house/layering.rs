@@ -46,7 +46,7 @@ const PURE: [Rule; 9] = [
     Rule {
         layer: "visits",
         layers: &["language", "leg", "record"],
-        crates: &["jiff", "serde", "serde_json", "thiserror"],
+        crates: &["jiff", "nalgebra", "serde", "thiserror"],
     },
     Rule {
         layer: "flow",
@@ -60,12 +60,14 @@ const EFFECTS: [Rule; 3] = [
     Rule { layer: "store", layers: &["sizes", "record", "flow"], crates: &[] },
     Rule {
         layer: "station",
-        layers: &["language", "scan", "leg", "sizes", "record", "flow", "store", "config"],
+        layers: &[
+            "language", "scan", "leg", "sizes", "record", "visits", "flow", "store", "config",
+        ],
         crates: &[],
     },
     Rule {
         layer: "config",
-        layers: &["language", "leg", "cad", "sizes", "record", "flow"],
+        layers: &["language", "leg", "cad", "sizes", "record", "visits", "flow"],
         crates: &[],
     },
 ];

@@ -4,6 +4,7 @@
 
 use gaiter::language::Language;
 use gaiter::record::picture::figures;
+use gaiter::record::report::AgeMax;
 use gaiter::record::report::{self, Content, Print};
 use gaiter::record::sizing::{SizeChoice, SizeVerdicts};
 use gaiter::record::{Record, ReportChoice, report_files};
@@ -20,7 +21,13 @@ fn example() -> SizeChoice {
 }
 
 fn content(record: &Record, language: Language, garment: &Garment, sizes: &SizeChoice) -> Content {
-    Content::with_sizes(record, language, garment, &SizeVerdicts::of(record, garment, sizes))
+    Content::with_sizes(
+        record,
+        language,
+        garment,
+        &SizeVerdicts::of(record, garment, sizes),
+        AgeMax::default(),
+    )
 }
 
 fn pages(record: &Record, language: Language, sizes: &SizeChoice) -> Vec<String> {

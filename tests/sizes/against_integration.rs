@@ -84,8 +84,11 @@ fn limits(value: &Value) -> Option<[f64; 2]> {
     }
 }
 
-/// Every row of a table for a garment: what it is called, and its ranges.
-fn rows(table: &Table, garment: &str) -> Vec<(String, Vec<(String, [f64; 2])>)> {
+/// A row of a table: what it is called, and its ranges.
+type Row = (String, Vec<(String, [f64; 2])>);
+
+/// Every row of a table for a garment.
+fn rows(table: &Table, garment: &str) -> Vec<Row> {
     let ranges = |of: &Table| -> Vec<(String, [f64; 2])> {
         of.iter().filter_map(|(name, value)| Some((name.clone(), limits(value)?))).collect()
     };

@@ -19,4 +19,5 @@ mod page;
 mod phantom;
 mod sizes;
 mod trigger_pty;
+mod visits_page;
 mod watch;

@@ -1,3 +1,7 @@
-//! Visits of one patient: what a comparison finds, and what it does not invent.
+//! The comparison of a patient's visits.
 
+mod refusals;
 mod stance;
+mod swelling;
+mod worked;
+mod year;

@@ -1,5 +1,6 @@
-//! `gaiter compare`.
+//! `gaiter compare` and `gaiter patient visits`.
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 use super::{of_words, usual_config};
@@ -16,6 +17,25 @@ pub struct CompareArgs {
     /// each day counts
     #[arg(value_name = "RECORD", required = true)]
     pub records: Vec<PathBuf>,
+    /// How they are compared, and what becomes of it.
+    #[command(flatten)]
+    pub how: CompareChoice,
+}
+
+/// `gaiter patient visits`
+#[derive(Debug, clap::Args)]
+pub struct VisitsArgs {
+    /// A patient's id that does not belong here: it is only taken to say so.
+    #[arg(hide = true)]
+    pub stray: Option<OsString>,
+    /// How they are compared, and what becomes of it.
+    #[command(flatten)]
+    pub how: CompareChoice,
+}
+
+/// How visits are compared, and what becomes of the comparison.
+#[derive(Debug, clap::Args)]
+pub struct CompareChoice {
     /// How all volumes are made of girths [default: as the records say]
     #[arg(long, value_parser = of_words(VOLUMES))]
     pub volume: Option<VolumeBy>,

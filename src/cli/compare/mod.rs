@@ -9,15 +9,19 @@ use std::path::{Path, PathBuf};
 
 use jiff::Zoned;
 
-use self::records::Unusable;
-use super::args::{CompareArgs, usual_config};
+use self::records::{Found, Unusable};
+use super::args::{CompareArgs, CompareChoice, usual_config};
+use super::ask::read_patient;
 use super::report::put;
 use super::terminal::{paint, screen};
 use super::{Exit, complain, explain_config, print, shown};
-use crate::config::{self, ConfigError, VisitsConfig};
+use crate::config::{self, Config, ConfigError, FolderStoreConfig, VisitsConfig};
 use crate::language::Language;
-use crate::record::report::{PdfFault, document_page, document_paper};
+use crate::record::report::{AgeMax, Paper, PdfFault, document_page, document_paper};
 use crate::record::{Record, RecordFile, SUMS};
+use crate::station::runtime::causes::chain;
+use crate::store::StoreFault;
+use crate::store::folder::FolderStore;
 use crate::visits::report::ReportOf;
 use crate::visits::schema::figures;
 use crate::visits::{Choice, Course, CourseFault, GIRTH_COMMON_MM};
@@ -36,6 +40,26 @@ enum Fault {
         /// The paths, counted from 1.
         names: String,
     },
+    /// No configuration names a store.
+    #[error(
+        "no configuration names a store; name one with --config FILE, or compare records by their paths: gaiter compare"
+    )]
+    NoStore,
+    /// The store is out of reach.
+    #[error("the store is out of reach: {}", shown(chain(.0)))]
+    Unreached(StoreFault),
+    /// The patient's id cannot be read.
+    #[error("the patient's id cannot be read: {0}")]
+    NoId(io::Error),
+    /// No id was given.
+    #[error("no patient's id was given")]
+    EmptyId,
+    /// The store has no record of the patient.
+    #[error("the store has no record of this patient")]
+    NoRecords,
+    /// There is one visit only.
+    #[error("this patient has records of one day only: there is nothing to compare")]
+    OneVisit,
     /// The comparison cannot be written as JSON.
     #[error("the comparison cannot be written as JSON: {0}")]
     Json(#[from] serde_json::Error),
@@ -66,7 +90,10 @@ impl Fault {
     fn exit(&self) -> Exit {
         match self {
             Fault::Unusable(unusable) => unusable.exit(),
-            Fault::Course { .. } => Exit::Unmeasurable,
+            Fault::Course { .. } | Fault::OneVisit => Exit::Unmeasurable,
+            Fault::NoStore | Fault::EmptyId => Exit::Usage,
+            Fault::NoRecords => Exit::NoFile,
+            Fault::NoId(_) | Fault::Unreached(_) => Exit::Io,
             Fault::RecordFolder(_) | Fault::There(_) => Exit::Usage,
             Fault::Json(_) | Fault::Paper(_) => Exit::Internal,
             Fault::Write { .. } => Exit::Io,
@@ -79,15 +106,49 @@ struct Configured {
     language: Language,
     visits: VisitsConfig,
     girth_common_mm: f64,
+    age_max: AgeMax,
+    /// The folder of the first store; `None` without a configuration.
+    store: Option<(FolderStore, PathBuf)>,
 }
 
 /// Compares records and prints or writes what changed.
 pub fn compare(args: &CompareArgs) -> Exit {
-    let configured = match configured(&args.config) {
+    let of_paths = |_: &Configured| Ok((records::at(&args.records)?, Course::comparable as Make));
+    ended(&args.how, of_paths)
+}
+
+/// Compares the visits of a patient in the station's store. The id comes from the operator.
+pub fn visits(how: &CompareChoice) -> Exit {
+    ended(how, |configured| {
+        let (store, root) = configured.store.as_ref().ok_or(Fault::NoStore)?;
+        store.reach().map_err(Fault::Unreached)?;
+        let patient = read_patient().map_err(Fault::NoId)?;
+        if patient.is_empty() {
+            return Err(Fault::EmptyId);
+        }
+        let found = records::of_patient(root, &patient)?;
+        match found.len() {
+            0 => Err(Fault::NoRecords),
+            1 => Err(Fault::OneVisit),
+            _ => Ok((found, Course::of as Make)),
+        }
+    })
+}
+
+/// Makes a course of records.
+type Make = fn(&[Record], Choice) -> Result<Course, CourseFault>;
+
+fn ended(
+    how: &CompareChoice,
+    found: impl FnOnce(&Configured) -> Result<(Vec<Found>, Make), Fault>,
+) -> Exit {
+    let configured = match configured(&how.config) {
         Ok(configured) => configured,
         Err(exit) => return exit,
     };
-    match compared(args, &configured) {
+    let done =
+        found(&configured).and_then(|(found, make)| compared(how, &configured, &found, make));
+    match done {
         Ok(()) => Exit::Done,
         Err(fault) => {
             complain(format_args!("gaiter: {fault}"));
@@ -96,15 +157,19 @@ pub fn compare(args: &CompareArgs) -> Exit {
     }
 }
 
-fn compared(args: &CompareArgs, configured: &Configured) -> Result<(), Fault> {
-    let found = records::at(&args.records)?;
+fn compared(
+    how: &CompareChoice,
+    configured: &Configured,
+    found: &[Found],
+    make: Make,
+) -> Result<(), Fault> {
     let records: Vec<Record> = found.iter().map(|of| of.record.clone()).collect();
     let choice = Choice {
-        volume: args.volume,
-        affected: args.affected,
+        volume: how.volume,
+        affected: how.affected,
         girth_common_mm: configured.girth_common_mm,
     };
-    let course = Course::comparable(&records, choice).map_err(|fault| {
+    let course = make(&records, choice).map_err(|fault| {
         let named = found.iter().enumerate();
         let named = named.map(|(at, of)| format!("{} {}", at + 1, shown(of.path.display())));
         Fault::Course { fault, names: named.collect::<Vec<_>>().join(", ") }
@@ -114,28 +179,24 @@ fn compared(args: &CompareArgs, configured: &Configured) -> Result<(), Fault> {
         records: &records,
         thresholds: &configured.visits.thresholds,
         today: Zoned::now().date(),
-        age_max_days: configured.visits.max_age_days(),
-        language: args.language.unwrap_or(configured.language),
+        age_max: configured.age_max,
+        language: how.language.unwrap_or(configured.language),
     };
     let json = format!(
         "{}\n",
         serde_json::to_string_pretty(&figures(&course, &configured.visits.thresholds))?
     );
-    let said = match (&args.out, args.json) {
-        (Some(out), _) => written(args, out, &report, json)?,
-        (None, true) => json,
-        (None, false) => text::of(&report.document(), screen::columns()),
-    };
-    let printed = match args.json || args.out.is_some() {
-        true => print(said),
-        false => paint::print(said),
+    let printed = match (&how.out, how.json) {
+        (Some(out), _) => print(written(how, out, &report, json)?),
+        (None, true) => print(json),
+        (None, false) => paint::print(text::of(&report.document(), screen::columns())),
     };
     printed.map_err(|source| Fault::Write { path: PathBuf::from("standard output"), source })
 }
 
 /// Writes the report and its figures, and returns their paths, one a line.
 fn written(
-    args: &CompareArgs,
+    how: &CompareChoice,
     out: &Path,
     report: &ReportOf,
     json: String,
@@ -143,20 +204,13 @@ fn written(
     if out.join(SUMS).symlink_metadata().is_ok() {
         return Err(Fault::RecordFolder(out.to_owned()));
     }
-    let document = report.document();
-    let page = document_page(&document, args.paper)?;
-    let file = |name: &str, bytes: Vec<u8>| RecordFile { name: name.to_owned(), bytes };
-    let files = [
-        file("visits.html", page.into_bytes()),
-        file("visits.pdf", document_paper(&document, args.paper)?),
-        file("visits.json", json.into_bytes()),
-    ];
+    let files = files(report, how.paper, json)?;
     let fault = |path: &Path, source| Fault::Write { path: path.to_owned(), source };
     fs::create_dir_all(out).map_err(|source| fault(out, source))?;
     let mut said = String::new();
     for file in &files {
         let path = out.join(&file.name);
-        put(&path, file, args.force).map_err(|source| match source.kind() {
+        put(&path, file, how.force).map_err(|source| match source.kind() {
             io::ErrorKind::AlreadyExists => Fault::There(path.clone()),
             _ => fault(&path, source),
         })?;
@@ -165,12 +219,26 @@ fn written(
     Ok(said)
 }
 
+/// The page, the PDF and the figures.
+fn files(report: &ReportOf, paper: Paper, json: String) -> Result<[RecordFile; 3], Fault> {
+    let document = report.document();
+    let page = document_page(&document, paper)?;
+    let file = |name: &str, bytes: Vec<u8>| RecordFile { name: name.to_owned(), bytes };
+    Ok([
+        file("visits.html", page.into_bytes()),
+        file("visits.pdf", document_paper(&document, paper)?),
+        file("visits.json", json.into_bytes()),
+    ])
+}
+
 fn configured(path: &Path) -> Result<Configured, Exit> {
     match config::read(path) {
         Ok(config) => Ok(Configured {
             language: config.language,
-            visits: config.visits,
+            visits: config.visits.clone(),
             girth_common_mm: config.scanner.girth_error_mm,
+            age_max: config.age_max,
+            store: Some(store(config)),
         }),
         Err(ConfigError::Unreadable { source, .. })
             if source.kind() == io::ErrorKind::NotFound && path == usual_config() =>
@@ -179,8 +247,16 @@ fn configured(path: &Path) -> Result<Configured, Exit> {
                 language: Language::default(),
                 visits: VisitsConfig::default(),
                 girth_common_mm: GIRTH_COMMON_MM,
+                age_max: AgeMax::default(),
+                store: None,
             })
         }
         Err(error) => Err(explain_config(&error)),
     }
+}
+
+/// The first store of a station, and its folder.
+fn store(config: Config) -> (FolderStore, PathBuf) {
+    let FolderStoreConfig { path, access } = config.store.folder;
+    (FolderStore::new(FolderStore::FIRST, path.clone(), &config.station.id, access), path)
 }

@@ -17,7 +17,7 @@ mod tilt;
 use std::fmt::Display;
 
 use super::Figure;
-use super::document::Head;
+use super::age::{Age, AgeMax};
 use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
@@ -47,6 +47,8 @@ pub struct Content {
     pub verdict: Verdict,
     /// The measuring sheet.
     pub levels: Levels,
+    /// How old the scan is.
+    pub age: Age,
     /// What a person fills in beside it.
     pub open: OpenFields,
     /// The sizes of makers' tables; `None` if there are no tables.
@@ -277,15 +279,16 @@ impl Content {
     /// The content of a report of this record in this language, for an order of this garment, without sizes.
     pub fn of(record: &Record, language: Language, garment: &Garment) -> Content {
         let none = SizeVerdicts::of(record, garment, &SizeChoice::default());
-        Content::with_sizes(record, language, garment, &none)
+        Content::with_sizes(record, language, garment, &none, AgeMax::default())
     }
 
-    /// The content of a report with what size tables say about the record.
+    /// The content of a report with what size tables say about the record, and how old its scan may be.
     pub fn with_sizes(
         record: &Record,
         language: Language,
         garment: &Garment,
         verdicts: &SizeVerdicts,
+        age_max: AgeMax,
     ) -> Content {
         let completeness = Completeness::of(record, garment);
         let report = Report { record, language, garment };
@@ -305,6 +308,7 @@ impl Content {
                 sentences: completeness.sentences(language),
             },
             levels: report.levels(),
+            age: Age::of(record, age_max, language),
             open: report.open_fields(),
             sizes: report.sizes(verdicts),
             tables: report.tables(),
@@ -320,16 +324,6 @@ impl Content {
 }
 
 impl Content {
-    /// What stands on every page.
-    pub fn head(&self) -> Head {
-        Head {
-            language: self.language,
-            title: self.title.clone(),
-            patient: self.patient.clone(),
-            taken: self.taken.clone(),
-        }
-    }
-
     /// What people set in place of the scan's figures, a line for each measure.
     pub fn by_hand(record: &Record, language: Language) -> Vec<String> {
         Report { record, language, garment: &Garment::default() }.by_hand()

@@ -3,22 +3,9 @@
 use jiff::Timestamp;
 
 use super::content::{Section, Table};
-use crate::language::Language;
+use super::head::Head;
 use crate::record::Record;
 use crate::record::picture::figures::Figure;
-
-/// What stands on every page of a report.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Head {
-    /// The language of the texts.
-    pub language: Language,
-    /// The kind of document.
-    pub title: String,
-    /// The patient's id with nothing hidden in it, or that there is none.
-    pub patient: String,
-    /// When it was taken, in one line.
-    pub taken: String,
-}
 
 /// Where a report comes from, for the properties of its PDF.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -8,7 +8,8 @@ use base64::engine::general_purpose::STANDARD;
 use sha2::{Digest, Sha256};
 
 use self::markup::{element, escaped};
-use super::document::{Block, Document, Head};
+use super::document::{Block, Document};
+use super::head::Head;
 use super::print::parted;
 use super::viewer::viewer_with;
 use super::{Content, Paper, viewer};
@@ -40,14 +41,15 @@ pub fn page(
 ) -> Result<String, serde_json::Error> {
     // `<` in the JSON's strings could end the script element, and it occurs nowhere else in JSON.
     let json = serde_json::to_string(record)?.replace('<', "\\u003c");
-    let style = format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(&content.head(), paper));
+    let style =
+        format!("{STYLE}{}{}", svg::dark_rules(), printed_margins(&Head::of(content), paper));
     let script = format!("{}\n{BEGIN}", viewer(content.language)?);
     Ok(format!(
         "<!doctype html>\n<html lang=\"{}\">\n<head>\n{}<style>{style}</style>\n</head>\n<body>\n{}\
          <script type=\"application/json\" id=\"record\">{json}</script>\n\
          <script>{script}</script>\n</body>\n</html>\n",
         content.language.tag(),
-        head(&content.head(), &policy(&style, &script)),
+        head(&Head::of(content), &policy(&style, &script)),
         body(content, figures),
     ))
 }

@@ -93,7 +93,7 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<Fault>> {
 }
 
 fn profile(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Profile> {
-    if !is_of_format(whole, FORMAT, faults) {
+    if !is_of_format(whole, (FORMAT, "format = \"gaiter-garment/1\""), faults) {
         return None;
     }
     let is_known = |name: &str| KEYS.split_whitespace().any(|known| known == name);

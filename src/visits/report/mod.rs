@@ -16,7 +16,8 @@ use crate::language::Language;
 use crate::leg::Side;
 use crate::record::Record;
 use crate::record::report::content::Section;
-use crate::record::report::document::{Block, Document, Head, Origin};
+use crate::record::report::document::{Block, Document, Origin};
+use crate::record::report::{AgeMax, Head};
 
 /// How many visits before the last one stand beside it, except the first.
 const VISITS_BEFORE_LAST: usize = 2;
@@ -32,8 +33,8 @@ pub struct ReportOf<'a> {
     pub thresholds: &'a [Threshold],
     /// The day on which it is read.
     pub today: Date,
-    /// A scan that is older than this is told as old, days.
-    pub age_max_days: i64,
+    /// A scan that is older than this is told as old.
+    pub age_max: AgeMax,
     /// The language of its texts.
     pub language: Language,
 }

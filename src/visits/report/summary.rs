@@ -10,7 +10,7 @@ use crate::record::rounding::{number, shortest, tenths_words};
 use crate::visits::comparison::Comparison;
 use crate::visits::course::Group;
 use crate::visits::excess::ExcessChange;
-use crate::visits::leg::along_mm;
+use crate::visits::place::along_mm;
 use crate::visits::threshold::{Reached, verdicts};
 
 impl ReportOf<'_> {
@@ -58,8 +58,8 @@ impl ReportOf<'_> {
     fn age(&self, words: &Words) -> Option<String> {
         let acquired = self.course.visits.last()?.acquired.as_ref()?;
         let days = acquired.age_days(self.today);
-        let key = if days > self.age_max_days { "visits.too_old" } else { "visits.age" };
-        let values: [(&str, &dyn Display); 2] = [("days", &days), ("most", &self.age_max_days)];
+        let key = if days > i64::from(self.age_max.0) { "visits.too_old" } else { "visits.age" };
+        let values: [(&str, &dyn Display); 2] = [("days", &days), ("most", &self.age_max.0)];
         Some(words.filled(key, &values))
     }
 

@@ -11,7 +11,7 @@ use crate::record::report::{Figure, Mark};
 use crate::record::rounding::{cm_words, ml_margin, number, signed, tenths_words};
 use crate::visits::comparison::{Comparison, PlaceChange};
 use crate::visits::course::Group;
-use crate::visits::leg::{Step, along_mm};
+use crate::visits::place::{Step, along_mm};
 use crate::visits::quantity::{Change, Quantity, Shown};
 
 /// All visits, newest first: conditions, volumes, excess.

@@ -297,6 +297,9 @@ mod tests {
 
     #[test]
     fn steps_are_the_nearest_and_end_with_the_scale() {
-        assert_eq!([-9.0, -0.13, -0.12, 0.0, 0.13, 0.3, 1.0].map(step), [-4, -1, 0, 0, 1, 1, 4]);
+        assert_eq!(
+            [-9.0, -0.13, -0.12, 0.0, 0.13, 0.3, 1.0].map(|mm| ERROR_SCALE.step(mm)),
+            [-4, -1, 0, 0, 1, 1, 4]
+        );
     }
 }

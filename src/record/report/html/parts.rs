@@ -4,9 +4,9 @@ use super::markup::{element, escaped, figure, foreign, section, wide, words};
 use crate::leg::Side;
 use crate::record::picture::figures::{Figure as Drawn, SHEET};
 use crate::record::picture::svg;
+use crate::record::report::age::Age;
 use crate::record::report::content::{Content, LevelRow, Note, Section, SheetRow, Table, Weight};
-use crate::record::report::document::Head;
-use crate::record::report::{Figure, Mark};
+use crate::record::report::{Figure, Head, Mark};
 
 /// The patient, and when the scan was taken.
 pub(super) fn header(content: &Content) -> String {
@@ -118,6 +118,7 @@ pub(super) fn levels(content: &Content, drawn: &[Drawn]) -> String {
     let below =
         key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(see_sizes);
     let below: String = below.map(|text| words("p", " class=\"aside\"", text)).collect();
+    let below = age(&content.age) + &below;
     let legs = drawn.iter().find(|drawn| drawn.name == SHEET).map(|drawn| {
         let marks = svg::embedded(drawn.name, &drawn.picture, &drawn.marks);
         element("figure", " class=\"sheet\"", &marks)
@@ -157,6 +158,19 @@ fn length(row: &SheetRow) -> String {
     };
     let cells: String = row.figures.iter().map(of_leg).collect();
     element("tr", "", &(words("th", " scope=\"row\"", &row.head) + &cells))
+}
+
+/// How old the scan is: until when it holds for an order, and in a browser how old it is today.
+fn age(age: &Age) -> String {
+    let Some(counted) = &age.counted else { return words("p", " class=\"aside\"", &age.until) };
+    let attributes = format!(
+        " id=\"age\" class=\"aside\" data-taken=\"{}\" data-most=\"{}\" data-fresh=\"{}\" data-old=\"{}\"",
+        counted.taken,
+        counted.most.0,
+        escaped(&counted.fresh),
+        escaped(&counted.old),
+    );
+    words("p", &attributes, &age.until)
 }
 
 /// A cell that is left open on paper.

@@ -10,8 +10,8 @@ use super::letters::{FontRefs, NAMES};
 use super::packing::packed;
 use super::sheet::{SIZE, Sheets, short};
 use super::tags::ROOT;
-use crate::record::report::Paper;
-use crate::record::report::document::{Head, Origin};
+use crate::record::report::document::Origin;
+use crate::record::report::{Head, Paper};
 
 /// The object numbers.
 struct Refs {

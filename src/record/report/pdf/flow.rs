@@ -8,8 +8,7 @@ use super::tags::{ElementIndex, ROOT};
 use super::wrap::{Type, cut, lines};
 use crate::record::picture::font::writable;
 use crate::record::picture::{Anchor, Ink, Picture};
-use crate::record::report::Paper;
-use crate::record::report::document::Head;
+use crate::record::report::{Head, Paper};
 
 /// The column of the text, pt: left and right margins of 17 mm.
 pub(super) const COLUMN: [f64; 2] = [48.0, SIZE[0] - 48.0];

@@ -41,7 +41,7 @@ pub(super) fn write(flow: &mut Flow<'_>, content: &Content, figures: &[Drawn]) {
     Table { heads: Vec::new(), rows, is_ruled: false }.write(flow);
     flow.space(4.0);
     let see = content.sizes.as_ref().and_then(|of| of.see.as_ref());
-    levels(flow, &content.levels, see);
+    levels(flow, &content.levels, &content.age.until, see);
     if let Some(legs) = figures.iter().find(|drawn| drawn.name == SHEET) {
         let room = flow.room() - fields_height(&content.open);
         if room >= DRAWING_MIN {
@@ -74,7 +74,7 @@ fn rule(flow: &mut Flow<'_>, width: f64) {
 }
 
 /// Girths and heights at the levels of both legs, with room for corrections.
-fn levels(flow: &mut Flow<'_>, levels: &Levels, see_sizes: Option<&String>) {
+fn levels(flow: &mut Flow<'_>, levels: &Levels, age: &String, see_sizes: Option<&String>) {
     let columns = &levels.columns;
     let head = |words: &str, anchor: Anchor| {
         Cell::new(words, Type { is_bold: true, ..SMALL_TYPE }, anchor).inked(Ink::Muted)
@@ -93,7 +93,7 @@ fn levels(flow: &mut Flow<'_>, levels: &Levels, see_sizes: Option<&String>) {
     let table = Table { heads, rows, is_ruled: true };
     flow.heading(&levels.title, table.first_height());
     table.write(flow);
-    let key = std::iter::once(&levels.key);
+    let key = [&levels.key, age].into_iter();
     for below in
         key.chain(&levels.by_hand).chain(&levels.doubts).chain(&levels.tilted).chain(see_sizes)
     {

@@ -17,7 +17,7 @@ use thiserror::Error;
 use self::flow::Flow;
 use super::document::{Block, Document, Origin};
 use super::print::parted;
-use super::{Content, Paper, Print};
+use super::{Content, Head, Paper, Print};
 use crate::record::Record;
 use crate::record::picture::figures::Figure;
 
@@ -52,7 +52,7 @@ pub fn paper(
     figures: &[Figure],
     print: Print,
 ) -> Result<Vec<u8>, PdfFault> {
-    let head = content.head();
+    let head = Head::of(content);
     let mut flow = Flow::new(&head, print.paper);
     let (pictures, appendix) = parted(figures);
     measuring_sheet::write(&mut flow, content, figures);

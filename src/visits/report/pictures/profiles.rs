@@ -7,7 +7,8 @@ use crate::record::picture::figures::plot::{
 };
 use crate::record::picture::{Anchor, Ink, Mark, Picture, Stroke};
 use crate::record::rounding::number;
-use crate::visits::leg::{LegAtVisit, along_mm};
+use crate::visits::leg::LegAtVisit;
+use crate::visits::place::along_mm;
 
 /// Width, and space below the charts, px.
 const WIDTH: f64 = 720.0;

@@ -12,7 +12,7 @@ use crate::record::picture::{Anchor, Ink, Mark, Picture};
 use crate::record::rounding::number;
 use crate::visits::comparison::{Comparison, PlaceChange};
 use crate::visits::course::Group;
-use crate::visits::leg::{Step, along_mm};
+use crate::visits::place::{Step, along_mm};
 use crate::visits::quantity::Shown;
 
 /// Width, px.
@@ -92,7 +92,8 @@ fn grid(words: &Words, side: Side, scale: &Scale, step: f64, rows: &Scale) -> Ve
         let amount = crate::record::rounding::signed(ml, &number(ml, 0, words.language));
         label([scale.at(ml), bottom + LINE], Anchor::Middle, SMALL, Ink::Muted, amount)
     }));
-    let places = rows.steps(PROFILE_STEP_MM).filter(|mm| (mm / PROFILE_STEP_MM) as Step % 2 == 0);
+    let places =
+        rows.steps(PROFILE_STEP_MM).filter(|mm| ((mm / PROFILE_STEP_MM) as Step).is_multiple_of(2));
     marks.extend(places.map(|mm| {
         let at = [scale.px[0] - 6.0, rows.at(mm) + SMALL / 3.0];
         label(at, Anchor::End, SMALL, Ink::Muted, number(mm / 10.0, 0, words.language))

@@ -24,6 +24,9 @@ const VOLUMES_PX: [f64; 2] = [250.0, 44.0];
 /// Bottom and top of the phantom's errors, px.
 const PHANTOM_PX: [f64; 2] = [362.0, 312.0];
 
+/// The first and the last visit are so far inside, px.
+const INSET_PX: f64 = 14.0;
+
 /// The volumes span at least this share of their mean, so that little changes do not look large.
 const SPAN_MIN_SHARE: f64 = 0.1;
 
@@ -54,7 +57,7 @@ struct Point {
 /// The figure; `None` without volumes.
 pub(super) fn picture(words: &Words) -> Option<Picture> {
     let places = places(words);
-    let dates = Scale { range: [0.0, 1.0], px: DATES_PX };
+    let dates = Scale { range: [0.0, 1.0], px: [DATES_PX[0] + INSET_PX, DATES_PX[1] - INSET_PX] };
     let legs = Side::FROM_FRONT.map(|side| points(words, side, &places));
     let all = || legs.iter().flatten().flatten();
     let ends = all().flat_map(|of| {
@@ -68,7 +71,8 @@ pub(super) fn picture(words: &Words) -> Option<Picture> {
     let ends = [middle - half, middle + half];
     let volumes = Scale { range: range(ends.into_iter(), step)?, px: VOLUMES_PX };
     let frame = Frame { x: dates, y: volumes };
-    let mut marks = frame.rows(step, |ml| number(ml, 0, words.language));
+    let whole = Scale { range: [0.0, 1.0], px: DATES_PX };
+    let mut marks = Frame { x: whole, y: volumes }.rows(step, |ml| number(ml, 0, words.language));
     marks.extend(titles(words));
     marks.extend(days(words, &places, &dates));
     marks.extend(breaks(words, &places, &dates));
@@ -77,7 +81,9 @@ pub(super) fn picture(words: &Words) -> Option<Picture> {
     }
     marks.extend(phantom(words, &places, dates));
     let title = words.text("visits.picture.volumes");
-    Some(Picture { title, size: SIZE, cuts: Vec::new(), marks })
+    let is_checked = words.course.visits.iter().any(|visit| visit.phantom_mm.is_some());
+    let height = if is_checked { SIZE[1] } else { PHANTOM_PX[1] };
+    Some(Picture { title, size: [SIZE[0], height], cuts: Vec::new(), marks })
 }
 
 /// Where the visits lie between the first and the last: by their times, or at equal distances if one has no
