@@ -4,4 +4,5 @@ mod against_integration;
 mod boundaries;
 mod cases;
 mod hostile;
+mod page;
 mod rules;
