@@ -75,8 +75,8 @@ fn a_table_is_named_with_edition_and_hash_and_what_it_may_not_be_used_for() {
     old.tables[0].valid_until = Some(date(2026, 11, 24));
     let sha256 = &old.tables[0].sha256[..12];
     for (language, marks) in [
-        (Language::En, ["TEST ONLY", "EXPIRED", "A (test only) · II"]),
-        (Language::De, ["NUR ZUM TEST", "ABGELAUFEN", "A (nur Test) · II"]),
+        (Language::En, ["TEST ONLY", "EXPIRED", "T1 (test only) · II"]),
+        (Language::De, ["NUR ZUM TEST", "ABGELAUFEN", "T1 (nur Test) · II"]),
     ] {
         let page = html(&RECORD, language, &old);
         let paper = pages(&RECORD, language, &old).concat().replace(' ', "");
@@ -93,7 +93,7 @@ fn every_candidate_is_shown_with_margins_and_probability_and_none_is_chosen() {
     let of = content(&record, Language::En, &Garment::default(), &example()).sizes.unwrap();
     let right = &of.tables[0];
     let heads: Vec<&str> = right.rows.iter().map(|row| row.head.as_str()).collect();
-    assert_eq!(heads[..2], ["A (test only) · I", "A (test only) · II"]);
+    assert_eq!(heads[..2], ["T1 (test only) · I", "T1 (test only) · II"]);
     let cells: Vec<Vec<&str>> = right.rows[..2]
         .iter()
         .map(|row| row.figures.iter().map(|figure| figure.value.as_str()).collect())
@@ -127,7 +127,7 @@ fn a_value_in_a_gap_is_told_with_its_nearest_sizes() {
     );
     let of = content(&record, Language::En, &Garment::default(), &choice(vec![gap])).sizes.unwrap();
     let said = of.tables[0].explanation.as_deref().unwrap();
-    let expected = "A: sizes and lengths together: does not fit. No size allows this cB; nearest: I \
+    let expected = "T1: sizes and lengths together: does not fit. No size allows this cB; nearest: I \
                     (\u{2212}2.2), II (\u{2212}1.8) cm.";
     assert_eq!(said, expected);
 }
@@ -149,6 +149,7 @@ fn a_form_of_one_s_own_is_printed_in_its_order_names_and_steps_and_exports_keep_
     let page = report_files(&RECORD, &choice).unwrap().swap_remove(0);
     let page = String::from_utf8(page.bytes).unwrap();
     assert!(page.contains(&format!("\"girth_tape_mm\":{mm}")), "the record has all digits");
+    assert!(page.contains("id=\"form\"") && !page.contains("id=\"sizes\""), "only the form");
 }
 
 #[test]

@@ -15,10 +15,12 @@ const LEGS: usize = 10_000;
 /// Steps of the sum over a density; Simpson's rule is then off by less than 1e-9.
 const STEPS: usize = 400;
 
-/// The tables: the example that is shipped, and eight sizes with overlaps.
-const TABLES: [&str; 2] = [
+/// The tables: the example that is shipped, eight sizes with overlaps, and open limits with gaps of which only
+/// some points are required.
+const TABLES: [&str; 3] = [
     include_str!("../../config/sizes/invented-example.toml"),
     include_str!("../../fixtures/cases/sizes/unattributed_8_sizes.toml"),
+    include_str!("../../fixtures/cases/sizes/open_limits_and_required_points.toml"),
 ];
 
 /// The points that each garment's form has, of those that these tables name.
@@ -48,9 +50,15 @@ fn share(value: f64, sd: f64, low: f64, high: f64) -> f64 {
 }
 
 /// The share of one range, as the rule has it: a word and the probability.
-fn point_says(leg: &Leg, name: &str, limits: [f64; 2]) -> (&'static str, Option<f64>) {
+fn point_says(
+    leg: &Leg,
+    name: &str,
+    limits: [f64; 2],
+    is_open: bool,
+) -> (&'static str, Option<f64>) {
     let Some((value, sd)) = leg.get(name).copied() else { return ("open", None) };
-    let inside = limits[0] <= value && value <= limits[1];
+    let on_a_limit = limits.contains(&value);
+    let inside = (limits[0] < value && value < limits[1]) || (on_a_limit && !is_open);
     if sd == 0.0 {
         return (if inside { "yes" } else { "no" }, None);
     }
@@ -183,14 +191,22 @@ fn ten_thousand_legs_are_judged_as_a_sum_over_the_density_judges_them() {
             said.insert(name, (word(length.fit), length.points.clone(), None));
         }
         let rows = rows(&raw, garment);
+        let is_open = raw["limits"].as_str() == Some("open");
+        let required: Option<Vec<&str>> = raw
+            .get("required")
+            .map(|list| list.as_array().unwrap().iter().filter_map(Value::as_str).collect());
         assert_eq!(said.len(), rows.len(), "leg {index}");
         for (name, ranges) in rows {
             let is_length = name.starts_with("length ");
             let asked =
                 ranges.iter().filter(|(point, _)| is_length || form.contains(&point.as_str()));
             let each: Vec<_> =
-                asked.map(|(point, mm)| (point, point_says(&leg, point, *mm))).collect();
-            let words: Vec<&'static str> = each.iter().map(|(_, (word, _))| *word).collect();
+                asked.map(|(point, mm)| (point, point_says(&leg, point, *mm, is_open))).collect();
+            let counts = |point: &str| {
+                is_length || required.as_ref().is_none_or(|names| names.contains(&point))
+            };
+            let counted = each.iter().filter(|(point, _)| counts(point));
+            let words: Vec<&'static str> = counted.map(|(_, (word, _))| *word).collect();
             let (fit, points, is_candidate) = &said[&name];
             assert_eq!(*fit, worst(&words), "leg {index}, {garment}, {name}: {leg:?}");
             assert_eq!(points.len(), each.len(), "leg {index}, {garment}, {name}");

@@ -105,11 +105,11 @@ fn of_table(
     language: Language,
     columns: usize,
 ) -> String {
-    let letter = words::marked(index, table, language);
+    let sign = words::marked(index, table, language);
     let verdict = &leg.verdict;
     let mut text = String::new();
     let mut entry = |name: &str, fit: Fit, said: &str, points: &[PointVerdict]| {
-        let line = indented(&format!("{letter} · {name}: {said}"), "  ", columns);
+        let line = indented(&format!("{sign} · {name}: {said}"), "  ", columns);
         text.extend(line.lines().map(|line| painted(colour(fit), line) + "\n"));
         text.extend(points.iter().map(|of| point(of, language)));
     };

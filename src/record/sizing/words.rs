@@ -17,25 +17,24 @@ pub const HASH_DIGITS: usize = 12;
 /// Probabilities this near to one that decides, as shares, are told with a decimal.
 const NEAR: f64 = 0.005;
 
-/// The letter of a table in a report: A, B, …, Z, 27, 28 ….
-pub fn letter(index: usize) -> String {
-    let letter = u8::try_from(index).ok().filter(|index| *index < 26).map(|index| b'A' + index);
-    letter.map_or_else(|| (index + 1).to_string(), |letter| char::from(letter).to_string())
+/// The sign of a table in a report: T1, T2 …. A letter alone would be that of a level.
+pub fn sign(index: usize) -> String {
+    format!("T{}", index + 1)
 }
 
-/// The letter with what a table may be used for, if it is not released: `A (test only)`.
+/// The sign with what a table may be used for, if it is not released: `T1 (test only)`.
 pub fn marked(index: usize, table: &TableVerdict, language: Language) -> String {
     match table.status {
-        Status::Released => letter(index),
-        status => format!("{} ({})", letter(index), language.word("sizes.status", status.word())),
+        Status::Released => sign(index),
+        status => format!("{} ({})", sign(index), language.word("sizes.status", status.word())),
     }
 }
 
-/// Maker and product behind the letter.
+/// Maker and product behind the sign.
 pub fn heading(index: usize, table: &TableVerdict, language: Language) -> String {
     let (maker, product) = (shown::id(&table.maker), shown::id(&table.product));
     let words: [(&str, &dyn Display); 3] =
-        [("letter", &marked(index, table, language)), ("maker", &maker), ("product", &product)];
+        [("sign", &marked(index, table, language)), ("maker", &maker), ("product", &product)];
     language.filled("sizes.table", &words)
 }
 
@@ -146,11 +145,11 @@ pub fn codes(of: &SizeVerdict, language: Language) -> Option<String> {
 }
 
 /// What sizes and lengths of a table allow together for a leg, and what the deciding point leaves out:
-/// `A: fits. Left out by cB: I, III.`
+/// `T1: fits. Left out by cB: I, III.`
 pub fn together(index: usize, table: &TableVerdict, leg: &LegSizes, language: Language) -> String {
     let verdict = language.word("sizes.fit", leg.verdict.fit.word());
-    let letter = marked(index, table, language);
-    let words: [(&str, &dyn Display); 2] = [("letter", &letter), ("verdict", &verdict)];
+    let sign = marked(index, table, language);
+    let words: [(&str, &dyn Display); 2] = [("sign", &sign), ("verdict", &verdict)];
     let together = language.filled("sizes.together", &words);
     let left_out = left_out(table, leg, language).map(|said| format!(" {said}."));
     together + &left_out.unwrap_or_default()

@@ -43,7 +43,7 @@ impl Report<'_> {
         })
     }
 
-    /// The tables by their letters, what to know about each, and how to read the figures.
+    /// The tables by their signs, what to know about each, and how to read the figures.
     fn about_tables(&self, verdicts: &SizeVerdicts, is_comparable: bool) -> Vec<String> {
         let language = self.language;
         let about = |(index, table): (usize, &TableVerdict)| {
@@ -113,9 +113,9 @@ impl Report<'_> {
         points: &[Point],
     ) -> Vec<TableRow> {
         let language = self.language;
-        let letter = words::marked(index, table, language);
+        let sign = words::marked(index, table, language);
         let row = |name: &str, verdict: String, of: &[PointVerdict]| TableRow {
-            head: format!("{letter} · {name}"),
+            head: format!("{sign} · {name}"),
             figures: std::iter::once(Figure::plain(verdict))
                 .chain(self.cells(of, points))
                 .collect(),

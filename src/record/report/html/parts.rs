@@ -253,7 +253,12 @@ pub(super) fn sizes(content: &Content) -> String {
     let tables: String = of.tables.iter().enumerate().map(part).collect();
     let calibre = of.calibre.as_ref().map(|of| entries("calibre", of)).unwrap_or_default();
     let form = whole_table("form", &of.form);
-    section("sizes", &of.title, &about) + &tables + &calibre + &form
+    // Without tables there is only the form.
+    let head = match about.is_empty() {
+        true => String::new(),
+        false => section("sizes", &of.title, &about),
+    };
+    head + &tables + &calibre + &form
 }
 
 pub(super) fn whole_table(id: &str, of: &Table) -> String {

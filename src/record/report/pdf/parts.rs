@@ -120,7 +120,10 @@ pub(super) fn tables(flow: &mut Flow<'_>, tables: &[content::Table]) {
 pub(super) fn sizes(flow: &mut Flow<'_>, sizes: Option<&Sizes>) {
     let Some(sizes) = sizes else { return };
     flow.turn();
-    flow.heading(&sizes.title, 3.0 * SMALL_TYPE.leading());
+    // Without tables there is only the form.
+    if !sizes.about.is_empty() {
+        flow.heading(&sizes.title, 3.0 * SMALL_TYPE.leading());
+    }
     for said in &sizes.about {
         flow.text(said, StructRole::P, SMALL_TYPE, Ink::Text);
         flow.space(2.0);
