@@ -1,4 +1,4 @@
-//! Any bytes as a size table, and as a garment: read or refused with places, then used.
+//! Any bytes as a size table, as a garment and as a mapping: read or refused with places, then used.
 #![no_main]
 
 #[path = "../../src/leg/level.rs"]
@@ -12,7 +12,7 @@ pub mod sizes;
 use jiff::civil::date;
 use sizes::check::remarks;
 use sizes::verdict::{Given, Reading, judged};
-use sizes::{Fault, Garment, parse};
+use sizes::{Fault, Garment, mapping, parse};
 
 /// What is true of the faults of any file.
 fn placed(bytes: &[u8], faults: &[Fault]) {
@@ -39,6 +39,9 @@ libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
                 }
             }
         }
+    }
+    if let Err(faults) = mapping::parse(bytes) {
+        placed(bytes, &faults);
     }
     match Garment::read(bytes) {
         Err(faults) => placed(bytes, &faults),
