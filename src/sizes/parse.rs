@@ -168,7 +168,7 @@ fn required_choice<T: Copy>(
     if whole.get(name).is_none() {
         let example = match name {
             "status" => "status = \"draft\"",
-            "unit" => "unit = \"cm\"",
+            "unit" => "unit = \"cm\", or \"mm\"",
             "limits" => "limits = \"closed\"",
             _ => "match = \"all\"",
         };
