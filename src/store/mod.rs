@@ -4,6 +4,7 @@
 pub mod durable;
 pub mod folder;
 pub mod gdt;
+pub mod index;
 mod listing;
 pub mod polling;
 pub mod revision;

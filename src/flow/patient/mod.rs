@@ -1,6 +1,8 @@
-//! To whom a scan belongs: ids and their rules, what file names say, how folders are named.
+//! To whom a scan belongs: ids and their rules, what file names say, how folders are named, what is known
+//! about a patient's records.
 
 pub mod check_digit;
 pub mod identity;
+pub mod index;
 pub mod name_check;
 pub mod naming;
