@@ -2,6 +2,8 @@
 //!
 //! `cargo run --release --example visits`
 
+use std::io::{self, Write};
+
 use gaiter::leg::{Method, Side};
 use gaiter::record::Record;
 use gaiter::scan::Scan;
@@ -38,27 +40,34 @@ const STANCES: [[f64; 2]; 11] = [
     [0.0, 8.0],
 ];
 
-fn main() {
-    println!(
+fn main() -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    writeln!(
+        out,
         "| body | legs apart | knees bent | volume | girths away from the knee | at the knee | shown from |"
-    );
-    println!("|---|---|---|---|---|---|---|");
+    )?;
+    writeln!(out, "|---|---|---|---|---|---|---|")?;
     for name in BODIES {
         let first = standing(name, Stance::default(), 1);
         for (seed, [apart_deg, bent_deg]) in STANCES.into_iter().enumerate() {
             let later = standing(name, Stance { apart_deg, bent_deg }, 50 + seed as u64);
-            row(name, [apart_deg, bent_deg], [first.clone(), later]);
+            row(&mut out, name, [apart_deg, bent_deg], [first.clone(), later])?;
         }
     }
+    Ok(())
 }
 
 /// The largest differences of both legs.
-fn row(name: &str, [apart, bent]: [f64; 2], records: [Record; 2]) {
+fn row(
+    out: &mut impl Write,
+    name: &str,
+    [apart, bent]: [f64; 2],
+    records: [Record; 2],
+) -> io::Result<()> {
     let knee_mm = KNEE_SHARE * records[0].body.stature_mm.unwrap_or_default();
     let choice = Choice { volume: None, affected: None, girth_common_mm: GIRTH_COMMON_MM };
     let Ok(course) = Course::comparable(&records, choice) else {
-        println!("| {name} | {apart} | {bent} | not compared | | | |");
-        return;
+        return writeln!(out, "| {name} | {apart} | {bent} | not compared | | | |");
     };
     let group = &course.groups[0];
     let of = course.last_compared(group).remove(0);
@@ -80,9 +89,10 @@ fn row(name: &str, [apart, bent]: [f64; 2], records: [Record; 2]) {
             }
         }
     }
-    println!(
+    writeln!(
+        out,
         "| {name} | {apart:+}° | {bent}° | {volume:+.2} % | {away:+.1} mm | {at_knee:+.1} mm | {detectable:.2} % |"
-    );
+    )
 }
 
 /// The record of a body in a stance, with noise of its own.

@@ -8,6 +8,7 @@ mod examples;
 mod extract;
 mod garment;
 mod groups;
+mod order;
 mod reextract;
 mod report;
 mod sizes;
@@ -23,13 +24,14 @@ use crate::config::words::{self, Words};
 use crate::station::measure::VERB;
 pub use amend::AmendArgs;
 pub use asking::{
-    AskArgs, AssignArgs, ExplainArgs, Named, OneArgs, OrderArgs, ScansArgs, SetArgs, StatusArgs,
+    AskArgs, AssignArgs, ExplainArgs, GdtOrderArgs, Named, OneArgs, ScansArgs, SetArgs, StatusArgs,
     UnassignArgs,
 };
 pub use calibrate::CalibrateArgs;
 pub use compare::{CompareArgs, CompareChoice, VisitsArgs};
 pub use extract::ExtractArgs;
 pub use garment::GarmentArgs;
+pub use order::{OrderArgs, OrderCheckArgs, OrderOf, OrderVerb, Repeat};
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
 pub use sizes::{SizesArgs, SizesCheckArgs, SizesOf, SizesVerb};
@@ -125,6 +127,13 @@ pub enum Verb {
     /// every difference has. Says larger, smaller or no change shown. Refuses records whose figures mean
     /// different things, and records of different patients.
     Compare(CompareArgs),
+    /// Write an order from a record, or check files that say how
+    ///
+    /// Writes the boxes of the garment's form with their uncertainty, what a person set beside what the scan
+    /// says, and which boxes are open: as a table, as JSON, or as a mapping file of a maker or shop system says.
+    /// Names no patient. Orders again with --reorder: exactly, or with the changes since the last order. Exits
+    /// with 65 if a mapping or the last order has a fault.
+    Order(OrderArgs),
     /// Measure one scan on standard input; the station runs this itself
     #[command(name = VERB, hide = true)]
     Measure(MeasureArgs),
@@ -193,7 +202,7 @@ pub enum Verb {
     ///
     /// For practice software that can start a program with the order's file. The order names the
     /// patient of the next scan. gaiter only reads the file; the practice software removes it.
-    GdtOrder(OrderArgs),
+    GdtOrder(GdtOrderArgs),
     /// Print the link to the operator's page, for decisions
     ///
     /// The link holds the token; without the token the page is read-only. Everybody who has the link can decide
@@ -205,8 +214,8 @@ pub enum Verb {
     Pause(AskArgs),
     /// Take in and deliver scans again after `gaiter pause`
     Resume(AskArgs),
-    /// Print the JSON Schema of record.json
-    Schema,
+    /// Print the JSON Schema of record.json, or of order.json
+    Schema(SchemaArgs),
     /// Print completions for a shell
     Completions(CompletionsArgs),
     /// Print the manual page, or write a page for each verb to a folder
@@ -241,6 +250,26 @@ pub struct DemoArgs {
     #[arg(long)]
     pub json: bool,
 }
+
+/// `gaiter schema`
+#[derive(Debug, clap::Args)]
+pub struct SchemaArgs {
+    /// Of which file
+    #[arg(value_name = "FILE", value_parser = of_words(SCHEMAS), default_value = "record")]
+    pub of: SchemaOf,
+}
+
+/// The files that have a schema.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SchemaOf {
+    /// `record.json`
+    Record,
+    /// `order.json`
+    Order,
+}
+
+/// The words for these files.
+const SCHEMAS: Words<SchemaOf> = &[("record", SchemaOf::Record), ("order", SchemaOf::Order)];
 
 /// `gaiter completions`
 #[derive(Debug, clap::Args)]

@@ -2,6 +2,8 @@
 
 use std::process::ExitCode;
 
+use crate::config::sizes::beside::NoFiles;
+
 /// The exit of a verb. Later variants are worse, so the worst of several is their `max`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
@@ -10,7 +12,7 @@ pub enum Exit {
     Done = 0,
     /// The command line is wrong.
     Usage = 64,
-    /// A scan cannot be measured.
+    /// A scan cannot be measured, or a file with a size table or garment has faults.
     Unmeasurable = 65,
     /// A named file does not exist.
     NoFile = 66,
@@ -26,6 +28,16 @@ impl Exit {
     /// The exit code of the process.
     pub fn code(self) -> u8 {
         self as u8
+    }
+}
+
+impl From<&NoFiles> for Exit {
+    fn from(why: &NoFiles) -> Exit {
+        match why {
+            why if why.is_not_found() => Exit::NoFile,
+            why if why.is_unreadable() => Exit::Io,
+            _ => Exit::Unmeasurable,
+        }
     }
 }
 

@@ -5,9 +5,9 @@ use std::io::{self, Write};
 
 use clap::Command;
 
-use super::args::{self, CompletionsArgs, ManArgs};
+use super::args::{self, CompletionsArgs, ManArgs, SchemaArgs, SchemaOf};
 use super::{Exit, complain, shown};
-use crate::record::schema::json_schema;
+use crate::record::{order, schema};
 
 /// Prints the completions for a shell.
 pub fn completions(args: &CompletionsArgs) -> Exit {
@@ -35,9 +35,13 @@ pub fn man(args: &ManArgs) -> Exit {
     }
 }
 
-/// Prints the JSON Schema of records.
-pub fn schema() -> Exit {
-    let text = serde_json::to_vec_pretty(&json_schema()).map_err(io::Error::from);
+/// Prints the JSON Schema of records or orders.
+pub fn schema(args: &SchemaArgs) -> Exit {
+    let schema = match args.of {
+        SchemaOf::Record => schema::json_schema(),
+        SchemaOf::Order => order::json_schema(),
+    };
+    let text = serde_json::to_vec_pretty(&schema).map_err(io::Error::from);
     ended("the schema", text.and_then(|text| write(&[text, vec![b'\n']].concat())))
 }
 

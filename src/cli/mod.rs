@@ -13,6 +13,7 @@ pub mod extract;
 pub mod manual;
 pub mod measure;
 pub mod ord;
+pub mod order;
 pub mod parallel;
 pub mod reextract;
 pub mod report;
@@ -53,6 +54,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Reextract(args) => reextract::reextract(&args),
         Verb::Report(args) => report::report(&args),
         Verb::Sizes(args) => sizes::sizes(&args),
+        Verb::Order(args) => order::order(&args),
         Verb::Compare(args) => compare::compare(&args),
         Verb::Measure(args) => measure::measure(&args),
         Verb::Check(args) => check::check(&args),
@@ -71,7 +73,7 @@ fn dispatch(verb: Verb) -> Exit {
         Verb::Page(args) => act::page(&args),
         Verb::Pause(args) => act::pause(&args),
         Verb::Resume(args) => act::resume(&args),
-        Verb::Schema => manual::schema(),
+        Verb::Schema(args) => manual::schema(&args),
         Verb::Completions(args) => manual::completions(&args),
         Verb::Man(args) => manual::man(&args),
     }

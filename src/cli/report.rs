@@ -49,7 +49,7 @@ pub fn report(args: &ReportArgs) -> Exit {
 }
 
 /// The paths of the report, one line per file or as JSON.
-fn told(paths: &[PathBuf], as_json: bool) -> String {
+pub fn told(paths: &[PathBuf], as_json: bool) -> String {
     if as_json {
         let files: Vec<String> = paths.iter().map(|path| path.display().to_string()).collect();
         return format!("{}\n", json!({ "files": files }));
@@ -172,17 +172,24 @@ fn made(args: &ReportArgs, sizes: SizeChoice, garment: Garment) -> Result<Vec<Pa
     let print = Print { paper: args.paper, has_appendix: args.appendix };
     let choice =
         ReportChoice { language: args.language, garment, print, sizes, ..ReportChoice::default() };
-    let files = report_files(&record, &choice)?;
-    if args.out.join(SUMS).symlink_metadata().is_ok() {
-        return Err(Fault::RecordFolder(args.out.clone()));
+    placed(&report_files(&record, &choice)?, &args.out, args.force)
+}
+
+/// Writes files to a folder and returns their paths.
+///
+/// # Errors
+/// See [`Fault`].
+pub fn placed(files: &[RecordFile], out: &Path, force: bool) -> Result<Vec<PathBuf>, Fault> {
+    if out.join(SUMS).symlink_metadata().is_ok() {
+        return Err(Fault::RecordFolder(out.to_owned()));
     }
     let tried = |path: &Path, result: io::Result<()>| {
         result.map_err(|source| Fault::Write { path: path.to_owned(), source })
     };
-    tried(&args.out, fs::create_dir_all(&args.out))?;
+    tried(out, fs::create_dir_all(out))?;
     let place = |file: &RecordFile| {
-        let path = args.out.join(&file.name);
-        match put(&path, file, args.force) {
+        let path = out.join(&file.name);
+        match put(&path, file, force) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => Err(Fault::There(path)),
             put => tried(&path, put).map(|()| path),
         }
@@ -209,11 +216,7 @@ pub fn put(path: &Path, file: &RecordFile, replace: bool) -> io::Result<()> {
     put
 }
 
-/// The record of a file.
-///
-/// # Errors
-/// See [`Fault`].
-pub fn record_of_file(path: PathBuf) -> Result<Record, Fault> {
+fn record_of_file(path: PathBuf) -> Result<Record, Fault> {
     let bytes = match fs::read(&path) {
         Ok(bytes) => bytes,
         Err(source) => return Err(Fault::Unreadable { path, source }),

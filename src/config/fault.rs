@@ -272,11 +272,11 @@ impl What {
             What::NotASize(_) => r#"write a number and a unit: "200MB", "1GB""#.into(),
             What::NotALength(_) => r#"write a number and a unit: "5cm", "80mm""#.into(),
             What::EmptyText => "write a text that people understand".into(),
-            What::NotALimit { unit: "%", .. } => r#"write a number and %: "3%", "4.5%""#.into(),
-            What::NotALimit { .. } => {
-                r#"write a number and mm: "20mm"; no limit is in mL, because that of arms does not hold for legs"#
-                    .into()
+            What::NotALimit { text, .. } if text.to_lowercase().ends_with("ml") => {
+                "no limit is in mL: that of arms does not hold for legs".into()
             }
+            What::NotALimit { unit: "%", .. } => r#"write a number and %: "3%", "4.5%""#.into(),
+            What::NotALimit { .. } => r#"write a number and mm: "20mm""#.into(),
             What::NotADistance(_) => r#"write a number and mm: "0.05mm", "1mm""#.into(),
             What::NotControlPoints(_) => format!(
                 r#"write "auto" or their number along and around: "{}x{}" to "{}x{}""#,

@@ -126,6 +126,18 @@ impl Again {
 }
 
 impl Check {
+    /// The stable word, for programs.
+    pub fn word(self) -> &'static str {
+        match self {
+            Check::Sides => "sides",
+            Check::Unit => "unit",
+            Check::WholeBody => "whole-body",
+            Check::ScannerMeasures => "scanner-measures",
+            Check::Export => "export",
+            Check::Source => "source",
+        }
+    }
+
     fn key(self) -> &'static str {
         match self {
             Check::Sides => "sides",

@@ -4,6 +4,7 @@ use sha2::{Digest, Sha256};
 
 use super::file::{RecordFile, file};
 use super::measure::csv;
+use super::order::{is_order_file, order_files};
 use super::picture::figures;
 use super::report::PdfFault;
 use super::report_files::{self, FilesFault, ReportChoice};
@@ -80,6 +81,7 @@ pub fn files_beside_scan(
     let paper = report_files::paper(&record, choice, &figures);
     record.findings.extend(paper.as_ref().err().map(no_paper));
     let mut files = vec![file(RECORD, json(&record)?), file(MEASUREMENTS, csv(&record, choice))];
+    files.extend(orders(&record, choice)?);
     files.push(report_files::drawing(&figures, choice.language));
     files.push(report_files::page(&record, choice, &figures)?);
     files.extend(paper);
@@ -93,8 +95,9 @@ pub fn files_beside_scan(
 }
 
 /// The files of a revision that differs from the one before in what people set: what shows a measure is
-/// made again from the record, everything else, such as scan and surfaces, stays as it is. `before` are all
-/// files of the revision before except `SHA256SUMS`, in their order.
+/// made again from the record, everything else, such as scan and surfaces, stays as it is. The files of the
+/// order are those that are chosen now: an earlier one would tell measures that no longer count. `before` are
+/// all files of the revision before except `SHA256SUMS`, in their order.
 ///
 /// # Errors
 /// If a figure cannot be written as JSON, or a file for people cannot be made.
@@ -109,7 +112,11 @@ pub fn amended_files(
         Some(new) => new.clone(),
         None => old,
     };
-    let mut files: Vec<RecordFile> = before.into_iter().map(keep).collect();
+    let before = before.into_iter().filter(|old| !is_order_file(&old.name));
+    let mut files: Vec<RecordFile> = before.map(keep).collect();
+    let place =
+        files.iter().position(|of| of.name == MEASUREMENTS).map_or(files.len(), |at| at + 1);
+    files.splice(place..place, orders(record, choice)?);
     files.push(file(SUMS, sums_of(&files).into_bytes()));
     Ok(files)
 }
@@ -122,6 +129,10 @@ pub fn json(record: &Record) -> Result<Vec<u8>, serde_json::Error> {
     let mut json = serde_json::to_vec_pretty(record)?;
     json.push(b'\n');
     Ok(json)
+}
+
+fn orders(record: &Record, choice: &ReportChoice) -> Result<Vec<RecordFile>, serde_json::Error> {
+    order_files(record, &choice.garment, &choice.orders, choice.sizes.scanner_girth_mm)
 }
 
 fn csv(record: &Record, choice: &ReportChoice) -> Vec<u8> {

@@ -11,6 +11,7 @@ mod file;
 mod files;
 pub mod gdt;
 pub mod measure;
+pub mod order;
 pub mod phantom;
 pub mod picture;
 mod provenance;

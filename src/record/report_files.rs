@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::Record;
 use super::file::{RecordFile, file};
+use super::order::OrderChoice;
 use super::picture::figures::{self, Figure};
 use super::picture::png::{PngFault, png};
 use super::picture::{Theme, svg};
@@ -40,6 +41,8 @@ pub struct ReportChoice {
     pub age_max: AgeMax,
     /// The size tables that the report shows, and the day on which it does.
     pub sizes: SizeChoice,
+    /// The files of the order.
+    pub orders: OrderChoice,
 }
 
 /// The format of a figure's file.

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 use super::parse::is_same_person;
 use super::point::Point;
-use super::table::{Basis, Limits, Ranged, SizeTable, Status};
+use super::table::{Basis, Limits, Ranged, Size, SizeTable, Status};
 
 /// One remark about a table.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,6 +22,24 @@ pub enum Remark {
         at: Neighbours,
         /// Whether limits belong to their ranges.
         limits: Limits,
+    },
+    /// A size that is larger at the deciding point has a lower limit at another one: mostly a slip.
+    OutOfOrder {
+        /// That point.
+        point: Point,
+        /// The names of the two sizes, the smaller one first.
+        names: [String; 2],
+        /// The limits of the smaller one, mm.
+        smaller_mm: [f64; 2],
+        /// The limits of the larger one, mm.
+        larger_mm: [f64; 2],
+    },
+    /// A size has no range of a point that other sizes have: it fits whatever is measured there.
+    Lacks {
+        /// The size.
+        size: String,
+        /// The point.
+        point: Point,
     },
     /// It is no longer valid.
     Expired {
@@ -81,6 +99,8 @@ impl Remark {
             Remark::Gap(_) => "gap",
             Remark::Overlap(_) => "overlap",
             Remark::Touch { .. } => "touch",
+            Remark::OutOfOrder { .. } => "out-of-order",
+            Remark::Lacks { .. } => "lacks",
             Remark::Expired { .. } => "expired",
             Remark::NoEnd => "no-end",
             Remark::Unsigned { .. } => "unsigned",
@@ -119,8 +139,75 @@ pub fn remarks(table: &SizeTable, today: Date, garments: &[&str]) -> Vec<Remark>
         let sizes = sizes.filter_map(|size| Some((size.name.as_str(), size.range(point)?)));
         remarks.extend(between(point, None, sizes.collect(), table.limits));
     }
+    remarks.extend(of_other_points(table));
     remarks.extend(between_lengths(table));
     remarks
+}
+
+/// The points of the sizes except the deciding one, each once.
+fn other_points(table: &SizeTable) -> Vec<Point> {
+    let mut points: Vec<Point> = Vec::new();
+    for Ranged { point, .. } in table.sizes.iter().flat_map(|size| &size.ranges) {
+        if Some(*point) != table.decides && !points.contains(point) {
+            points.push(*point);
+        }
+    }
+    points
+}
+
+/// What no size holds at a point, what one of them lacks, and limits that do not grow with the size. Sizes
+/// overlap at these points, so overlaps and touching limits say nothing.
+fn of_other_points(table: &SizeTable) -> Vec<Remark> {
+    let mut remarks = Vec::new();
+    for point in other_points(table) {
+        let own = table.sizes.iter().filter_map(|of| Some((of.name.as_str(), of.range(point)?)));
+        let of_variants = table.sizes.iter().flat_map(|size| {
+            let ranges = size.variants.iter().flat_map(|(_, ranges)| ranges);
+            ranges.filter(|of| of.point == point).map(|of| (size.name.as_str(), of.mm))
+        });
+        let all = between(point, None, own.chain(of_variants).collect(), table.limits);
+        remarks.extend(all.into_iter().filter(|of| matches!(of, Remark::Gap(_))));
+        remarks.extend(out_of_order(table, point));
+        let lacking = table.sizes.iter().filter(|of| of.range(point).is_none());
+        let lacking = lacking.filter(|_| table.required.is_empty());
+        remarks.extend(lacking.map(|of| Remark::Lacks { size: of.name.clone(), point }));
+    }
+    remarks
+}
+
+/// A size with its limits at the deciding point and at another one, mm.
+struct Row<'a> {
+    name: &'a str,
+    deciding_mm: [f64; 2],
+    other_mm: [f64; 2],
+}
+
+impl Row<'_> {
+    fn of(size: &Size, deciding: Point, other: Point) -> Option<Row<'_>> {
+        let (deciding_mm, other_mm) = (size.range(deciding)?, size.range(other)?);
+        Some(Row { name: &size.name, deciding_mm, other_mm })
+    }
+}
+
+/// The neighbours by the deciding point of which the larger one has a lower limit at this point.
+fn out_of_order(table: &SizeTable, point: Point) -> Vec<Remark> {
+    let Some(deciding) = table.decides else { return Vec::new() };
+    let rows = table.sizes.iter().filter_map(|size| Row::of(size, deciding, point));
+    let mut rows: Vec<Row<'_>> = rows.collect();
+    rows.sort_by(|a, b| a.deciding_mm[0].total_cmp(&b.deciding_mm[0]));
+    let is_below = |low: [f64; 2], high: [f64; 2]| low[0] < high[0] && low[1] < high[1];
+    let falls = rows.windows(2).filter(|pair| {
+        let [smaller, larger] = [&pair[0], &pair[1]];
+        is_below(smaller.deciding_mm, larger.deciding_mm)
+            && (0..2).any(|limit| larger.other_mm[limit] < smaller.other_mm[limit])
+    });
+    let remark = |pair: &[Row<'_>]| Remark::OutOfOrder {
+        point,
+        names: [pair[0].name.to_owned(), pair[1].name.to_owned()],
+        smaller_mm: pair[0].other_mm,
+        larger_mm: pair[1].other_mm,
+    };
+    falls.map(remark).collect()
 }
 
 fn of_status(table: &SizeTable) -> Vec<Remark> {

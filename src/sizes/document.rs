@@ -1,11 +1,15 @@
 //! Reads a TOML file strictly: every fault with its place, all of them at once.
 
+mod notation;
+
 use std::ops::Range;
 
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::fault::{Fault, What};
+use self::notation::slip;
+use super::fault::{Fault, Form, What};
+use super::point::Point;
 
 /// The faults of one text, as they are found.
 pub(super) struct Faults<'t> {
@@ -37,12 +41,40 @@ impl<'t> Faults<'t> {
         self.found.push((at.clone(), key.into(), what));
     }
 
-    /// Notes the parser's own faults.
+    /// Notes the parser's own faults, the first of each line: the others follow from it.
     pub fn note_notation(&mut self, errors: &[toml::de::Error]) {
+        let mut lines = Vec::new();
         for error in errors {
             let at = error.span().unwrap_or(self.text.len()..self.text.len());
-            self.note(&at, "", What::Notation(error.message().to_owned()));
+            let (start, line) = self.line_at(at.start);
+            if !lines.contains(&start) {
+                lines.push(start);
+                let what =
+                    What::Notation { slip: slip(line, error.message()), written: shortened(line) };
+                self.note(&at, "", what);
+            }
         }
+    }
+
+    /// Notes a value that is not of the required form.
+    pub fn note_form(&mut self, value: &Value<'_>, key: impl Into<String>, form: Form) {
+        let written = self.written(value);
+        let found = kind(value.get_ref());
+        self.note(&value.span(), key, What::Kind { form, found, written });
+    }
+
+    /// A value as it stands in the text, its first line.
+    pub fn written(&self, value: &Value<'_>) -> String {
+        shortened(self.text.get(value.span()).unwrap_or_default())
+    }
+
+    /// The line around a byte, and where it begins.
+    fn line_at(&self, byte: usize) -> (usize, &'t str) {
+        let text = self.text;
+        let (before, after) = text.split_at(text.floor_char_boundary(byte));
+        let start = before.rfind('\n').map_or(0, |end| end + 1);
+        let end = after.find('\n').map_or(text.len(), |end| before.len() + end);
+        (start, &text[start..end])
     }
 
     /// Whether there is none.
@@ -53,22 +85,68 @@ impl<'t> Faults<'t> {
     /// All faults in the order of the text.
     pub fn in_order(mut self) -> Vec<Fault> {
         self.found.sort_by_key(|(at, _, _)| at.start);
-        let text = self.text;
-        let fault = |(at, key, what): (Range<usize>, String, What)| {
-            let before = &text[..text.floor_char_boundary(at.start)];
-            let line_start = before.rfind('\n').map_or(0, |end| end + 1);
-            let column = before[line_start..].chars().filter(|letter| *letter != BOM).count() + 1;
-            Fault { line: before.matches('\n').count() + 1, column, key, what }
+        let place = |at: usize| {
+            let (start, _) = self.line_at(at);
+            let at = self.text.floor_char_boundary(at);
+            let before = self.text[start..at].chars().filter(|letter| *letter != BOM);
+            (self.text[..start].matches('\n').count() + 1, before.count() + 1)
         };
-        self.found.into_iter().map(fault).collect()
+        let places: Vec<(usize, usize)> =
+            self.found.iter().map(|(at, _, _)| place(at.start)).collect();
+        let fault = |((_, key, what), (line, column))| Fault { line, column, key, what };
+        self.found.into_iter().zip(places).map(fault).collect()
     }
 }
 
 /// A byte-order mark, which no editor counts.
 const BOM: char = '\u{feff}';
 
+/// How much of a faulty line or value is shown, characters.
+const SHOWN_MAX: usize = 60;
+
 /// The longest text of a value, characters: it is printed in a line or two.
 const TEXT_MAX: usize = 500;
+
+/// The first line of a text, as far as it is shown.
+fn shortened(text: &str) -> String {
+    let line = text.trim().lines().next().unwrap_or_default().trim_end();
+    match line.char_indices().nth(SHOWN_MAX) {
+        Some((end, _)) => format!("{}…", &line[..end]),
+        None => line.to_owned(),
+    }
+}
+
+/// The keys of a section.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Known {
+    /// Those of this section.
+    pub here: &'static str,
+    /// Those of the whole file, which stand above the first section; empty for the whole file.
+    pub above: &'static str,
+}
+
+impl Known {
+    /// The keys of a section without others above it.
+    pub fn here(here: &'static str) -> Known {
+        Known { here, above: "" }
+    }
+
+    /// What an unknown key was probably meant to be, as advice.
+    fn advice(self, name: &str, is_known: impl Fn(&str) -> bool) -> Option<String> {
+        let upper = name.to_uppercase();
+        let points = [format!("c{upper}"), format!("l{upper}")];
+        let cased = name.get(1..).map(|rest| name[..1].to_lowercase() + &rest.to_uppercase());
+        let point =
+            cased.into_iter().chain(points).find(|of| Point::of(of).is_some() && is_known(of));
+        let mut words = self.here.split_whitespace();
+        let word = words.find(|word| word.eq_ignore_ascii_case(name) && is_known(word));
+        if let Some(meant) = point.or(word.map(str::to_owned)) {
+            return Some(format!("did you mean {meant}?"));
+        }
+        let is_above = self.above.split_whitespace().any(|word| word == name);
+        is_above.then(|| "write it above the first [[…]]: it is of the whole file".to_owned())
+    }
+}
 
 /// The kind of a value, in words.
 pub(super) fn kind(value: &DeValue<'_>) -> &'static str {
@@ -78,7 +156,7 @@ pub(super) fn kind(value: &DeValue<'_>) -> &'static str {
         DeValue::Boolean(_) => "true or false",
         DeValue::Datetime(_) => "a date",
         DeValue::Array(_) => "a list",
-        DeValue::Table(_) => "a section",
+        DeValue::Table(_) => "a single section",
     }
 }
 
@@ -96,8 +174,7 @@ pub(super) fn number(value: &DeValue<'_>) -> Option<(String, f64)> {
 /// A text in a line; anything else is noted.
 pub(super) fn line(value: &Value<'_>, key: &str, faults: &mut Faults<'_>) -> Option<String> {
     let Some(text) = value.get_ref().as_str() else {
-        let what = What::Kind { expected: "text in quotes", found: kind(value.get_ref()) };
-        faults.note(&value.span(), key, what);
+        faults.note_form(value, key, Form::TEXT);
         return None;
     };
     let text = text.trim();
@@ -116,16 +193,16 @@ fn is_direction(letter: char) -> bool {
 }
 
 /// The entries of a list; anything else is noted.
-pub(super) fn entries<'s, 't>(
+fn entries<'s, 't>(
     value: &'s Value<'t>,
     key: &str,
+    form: Form,
     faults: &mut Faults<'_>,
 ) -> &'s [Value<'t>] {
     match value.get_ref() {
         DeValue::Array(entries) => entries,
-        other => {
-            let what = What::Kind { expected: "a list in [ ]", found: kind(other) };
-            faults.note(&value.span(), key, what);
+        _ => {
+            faults.note_form(value, key, form);
             &[]
         }
     }
@@ -133,7 +210,10 @@ pub(super) fn entries<'s, 't>(
 
 /// The texts of a list.
 pub(super) fn lines(value: &Value<'_>, key: &str, faults: &mut Faults<'_>) -> Vec<String> {
-    entries(value, key, faults).iter().filter_map(|entry| line(entry, key, faults)).collect()
+    entries(value, key, Form::LIST, faults)
+        .iter()
+        .filter_map(|entry| line(entry, key, faults))
+        .collect()
 }
 
 impl<'s, 't> Section<'s, 't> {
@@ -229,27 +309,21 @@ impl<'s, 't> Section<'s, 't> {
         let Some(value) = self.get(name) else { return Vec::new() };
         let key = self.key(name);
         let mut tables = Vec::new();
-        for entry in entries(value, &key, faults) {
+        for entry in entries(value, &key, Form::SECTIONS, faults) {
             match entry.get_ref() {
                 DeValue::Table(table) => tables.push((table, entry.span())),
-                other => {
-                    let what = What::Kind { expected: "a section", found: kind(other) };
-                    faults.note(&entry.span(), key.clone(), what);
-                }
+                _ => faults.note_form(entry, key.clone(), Form::SECTIONS),
             }
         }
         tables
     }
 
     /// Notes every key for which `is_known` is false.
-    pub fn only(
-        &self,
-        known: &'static str,
-        is_known: impl Fn(&str) -> bool,
-        faults: &mut Faults<'_>,
-    ) {
+    pub fn only(&self, known: Known, is_known: impl Fn(&str) -> bool, faults: &mut Faults<'_>) {
         for (name, _) in self.pairs().filter(|(name, _)| !is_known(name.get_ref())) {
-            faults.note(&name.span(), self.key(name.get_ref()), What::Unknown { known });
+            let advice = known.advice(name.get_ref(), &is_known);
+            let what = What::Unknown { known: known.here, advice };
+            faults.note(&name.span(), self.key(name.get_ref()), what);
         }
     }
 }

@@ -102,6 +102,16 @@ impl Garment {
         self.0.unit
     }
 
+    /// The step to which girths are rounded for the form, mm.
+    pub fn round_girths_mm(&self) -> f64 {
+        self.0.round_girths_mm
+    }
+
+    /// The step to which lengths are rounded for the form, mm.
+    pub fn round_lengths_mm(&self) -> f64 {
+        self.0.round_lengths_mm
+    }
+
     /// The step to which a value is rounded for the form, mm. Everything else has all digits.
     pub fn step_mm(&self, point: Point) -> f64 {
         match point.is_girth() {

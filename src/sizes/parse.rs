@@ -9,8 +9,8 @@ use sha2::{Digest, Sha256};
 use toml::de::{DeTable, DeValue};
 
 use self::sizes::{lengths, sizes, variants};
-use super::document::{Faults, Section, Value, entries, kind, line, lines, number};
-use super::fault::{Fault, What};
+use super::document::{Faults, Known, Section, Value, line, lines, number};
+use super::fault::{Fault, Form, What};
 use super::point::Point;
 use super::table::{Basis, FORMAT, Limits, Ranged, Required, SizeTable, Status};
 
@@ -75,16 +75,12 @@ pub(super) fn readable(bytes: &[u8]) -> Result<&str, Vec<Fault>> {
     })
 }
 
-/// Whether a file is of a format; notes it if not.
+/// Whether a file is of a format, which the line `example` sets; notes it if not.
 pub(super) fn is_of_format(
     whole: Section<'_, '_>,
-    expected: &'static str,
+    (expected, example): (&'static str, &'static str),
     faults: &mut Faults<'_>,
 ) -> bool {
-    let example = match expected {
-        FORMAT => "format = \"gaiter-size-table/1\"",
-        _ => "format = \"gaiter-garment/1\"",
-    };
     let found = whole.required_text("format", example, faults);
     match (found, whole.get("format")) {
         (Some(found), Some(value)) if found != expected => {
@@ -97,13 +93,13 @@ pub(super) fn is_of_format(
 
 /// The table of a file. What is wrong is noted, and the rest is read all the same.
 fn table(whole: Section<'_, '_>, sha256: String, faults: &mut Faults<'_>) -> Option<SizeTable> {
-    if !is_of_format(whole, FORMAT, faults) {
+    if !is_of_format(whole, (FORMAT, "format = \"gaiter-size-table/1\""), faults) {
         return None;
     }
     let is_known = |name: &str| {
         name.starts_with("note_") || KEYS.split_whitespace().any(|known| known == name)
     };
-    whole.only(KEYS, is_known, faults);
+    whole.only(Known::here(KEYS), is_known, faults);
     let id = whole.required_text("id", "id = \"maker-product-2026\"", faults);
     let maker = whole.required_text("maker", "maker = \"…\"", faults);
     let product = whole.required_text("product", "product = \"…\"", faults);
@@ -240,11 +236,7 @@ fn day(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> Option<Da
         Date::new(i16::try_from(of.year).ok()?, month?, day?).ok()
     });
     if date.is_none() {
-        let what = What::Kind {
-            expected: "a date such as 2027-01-31, without quotes",
-            found: kind(value.get_ref()),
-        };
-        faults.note(&value.span(), name, what);
+        faults.note_form(value, name, Form::DAY);
     }
     date
 }
@@ -317,32 +309,35 @@ fn range(
     unit: Unit,
     faults: &mut Faults<'_>,
 ) -> Option<Ranged> {
-    let expected = "two limits in [ ]";
-    let [low, high] = match entries(value, key, faults) {
-        [low, high] => [low, high],
-        _ => {
-            if matches!(value.get_ref(), DeValue::Array(_)) {
-                let what = What::Kind { expected, found: "a list of another length" };
-                faults.note(&value.span(), key, what);
-            }
-            return None;
-        }
+    let limits: &[Value<'_>] = match value.get_ref() {
+        DeValue::Array(limits) => limits,
+        _ => &[],
+    };
+    let [low, high] = limits else {
+        let written = faults.written(value);
+        faults.note(&value.span(), key, What::Limits { written });
+        return None;
     };
     let limit = |value: &Value<'_>, faults: &mut Faults<'_>| {
         let Some((written, found)) = number(value.get_ref()) else {
-            let what = What::Kind { expected: "a number", found: kind(value.get_ref()) };
-            faults.note(&value.span(), key, what);
+            faults.note_form(value, key, Form::LIMIT);
             return None;
         };
         // To a millionth of a millimetre: 38.9 cm is 389 mm and not a hair less.
         let mm = (found * unit.mm * 1e6).round() / 1e6;
-        let [least_mm, most_mm] = match point {
+        let reach_mm = match point {
             Point::Girth(_) => GIRTHS_MM,
             Point::Beyond(_) => BEYOND_MM,
             _ => LENGTHS_MM,
         };
-        if !(least_mm..=most_mm).contains(&mm) {
-            faults.note(&value.span(), key, What::Reach { found: written, unit: unit.name });
+        if !(reach_mm[0]..=reach_mm[1]).contains(&mm) {
+            let [least, most] = reach_mm.map(|mm| (mm / unit.mm).to_string());
+            let (point, unit) = (point.to_string(), unit.name);
+            faults.note(
+                &value.span(),
+                key,
+                What::Reach { found: written, unit, point, least, most },
+            );
             return None;
         }
         Some((written, mm))
@@ -370,6 +365,6 @@ fn own_name(section: Section<'_, '_>, taken: &[String], faults: &mut Faults<'_>)
 }
 
 /// Bytes as lower-case hexadecimal digits.
-fn hex(bytes: &[u8]) -> String {
+pub(super) fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -8,6 +8,7 @@
 
 pub mod amend;
 pub mod stored;
+pub mod visits;
 
 use std::ffi::OsStr;
 use std::fs::{self, File};

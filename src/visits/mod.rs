@@ -7,6 +7,7 @@
 //! | step | where |
 //! |---|---|
 //! | a record as a visit: places, stance, scanner, definition | [`visit`], [`leg`], [`stance`] |
+//! | which scans are visits | [`days`] |
 //! | the visits in order, and which can be compared | [`course`] |
 //! | what changed between two of them | [`comparison`], [`excess`] |
 //! | what speaks against comparing them | [`caution`] |
@@ -16,6 +17,7 @@
 pub mod caution;
 pub mod comparison;
 pub mod course;
+pub mod days;
 pub mod excess;
 pub mod leg;
 pub mod overlay;
@@ -31,5 +33,6 @@ pub mod visit;
 pub use caution::Caution;
 pub use comparison::{Comparison, LegChange, PlaceChange};
 pub use course::{Affected, Choice, Course, CourseFault, Group};
+pub use days::last_of_days;
 pub use quantity::{Change, Quantity, Shown};
 pub use visit::{GIRTH_COMMON_MM, Visit};

@@ -4,6 +4,7 @@ mod amend;
 mod asking;
 mod calibrate;
 mod check;
+mod compare;
 mod config_faults;
 mod manual;
 mod reextract;

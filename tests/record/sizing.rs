@@ -13,7 +13,8 @@ use gaiter::sizes::table::SizeTable;
 use gaiter::sizes::verdict::{Fit, Given, NotComparable, NotGiven, Reading};
 use gaiter::sizes::{Garment, Point, parse};
 use jiff::civil::date;
-use support::geometry::bodies::{export, record_of};
+use serde_json::Value;
+use support::geometry::bodies::{export, record_of, truth};
 
 /// A body of which every level was found, without findings.
 pub static RECORD: LazyLock<Record> = LazyLock::new(|| {
@@ -68,6 +69,17 @@ fn given(of: Reading) -> Given {
         Reading::Given(given) => given,
         Reading::NotGiven { why } => panic!("{why:?}"),
     }
+}
+
+/// Where a height lies along the leg of a generated body, mm.
+fn along_mm(profile: &Value, height_mm: f64) -> f64 {
+    let column =
+        |name: &str| profile[name].as_array().unwrap().iter().map(|mm| mm.as_f64().unwrap());
+    let known: Vec<(f64, f64)> = column("height_mm").zip(column("along_axis_mm")).collect();
+    let is_around = |pair: &&[(f64, f64)]| pair[0].0 <= height_mm && height_mm <= pair[1].0;
+    let [(low_mm, from_mm), (high_mm, to_mm)] =
+        known.windows(2).find(is_around).unwrap().try_into().unwrap();
+    from_mm + (height_mm - low_mm) / (high_mm - low_mm) * (to_mm - from_mm)
 }
 
 fn with_doubt(level: &str, doubt: &str) -> Record {
@@ -129,9 +141,19 @@ fn a_length_between_levels_goes_along_the_leg_also_to_a_level_set_by_hand() {
     assert_eq!(length.mm, d.along_axis_mm - b.along_axis_mm);
     let sd_mm = (b.height_sd_mm.unwrap().powi(2) + d.height_sd_mm.unwrap().powi(2)).sqrt();
     assert!((length.uncertainty_mm.unwrap() - sd_mm).abs() < 1e-12);
-    let lower = measured(&RECORD, "D", None, Some(d.height_mm - 10.0));
-    let by_hand = given(right("lBD", &lower));
-    assert!((length.mm - by_hand.mm - 10.0).abs() < 0.5, "{} and {}", length.mm, by_hand.mm);
+    let lower = |lower_mm: f64| {
+        let height_mm = d.height_mm - lower_mm;
+        given(right("lBD", &measured(&RECORD, "D", None, Some(height_mm))))
+    };
+    assert!((lower(0.0).mm - length.mm).abs() < 0.002, "set where it is: {}", lower(0.0).mm);
+    // Towards the knee the middle of the leg leans by 22°: 10 mm of height are 10.7 mm of its line.
+    let truth = &truth("m_average_clean")["legs"]["right"]["profile"];
+    let true_mm = |height_mm: f64| along_mm(truth, height_mm) - along_mm(truth, b.height_mm);
+    for lower_mm in [0.0, 10.0, 20.0, 40.0, 80.0] {
+        let off_mm = lower(lower_mm).mm - true_mm(d.height_mm - lower_mm);
+        assert!(off_mm.abs() < 0.6, "{lower_mm} mm lower: {off_mm} mm");
+    }
+    let by_hand = lower(10.0);
     assert!(by_hand.is_by_hand && by_hand.uncertainty_mm.is_none());
 }
 

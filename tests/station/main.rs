@@ -18,4 +18,5 @@ mod orders;
 mod page;
 mod phantom;
 mod trigger_pty;
+mod visits_page;
 mod watch;

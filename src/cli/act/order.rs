@@ -3,13 +3,13 @@
 use std::fs::File;
 use std::io::{self, Read};
 
-use crate::cli::args::OrderArgs;
+use crate::cli::args::GdtOrderArgs;
 use crate::cli::{Exit, ask, complain, shown};
 use crate::record::gdt::order::ORDER_MOST;
 use crate::station::operator::control::protocol::Request;
 
 /// Sends an order to the running station.
-pub fn order(args: &OrderArgs) -> Exit {
+pub fn order(args: &GdtOrderArgs) -> Exit {
     let mut bytes = Vec::new();
     // Reads one byte more than an order can have, so that the station sees that it is too large.
     let read =

@@ -103,7 +103,7 @@ pub struct ExplainArgs {
 
 /// `gaiter gdt-order`
 #[derive(Debug, clap::Args)]
-pub struct OrderArgs {
+pub struct GdtOrderArgs {
     /// The order's file
     #[arg(value_name = "FILE")]
     pub file: PathBuf,

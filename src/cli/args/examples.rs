@@ -93,6 +93,26 @@ const EXAMPLES: &[Examples] = &[
         ],
     ),
     of(
+        "order",
+        &[
+            ["gaiter order /srv/records/4711 --garment AG", "prints the order of a thigh stocking"],
+            [
+                "gaiter order record.json --ref A-1042 --out orders",
+                "writes order.csv and order.json",
+            ],
+            ["gaiter order record.json --mapping shop.toml", "as a shop system wants it"],
+            [
+                "gaiter order /srv/records/4711 --reorder changes --last order.json",
+                "with the changes since the last order",
+            ],
+            ["gaiter order check shop.toml", "checks a mapping before it is used"],
+        ],
+    ),
+    of(
+        "order check",
+        &[["gaiter order check /etc/gaiter/orders", "names every fault of the mappings"]],
+    ),
+    of(
         "check",
         &[
             ["gaiter check", "checks the configuration of this machine's station"],
@@ -124,7 +144,7 @@ const EXAMPLES: &[Examples] = &[
         "patient visits",
         &[
             ["gaiter patient visits", "asks for the id and prints the comparison"],
-            ["gaiter patient visits --out visits < id.txt", "writes a page, a PDF and JSON"],
+            ["gaiter patient visits --out visits", "writes a page, a PDF and JSON"],
         ],
     ),
     of(
@@ -173,7 +193,13 @@ const EXAMPLES: &[Examples] = &[
             ],
         ],
     ),
-    of("schema", &[["gaiter schema", "prints the JSON Schema"]]),
+    of(
+        "schema",
+        &[
+            ["gaiter schema", "prints the JSON Schema of record.json"],
+            ["gaiter schema order", "prints that of order.json"],
+        ],
+    ),
     of("completions", &[["gaiter completions bash", "prints a script for bash"]]),
     of(
         "man",

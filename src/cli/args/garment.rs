@@ -56,7 +56,7 @@ impl GarmentArgs {
         let Some(named) = &self.garment_file else { return Ok(Vec::new()) };
         let found = beside::on_disk(named).map_err(|why| {
             complain(format_args!("gaiter: --garment-file: {}", shown(&why)));
-            if why.is_not_found() { Exit::NoFile } else { Exit::Io }
+            Exit::from(&why)
         })?;
         let mut garments = Vec::new();
         for file in &found.files {

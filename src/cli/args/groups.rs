@@ -4,7 +4,10 @@ use clap::Command;
 
 /// The groups, each with its verbs, those first that a newcomer needs.
 pub const GROUPS: [(&str, &[&str]); 5] = [
-    ("Measure", &["demo", "extract", "calibrate", "reextract", "report", "sizes", "compare"]),
+    (
+        "Measure",
+        &["demo", "extract", "calibrate", "reextract", "report", "sizes", "compare", "order"],
+    ),
     ("Run a station", &["check", "run", "status", "pause", "resume"]),
     ("At the station", &["patient", "scans", "show", "explain", "page", "gdt-order"]),
     ("Decide about a scan", &["retry", "release", "assign", "unassign", "give-up", "amend"]),

@@ -1,4 +1,5 @@
-//! `gaiter sizes check`: the faults of size tables, and what a person should know of those without.
+//! `gaiter sizes check`: the faults of size tables and garments, and what a person should know of tables
+//! without.
 
 use std::fmt::Display;
 
@@ -15,7 +16,7 @@ use crate::record::rounding::limit_words;
 use crate::record::shown::id;
 use crate::sizes::check::{Neighbours, Remark, remarks};
 use crate::sizes::table::Limits;
-use crate::sizes::{Fault, Garment, SizeTable, parse};
+use crate::sizes::{Fault, Garment, SizeTable, What, garment, parse};
 
 /// Name and number of the schema of the result as JSON.
 const SCHEMA: &str = "gaiter.size-check/1";
@@ -34,11 +35,11 @@ pub fn check(args: &SizesCheckArgs) -> Exit {
             Ok(found) => checked.extend(of_files(&found, &garments, today)),
             Err(why) => {
                 complain(format_args!("gaiter: {}", shown(&why)));
-                worst = worst.max(if why.is_not_found() { Exit::NoFile } else { Exit::Io });
+                worst = worst.max(Exit::from(&why));
             }
         }
     }
-    if checked.iter().any(|of| !of.faults.is_empty()) {
+    if checked.iter().any(|of| of.found.is_err()) {
         worst = worst.max(Exit::Unmeasurable);
     }
     let printed = match args.json {
@@ -57,38 +58,60 @@ pub fn check(args: &SizesCheckArgs) -> Exit {
 /// A file, and what was found in it.
 struct Checked {
     path: String,
-    table: Option<SizeTable>,
-    faults: Vec<Fault>,
+    found: Result<Sound, Vec<Fault>>,
     remarks: Vec<Remark>,
+}
+
+/// What stands in a file without faults.
+enum Sound {
+    Table(Box<SizeTable>),
+    Garment(Garment),
+}
+
+impl Sound {
+    /// Reads a size table, or a garment if the file says that it is one.
+    fn read(bytes: &[u8]) -> Result<Sound, Vec<Fault>> {
+        let is_garment = |fault: &Fault| matches!(&fault.what, What::Format { found, .. } if found == garment::FORMAT);
+        match parse(bytes) {
+            Ok(table) => Ok(Sound::Table(Box::new(table))),
+            Err(faults) if faults.iter().any(is_garment) => {
+                Garment::read(bytes).map(Sound::Garment)
+            }
+            Err(faults) => Err(faults),
+        }
+    }
 }
 
 fn of_files(found: &Beside, garments: &[Garment], today: Date) -> Vec<Checked> {
     let names: Vec<&str> = garments.iter().map(Garment::name).collect();
     let files = found.files.iter().map(|file| {
-        let path = file.path.display().to_string();
-        match parse(file.text.as_bytes()) {
-            Ok(table) => {
-                let remarks = remarks(&table, today, &names);
-                Checked { path, table: Some(table), faults: Vec::new(), remarks }
-            }
-            Err(faults) => Checked { path, table: None, faults, remarks: Vec::new() },
-        }
+        let found = Sound::read(file.text.as_bytes());
+        let remarks = match &found {
+            Ok(Sound::Table(table)) => remarks(table, today, &names),
+            _ => Vec::new(),
+        };
+        Checked { path: file.path.display().to_string(), found, remarks }
     });
     files.collect()
 }
 
 fn text(checked: &[Checked], language: Language, columns: usize) -> String {
     let mut text = String::new();
-    for Checked { path, table, faults, remarks } in checked {
-        let said = match (table, remarks.len()) {
-            (None, _) => {
-                format!("{} {}", faults.len(), language.text("sizes.check.fault"))
+    for Checked { path, found, remarks } in checked {
+        let named = match found {
+            Ok(Sound::Table(table)) => Some(named(table)),
+            Ok(Sound::Garment(garment)) => {
+                let name: [(&str, &dyn Display); 1] = [("name", &id(garment.name()))];
+                Some(language.filled("sizes.check.garment", &name))
             }
-            (Some(table), 0) => {
-                format!("{}: {}", named(table), language.text("sizes.check.fine"))
-            }
-            (Some(table), count) => {
-                format!("{}: {count} {}", named(table), language.text("sizes.check.remark"))
+            Err(_) => None,
+        };
+        let faults: &[Fault] = found.as_ref().err().map_or(&[], Vec::as_slice);
+        let said = match (named, remarks.len()) {
+            (None, _) => format!("{} {}", faults.len(), language.text("sizes.check.fault")),
+            (Some(named), 0) => format!("{named}: {}", language.text("sizes.check.fine")),
+            (Some(named), count) => {
+                format!("{named}: {count} {}", language.text("sizes.check.remark"))
             }
         };
         text += &indented(&format!("{}: {said}", shown(path)), "", columns);
@@ -132,6 +155,21 @@ pub fn in_words(remark: &Remark, language: Language) -> String {
         Remark::Overlap(of) => at("sizes.check.what.overlap", of),
         Remark::Touch { at: of, limits: Limits::Closed } => at("sizes.check.what.touch-closed", of),
         Remark::Touch { at: of, limits: Limits::Open } => at("sizes.check.what.touch-open", of),
+        Remark::OutOfOrder { point, names: [smaller, larger], smaller_mm, larger_mm } => {
+            let range = |mm: &[f64; 2]| mm.map(|mm| limit_words(mm, language)).join("–");
+            let words: [(&str, &dyn Display); 5] = [
+                ("point", point),
+                ("smaller", &id(smaller)),
+                ("larger", &id(larger)),
+                ("below", &range(smaller_mm)),
+                ("above", &range(larger_mm)),
+            ];
+            language.filled("sizes.check.what.out-of-order", &words)
+        }
+        Remark::Lacks { size, point } => {
+            let words: [(&str, &dyn Display); 2] = [("size", &id(size)), ("point", point)];
+            language.filled("sizes.check.what.lacks", &words)
+        }
         Remark::Expired { last } => with("sizes.check.what.expired", "date", last),
         Remark::SamePerson { name } => with("sizes.check.what.same-person", "name", &id(name)),
         Remark::UnknownGarment { garment } => {
@@ -162,6 +200,8 @@ struct Json<'a> {
 #[derive(Serialize)]
 struct JsonFile<'a> {
     path: &'a str,
+    /// The name of a garment; null for a table.
+    garment: Option<&'a str>,
     /// Null for a table with faults, as edition and hash are.
     id: Option<&'a str>,
     edition: Option<&'a str>,
@@ -188,7 +228,15 @@ struct JsonRemark<'a> {
 
 fn json(checked: &[Checked], language: Language) -> Result<String, serde_json::Error> {
     let files = checked.iter().map(|of| {
-        let faults = of.faults.iter().map(|fault| JsonFault {
+        let table = match &of.found {
+            Ok(Sound::Table(table)) => Some(table),
+            _ => None,
+        };
+        let garment = match &of.found {
+            Ok(Sound::Garment(garment)) => Some(garment.name()),
+            _ => None,
+        };
+        let faults = of.found.as_ref().err().into_iter().flatten().map(|fault| JsonFault {
             line: fault.line,
             column: fault.column,
             key: &fault.key,
@@ -201,9 +249,10 @@ fn json(checked: &[Checked], language: Language) -> Result<String, serde_json::E
             .map(|remark| JsonRemark { remark, message: in_words(remark, language) });
         JsonFile {
             path: &of.path,
-            id: of.table.as_ref().map(|table| table.id.as_str()),
-            edition: of.table.as_ref().map(|table| table.edition.as_str()),
-            sha256: of.table.as_ref().map(|table| table.sha256.as_str()),
+            garment,
+            id: table.map(|table| table.id.as_str()),
+            edition: table.map(|table| table.edition.as_str()),
+            sha256: table.map(|table| table.sha256.as_str()),
             faults: faults.collect(),
             remarks: remarks.collect(),
         }

@@ -17,7 +17,7 @@ pub fn tables(paths: &[PathBuf]) -> Result<Vec<SizeTable>, Exit> {
             Ok(found) => found,
             Err(why) => {
                 complain(format_args!("gaiter: {}", shown(&why)));
-                worst = worst.max(if why.is_not_found() { Exit::NoFile } else { Exit::Io });
+                worst = worst.max(Exit::from(&why));
                 continue;
             }
         };

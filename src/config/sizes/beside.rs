@@ -53,8 +53,13 @@ pub enum NoFiles {
         source: io::Error,
     },
     /// The text is not UTF-8.
-    #[error("{} is not UTF-8 text", .0.display())]
-    NotUtf8(PathBuf),
+    #[error("{}:{line}: this is not UTF-8 text; save the file as UTF-8", path.display())]
+    NotUtf8 {
+        /// The file.
+        path: PathBuf,
+        /// The line of the first such byte, from 1.
+        line: usize,
+    },
     /// The file is too long for its kind.
     #[error("{} has {found} bytes; such a file has at most {BYTES_MAX}", path.display())]
     TooLong {
@@ -78,6 +83,11 @@ impl NoFiles {
     /// Whether there is no such file or folder.
     pub fn is_not_found(&self) -> bool {
         matches!(self, NoFiles::Io { source, .. } if source.kind() == io::ErrorKind::NotFound)
+    }
+
+    /// Whether it could not be read at all, for other reasons.
+    pub fn is_unreadable(&self) -> bool {
+        matches!(self, NoFiles::Io { .. }) && !self.is_not_found()
     }
 }
 
@@ -140,5 +150,9 @@ fn text(path: &Path) -> Result<String, NoFiles> {
         return Err(NoFiles::TooLong { path: path.to_owned(), found: metadata.len() });
     }
     let bytes = fs::read(path).map_err(io)?;
-    String::from_utf8(bytes).map_err(|_| NoFiles::NotUtf8(path.to_owned()))
+    String::from_utf8(bytes).map_err(|error| {
+        let sound = &error.as_bytes()[..error.utf8_error().valid_up_to()];
+        let line = sound.iter().filter(|byte| **byte == b'\n').count() + 1;
+        NoFiles::NotUtf8 { path: path.to_owned(), line }
+    })
 }

@@ -242,6 +242,15 @@ pub fn is_held(whole: &Whole) -> bool {
 /// The folder in `store` of the record that may be opened from a scan: one without a patient, or that of
 /// the only patient with whom the scan is shown. One patient's name never opens another's record.
 pub fn record_folder<'a>(whole: &'a Whole, store: &str) -> Option<&'a str> {
+    record_of(whole, store)?.folder.as_deref()
+}
+
+/// The patient whose record can be opened from a row; `None` for an unassigned or held scan.
+pub fn record_patient<'a>(whole: &'a Whole, store: &str) -> Option<&'a str> {
+    record_of(whole, store)?.patient.as_deref()
+}
+
+fn record_of<'a>(whole: &'a Whole, store: &str) -> Option<&'a Delivered> {
     let shown = theirs(whole);
     let may_be_opened = |of: &&Delivered| {
         let is_theirs = |patient| shown.len() == 1 && shown.contains(patient);
@@ -250,7 +259,7 @@ pub fn record_folder<'a>(whole: &'a Whole, store: &str) -> Option<&'a str> {
     let is_there = |of: &&Delivered| of.store == store && of.is_there();
     let records = whole.deliveries.iter().filter(is_there).filter(may_be_opened);
     // A patient's record takes precedence over an unassigned one, which is about to be taken back.
-    records.max_by_key(|of| of.patient.is_some())?.folder.as_deref()
+    records.max_by_key(|of| of.patient.is_some())
 }
 
 /// The patients to whom it belongs, as they are shown.

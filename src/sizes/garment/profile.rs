@@ -4,8 +4,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::Words;
 use crate::leg::Level;
-use crate::sizes::document::{Faults, Section, kind, number};
-use crate::sizes::fault::{Fault, What};
+use crate::sizes::document::{Faults, Known, Section, number};
+use crate::sizes::fault::{Fault, Form, What};
 use crate::sizes::parse::{is_of_format, points, readable};
 use crate::sizes::point::Point;
 
@@ -93,11 +93,11 @@ pub(super) fn parse(bytes: &[u8]) -> Result<Profile, Vec<Fault>> {
 }
 
 fn profile(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Option<Profile> {
-    if !is_of_format(whole, FORMAT, faults) {
+    if !is_of_format(whole, (FORMAT, "format = \"gaiter-garment/1\""), faults) {
         return None;
     }
     let is_known = |name: &str| KEYS.split_whitespace().any(|known| known == name);
-    whole.only(KEYS, is_known, faults);
+    whole.only(Known::here(KEYS), is_known, faults);
     let name = whole.required_text("name", "name = \"AD\"", faults);
     let units = [("cm", FormUnit::Cm), ("mm", FormUnit::Mm)];
     let unit = whole.choice("unit", &units, "cm, mm", faults).unwrap_or_default();
@@ -174,14 +174,13 @@ fn notation(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Notation {
     };
     let Some(value) = whole.get("notation") else { return usual() };
     let DeValue::Table(table) = value.get_ref() else {
-        let what = What::Kind { expected: "a section", found: kind(value.get_ref()) };
-        faults.note(&value.span(), "notation", what);
+        faults.note_form(value, "notation", Form::NOTATION);
         return usual();
     };
     let at = value.span();
     let section = Section::within(table, &at, "notation");
     let is_known = |name: &str| ["girth", "length", "foot", "inside_leg"].contains(&name);
-    section.only("girth length foot inside_leg", is_known, faults);
+    section.only(Known { here: "girth length foot inside_leg", above: KEYS }, is_known, faults);
     let mut of_level = |name: &str| {
         let found = section.text(name, faults)?;
         if !found.contains(LETTER) {
@@ -209,8 +208,7 @@ fn rounding(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> f64 
             ROUNDING_MM
         }
         None => {
-            let what = What::Kind { expected: "a number of mm", found: kind(value.get_ref()) };
-            faults.note(&value.span(), name, what);
+            faults.note_form(value, name, Form::ROUNDING);
             ROUNDING_MM
         }
     }
@@ -220,11 +218,7 @@ fn rounding(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> f64 
 fn words(whole: Section<'_, '_>, name: &str, faults: &mut Faults<'_>) -> Words {
     let Some(value) = whole.get(name) else { return Words::default() };
     let DeValue::Table(table) = value.get_ref() else {
-        let what = What::Kind {
-            expected: "a section with a text per language",
-            found: kind(value.get_ref()),
-        };
-        faults.note(&value.span(), name, what);
+        faults.note_form(value, name, Form::WORDS);
         return Words::default();
     };
     let at = value.span();

@@ -2,11 +2,16 @@
 
 use toml::de::{DeTable, DeValue};
 
-use super::super::document::{Faults, Section, Value, kind, line};
-use super::super::fault::What;
+use super::super::document::{Faults, Known, Section, Value, line};
+use super::super::fault::{Form, What};
 use super::super::point::Point;
 use super::super::table::{Code, LengthRow, Ranged, Size, Variant};
-use super::{Unit, own_name, points, range};
+use super::{KEYS, Unit, own_name, points, range};
+
+/// The keys of a section, below those of the whole file.
+fn known(here: &'static str) -> Known {
+    Known { here, above: KEYS }
+}
 
 /// The variants of a file.
 pub(super) fn variants(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Vec<Variant> {
@@ -14,7 +19,7 @@ pub(super) fn variants(whole: Section<'_, '_>, faults: &mut Faults<'_>) -> Vec<V
     for (table, at) in whole.tables("variant", faults) {
         let section = Section::within(table, &at, "variant");
         let is_known = |name: &str| ["name", "applies_to", "replaces"].contains(&name);
-        section.only("name applies_to replaces", is_known, faults);
+        section.only(known("name applies_to replaces"), is_known, faults);
         let taken: Vec<String> = variants.iter().map(|of| of.name.clone()).collect();
         let name = own_name(section, &taken, faults);
         let applies_to = section.list("applies_to", faults);
@@ -41,7 +46,7 @@ pub(super) fn lengths(
         let section = Section::within(table, &at, "length");
         let is_known =
             |name: &str| ["garment", "name"].contains(&name) || Point::of(name).is_some();
-        section.only("garment name and points such as lD", is_known, faults);
+        section.only(known("garment name and points such as lD"), is_known, faults);
         let garment = section.required_text("garment", "garment = \"AD\"", faults);
         let same = rows.iter().filter(|of| Some(&of.garment) == garment.as_ref());
         let taken: Vec<String> = same.map(|of| of.name.clone()).collect();
@@ -66,7 +71,7 @@ pub(super) fn sizes(
 ) -> Vec<Size> {
     let mut sizes: Vec<Size> = Vec::new();
     let tables = whole.tables("size", faults);
-    if tables.is_empty() {
+    if whole.get("size").is_none() {
         whole.miss("size", "[[size]] with name and ranges", faults);
     }
     for (table, at) in tables {
@@ -77,7 +82,7 @@ pub(super) fn sizes(
         let section = Section::within(table, &at, &key);
         let is_known =
             |name: &str| ["name", "code", "variant"].contains(&name) || Point::of(name).is_some();
-        section.only("name code variant and points such as cB", is_known, faults);
+        section.only(known("name code variant and points such as cB"), is_known, faults);
         let taken: Vec<String> = sizes.iter().map(|of| of.name.clone()).collect();
         let name = own_name(section, &taken, faults);
         let ranges = ranges(section, unit, faults);
@@ -106,7 +111,7 @@ fn of_variant(
     faults: &mut Faults<'_>,
 ) -> Option<(String, Vec<Ranged>)> {
     let is_known = |name: &str| name == "code" || Point::of(name).is_some();
-    section.only("code and the points that the variant replaces", is_known, faults);
+    section.only(known("code and the points that the variant replaces"), is_known, faults);
     let Some(variant) = variant else {
         faults.note(section.at(), section.name(), What::NoVariant(name.to_owned()));
         return None;
@@ -203,19 +208,14 @@ fn named_tables<'s, 't>(
     faults: &mut Faults<'_>,
 ) -> Vec<(&'s str, &'s DeTable<'t>, std::ops::Range<usize>)> {
     let DeValue::Table(tables) = value.get_ref() else {
-        let what =
-            What::Kind { expected: "a section for each variant", found: kind(value.get_ref()) };
-        faults.note(&value.span(), key, what);
+        faults.note_form(value, key, Form::VARIANT);
         return Vec::new();
     };
     let mut found = Vec::new();
     for (name, value) in tables {
         match value.get_ref() {
             DeValue::Table(table) => found.push((name.get_ref().as_ref(), table, value.span())),
-            other => {
-                let what = What::Kind { expected: "a section", found: kind(other) };
-                faults.note(&value.span(), format!("{key}.{}", name.get_ref()), what);
-            }
+            _ => faults.note_form(value, format!("{key}.{}", name.get_ref()), Form::VARIANT),
         }
     }
     found

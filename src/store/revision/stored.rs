@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use super::Family;
-use crate::record::{RECORD, Record};
+use crate::record::{RECORD, Record, RecordFault};
 use crate::store::sums::{self, SumsFault};
 
 /// Why a stored record cannot be used.
@@ -19,6 +19,9 @@ pub enum StoredFault {
     /// Its `record.json` cannot be parsed.
     #[error("its record.json cannot be read: {0}")]
     Unreadable(serde_json::Error),
+    /// Its figures are impossible for a leg.
+    #[error("its record.json is not of a leg: {0}")]
+    Impossible(RecordFault),
     /// Its `record.json` names another scan or patient than its folder does.
     #[error("its record.json names another {0} than its folder")]
     Other(&'static str),
@@ -33,6 +36,7 @@ impl StoredFault {
         match self {
             StoredFault::Damaged(_) => "record-damaged",
             StoredFault::Unreadable(_) => "record-unreadable",
+            StoredFault::Impossible(_) => "record-impossible",
             StoredFault::Other(_) => "record-of-another",
             StoredFault::Io(_) => "record-io",
         }

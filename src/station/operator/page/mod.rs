@@ -4,6 +4,7 @@
 //! journal, board, booth ─ snapshot ─▶ publish ─▶ feed ─▶ /state, /stream ─▶ page.js
 //! record folders, previews ─ summaries ──┘
 //! page.js ─▶ /ask ─ guard, token ─▶ control::answer
+//! page.js ─▶ /scan/ID/visits.html ─▶ visits: the patient's records, compared
 //! ```
 //!
 //! One task takes the snapshot for all readers, and only while there are readers. A slow reader of a
@@ -23,6 +24,7 @@ mod snapshot;
 mod stream;
 mod summaries;
 mod token;
+mod visits;
 
 use std::sync::Arc;
 
@@ -44,6 +46,8 @@ pub fn routes(endpoint: &Arc<HttpEndpoint>, others: Router) -> Router {
         .route("/scans", get(search::scans))
         .route("/scan/{scan}", get(search::one))
         .route("/scan/{scan}/measures", get(search::measures))
+        .route("/scan/{scan}/visits.html", get(visits::visits))
+        .route("/scan/{scan}/visits.pdf", get(visits::visits_paper))
         .route("/scan/{scan}/{file}", get(files::file))
         .merge(assets::routes(endpoint));
     let routes = match endpoint.way {

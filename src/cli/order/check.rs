@@ -1,0 +1,115 @@
+//! `gaiter order check`: the faults of mapping files.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::cli::args::OrderCheckArgs;
+use crate::cli::{Exit, complain, print, shown};
+use crate::config::sizes::beside::{TextFile, on_disk};
+use crate::sizes::mapping::parse;
+use crate::sizes::{Fault, Mapping};
+
+/// Name and number of the schema of the result as JSON.
+const SCHEMA: &str = "gaiter.order-check/1";
+
+/// Checks the mappings and prints what was found.
+pub fn check(args: &OrderCheckArgs) -> Exit {
+    let (mut worst, mut checked) = (Exit::Done, Vec::new());
+    for path in &args.files {
+        match files(path) {
+            Ok(files) => checked.extend(files.into_iter().map(Checked::of)),
+            Err(exit) => worst = worst.max(exit),
+        }
+    }
+    if checked.iter().any(|of| of.found.is_err()) {
+        worst = worst.max(Exit::Unmeasurable);
+    }
+    let printed = match args.json {
+        true => {
+            let files: Vec<Value> = checked.iter().map(Checked::json).collect();
+            print(format_args!("{:#}\n", json!({ "schema": SCHEMA, "files": files })))
+        }
+        false => print(checked.iter().map(Checked::text).collect::<String>()),
+    };
+    match printed {
+        Ok(()) => worst,
+        Err(error) => {
+            complain(format_args!("gaiter: cannot print the result: {error}"));
+            worst.max(Exit::Io)
+        }
+    }
+}
+
+/// The mapping of a file.
+///
+/// # Errors
+/// The exit of the verb if it cannot be read or has faults, or if the path is a folder; all are told.
+pub fn mapping(path: &Path) -> Result<Mapping, Exit> {
+    let mut files = files(path)?;
+    let (Some(file), true) = (files.pop(), files.is_empty()) else {
+        complain("gaiter: --mapping names several files; name one of them");
+        return Err(Exit::Usage);
+    };
+    let Checked { path, found } = Checked::of(file);
+    found.map_err(|faults| {
+        for fault in faults {
+            complain(format_args!("{}:{fault}", shown(&path)));
+        }
+        Exit::Unmeasurable
+    })
+}
+
+fn files(path: &Path) -> Result<Vec<TextFile>, Exit> {
+    let found = on_disk(path).map_err(|why| {
+        complain(format_args!("gaiter: {}", shown(&why)));
+        if why.is_not_found() { Exit::NoFile } else { Exit::Io }
+    })?;
+    Ok(found.files)
+}
+
+/// A file, and what was found in it.
+struct Checked {
+    path: String,
+    found: Result<Mapping, Vec<Fault>>,
+}
+
+impl Checked {
+    fn of(file: TextFile) -> Checked {
+        let path = file.path.display().to_string();
+        Checked { path, found: parse(file.text.as_bytes()) }
+    }
+
+    fn text(&self) -> String {
+        let path = shown(&self.path);
+        match &self.found {
+            Ok(Mapping { id, columns, .. }) => {
+                format!("{path}: {}: no fault, {} columns\n", shown(id), columns.len())
+            }
+            Err(faults) => {
+                let count = match faults.len() {
+                    1 => "1 fault".to_owned(),
+                    count => format!("{count} faults"),
+                };
+                let mut text = format!("{path}: {count}\n");
+                for fault in faults {
+                    // Writing to a text cannot fail.
+                    let _ = writeln!(text, "  {fault}");
+                }
+                text
+            }
+        }
+    }
+
+    fn json(&self) -> Value {
+        let faults = self.found.as_ref().err().into_iter().flatten().map(|fault| {
+            json!({
+                "line": fault.line, "column": fault.column, "key": fault.key,
+                "message": fault.what.to_string(), "hint": fault.what.hint(),
+            })
+        });
+        let id = self.found.as_ref().ok().map(|mapping| &mapping.id);
+        json!({ "path": self.path, "id": id, "faults": faults.collect::<Vec<Value>>() })
+    }
+}

@@ -1,0 +1,227 @@
+//! `gaiter order`: an order from a record, as a table, as JSON, or as a mapping says.
+
+mod check;
+mod open;
+
+use std::fs::File;
+use std::io::{self, Read, Write};
+use std::path::{Path, PathBuf};
+
+use jiff::Zoned;
+
+use super::args::{GarmentArgs, OrderArgs, OrderOf, OrderVerb, Repeat, usual_config};
+use super::{Exit, complain, explain_config, print, report, shown};
+use crate::config::{self, ConfigError};
+use crate::record::order::{
+    BYTES_MAX, LastFault, Order, OrderFile, OrderRef, RefFault, ReorderFault, csv, json, mapped,
+    mapped_name, read,
+};
+use crate::record::schema::NOT_VOUCHED;
+use crate::record::{Record, RecordFile, SUMS};
+use crate::sizes::{Garment, Mapping};
+
+/// Checks mappings, or writes an order.
+pub fn order(args: &OrderArgs) -> Exit {
+    match &args.verb {
+        Some(OrderVerb::Check(args)) => check::check(args),
+        None => ordered(&args.of).map_or_else(|exit| exit, |()| Exit::Done),
+    }
+}
+
+/// Why there is no order.
+#[derive(Debug, thiserror::Error)]
+enum Fault {
+    /// The reference cannot be used.
+    #[error("--ref {0}")]
+    Ref(#[from] RefFault),
+    /// The last order cannot be read.
+    #[error("{}: {source}", shown(path.display()))]
+    Unreadable {
+        /// Its path.
+        path: PathBuf,
+        /// The underlying error.
+        source: io::Error,
+    },
+    /// It is none.
+    #[error("{}: {}", shown(path.display()), shown(source))]
+    Last {
+        /// Its path.
+        path: PathBuf,
+        /// Why.
+        source: LastFault,
+    },
+    /// It cannot be repeated for this record.
+    #[error("{}: {}", shown(path.display()), shown(source))]
+    Reorder {
+        /// Its path.
+        path: PathBuf,
+        /// Why.
+        source: ReorderFault,
+    },
+    /// The order cannot be written as JSON.
+    #[error("the order cannot be written as JSON: {0}")]
+    Json(#[from] serde_json::Error),
+    /// The record cannot be read, or the files cannot be written.
+    #[error(transparent)]
+    Files(#[from] report::Fault),
+}
+
+impl Fault {
+    fn exit(&self) -> Exit {
+        match self {
+            Fault::Ref(_) => Exit::Usage,
+            Fault::Unreadable { source, .. } if source.kind() == io::ErrorKind::NotFound => {
+                Exit::NoFile
+            }
+            Fault::Unreadable { .. } => Exit::Io,
+            Fault::Last { .. } | Fault::Reorder { .. } => Exit::Unmeasurable,
+            Fault::Json(_) => Exit::Internal,
+            Fault::Files(fault) => fault.exit(),
+        }
+    }
+}
+
+/// Writes or prints the order, and says what is open.
+fn ordered(args: &OrderOf) -> Result<(), Exit> {
+    let complained = |fault: Fault| {
+        complain(format_args!("gaiter: {fault}"));
+        fault.exit()
+    };
+    // clap asks for a record where no other verb is named, and for a last order where one is repeated.
+    let path = args.record.as_ref().ok_or(Exit::Usage)?;
+    let configured = Configured::of(args)?;
+    let mapping = args.mapping.as_deref().map(check::mapping).transpose()?;
+    let last = args.last.as_deref().map(last_order).transpose().map_err(complained)?;
+    let last = args.last.as_deref().zip(last);
+    let garment = garment(args, &configured, last.as_ref().map(|(_, order)| order))?;
+    let record = report::record_at(path).map_err(|fault| complained(fault.into()))?;
+    if record.has_finding(NOT_VOUCHED) {
+        complain(format_args!(
+            "gaiter: {}: nothing vouches for its figures, because no {SUMS} is beside it; order.json says so \
+             (to_check: source)",
+            shown(path.display())
+        ));
+    }
+    let order =
+        of(args, &record, &garment, last, configured.scanner_girth_mm).map_err(complained)?;
+    let files =
+        files(&order, mapping.as_ref(), &record).map_err(|fault| complained(fault.into()))?;
+    open::told(&order).iter().for_each(|line| complain(format_args!("gaiter: {line}")));
+    match &args.out {
+        Some(out) => {
+            let paths = report::placed(&files, out, args.force);
+            let paths = paths.map_err(|fault| complained(fault.into()))?;
+            printed(print(report::told(&paths, args.json)))
+        }
+        None => {
+            let name = OrderFile::Json.name();
+            let is_asked = |file: &&RecordFile| (file.name == name) == args.json;
+            // Both the JSON and another file are there.
+            let file = files.iter().find(is_asked).ok_or(Exit::Internal)?;
+            printed(print_bytes(&file.bytes))
+        }
+    }
+}
+
+/// The order of the command line.
+fn of(
+    args: &OrderOf,
+    record: &Record,
+    garment: &Garment,
+    last: Option<(&Path, Order)>,
+    scanner_girth_mm: f64,
+) -> Result<Order, Fault> {
+    let order_ref =
+        args.order_ref.as_deref().map(|text| OrderRef::new(text, record)).transpose()?;
+    let order_ref = order_ref.as_ref();
+    let Some((path, last)) = last else {
+        return Ok(Order::of(record, garment, order_ref, scanner_girth_mm));
+    };
+    let again = match args.reorder {
+        Some(Repeat::Exact) => Order::exact(&last, record, garment, order_ref),
+        _ => Order::with_changes(&last, record, garment, order_ref, scanner_girth_mm),
+    };
+    again.map_err(|source| Fault::Reorder { path: path.to_owned(), source })
+}
+
+/// The files of the order: the one that was asked for, and the JSON from which it can be repeated.
+fn files(
+    order: &Order,
+    mapping: Option<&Mapping>,
+    record: &Record,
+) -> Result<Vec<RecordFile>, serde_json::Error> {
+    let patient = record.patient.as_ref().map(|patient| patient.id.as_str());
+    let table = match mapping {
+        None => {
+            RecordFile { name: OrderFile::Csv.name().to_owned(), bytes: csv(order).into_bytes() }
+        }
+        Some(mapping) => {
+            RecordFile { name: mapped_name(order, mapping), bytes: mapped(order, mapping, patient) }
+        }
+    };
+    let json = RecordFile { name: OrderFile::Json.name().to_owned(), bytes: json(order)? };
+    Ok(vec![table, json])
+}
+
+/// The last order. Its length is looked at first: a scan in the wrong place is not read whole.
+fn last_order(path: &Path) -> Result<Order, Fault> {
+    let unreadable = |source| Fault::Unreadable { path: path.to_owned(), source };
+    let file = File::open(path).map_err(unreadable)?;
+    let mut bytes = Vec::new();
+    file.take(BYTES_MAX as u64 + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    read(&bytes).map_err(|source| Fault::Last { path: path.to_owned(), source })
+}
+
+/// The garment of the command line, else that of the last order, else the usual one.
+fn garment(args: &OrderOf, configured: &Configured, last: Option<&Order>) -> Result<Garment, Exit> {
+    let mut named = args.garment.clone();
+    if let (GarmentArgs { garment: None, garment_file: None }, Some(last)) = (&named, last) {
+        named.garment = Some(last.garment.name.clone());
+    }
+    named.chosen(&configured.garments, &configured.garment)
+}
+
+/// What the configuration of a station says about orders; the defaults on a machine without one.
+struct Configured {
+    garments: Vec<Garment>,
+    garment: Garment,
+    scanner_girth_mm: f64,
+}
+
+impl Configured {
+    fn of(args: &OrderOf) -> Result<Configured, Exit> {
+        match config::read(&args.config) {
+            Ok(config) => Ok(Configured {
+                scanner_girth_mm: config.report_choice(Zoned::now().date()).sizes.scanner_girth_mm,
+                garments: config.garments,
+                garment: config.garment,
+            }),
+            Err(ConfigError::Unreadable { source, .. })
+                if source.kind() == io::ErrorKind::NotFound && args.config == usual_config() =>
+            {
+                Ok(Configured {
+                    garments: Garment::shipped().to_vec(),
+                    garment: Garment::default(),
+                    scanner_girth_mm: 0.0,
+                })
+            }
+            Err(error) => Err(explain_config(&error)),
+        }
+    }
+}
+
+/// Writes bytes to standard output; they need not be UTF-8. A reader that has gone away needs no more.
+fn print_bytes(bytes: &[u8]) -> io::Result<()> {
+    let mut out = io::stdout().lock();
+    match out.write_all(bytes).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}
+
+fn printed(printed: io::Result<()>) -> Result<(), Exit> {
+    printed.map_err(|error| {
+        complain(format_args!("gaiter: the order cannot be printed: {error}"));
+        Exit::Io
+    })
+}

@@ -1,0 +1,131 @@
+//! What a file can have wrong only as the mapping of an order.
+
+use super::FORMAT;
+
+/// What is wrong.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum MappingWhat {
+    /// The text is not valid TOML.
+    #[error("{0}")]
+    Notation(String),
+    /// The file is longer than any mapping.
+    #[error("the file has {found} bytes; a file of this kind has at most {most}")]
+    TooLong {
+        /// Its length, bytes.
+        found: usize,
+        /// The greatest length that is read, bytes.
+        most: usize,
+    },
+    /// A value of the wrong kind.
+    #[error("must be {expected}, not {found}")]
+    Kind {
+        /// The required kind.
+        expected: &'static str,
+        /// The kind that was found.
+        found: &'static str,
+    },
+    /// A column with neither or both of `value` and `text`.
+    #[error("a column has either a value or a text")]
+    NeitherOrBoth,
+    /// A value that no order has.
+    #[error("\"{0}\" is no value of an order")]
+    NoValue(String),
+    /// A point without its leg in a file with one row.
+    #[error("\"{0}\" names no leg, and the file has one row for both")]
+    NoLeg(String),
+    /// A point of the body that is said to be of a leg.
+    #[error("\"{0}\" is a point of the body and of no leg")]
+    OfTheBody(String),
+    /// A value that a row of this kind does not have.
+    #[error("a row per {rows} has no \"{value}\"")]
+    NotInRow {
+        /// The value.
+        value: String,
+        /// The word of the rows.
+        rows: &'static str,
+    },
+    /// A date format for a value that is no date.
+    #[error("\"{0}\" is no date and has no format")]
+    NoDate(String),
+    /// A text that is no format of a date.
+    #[error("\"{0}\" is no format of a date")]
+    DateFormat(String),
+    /// A text that is no name of an order file.
+    #[error("\"{0}\" is no name of an order file")]
+    FileName(String),
+    /// A text that a spreadsheet would take for a formula.
+    #[error("\"{0}\" would be a formula in a spreadsheet")]
+    Formula(String),
+    /// A number that is no rounding step.
+    #[error("{found} {unit} is no step to which figures are rounded")]
+    Step {
+        /// As written.
+        found: String,
+        /// The unit of the file.
+        unit: &'static str,
+    },
+    /// Fewer or more decimals than figures can have.
+    #[error("{found} is not a number of decimals from {least} to {most}")]
+    Decimals {
+        /// As written.
+        found: String,
+        /// As many as the step has.
+        least: usize,
+        /// The most.
+        most: usize,
+    },
+    /// A key of tables in a mapping that makes none.
+    #[error("is a key of layout = \"csv\" only")]
+    OnlyCsv,
+    /// Points in a mapping whose rows are none.
+    #[error("is a key of rows = \"level\" and \"point\" only")]
+    OnlyPoints,
+    /// More columns than a form has.
+    #[error("there are {found} columns; a mapping has at most {most}")]
+    Columns {
+        /// Their number.
+        found: usize,
+        /// The greatest number.
+        most: usize,
+    },
+}
+
+impl MappingWhat {
+    /// What to do.
+    pub fn hint(&self) -> String {
+        match self {
+            MappingWhat::Notation(_) => "docs/orders.md shows a whole file".to_owned(),
+            MappingWhat::TooLong { .. } => format!("name a mapping file, {FORMAT}"),
+            MappingWhat::Kind { .. } => "docs/orders.md shows every key".to_owned(),
+            MappingWhat::NeitherOrBoth => {
+                "write value = \"right.cB\" or text = \"…\"".to_owned()
+            }
+            MappingWhat::NoValue(_) => {
+                "values are points (right.cB, left.lD, body.cT), order.ref, scan.ref, scan.date, side, \
+                 garment and those of docs/orders.md"
+                    .to_owned()
+            }
+            MappingWhat::NoLeg(value) => format!("write right.{value} or left.{value}"),
+            MappingWhat::OfTheBody(point) => format!("write body.{point}"),
+            MappingWhat::NotInRow { .. } => {
+                "docs/orders.md says which values each kind of row has".to_owned()
+            }
+            MappingWhat::NoDate(_) => "remove format".to_owned(),
+            MappingWhat::DateFormat(_) => {
+                "write %d, %m, %Y, %y, %H, %M and %S with signs between them: \"%d.%m.%Y\"".to_owned()
+            }
+            MappingWhat::FileName(_) => {
+                "begin with \"order\", use a-z, A-Z, 0-9, - _ . and {id}, {scan}, {date}, {garment}, \
+                 {ref}, end as in \"order-{id}.csv\"; order.csv and order.json are taken"
+                    .to_owned()
+            }
+            MappingWhat::Formula(_) => "do not begin it with = + - or @".to_owned(),
+            MappingWhat::Step { .. } => {
+                "write a number with at most 4 decimals, of 0.01 mm to 50 mm".to_owned()
+            }
+            MappingWhat::Decimals { .. } => "leave decimals out, or change step".to_owned(),
+            MappingWhat::OnlyCsv | MappingWhat::OnlyPoints => "remove it".to_owned(),
+            MappingWhat::Columns { .. } => "split the file".to_owned(),
+        }
+    }
+}

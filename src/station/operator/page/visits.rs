@@ -1,0 +1,145 @@
+//! The visits of the patient of a scan, compared: made when they are asked for, from the records in the store.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use axum::extract::{Path as Asked, Query, State};
+use axum::http::{HeaderMap, StatusCode, header};
+use axum::response::{IntoResponse, Response};
+use jiff::Zoned;
+use tokio::task::spawn_blocking;
+use tracing::warn;
+
+use super::endpoint::HttpEndpoint;
+use super::files::Row;
+use super::snapshot;
+use crate::config::Config;
+use crate::flow::ScanId;
+use crate::flow::page;
+use crate::flow::page::files::served;
+use crate::record::Record;
+use crate::record::report::{document_page, document_paper};
+use crate::station::runtime::causes::chain;
+use crate::store::FolderStore;
+use crate::store::revision::visits::of_patient;
+use crate::visits::report::ReportOf;
+use crate::visits::{Choice, Course, last_of_days};
+
+/// Why there is no comparison.
+enum NoVisits {
+    /// There is no such scan, or it is no patient's.
+    Unknown,
+    /// The store is out of reach.
+    Unreachable,
+    /// There is one visit only.
+    One,
+    /// It cannot be made.
+    Failed,
+}
+
+/// What of the comparison is asked for.
+#[derive(Debug, Clone, Copy)]
+enum Form {
+    Page,
+    Paper,
+}
+
+/// `/scan/ID/visits.html?of=KEY` and `/scan/ID/visits.pdf?of=KEY`: 404 for a scan that is no patient's, 403 for
+/// a reader who may not see whose scan it is, 409 if there is nothing to compare.
+pub async fn visits(
+    State(endpoint): State<Arc<HttpEndpoint>>,
+    Asked(scan): Asked<String>,
+    Query(row): Query<Row>,
+    headers: HeaderMap,
+) -> Response {
+    answer(endpoint, scan, row, headers, Form::Page).await
+}
+
+/// As [`visits`], as a PDF.
+pub async fn visits_paper(
+    State(endpoint): State<Arc<HttpEndpoint>>,
+    Asked(scan): Asked<String>,
+    Query(row): Query<Row>,
+    headers: HeaderMap,
+) -> Response {
+    answer(endpoint, scan, row, headers, Form::Paper).await
+}
+
+async fn answer(
+    endpoint: Arc<HttpEndpoint>,
+    scan: String,
+    row: Row,
+    headers: HeaderMap,
+    form: Form,
+) -> Response {
+    let none = (StatusCode::NOT_FOUND, "no such scan, or it is no patient's\n");
+    let Ok(scan) = ScanId::parse(&scan) else { return none.into_response() };
+    if !endpoint.shows_ids(&headers, None) {
+        let sentence = "records are a patient's: open the page with the link from gaiter page\n";
+        return (StatusCode::FORBIDDEN, sentence).into_response();
+    }
+    let Ok(reader) = Arc::clone(&endpoint.desk.readers).try_acquire_owned() else {
+        return (StatusCode::SERVICE_UNAVAILABLE, "the record store is busy\n").into_response();
+    };
+    let made = spawn_blocking(move || {
+        let _reader = reader;
+        let row = snapshot::row(&endpoint.desk, &scan, row.key()).ok_or(NoVisits::Unknown)?;
+        let patient = page::record_patient(&row, FolderStore::FIRST).ok_or(NoVisits::Unknown)?;
+        made(&endpoint.desk.core.config, patient, form)
+    });
+    match made.await {
+        Ok(Ok(bytes)) => {
+            let served = served(match form {
+                Form::Page => "report.html",
+                Form::Paper => "report.pdf",
+            });
+            let kind = (header::CONTENT_TYPE, served.kind);
+            let policy = (header::CONTENT_SECURITY_POLICY, served.policy);
+            ([kind, policy], bytes).into_response()
+        }
+        Ok(Err(NoVisits::One)) => {
+            let sentence =
+                "this patient has records of one day only: there is nothing to compare\n";
+            (StatusCode::CONFLICT, sentence).into_response()
+        }
+        Ok(Err(NoVisits::Unreachable)) => {
+            (StatusCode::SERVICE_UNAVAILABLE, "the record store is out of reach\n").into_response()
+        }
+        Ok(Err(NoVisits::Unknown)) => none.into_response(),
+        Ok(Err(NoVisits::Failed)) | Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
+}
+
+/// The comparison of a patient's visits. Blocks as long as the store does.
+fn made(config: &Config, patient: &str, form: Form) -> Result<Vec<u8>, NoVisits> {
+    let root: &Path = &config.store.folder.path;
+    let found = of_patient(root, patient).map_err(|_| NoVisits::Unreachable)?;
+    let records: Vec<Record> = found.records.into_iter().map(|of| of.record).collect();
+    let records = last_of_days(records, |record| record);
+    if records.len() < 2 {
+        return Err(NoVisits::One);
+    }
+    let girth_common_mm = config.scanner.girth_error_mm;
+    let choice = Choice { volume: None, affected: None, girth_common_mm };
+    let failed = |error: &dyn std::error::Error| {
+        warn!(event = "visits-failed", error = chain(error));
+        NoVisits::Failed
+    };
+    let course = Course::of(&records, choice).map_err(|error| failed(&error))?;
+    let report = ReportOf {
+        course: &course,
+        records: &records,
+        thresholds: &config.visits.thresholds,
+        today: Zoned::now().date(),
+        age_max: config.age_max,
+        language: config.language,
+    };
+    let document = report.document();
+    let paper = config.print.paper;
+    match form {
+        Form::Page => {
+            document_page(&document, paper).map(String::into_bytes).map_err(|error| failed(&error))
+        }
+        Form::Paper => document_paper(&document, paper).map_err(|error| failed(&error)),
+    }
+}
