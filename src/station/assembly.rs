@@ -1,5 +1,6 @@
 //! Puts a station together at each start and reload.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use jiff::Timestamp;
@@ -8,6 +9,7 @@ use tracing::{error, info};
 use super::booth::Booth;
 use super::core::{Core, Found, journal_file};
 use super::custody::decisions::Decisions;
+use super::custody::erasures::Erasures;
 use super::custody::phantom_series::PhantomSeries;
 use super::custody::quarantine::Quarantine;
 use super::custody::spool::Spool;
@@ -19,6 +21,7 @@ use super::event::Observer;
 use super::intake::phantom;
 use super::journal::JournalError;
 use super::operator::page::desk::Desk;
+use super::persons::erase;
 use super::rebuild;
 use super::stores::Stores;
 use crate::config::Config;
@@ -68,7 +71,8 @@ impl Station {
         let (custody, rebuilt) = open_custody(&config, &stores, first_start)?;
         // The station that lost its journal had begun these stores, so their marks must be found.
         let begun = stores.iter().filter(|_| !first_start);
-        let recovered = recover(&custody, rebuilt, begun, &mut facts);
+        let owned = (&custody, config.station.state_dir.as_path());
+        let recovered = recover(owned, rebuilt, begun, &mut facts);
         let adopted = recovered.map_err(|fault| failed(fault, &config, &custody))?;
         if let (Some(phantom), Some(series)) = (&config.phantom, custody.phantom_series()) {
             let known = phantom::facts(phantom, series);
@@ -88,7 +92,7 @@ impl Station {
 }
 
 /// Opens what the state folder holds. Returns why the journal was rebuilt, if it was.
-fn open_custody(
+pub(in crate::station) fn open_custody(
     config: &Config,
     stores: &Stores,
     first_start: bool,
@@ -101,10 +105,12 @@ fn open_custody(
     let spool = Spool::open(state_dir).map_err(state)?;
     let quarantine = Quarantine::open(state_dir).map_err(state)?;
     let decisions = Decisions::open(state_dir).map_err(state)?;
+    let erasures = Erasures::open(state_dir).map_err(state)?;
     let phantom = config.phantom.as_ref().map(|_| PhantomSeries::open(state_dir));
     let phantom = phantom.transpose().map_err(state)?;
     let kept = (spool, quarantine);
-    let custody = Custody::new(opened.journal, kept, decisions, names, config.retention.spool);
+    let decided = (decisions, erasures);
+    let custody = Custody::new(opened.journal, kept, decided, names, config.retention.spool);
     let custody = custody.with_named_only(stores.named_only()).with_phantom(phantom);
     Ok((custody, opened.rebuilt))
 }
@@ -112,7 +118,7 @@ fn open_custody(
 /// Takes over what the last run left; `begun` are the stores that a rebuilt journal must learn of. Notes
 /// what operators must know. Returns how many scans the journal did not have.
 fn recover<'a>(
-    custody: &Custody,
+    (custody, state_dir): (&Custody, &Path),
     rebuilt: Option<String>,
     begun: impl Iterator<Item = &'a RecordStore>,
     facts: &mut Facts,
@@ -120,6 +126,9 @@ fn recover<'a>(
     if custody.journal().is_paused()? {
         facts.intake = IntakeState::Paused;
     }
+    // First: what is to be erased must not be taken over.
+    erase::clear_own(custody, state_dir);
+    erase::note(custody, facts);
     let adopted = custody.recover()?;
     if let Some(why) = rebuilt {
         let quarantined = custody.adopt_quarantined()?;

@@ -4,28 +4,26 @@
 //! names no patient. See [`crate::flow::patient::index`] for what is kept and when it is read again. An index
 //! that is missing, damaged or of another version is made anew; one that cannot be written is done without.
 
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs;
+use std::io;
 use std::os::unix::fs::{MetadataExt, chown};
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::brief::{Brief, read_most};
 use super::folder::FolderStore;
 use super::listing::records_in;
 use super::{StoreFault, durable, tried};
 use crate::flow::patient::index::{Entry, FileState, Plan, Sight, Told, plan};
 use crate::flow::patient::naming::{RecordName, patient_folder};
-use crate::record::{Acquired, Patient, RECORD, sha256};
+use crate::record::{Acquired, RECORD, sha256};
 
 /// The folder of the indexes within the state folder.
 const FOLDER: &str = "record-index";
 
 /// The version of an index file.
 const SCHEMA: &str = "gaiter.record-index/1";
-
-/// The longest `record.json` that is read, bytes; one with shapes has under one million.
-const RECORD_MOST: u64 = 16_000_000;
 
 /// The longest index that is read, bytes; that of a patient with a thousand records has 400 000.
 const INDEX_MOST: u64 = 16_000_000;
@@ -77,20 +75,6 @@ struct Stored {
     entries: Vec<Entry>,
     /// The hash of the entries as JSON: a changed digit would choose other visits.
     sum: String,
-}
-
-/// The part of `record.json` that is read.
-#[derive(Deserialize)]
-struct Brief {
-    revision: u32,
-    patient: Option<Patient>,
-    acquired: Option<Acquired>,
-    scan: BriefScan,
-}
-
-#[derive(Deserialize)]
-struct BriefScan {
-    sha256: String,
 }
 
 impl RecordIndex {
@@ -221,24 +205,10 @@ fn read_missing(
 
 /// What a `record.json` says; `None` if it cannot be understood.
 fn told(path: &Path, patient: Option<&str>) -> Result<Option<Told>, StoreFault> {
-    let bytes = match read_most(path, RECORD_MOST) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
-        read => tried("reading", path, read)?,
-    };
-    let Ok(brief) = serde_json::from_slice::<Brief>(&bytes) else { return Ok(None) };
-    let named = brief.patient.as_ref().map(|patient| patient.id.as_str());
-    Ok(Some(Told {
-        scan_sha256: brief.scan.sha256,
-        acquired: brief.acquired,
-        revision: brief.revision,
-        is_own: named == patient,
-    }))
-}
-
-fn read_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    File::open(path)?.take(most).read_to_end(&mut bytes)?;
-    Ok(bytes)
+    let Some(brief) = Brief::read(path)? else { return Ok(None) };
+    let is_own = brief.patient_id() == patient;
+    let Brief { revision, acquired, scan, .. } = brief;
+    Ok(Some(Told { scan_sha256: scan.sha256, acquired, revision, is_own }))
 }
 
 fn sorted(folder: &Path, entries: Vec<Entry>) -> RecordsOf {

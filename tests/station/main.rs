@@ -16,6 +16,7 @@ mod measure;
 mod names;
 mod orders;
 mod page;
+mod persons;
 mod phantom;
 mod trigger_pty;
 mod visits_page;
