@@ -1,6 +1,5 @@
 //! Puts a station together at each start and reload.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use jiff::Timestamp;
@@ -71,8 +70,10 @@ impl Station {
         let (custody, rebuilt) = open_custody(&config, &stores, first_start)?;
         // The station that lost its journal had begun these stores, so their marks must be found.
         let begun = stores.iter().filter(|_| !first_start);
-        let owned = (&custody, config.station.state_dir.as_path());
-        let recovered = recover(owned, rebuilt, begun, &mut facts);
+        // First: what is to be erased must not be taken over.
+        erase::clear_own(&custody, &stores, &config.station.state_dir);
+        erase::note(&custody, &mut facts);
+        let recovered = recover(&custody, rebuilt, begun, &mut facts);
         let adopted = recovered.map_err(|fault| failed(fault, &config, &custody))?;
         if let (Some(phantom), Some(series)) = (&config.phantom, custody.phantom_series()) {
             let known = phantom::facts(phantom, series);
@@ -118,7 +119,7 @@ pub(in crate::station) fn open_custody(
 /// Takes over what the last run left; `begun` are the stores that a rebuilt journal must learn of. Notes
 /// what operators must know. Returns how many scans the journal did not have.
 fn recover<'a>(
-    (custody, state_dir): (&Custody, &Path),
+    custody: &Custody,
     rebuilt: Option<String>,
     begun: impl Iterator<Item = &'a RecordStore>,
     facts: &mut Facts,
@@ -126,9 +127,6 @@ fn recover<'a>(
     if custody.journal().is_paused()? {
         facts.intake = IntakeState::Paused;
     }
-    // First: what is to be erased must not be taken over.
-    erase::clear_own(custody, state_dir);
-    erase::note(custody, facts);
     let adopted = custody.recover()?;
     if let Some(why) = rebuilt {
         let quarantined = custody.adopt_quarantined()?;

@@ -197,10 +197,9 @@ fn a_store_out_of_reach_is_waited_for_and_cleared_once_it_is_back() {
     assert_eq!(exit, Some(74), "{said}{shown}");
     assert!(said.contains("copy"), "{said}");
     let daemon = booth.start_ready();
-    let status = booth.status();
-    let message = status["alarms"]["erasure-pending"]["message"].as_str().unwrap_or_default();
-    assert!(message.contains("\"copy\""), "{status}");
-    assert!(!message.contains(ID));
+    let alarm = || booth.status()["alarms"]["erasure-pending"]["message"].clone();
+    booth.wait_for("its alarm", || alarm().as_str().unwrap_or_default().contains("\"copy\""));
+    assert!(!alarm().to_string().contains(ID));
     assert!(stdout(&booth.gaiter(&["status"])).contains("erasure-pending"));
     fs::rename(booth.path("away"), booth.path("copy")).unwrap();
     booth.wait_for("its end", || {

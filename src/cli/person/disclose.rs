@@ -13,6 +13,9 @@ use crate::cli::{Exit, complain, print, shown};
 use crate::flow::patient::person::{Person, WhoseScan};
 use crate::language::Language;
 
+/// What the station notes of a scan that comes in: it also names others to whom the scan might have belonged.
+const INTAKE: &str = "intake.json";
+
 /// Writes all that the station holds of a person into a folder.
 pub fn disclose(args: &DiscloseArgs) -> Exit {
     match disclosed(args) {
@@ -73,15 +76,13 @@ fn write(bundle: &Bundle, person: &Person, language: Language) -> Result<(), Fau
     }
     for scan in &person.scans {
         // What may be another's, or was found to be, is not given away.
-        let has_intake = match scan.whose {
-            WhoseScan::Theirs => true,
-            WhoseScan::Shared => false,
-            WhoseScan::Uncertain | WhoseScan::TakenBack => continue,
-        };
+        if matches!(scan.whose, WhoseScan::Uncertain | WhoseScan::TakenBack) {
+            continue;
+        }
         for folder in &scan.kept {
             let within = folder.parent().and_then(Path::file_name).unwrap_or_default();
             let within = format!("scans/{}", within.to_string_lossy());
-            bundle.copy(folder, &within, |name| has_intake || name != "intake.json")?;
+            bundle.copy(folder, &within, |name| name != INTAKE)?;
         }
     }
     for folder in &person.orders {

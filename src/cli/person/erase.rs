@@ -3,6 +3,7 @@
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 
+use jiff::{SignedDuration, Timestamp};
 use serde_json::json;
 
 use super::preview;
@@ -16,6 +17,9 @@ use crate::store::polling::poll;
 
 /// How long the station may take to begin anew and to clear its folder and the stores.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How long after its own folder the stores that are in reach are cleared.
+const STORES_PATIENCE: SignedDuration = SignedDuration::from_secs(10);
 
 /// Erases all that the station holds of a person, once the id was given twice.
 pub fn erase(args: &EraseArgs) -> Exit {
@@ -71,7 +75,9 @@ fn waited(reached: &Reached<'_>, patient: &str) -> Option<Erasure> {
     let ended = poll(PATIENCE, || {
         // The socket is away for a moment while the station begins anew.
         let erasure = reached.erasure(patient).ok().flatten()?;
-        let is_over = erasure.ended.is_some();
+        let own =
+            erasure.cleared.is_some_and(|at| at.duration_until(Timestamp::now()) > STORES_PATIENCE);
+        let is_over = erasure.ended.is_some() || own;
         last = Some(erasure.clone());
         is_over.then_some(erasure)
     });

@@ -31,10 +31,11 @@ pub(in crate::station) enum ClearFault {
 
 /// Clears the station's own folder of persons whose erasure was asked for. No worker may run. What fails is
 /// tried again at the next start, and does not keep the station from starting.
-pub(in crate::station) fn clear_own(custody: &Custody, state_dir: &Path) {
+pub(in crate::station) fn clear_own(custody: &Custody, stores: &Stores, state_dir: &Path) {
     for (whose, erasure) in custody.erasures().pending() {
         let Next::Own { patient } = erasure.next() else { continue };
         let patient = patient.to_owned();
+        forget_indexes(stores, state_dir, &patient);
         match custody.clear_own(&whose, erasure, &patient, state_dir) {
             Ok(()) => info!(event = "person-erased-here", person = whose),
             Err(fault) => warn!(event = "erasure-failed", person = whose, error = chain(&fault)),
@@ -113,7 +114,6 @@ pub(in crate::station) fn clear_store_of(
 
 /// Asks for an erasure. The running station carries it on in a new generation of its workers.
 pub(in crate::station) fn ask(core: &Core, patient: &str, by: &str) -> Result<(), CustodyFault> {
-    forget_indexes(&core.stores, &core.config.station.state_dir, patient);
     core.custody.ask_for_erasure(patient, by)?;
     info!(event = "erasure-asked", at = %Timestamp::now());
     core.anew.notify_one();
@@ -121,7 +121,7 @@ pub(in crate::station) fn ask(core: &Core, patient: &str, by: &str) -> Result<()
 }
 
 /// Removes the indexes of a person's records.
-pub(in crate::station) fn forget_indexes(stores: &Stores, state_dir: &Path, patient: &str) {
+fn forget_indexes(stores: &Stores, state_dir: &Path, patient: &str) {
     for store in stores.iter() {
         if let RecordStore::Folder(store) = store {
             RecordIndex::new(store.clone(), state_dir).forget(Some(patient));

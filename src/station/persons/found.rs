@@ -55,7 +55,8 @@ pub(in crate::station) fn person(
         exports.extend(paths.map(|path| PathBuf::from(OsStr::from_bytes(&path))));
     }
     exports.extend(named_exports(config, identity, patient));
-    exports.retain(|path| path.is_file());
+    // The same bytes may lie there under the name of another patient.
+    exports.retain(|path| path.is_file() && !names_another(identity, path, patient));
     exports.sort();
     exports.dedup();
     let state = |what| move |source| CustodyFault::Io { what, source };
@@ -100,6 +101,12 @@ fn named_exports<'a>(
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         matches!(identity.of_file_name(&name), NameSays::Patient(named) if named.id == patient)
     })
+}
+
+/// Whether a file's name names another patient.
+fn names_another(identity: &Identity, path: &Path, patient: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    matches!(identity.of_file_name(&name), NameSays::Patient(named) if named.id != patient)
 }
 
 /// What a folder store holds; `None` for another kind.

@@ -97,9 +97,8 @@ impl Stopped {
     /// If it could not be noted: nothing is erased then.
     pub fn erase(&self, patient: &str, by: &str) -> Result<Option<Erasure>, StoppedFault> {
         let state_dir = &self.config.station.state_dir;
-        erase::forget_indexes(&self.stores, state_dir, patient);
         self.custody.ask_for_erasure(patient, by)?;
-        erase::clear_own(&self.custody, state_dir);
+        erase::clear_own(&self.custody, &self.stores, state_dir);
         for store in self.stores.iter() {
             match erase::clear_store(&self.custody, store) {
                 Ok(_) => self.renew_head(store)?,
