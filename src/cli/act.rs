@@ -6,7 +6,7 @@ mod order;
 
 use super::args::{AskArgs, AssignArgs, OneArgs, PatientVerb, UnassignArgs};
 use super::ask::read_patient;
-use super::{Exit, ask, compare, complain};
+use super::{Exit, ask, compare, complain, person};
 use crate::station::operator::control::protocol::Request;
 pub use amend::amend;
 pub use order::order;
@@ -57,6 +57,12 @@ pub fn patient(verb: &PatientVerb) -> Exit {
             not_an_argument("gaiter patient visits")
         }
         PatientVerb::Visits(args) => compare::visits(&args.how),
+        PatientVerb::Disclose(args) if args.stray.is_some() => {
+            not_an_argument("gaiter patient disclose")
+        }
+        PatientVerb::Disclose(args) => person::disclose(args),
+        PatientVerb::Erase(args) if args.stray.is_some() => not_an_argument("gaiter patient erase"),
+        PatientVerb::Erase(args) => person::erase(args),
     }
 }
 

@@ -9,6 +9,7 @@ mod extract;
 mod garment;
 mod groups;
 mod order;
+mod person;
 mod reextract;
 mod report;
 mod sizes;
@@ -32,6 +33,7 @@ pub use compare::{CompareArgs, CompareChoice, VisitsArgs};
 pub use extract::ExtractArgs;
 pub use garment::GarmentArgs;
 pub use order::{OrderArgs, OrderCheckArgs, OrderOf, OrderVerb, Repeat};
+pub use person::{DiscloseArgs, EraseArgs};
 pub use reextract::ReextractArgs;
 pub use report::ReportArgs;
 pub use sizes::{SizesArgs, SizesCheckArgs, SizesOf, SizesVerb};
@@ -241,6 +243,21 @@ pub enum PatientVerb {
     /// the first store; of each day, the last scan counts. Needs no running station. Where figures mean
     /// something else than before, the curve breaks. Otherwise as `gaiter compare`.
     Visits(VisitsArgs),
+    /// Write all that the station holds of a person into a folder
+    ///
+    /// For the right of access (GDPR, Article 15). Asks for the patient's id, or reads it from standard input.
+    /// Copies every record with its scan and all revisions, scans without a record, and says what was delivered
+    /// where and what the journal knows, on a page for people. Names no other patient. The station may run or
+    /// be stopped; its history notes the disclosure.
+    Disclose(DiscloseArgs),
+    /// Erase all that the station holds of a person
+    ///
+    /// Asks for the patient's id, shows what will be removed and what cannot be, and asks for the id again; on
+    /// standard input the id stands on two lines. Removes records in all folder stores, scans, quarantine,
+    /// decisions, and the id from the journal; keeps only hashes, so that a scan that still lies at the scanner
+    /// is not taken in again. A store that is out of reach is cleared once it is back. Records may have to be
+    /// kept by law: read what it says.
+    Erase(EraseArgs),
 }
 
 /// `gaiter demo`

@@ -73,7 +73,8 @@ impl AskFault {
         }
     }
 
-    fn exit(&self) -> Exit {
+    /// The exit of the verb.
+    pub fn exit(&self) -> Exit {
         match self {
             AskFault::Config(error) => exit_of(error),
             AskFault::NoStation { .. } | AskFault::Denied | AskFault::Io(_) => Exit::Io,

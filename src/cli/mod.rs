@@ -15,6 +15,7 @@ pub mod measure;
 pub mod ord;
 pub mod order;
 pub mod parallel;
+mod person;
 pub mod reextract;
 pub mod report;
 pub mod run;

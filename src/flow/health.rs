@@ -103,6 +103,9 @@ fn remedy(code: &str) -> &'static str {
             "scan the known body again, alone and with nothing beside it; if it stays, have the scanner \
              calibrated before the next patient"
         }
+        "erasure-pending" => {
+            "mount the store that it waits for; it goes on by itself; for the own folder, restart"
+        }
         "record-kept" => "gaiter scans lists it as withdrawing; restore or remove what was changed",
         "measuring-impaired" => {
             "see the log for what stops the measuring processes; scans wait, and the alarm clears \

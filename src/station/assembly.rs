@@ -8,6 +8,7 @@ use tracing::{error, info};
 use super::booth::Booth;
 use super::core::{Core, Found, journal_file};
 use super::custody::decisions::Decisions;
+use super::custody::erasures::Erasures;
 use super::custody::phantom_series::PhantomSeries;
 use super::custody::quarantine::Quarantine;
 use super::custody::spool::Spool;
@@ -19,6 +20,7 @@ use super::event::Observer;
 use super::intake::phantom;
 use super::journal::JournalError;
 use super::operator::page::desk::Desk;
+use super::persons::erase;
 use super::rebuild;
 use super::stores::Stores;
 use crate::config::Config;
@@ -68,6 +70,9 @@ impl Station {
         let (custody, rebuilt) = open_custody(&config, &stores, first_start)?;
         // The station that lost its journal had begun these stores, so their marks must be found.
         let begun = stores.iter().filter(|_| !first_start);
+        // First: what is to be erased must not be taken over.
+        erase::clear_own(&custody, &stores, &config.station.state_dir);
+        erase::note(&custody, &mut facts);
         let recovered = recover(&custody, rebuilt, begun, &mut facts);
         let adopted = recovered.map_err(|fault| failed(fault, &config, &custody))?;
         if let (Some(phantom), Some(series)) = (&config.phantom, custody.phantom_series()) {
@@ -88,7 +93,7 @@ impl Station {
 }
 
 /// Opens what the state folder holds. Returns why the journal was rebuilt, if it was.
-fn open_custody(
+pub(in crate::station) fn open_custody(
     config: &Config,
     stores: &Stores,
     first_start: bool,
@@ -101,10 +106,12 @@ fn open_custody(
     let spool = Spool::open(state_dir).map_err(state)?;
     let quarantine = Quarantine::open(state_dir).map_err(state)?;
     let decisions = Decisions::open(state_dir).map_err(state)?;
+    let erasures = Erasures::open(state_dir).map_err(state)?;
     let phantom = config.phantom.as_ref().map(|_| PhantomSeries::open(state_dir));
     let phantom = phantom.transpose().map_err(state)?;
     let kept = (spool, quarantine);
-    let custody = Custody::new(opened.journal, kept, decisions, names, config.retention.spool);
+    let decided = (decisions, erasures);
+    let custody = Custody::new(opened.journal, kept, decided, names, config.retention.spool);
     let custody = custody.with_named_only(stores.named_only()).with_phantom(phantom);
     Ok((custody, opened.rebuilt))
 }

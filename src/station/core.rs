@@ -43,6 +43,8 @@ pub struct Core {
     pub work: Notify,
     /// Requests a rebuild of the journal.
     pub ruin: Notify,
+    /// Requests a new generation of workers with the same configuration.
+    pub anew: Notify,
     /// Errors that may or may not mean that the journal is damaged.
     pub suspicion: Suspicion,
     /// The station's own clock.
@@ -84,6 +86,7 @@ impl Core {
             observer,
             work: Notify::new(),
             ruin: Notify::new(),
+            anew: Notify::new(),
             suspicion: Suspicion::default(),
             clock: Clock::start(),
             gate,

@@ -6,6 +6,8 @@
 mod acts;
 mod decided;
 pub mod decisions;
+mod erase;
+pub mod erasures;
 mod intake;
 mod known;
 mod lost;
@@ -25,6 +27,7 @@ use std::time::Duration;
 use jiff::Timestamp;
 
 use self::decisions::Decisions;
+use self::erasures::Erasures;
 use self::phantom_series::PhantomSeries;
 use self::quarantine::{Quarantine, Reason, Stage};
 use self::spool::{Companion, Spool};
@@ -43,6 +46,7 @@ pub struct Custody {
     spool: Spool,
     quarantine: Quarantine,
     decisions: Decisions,
+    erasures: Erasures,
     /// The checks with the phantom, if one is configured.
     phantom: Option<PhantomSeries>,
     /// The stores' names in the journal.
@@ -102,12 +106,12 @@ pub enum CustodyFault {
 }
 
 impl Custody {
-    /// Custody over an open journal, spool and quarantine, and the decisions, for the stores with these
+    /// Custody over an open journal, spool and quarantine, decisions and erasures, for the stores with these
     /// names. `kept` is how long spooled bytes are kept after they are no longer needed.
     pub fn new(
         journal: Journal,
         (spool, quarantine): (Spool, Quarantine),
-        decisions: Decisions,
+        (decisions, erasures): (Decisions, Erasures),
         stores: Vec<&'static str>,
         kept: Duration,
     ) -> Custody {
@@ -116,6 +120,7 @@ impl Custody {
             spool,
             quarantine,
             decisions,
+            erasures,
             phantom: None,
             stores,
             named_only: Vec::new(),
@@ -160,17 +165,23 @@ impl Custody {
         })
     }
 
-    fn folders(&self) -> [(&'static str, &Path); 3] {
+    fn folders(&self) -> [(&'static str, &Path); 4] {
         [
             ("spool", self.spool.folder()),
             ("quarantine", self.quarantine.folder()),
             ("decisions", self.decisions.folder()),
+            ("erasures", self.erasures.folder()),
         ]
     }
 
     /// The journal, for queries.
     pub fn journal(&self) -> &Journal {
         &self.journal
+    }
+
+    /// The erasures of persons.
+    pub fn erasures(&self) -> &Erasures {
+        &self.erasures
     }
 
     /// The spool, for reading.
@@ -183,6 +194,10 @@ impl Custody {
     pub fn admit(&self, arrival: &Arrival<'_>) -> Result<Verdict, CustodyFault> {
         let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
         let scan = arrival.scan;
+        let named = arrival.whose.patient.as_ref().map(|patient| patient.id.as_str());
+        if self.erasures.refuse(scan, named) {
+            return Ok(Verdict::Already);
+        }
         if self.is_lost(scan)? {
             self.take_in_again(arrival)?;
         }
@@ -358,6 +373,7 @@ fn io<T>(what: &'static str, result: io::Result<T>) -> Result<T, CustodyFault> {
 }
 
 pub use acts::Acted;
+pub(in crate::station) use erase::{journals_naming, orders_naming};
 use intake::{candidates, held_code, intake, intake_of, row};
 
 #[cfg(test)]

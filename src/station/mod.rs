@@ -39,6 +39,7 @@ pub mod journal;
 pub mod measure;
 pub mod operator;
 mod overview;
+pub mod persons;
 mod rebuild;
 pub mod run;
 pub(crate) mod runtime;

@@ -198,6 +198,9 @@ async fn generation(
                 Some(next) = reload.recv() => if let Some(config) = reloaded(&station.core, next) {
                     break Ok(Turn::Reload(config));
                 },
+                () = station.core.anew.notified() => {
+                    break Ok(Turn::Reload(Box::new(station.core.config.clone())));
+                }
                 () = station.core.ruin.notified() => {
                     error!(event = "journal-ruined");
                     break Ok(Turn::Ruin);

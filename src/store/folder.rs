@@ -8,6 +8,7 @@
 mod head;
 mod lock;
 mod owner;
+mod person;
 mod search;
 
 use std::fs;
@@ -24,6 +25,7 @@ use crate::flow::ScanId;
 use crate::flow::access::Access;
 use crate::flow::patient::naming;
 use crate::record::{FIRST_REVISION, RecordFile};
+pub use person::PersonFolder;
 
 /// The file that marks a store's folder.
 const MARK: &str = ".gaiter-store";

@@ -12,6 +12,7 @@
 //! | gone | registered | it had its name: it was handed over, and is never handed over again |
 
 mod attach;
+mod person;
 mod place;
 mod register;
 #[cfg(test)]
@@ -31,6 +32,7 @@ use crate::record::gdt::{self, GdtRules};
 use crate::record::{FIRST_REVISION, Record, hex};
 use crate::sizes::Garment;
 pub use attach::Attach;
+pub use person::Given;
 use place::Place;
 use register::{Entry, Register};
 

@@ -1,9 +1,11 @@
 //! Record stores: where finished records go. Each store's `put` is idempotent: a second call leaves one
 //! record and returns a receipt again.
 
+pub mod brief;
 pub mod durable;
 pub mod folder;
 pub mod gdt;
+pub mod index;
 mod listing;
 pub mod polling;
 pub mod revision;
@@ -307,6 +309,23 @@ impl RecordStore {
         match self {
             RecordStore::Folder(store) => store.withdraw(scan, from, keeper),
             RecordStore::Gdt(_) => Err(StoreFault::Permanent(Misfit::HandedOver)),
+        }
+    }
+
+    /// Removes what the store has of a person and gives back: records of scans that came before a time, those
+    /// of these scans from the unassigned ones, results that have no name yet. A repeated call does nothing.
+    ///
+    /// # Errors
+    /// See [`StoreFault`]; what was removed stays removed.
+    pub fn erase(
+        &self,
+        patient: &str,
+        before: Timestamp,
+        scans: &[ScanId],
+    ) -> Result<(), StoreFault> {
+        match self {
+            RecordStore::Folder(store) => store.erase(patient, before, scans),
+            RecordStore::Gdt(store) => store.erase(patient),
         }
     }
 

@@ -1,6 +1,7 @@
 //! Faults in every place: killed, cut off, full, failing, flooded, ruined. Most run for minutes and are
 //! ignored by default.
 
+mod erase;
 mod errno;
 mod flood;
 mod journal;

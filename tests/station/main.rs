@@ -16,6 +16,7 @@ mod measure;
 mod names;
 mod orders;
 mod page;
+mod persons;
 mod phantom;
 mod sizes;
 mod trigger_pty;

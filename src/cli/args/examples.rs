@@ -135,6 +135,7 @@ const EXAMPLES: &[Examples] = &[
             ["gaiter patient set", "asks for the id of the next patient"],
             ["gaiter patient show", "shows who is next"],
             ["gaiter patient visits", "asks for an id and compares the patient's visits"],
+            ["gaiter patient disclose", "asks for an id and writes all that is held of a person"],
         ],
     ),
     of("patient set", &[["gaiter patient set", "asks for the id of the next patient"]]),
@@ -145,6 +146,20 @@ const EXAMPLES: &[Examples] = &[
         &[
             ["gaiter patient visits", "asks for the id and prints the comparison"],
             ["gaiter patient visits --out visits", "writes a page, a PDF and JSON"],
+        ],
+    ),
+    of(
+        "patient disclose",
+        &[
+            ["gaiter patient disclose", "asks for the id and writes the folder disclosure"],
+            ["gaiter patient disclose --out access-7 < id.txt", "writes another folder"],
+        ],
+    ),
+    of(
+        "patient erase",
+        &[
+            ["gaiter patient erase", "shows what would go, and asks for the id twice"],
+            ["gaiter patient erase < twice.txt", "reads the id from two lines"],
         ],
     ),
     of(

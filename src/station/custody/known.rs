@@ -46,7 +46,7 @@ impl Custody {
 
     /// The earlier scan with the same bytes or the same geometry, if there is one.
     pub fn known(&self, scan: &ScanId, geometry: &str) -> Result<Option<ScanId>, CustodyFault> {
-        if self.journal.scan(scan)?.is_some() {
+        if self.journal.scan(scan)?.is_some() || self.erasures.refuse(scan, None) {
             return Ok(Some(scan.clone()));
         }
         if geometry.is_empty() {

@@ -227,6 +227,11 @@ pub(in crate::station) fn read_intake(entry: &Path) -> io::Result<Intake> {
     Ok(intake)
 }
 
+/// Writes an intake in the place of the one in a scan's folder; durable on return.
+pub(in crate::station) fn replace_intake(entry: &Path, intake: Intake) -> io::Result<()> {
+    durable::replace_file(entry, INTAKE, &serde_json::to_vec_pretty(&Versioned::V2(intake))?)
+}
+
 fn file_name(format: &str) -> String {
     format!("scan.{format}")
 }

@@ -17,7 +17,7 @@ pub(super) fn open(dir: &Path) -> Custody {
     let journal = Journal::open(&dir.join("journal.db")).unwrap();
     let spool = Spool::open(dir).unwrap();
     let bytes = (spool, Quarantine::open(dir).unwrap());
-    let decisions = Decisions::open(dir).unwrap();
+    let decisions = (Decisions::open(dir).unwrap(), Erasures::open(dir).unwrap());
     Custody::new(journal, bytes, decisions, vec!["folder"], Duration::ZERO)
 }
 
@@ -374,8 +374,9 @@ fn a_store_that_never_takes_a_record_does_not_cost_the_other_store_its_own() {
     let journal = Journal::open(&dir.path().join("journal.db")).unwrap();
     let spool = Spool::open(dir.path()).unwrap();
     let quarantine = Quarantine::open(dir.path()).unwrap();
-    let (bytes, decisions) = ((spool, quarantine), Decisions::open(dir.path()).unwrap());
-    let custody = Custody::new(journal, bytes, decisions, vec!["folder", "copy"], Duration::ZERO);
+    let decided = (Decisions::open(dir.path()).unwrap(), Erasures::open(dir.path()).unwrap());
+    let bytes = (spool, quarantine);
+    let custody = Custody::new(journal, bytes, decided, vec!["folder", "copy"], Duration::ZERO);
     let scan = sums::scan_id(BYTES);
     admit(&custody, says("4711"));
     let due = custody.journal.pending().unwrap();

@@ -7,6 +7,8 @@ use super::store_search;
 use crate::flow::facts::{StoreAttempt, StoreFacts};
 use crate::station::core::Core;
 use crate::station::journal::JournalError;
+use crate::station::persons::erase::{self, ClearFault};
+use crate::station::persons::stopped::renew_head;
 use crate::store::{RecordStore, StoreFault};
 
 /// Checks whether a store is in reach, and notes it on the board. A store that a rebuilt journal has
@@ -20,11 +22,24 @@ pub fn ask(core: &Core, name: &str) -> bool {
     };
     let asked = begin(core, store)
         .and_then(|()| store.reach().map_err(|fault| without_path(&fault)))
+        .and_then(|()| clear(core, store))
         .and_then(|()| know(core, store))
         .and_then(|()| core.stores.open(store).map_err(|fault| without_path(&fault)));
     let in_reach = asked.is_ok();
     note(core, name, StoreAttempt::Look(asked.err()));
     in_reach
+}
+
+/// Removes from the store what an erasure wants removed, before a search could find it; and gives it the head
+/// of the history as it is since.
+fn clear(core: &Core, store: &RecordStore) -> Result<(), String> {
+    erase::clear_store_of(core, store).map_err(|fault| match fault {
+        ClearFault::Store(fault) => without_path(&fault),
+        ClearFault::Custody(fault) => core.checked_text(&fault),
+    })?;
+    let RecordStore::Folder(folder) = store else { return Ok(()) };
+    let renewed = renew_head(&core.custody, folder).map_err(|fault| core.checked_text(&fault))?;
+    renewed.map_err(|fault| without_path(&fault))
 }
 
 /// Makes sure that the journal knows the store's records. One that is older than they are is set aside and

@@ -142,6 +142,11 @@ pub fn take(
         warn!(event = "companion-shared", scan);
     }
     announce(core, settled, export, verdict);
+    let named = says_of(&core.identity.of_file_name(&name));
+    if core.custody.erasures().refuse(&export.scan, named.as_deref()) {
+        // Its path may name the person: it is read again at the next start, and known by its hash.
+        return Ok(Taken::Done);
+    }
     let journal = core.custody.journal();
     for companion in &settled.companions {
         journal.sighted(&companion.path, companion.stamp, Some(&export.scan))?;
@@ -149,6 +154,14 @@ pub fn take(
     // Last: if this fails, the file is read again and found to be known.
     journal.sighted(&settled.path, settled.stamp, Some(&export.scan))?;
     Ok(Taken::Done)
+}
+
+/// The patient whom a name names.
+fn says_of(says: &NameSays) -> Option<String> {
+    match says {
+        NameSays::Patient(patient) => Some(patient.id.clone()),
+        NameSays::Nothing | NameSays::NotAnId => None,
+    }
 }
 
 /// The files that lie beside an export and were made for it, without those that an earlier scan under

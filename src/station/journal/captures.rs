@@ -17,7 +17,7 @@ use crate::flow::capture::{Capture, Captures, Judged, Named};
 use crate::flow::orders::habit::{ORDERS_MOST, OrderCame};
 use crate::flow::{ScanId, ScanState};
 use cells::{json_text, milliseconds, opener_of, opener_word, state_of, state_word, word_of};
-pub(super) use next::upgrade;
+pub(super) use next::{clear as clear_names, names_patient, upgrade};
 
 /// The states of a capture that is over.
 const ANSWERED: &str = "answered";

@@ -20,6 +20,9 @@ pub enum JournalError {
         #[source]
         source: std::io::Error,
     },
+    /// Another process reads the journal, so its log cannot be emptied.
+    #[error("another process reads the journal: end it (fuser -v journal.db)")]
+    Read,
     /// A setting that durability needs was not accepted.
     #[error("the journal has {setting} = {found}; it must be {wanted}")]
     Setting {
@@ -119,6 +122,7 @@ impl JournalError {
             | JournalError::Schema { .. }
             | JournalError::Head(_)
             | JournalError::Step(_)
+            | JournalError::Read
             | JournalError::Unknown { .. } => false,
         }
     }

@@ -74,6 +74,14 @@ pub enum Event {
     TakenAgain,
     /// An earlier decision was carried out by a journal that did not know it.
     CarriedOut,
+    /// All that the station holds of a person was disclosed.
+    Disclosed,
+    /// All that the station holds of a person is to be erased.
+    Erasing,
+    /// The station's own folder holds nothing of a person any more.
+    Erased,
+    /// Nothing is left to be erased of a person, in the stores neither.
+    ErasureEnded,
 }
 
 impl Event {
@@ -106,6 +114,10 @@ impl Event {
             Event::LetGo => "let-go",
             Event::TakenAgain => "taken-again",
             Event::CarriedOut => "carried-out",
+            Event::Disclosed => "disclosed",
+            Event::Erasing => "erasing",
+            Event::Erased => "erased",
+            Event::ErasureEnded => "erasure-ended",
         }
     }
 }
@@ -183,6 +195,18 @@ CREATE TRIGGER history_is_not_cut BEFORE DELETE ON history
 BEGIN SELECT RAISE(ABORT, 'the history is append-only'); END;
 ";
 
+/// Prevents rows of the history from being changed except by an erasure.
+pub(super) const NOT_CHANGED: &str = "
+CREATE TRIGGER history_is_not_changed BEFORE UPDATE ON history
+BEGIN SELECT RAISE(ABORT, 'the history is append-only'); END;
+";
+
+/// The hash of a row; `None` if there is no such row.
+pub(super) fn hash_of(connection: &Connection, seq: i64) -> Result<Option<String>, JournalError> {
+    let mut query = connection.prepare_cached("SELECT hash FROM history WHERE seq = ?1")?;
+    Ok(query.query_row([seq], |row| row.get(0)).optional()?)
+}
+
 /// Checks the chain from its first row, which may have any number: older rows may have been pruned.
 pub(super) fn check(connection: &Connection) -> Result<(), JournalError> {
     let mut query = connection
@@ -207,7 +231,15 @@ pub(super) fn check(connection: &Connection) -> Result<(), JournalError> {
     Ok(())
 }
 
-fn hash(before: &str, seq: i64, at: &str, scan: &str, event: &str, detail: &str) -> String {
+/// The hash of a row.
+pub(super) fn hash(
+    before: &str,
+    seq: i64,
+    at: &str,
+    scan: &str,
+    event: &str,
+    detail: &str,
+) -> String {
     sha256(format!("{before}\n{seq}\n{at}\n{scan}\n{event}\n{detail}").as_bytes())
 }
 
@@ -228,6 +260,12 @@ impl HeadFile {
         let mut text = [0; 128];
         let length = self.0.read_at(&mut text, 0)?;
         Ok(Head::read(&String::from_utf8_lossy(&text[..length])))
+    }
+
+    /// As [`HeadFile::write`]; durable on return.
+    pub fn write_durably(&self, head: &Head) -> io::Result<()> {
+        self.write(head)?;
+        self.0.sync_all()
     }
 
     /// Overwrites the content with the newest row's number and hash.

@@ -11,6 +11,7 @@ mod captures;
 mod decided;
 mod deliveries;
 mod delivery_row;
+mod erasure;
 mod error;
 mod found;
 mod history;
@@ -39,6 +40,7 @@ use tracing::warn;
 use crate::store::durable;
 pub use captures::{BoothChange, CaptureRow};
 pub use delivery_row::{Due, Task};
+pub use erasure::{Erasing, Theirs};
 pub use error::JournalError;
 pub use found::FoundThere;
 use history::HeadFile;
@@ -113,6 +115,13 @@ impl Journal {
         let head = HeadFile::open(path).map_err(JournalError::Head)?;
         schema::establish(&mut connection, is_anew)?;
         integrity::check::rows(&connection)?;
+        if erasure::is_old_head(&connection)? {
+            // An erasure was cut off before it could write the head.
+            if let Some(newest) = history::newest(&connection)? {
+                head.write_durably(&newest).map_err(JournalError::Head)?;
+            }
+            erasure::forget_old_head(&connection, "")?;
+        }
         integrity::check::head(&connection, &head)?;
         // Syncs the names of the journal and of its write-ahead log, which exists since the first read.
         let folder = |source| JournalError::Folder { path: path.to_owned(), source };

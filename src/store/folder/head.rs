@@ -37,4 +37,14 @@ impl FolderStore {
         let written = options.open(&path).and_then(|file| file.write_all_at(line.as_bytes(), 0));
         tried("writing", &path, written)
     }
+
+    /// Makes the head that was kept last durable: after an erasure an older one would be of another history.
+    ///
+    /// # Errors
+    /// A transient fault if it cannot be synced.
+    pub fn settle_head(&self) -> Result<(), StoreFault> {
+        let path = self.root.join(&self.head);
+        let synced = OpenOptions::new().write(true).open(&path).and_then(|file| file.sync_all());
+        tried("syncing", &path, synced)
+    }
 }

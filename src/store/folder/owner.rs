@@ -37,7 +37,10 @@ impl FolderStore {
     }
 
     /// The patient's folder; `None` if there is no folder of exactly this name.
-    pub(super) fn own_folder(&self, patient: Option<&str>) -> Result<Option<PathBuf>, StoreFault> {
+    pub(in crate::store) fn own_folder(
+        &self,
+        patient: Option<&str>,
+    ) -> Result<Option<PathBuf>, StoreFault> {
         let name = naming::patient_folder(patient);
         let folder = self.root.join(&name);
         match fs::symlink_metadata(&folder) {

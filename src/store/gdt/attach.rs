@@ -54,6 +54,12 @@ impl Attach {
         Ok(())
     }
 
+    /// The attachments of a result that are in the exchange folder.
+    pub(super) fn there(&self, key: &str, folder: &Path) -> Vec<PathBuf> {
+        let place = |name: &String| folder.join(&self.folder).join(format!("{key}_{name}"));
+        self.files.iter().map(place).filter(|path| path.exists()).collect()
+    }
+
     fn of<'a>(&'a self, files: &'a [RecordFile]) -> impl Iterator<Item = &'a RecordFile> {
         let named = |name: &String| files.iter().find(|file| file.name == *name);
         self.files.iter().filter_map(named)

@@ -106,6 +106,23 @@ impl Place {
         tried("clearing", &staged, gone(fs::remove_file(&staged)))
     }
 
+    /// Removes everything that is staged of a result, also an attachment that a crash left.
+    pub fn unstage_all(&self, key: &str) -> Result<(), StoreFault> {
+        let list = || -> io::Result<Vec<PathBuf>> {
+            let all: io::Result<Vec<PathBuf>> =
+                fs::read_dir(&self.staging)?.map(|entry| Ok(entry?.path())).collect();
+            let is_its = |path: &PathBuf| {
+                let name = path.file_name().unwrap_or_default().to_string_lossy();
+                name == file_name(key) || name.starts_with(&format!("{key}_"))
+            };
+            Ok(all?.into_iter().filter(is_its).collect())
+        };
+        for path in tried("listing", &self.staging, list())? {
+            tried("clearing", &path, gone(fs::remove_file(&path)))?;
+        }
+        Ok(())
+    }
+
     /// Stages a result, durable.
     pub fn stage(&self, key: &str, message: &[u8]) -> Result<(), StoreFault> {
         self.unstage(key)?;

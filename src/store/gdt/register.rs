@@ -143,6 +143,16 @@ impl Register {
         Ok(())
     }
 
+    /// Removes the entry of a result, if there is one; durable on return.
+    pub fn forget(&self, key: &str) -> Result<(), StoreFault> {
+        let path = self.path(key);
+        match fs::remove_file(&path) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            removed => tried("forgetting", &path, removed)?,
+        }
+        tried("syncing", &self.folder, durable::sync_folder(&self.folder))
+    }
+
     fn path(&self, key: &str) -> PathBuf {
         self.folder.join(format!("{key}{ENDING}"))
     }

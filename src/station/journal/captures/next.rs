@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use rusqlite::{OptionalExtension, Transaction};
+use rusqlite::{Connection, OptionalExtension, Transaction};
 use serde::{Deserialize, Serialize};
 
 use super::cells::json_text;
@@ -88,8 +88,19 @@ fn put(transaction: &Transaction<'_>, names: Names) -> Result<(), JournalError> 
     Ok(())
 }
 
+/// Whether one of the names is this patient's.
+pub fn names_patient(connection: &Connection, patient: &str) -> Result<bool, JournalError> {
+    let text: Option<String> = connection
+        .query_row("SELECT value FROM meta WHERE name = ?1", [NEXT], |row| row.get(0))
+        .optional()?;
+    let Some(text) = text else { return Ok(false) };
+    let NamesCell { names, .. } = cell("value", text, |text| serde_json::from_str(text).ok())?;
+    let mut said = names.next.iter().flat_map(|next| &next.names);
+    Ok(said.any(|said| said.named.id == patient))
+}
+
 /// Removes the names.
-pub(super) fn clear(transaction: &Transaction<'_>) -> Result<(), JournalError> {
+pub fn clear(transaction: &Transaction<'_>) -> Result<(), JournalError> {
     transaction.execute("DELETE FROM meta WHERE name = ?1", [NEXT])?;
     Ok(())
 }

@@ -7,6 +7,7 @@ use std::path::Path;
 use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
+use super::persons;
 use super::protocol::{
     Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, PhantomStatus, Request, SourceStatus, Status,
 };
@@ -71,6 +72,10 @@ pub fn answer(desk: &Desk, request: &Request) -> Answer {
         Request::CallOff => acted(desk, None, &Act::CallOff),
         Request::Next => Ok(Answer::Sentence(next(desk))),
         Request::Order { bytes } => ordered(desk, bytes),
+        Request::Person { .. }
+        | Request::Disclosed { .. }
+        | Request::Erase { .. }
+        | Request::Erasure { .. } => persons::answer(desk, request),
         Request::Pause => acted(desk, None, &Act::Pause),
         Request::Resume => acted(desk, None, &Act::Resume),
         Request::Page => page(desk),

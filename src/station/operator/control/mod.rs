@@ -4,6 +4,7 @@
 //! request, a line of JSON, and one answer, a line of JSON.
 
 mod answer;
+mod persons;
 pub mod protocol;
 mod server;
 

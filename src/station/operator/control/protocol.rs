@@ -10,6 +10,8 @@ use crate::flow::account::{Filter, Listed, Seen, Whole};
 use crate::flow::confinement::Confinement;
 use crate::flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
 use crate::flow::health::Complaint;
+use crate::flow::patient::erasure::Erasure;
+use crate::flow::patient::person::Person;
 use crate::record::phantom::LastCheck;
 use crate::station::booth::BoothState;
 use crate::station::operator::act::Setting;
@@ -109,6 +111,32 @@ pub enum Request {
         /// The bytes of the order's file.
         bytes: Vec<u8>,
     },
+    /// All that the station holds of a person.
+    Person {
+        /// The patient's id.
+        patient: String,
+    },
+    /// A person's data was disclosed.
+    Disclosed {
+        /// The patient's id.
+        patient: String,
+        /// Which user of the machine did it.
+        by: String,
+    },
+    /// All that the station holds of a person is to be erased.
+    Erase {
+        /// The patient's id.
+        patient: String,
+        /// The same, given a second time.
+        again: String,
+        /// Which user of the machine asks.
+        by: String,
+    },
+    /// What has become of the erasure of a person.
+    Erasure {
+        /// The patient's id.
+        patient: String,
+    },
     /// No scan is taken in or delivered until an operator resumes.
     Pause,
     /// End the pause.
@@ -132,6 +160,10 @@ pub enum Answer {
     Scans(Vec<Listed>),
     /// One scan.
     Scan(Box<Whole>),
+    /// All that the station holds of a person.
+    Person(Box<Person>),
+    /// What has become of the erasure of a person; `None` if none was asked for.
+    Erasure(Option<Erasure>),
     /// A sentence for people.
     Sentence(String),
     /// Nothing was done.

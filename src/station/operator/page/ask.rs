@@ -104,6 +104,11 @@ fn verb(request: &protocol::Request) -> Option<&'static str> {
         | Request::ExplainFile { .. }
         | Request::Next
         | Request::Order { .. }
+        // What concerns all of a person needs the machine's user, not only the page's link.
+        | Request::Person { .. }
+        | Request::Disclosed { .. }
+        | Request::Erase { .. }
+        | Request::Erasure { .. }
         | Request::Page => None,
     }
 }

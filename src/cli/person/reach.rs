@@ -1,0 +1,156 @@
+//! The station that is asked about a person: the running one, or its state folder while none runs.
+
+use std::env;
+use std::io;
+use std::path::Path;
+
+use crate::cli::ask::{AskFault, ask};
+use crate::cli::{Exit, shown};
+use crate::config::{self, ConfigError};
+use crate::flow::patient::erasure::Erasure;
+use crate::flow::patient::person::Person;
+use crate::language::Language;
+use crate::station::StationError;
+use crate::station::operator::control::protocol::{Answer, Request};
+use crate::station::persons::stopped::{Stopped, StoppedFault};
+use crate::station::runtime::causes::chain;
+
+/// Why a person was neither disclosed nor erased.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum Fault {
+    /// The running station did not answer, or refused.
+    #[error("{}", shown(.0))]
+    Ask(#[from] AskFault),
+    /// The state folder of the stopped one cannot be used.
+    #[error("{}", shown(chain(.0)))]
+    Stopped(#[from] StoppedFault),
+    /// The id cannot be read.
+    #[error("the patient's id cannot be read: {0}")]
+    NoId(io::Error),
+    /// No id was given.
+    #[error("no patient's id was given; nothing was done")]
+    EmptyId,
+    /// The second id is another one, or missing.
+    #[error("the id was not given a second time in the same way; nothing was erased")]
+    NotAgain,
+    /// Nothing is known of the patient.
+    #[error("the station holds nothing of this patient")]
+    Unknown,
+    /// A scan of the patient is expected.
+    #[error("a scan of this patient is expected; nothing was erased")]
+    Awaited,
+    /// A file or folder cannot be read or written.
+    #[error("{what} {path}: {source}")]
+    File {
+        /// What was tried.
+        what: &'static str,
+        /// On what.
+        path: String,
+        /// How it failed.
+        source: io::Error,
+    },
+    /// The folder is there already.
+    #[error("{0} is there already; nothing was written: choose another folder with --out DIR")]
+    There(String),
+    /// The answer cannot be printed.
+    #[error("cannot print the answer: {0}")]
+    Print(io::Error),
+}
+
+impl Fault {
+    pub(super) fn exit(&self) -> Exit {
+        match self {
+            Fault::Ask(fault) => fault.exit(),
+            Fault::EmptyId | Fault::NotAgain | Fault::Awaited | Fault::There(_) => Exit::Usage,
+            Fault::Unknown | Fault::Stopped(StoppedFault::NoStation(_)) => Exit::NoFile,
+            Fault::Stopped(_) | Fault::NoId(_) | Fault::File { .. } | Fault::Print(_) => Exit::Io,
+        }
+    }
+
+    /// What the operator can do, if anything.
+    pub(super) fn hint(&self) -> Option<String> {
+        match self {
+            Fault::Ask(fault) => fault.hint(),
+            Fault::Stopped(StoppedFault::OtherUser(_)) => {
+                Some("run it as the station's user, usually: sudo -u gaiter gaiter …".to_owned())
+            }
+            Fault::Stopped(StoppedFault::Station(StationError::Lock(_))) => {
+                Some("the station is about to start or to end: try again".to_owned())
+            }
+            Fault::Awaited => Some("gaiter patient clear, then try again".to_owned()),
+            _ => None,
+        }
+    }
+}
+
+/// A station that is asked about a person.
+pub(super) struct Reached<'a> {
+    config: &'a Path,
+    stopped: Option<Stopped>,
+    /// The language of its texts.
+    pub language: Language,
+}
+
+impl<'a> Reached<'a> {
+    /// Finds the station of a configuration, and what it holds of a person.
+    pub(super) fn of(config: &'a Path, patient: &str) -> Result<(Reached<'a>, Person), Fault> {
+        let request = Request::Person { patient: patient.to_owned() };
+        let language = config::read(config).map(|config| config.language).unwrap_or_default();
+        match ask(config, &request) {
+            Ok(Answer::Person(person)) => {
+                Ok((Reached { config, stopped: None, language }, *person))
+            }
+            Ok(_) => Err(AskFault::another_answer().into()),
+            Err(AskFault::NoStation { .. }) => {
+                let whole =
+                    config::read(config).map_err(|error: ConfigError| AskFault::from(error))?;
+                let stopped = Stopped::take(whole)?;
+                let person = stopped.person(patient)?;
+                Ok((Reached { config, stopped: Some(stopped), language }, person))
+            }
+            Err(fault) => Err(fault.into()),
+        }
+    }
+
+    /// Notes in the station's history that a person's data was disclosed.
+    pub(super) fn disclosed(&self, patient: &str) -> Result<(), Fault> {
+        match &self.stopped {
+            Some(stopped) => Ok(stopped.disclosed(patient, &user())?),
+            None => {
+                let patient = patient.to_owned();
+                ask(self.config, &Request::Disclosed { patient, by: user() })?;
+                Ok(())
+            }
+        }
+    }
+
+    /// Asks for the erasure of a person. Returns what has become of it if that is known at once.
+    pub(super) fn erase(&self, patient: &str, again: &str) -> Result<Option<Erasure>, Fault> {
+        match &self.stopped {
+            Some(stopped) => Ok(stopped.erase(patient, &user())?),
+            None => {
+                let (patient, again) = (patient.to_owned(), again.to_owned());
+                ask(self.config, &Request::Erase { patient, again, by: user() })?;
+                Ok(None)
+            }
+        }
+    }
+
+    /// What has become of the erasure of a person at a running station.
+    pub(super) fn erasure(&self, patient: &str) -> Result<Option<Erasure>, Fault> {
+        let request = Request::Erasure { patient: patient.to_owned() };
+        match ask(self.config, &request)? {
+            Answer::Erasure(erasure) => Ok(erasure),
+            _ => Err(AskFault::another_answer().into()),
+        }
+    }
+}
+
+/// The user of the machine who runs the verb, as far as it is known.
+fn user() -> String {
+    let uid = rustix::process::getuid().as_raw();
+    match env::var("SUDO_USER") {
+        Ok(name) => format!("uid {uid}, for {name}"),
+        Err(_) => format!("uid {uid}"),
+    }
+}

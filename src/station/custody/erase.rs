@@ -1,0 +1,175 @@
+//! Clears the state folder of a person. Nothing else may run on it meanwhile: it is done between the workers
+//! of two generations, or while no station runs.
+
+mod naming;
+
+use std::path::Path;
+use std::sync::PoisonError;
+
+use jiff::Timestamp;
+use serde_json::json;
+
+use self::naming::{remove_journals, remove_orders};
+use super::spool::Intake;
+use super::{Custody, CustodyFault, io};
+use crate::flow::ScanId;
+use crate::flow::capture::Judged;
+use crate::flow::patient::erasure::{ErasedScan, Erasure};
+use crate::flow::patient::person::WhoseScan;
+use crate::station::journal::{Erasing, Event};
+use crate::store::durable;
+pub(in crate::station) use naming::{journals_naming, orders_naming};
+
+/// The folder of the previews of held scans in the state folder.
+const PREVIEWS: &str = "previews";
+
+impl Custody {
+    /// Notes that a person is to be erased, durably, before anything is removed.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`]; nothing is erased then.
+    pub fn ask_for_erasure(&self, patient: &str, by: &str) -> Result<(), CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let whose = self.erasures.hash(patient);
+        let at = Timestamp::now();
+        self.journal.note_of_person(Event::Erasing, &json!({ "person": whose, "by": by }))?;
+        let stores = self.stores.iter().map(|store| (*store).to_owned()).collect();
+        let earlier = self.erasures.of(&whose);
+        let erasure = Erasure::asked(earlier, patient, (at, by.to_owned()), stores);
+        io("noting an erasure", self.erasures.keep(&whose, &erasure))
+    }
+
+    /// Clears the state folder of a person. A repeated call continues what a crash cut off.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`]; what was removed stays removed.
+    pub fn clear_own(
+        &self,
+        whose: &str,
+        mut erasure: Erasure,
+        patient: &str,
+        state_dir: &Path,
+    ) -> Result<(), CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let scans = self.scans_to_erase(patient)?;
+        // Before they are removed: afterwards only this tells which they were.
+        erasure.add(scans);
+        io("noting an erasure", self.erasures.keep(whose, &erasure))?;
+        let is_whole = |scan: &&ErasedScan| scan.is_whole;
+        let whole = erasure.scans.iter().filter(is_whole);
+        let whole: Vec<ScanId> =
+            whole.filter_map(|scan| ScanId::parse(&scan.sha256).ok()).collect();
+        for scan in &whole {
+            io("erasing spooled bytes", self.spool.remove(scan))?;
+            io("erasing quarantined bytes", self.quarantine.remove(scan))?;
+            io("erasing decisions", self.decisions.remove(scan))?;
+        }
+        self.leave_shared(patient)?;
+        let previews = state_dir.join(PREVIEWS);
+        // The next generation makes those anew that it needs.
+        io("erasing previews", durable::remove_folder(&previews))?;
+        io("erasing orders", remove_orders(state_dir, patient))?;
+        let erasing = Erasing {
+            patient,
+            whole: &whole,
+            stores: &self.stores,
+            detail: &json!({ "person": whose, "scans": erasure.scans.len() }),
+        };
+        self.journal.erase(&erasing)?;
+        self.journal.shred()?;
+        io("erasing set-aside journals", remove_journals(state_dir, patient))?;
+        erasure.own_cleared(Timestamp::now(), &self.stores);
+        self.keep_erasure(whose, &erasure)
+    }
+
+    /// Notes that a store is cleared of a person.
+    ///
+    /// # Errors
+    /// See [`CustodyFault`]; the store is then cleared again.
+    pub fn store_cleared(&self, whose: &str, store: &str) -> Result<(), CustodyFault> {
+        let _change = self.change.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(mut erasure) = self.erasures.of(whose) else { return Ok(()) };
+        erasure.store_cleared(store, Timestamp::now());
+        self.keep_erasure(whose, &erasure)
+    }
+
+    fn keep_erasure(&self, whose: &str, erasure: &Erasure) -> Result<(), CustodyFault> {
+        if erasure.ended.is_some() {
+            let detail = json!({ "person": whose });
+            self.journal.note_of_person(Event::ErasureEnded, &detail)?;
+        }
+        io("noting an erasure", self.erasures.keep(whose, erasure))
+    }
+
+    /// The scans of a person in the journal, and those of the spool and the quarantine that a lost journal
+    /// does not know.
+    fn scans_to_erase(&self, patient: &str) -> Result<Vec<ErasedScan>, CustodyFault> {
+        let theirs = self.journal.scans_of_person(patient)?.into_iter();
+        let theirs = theirs.filter(|theirs| theirs.whose != WhoseScan::TakenBack);
+        let mut scans: Vec<ErasedScan> = theirs
+            .map(|theirs| ErasedScan {
+                sha256: theirs.scan.to_string(),
+                is_whole: theirs.whose == WhoseScan::Theirs,
+            })
+            .collect();
+        let mut kept = io("listing the spool", self.spool.entries())?;
+        kept.extend(io("listing the quarantine", self.quarantine.entries())?);
+        for scan in kept {
+            if self.journal.scan(&scan)?.is_some() {
+                continue;
+            }
+            let Some(intake) = self.intake_of_kept(&scan) else { continue };
+            if intake_names(&intake, patient) {
+                let mut whole = intake.clone();
+                leave(&mut whole, patient);
+                let is_whole = whole.patient.is_none() && whole.candidates.is_empty();
+                scans.push(ErasedScan { sha256: scan.to_string(), is_whole });
+            }
+        }
+        Ok(scans)
+    }
+
+    fn intake_of_kept(&self, scan: &ScanId) -> Option<Intake> {
+        self.spool.intake(scan).or_else(|_| self.quarantine.intake(scan)).ok()
+    }
+
+    /// Takes a person from what is kept of scans that others have, too, or may have.
+    fn leave_shared(&self, patient: &str) -> Result<(), CustodyFault> {
+        for folder in [self.spool.folder(), self.quarantine.folder()] {
+            for scan in io("listing kept scans", super::spool::entries(folder))? {
+                let Ok(mut intake) = super::spool::read_intake(&folder.join(scan.as_str())) else {
+                    continue;
+                };
+                if intake_names(&intake, patient) {
+                    leave(&mut intake, patient);
+                    let entry = folder.join(scan.as_str());
+                    io("erasing an id", super::spool::replace_intake(&entry, intake))?;
+                }
+            }
+        }
+        for scan in io("listing decisions", self.decisions.scans())? {
+            let Ok(mut decisions) = self.decisions.of(&scan) else { continue };
+            let is_theirs = |id: &Option<String>| id.as_deref().is_some_and(|id| id == patient);
+            if decisions.iter().any(|decision| is_theirs(&decision.patient)) {
+                // Their number stays: the journal knows how many of them it has carried out.
+                for decision in &mut decisions {
+                    decision.patient = decision.patient.take().filter(|id| id != patient);
+                }
+                io("erasing an id", self.decisions.keep(&scan, &decisions))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Whether an intake names a person anywhere.
+fn intake_names(intake: &Intake, patient: &str) -> bool {
+    serde_json::to_string(intake).is_ok_and(|text| text.contains(&json!(patient).to_string()))
+}
+
+/// Takes a person from an intake.
+fn leave(intake: &mut Intake, patient: &str) {
+    intake.patient = intake.patient.take().filter(|named| named.id != patient);
+    intake.candidates.retain(|id| id != patient);
+    intake.judged = Judged::Unpressed;
+}

@@ -1,0 +1,183 @@
+//! The erasures of persons, kept apart from the journal: a journal that is rebuilt must know which scans are
+//! not to be taken in again, and which erasures were cut off.
+//!
+//! `erasures/<hash>.json` holds the erasures of one person. The hash is of the patient's id with a secret of
+//! this station, `erasures/key`: without it, a short id could be found by trying.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use serde::{Deserialize, Serialize};
+
+use crate::flow::ScanId;
+use crate::flow::patient::erasure::{Erasure, Next};
+use crate::record::{hex, sha256};
+use crate::store::durable;
+
+/// The folder of the erasures in the state folder.
+const FOLDER: &str = "erasures";
+
+/// The file with the station's secret.
+const KEY: &str = "key";
+
+/// The file-name ending of a person's erasures.
+const ENDING: &str = ".json";
+
+/// The length of the secret, bytes.
+const KEY_BYTES: usize = 32;
+
+/// Hexadecimal digits of a person's hash: two persons share one with a probability of 2⁻⁶⁴.
+const DIGITS: usize = 16;
+
+/// The erasures of a station.
+#[derive(Debug)]
+pub struct Erasures {
+    folder: PathBuf,
+    key: String,
+    /// By the person's hash, in its order.
+    known: Mutex<Vec<(String, Erasure)>>,
+}
+
+/// The versions of a file's schema.
+#[derive(Serialize, Deserialize)]
+#[serde(tag = "schema")]
+enum Versioned {
+    #[serde(rename = "gaiter.erasure/1")]
+    V1(Erasure),
+}
+
+impl Erasures {
+    /// Opens the erasures of a state folder, creates the folder and the secret if needed, and removes files
+    /// that a crash left half written.
+    ///
+    /// # Errors
+    /// Any I/O error; `InvalidData` if a file cannot be understood: an erasure must not be forgotten.
+    pub fn open(state_dir: &Path) -> io::Result<Erasures> {
+        let folder = durable::open_folder_of_files(state_dir, FOLDER)?;
+        let key = match fs::read_to_string(folder.join(KEY)) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let mut bytes = [0; KEY_BYTES];
+                File::open("/dev/urandom")?.read_exact(&mut bytes)?;
+                let key = hex(&bytes);
+                durable::replace_file(&folder, KEY, key.as_bytes())?;
+                key
+            }
+            read => read?,
+        };
+        let mut known = Vec::new();
+        for entry in fs::read_dir(&folder)? {
+            let path = entry?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let Some(whose) = name.strip_suffix(ENDING) else { continue };
+            let Versioned::V1(erasure) = serde_json::from_slice(&fs::read(&path)?)
+                .map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+            known.push((whose.to_owned(), erasure));
+        }
+        known.sort_by(|one, other| one.0.cmp(&other.0));
+        Ok(Erasures { folder, key, known: Mutex::new(known) })
+    }
+
+    /// The folder of the erasures.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The hash that stands for a person.
+    pub fn hash(&self, patient: &str) -> String {
+        let mut hash = sha256(format!("{}\0{patient}", self.key).as_bytes());
+        hash.truncate(DIGITS);
+        hash
+    }
+
+    /// The erasure of a person; `None` if none was ever asked for.
+    pub fn of(&self, whose: &str) -> Option<Erasure> {
+        self.known().iter().find(|(known, _)| known == whose).map(|(_, erasure)| erasure.clone())
+    }
+
+    /// Keeps an erasure; durable on return.
+    ///
+    /// # Errors
+    /// Any I/O error; the earlier state then stays.
+    pub fn keep(&self, whose: &str, erasure: &Erasure) -> io::Result<()> {
+        let bytes = serde_json::to_vec_pretty(&Versioned::V1(erasure.clone()))?;
+        durable::replace_file(&self.folder, &format!("{whose}{ENDING}"), &bytes)?;
+        let mut known = self.known();
+        known.retain(|(other, _)| other != whose);
+        known.push((whose.to_owned(), erasure.clone()));
+        Ok(())
+    }
+
+    /// The erasures that have not ended, by the persons' hashes.
+    pub fn pending(&self) -> Vec<(String, Erasure)> {
+        let known = self.known();
+        let pending = known.iter().filter(|(_, erasure)| erasure.next() != Next::Nothing);
+        pending.cloned().collect()
+    }
+
+    /// Whether a scan is not to be taken in, for this patient or for no one by name, because it was erased.
+    pub fn refuse(&self, scan: &ScanId, patient: Option<&str>) -> bool {
+        let known = self.known();
+        if known.is_empty() {
+            return false;
+        }
+        let whose = patient.map(|patient| self.hash(patient));
+        known.iter().any(|(hash, erasure)| {
+            erasure.refuses(scan.as_str(), whose.as_deref() == Some(hash.as_str()))
+        })
+    }
+
+    fn known(&self) -> MutexGuard<'_, Vec<(String, Erasure)>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::flow::patient::erasure::ErasedScan;
+
+    fn asked(patient: &str) -> Erasure {
+        let at = "2027-01-01T00:00:00Z".parse().unwrap();
+        Erasure::asked(None, patient, (at, "uid 0".to_owned()), vec!["folder".to_owned()])
+    }
+
+    #[test]
+    fn an_erasure_outlasts_a_start_and_its_file_shows_the_id_only_until_it_has_ended() {
+        let dir = tempfile::tempdir().unwrap();
+        let erasures = Erasures::open(dir.path()).unwrap();
+        let whose = erasures.hash("4711");
+        let mut erasure = asked("4711");
+        erasures.keep(&whose, &erasure).unwrap();
+        let erasures = Erasures::open(dir.path()).unwrap();
+        assert_eq!(erasures.pending(), [(whose.clone(), erasure.clone())]);
+        assert_eq!(erasures.hash("4711"), whose, "the secret stays");
+        let scan = ScanId::of_digest([7; 32]);
+        erasure.add([ErasedScan { sha256: scan.to_string(), is_whole: true }]);
+        erasure.own_cleared(erasure.at, &[]);
+        erasures.keep(&whose, &erasure).unwrap();
+        let erasures = Erasures::open(dir.path()).unwrap();
+        assert!(erasures.pending().is_empty());
+        assert!(erasures.refuse(&scan, None) && erasures.refuse(&scan, Some("4712")));
+        assert!(!erasures.refuse(&ScanId::of_digest([8; 32]), Some("4711")));
+        let file = dir.path().join("erasures").join(format!("{whose}.json"));
+        assert!(!fs::read_to_string(file).unwrap().contains("4711"));
+    }
+
+    #[test]
+    fn two_stations_have_different_hashes_of_one_person() {
+        let dirs = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+        let hashes = dirs.map(|dir| Erasures::open(dir.path()).unwrap().hash("4711"));
+        assert_ne!(hashes[0], hashes[1]);
+    }
+
+    #[test]
+    fn an_erasure_that_cannot_be_understood_is_not_taken_for_none() {
+        let dir = tempfile::tempdir().unwrap();
+        let erasures = Erasures::open(dir.path()).unwrap();
+        fs::write(erasures.folder.join("0123.json"), "{").unwrap();
+        let fault = Erasures::open(dir.path()).unwrap_err();
+        assert_eq!(fault.kind(), io::ErrorKind::InvalidData);
+    }
+}

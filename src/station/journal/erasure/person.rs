@@ -1,0 +1,208 @@
+//! What the journal knows of one person.
+
+use std::collections::BTreeSet;
+
+use jiff::Timestamp;
+use rusqlite::{Connection, OptionalExtension};
+use serde_json::Value;
+
+use crate::flow::account::Happened;
+use crate::flow::patient::person::{PersonCapture, PersonDelivery, PersonEvent, WhoseScan};
+use crate::flow::{DeliveryState, ScanId};
+use crate::record::Source;
+use crate::station::journal::withdrawal::UNWANTED;
+use crate::station::journal::{Journal, JournalError, captures, cell};
+
+/// What stands for another patient's id where a person's data is disclosed.
+const ANOTHER: &str = "(another patient)";
+
+/// A scan that the journal connects with a person.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Theirs {
+    /// The scan.
+    pub scan: ScanId,
+    /// Whether it is theirs.
+    pub whose: WhoseScan,
+}
+
+impl Journal {
+    /// The scans that are or may be a person's, in the order in which they came.
+    pub fn scans_of_person(&self, patient: &str) -> Result<Vec<Theirs>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare(
+            "SELECT sha256 FROM scans
+             WHERE sha256 IN (SELECT sha256 FROM deliveries WHERE patient = ?1)
+                   OR EXISTS (SELECT 1 FROM json_each(candidates) WHERE value = ?1)
+             ORDER BY first_seen, sha256",
+        )?;
+        let rows = query.query_map([patient], |row| row.get(0))?;
+        let scans: Vec<String> = rows.collect::<rusqlite::Result<_>>()?;
+        scans
+            .into_iter()
+            .map(|scan| {
+                let scan = cell("sha256", scan, |text| ScanId::parse(text).ok())?;
+                Ok(Theirs { whose: whose(&connection, &scan, patient)?, scan })
+            })
+            .collect()
+    }
+
+    /// The deliveries of a scan for a person.
+    pub fn deliveries_of_person(
+        &self,
+        scan: &ScanId,
+        patient: &str,
+    ) -> Result<Vec<PersonDelivery>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare_cached(
+            "SELECT store, state, changed_at, folder, sources FROM deliveries
+             WHERE sha256 = ?1 AND patient = ?2 ORDER BY store",
+        )?;
+        let mut rows = query.query([scan.as_str(), patient])?;
+        let mut found = Vec::new();
+        while let Some(row) = rows.next()? {
+            let sources: Vec<Source> =
+                cell("sources", row.get(4)?, |text| serde_json::from_str(text).ok())?;
+            let at: Option<String> = row.get(2)?;
+            found.push(PersonDelivery {
+                store: row.get(0)?,
+                state: row.get(1)?,
+                at: at.map(|at| cell("changed_at", at, |at| at.parse().ok())).transpose()?,
+                folder: row.get(3)?,
+                sources: sources.iter().map(|source| source.kind).collect(),
+            });
+        }
+        Ok(found)
+    }
+
+    /// The waits for a person's scans. A name that waits for a press has the number 0.
+    pub fn captures_of_person(&self, patient: &str) -> Result<Vec<PersonCapture>, JournalError> {
+        let connection = self.connection();
+        let mut query = connection.prepare(
+            "SELECT number, at, state FROM captures
+             WHERE patient = ?1 OR EXISTS (SELECT 1 FROM json_each(candidates)
+                                           WHERE json_extract(value, '$.id') = ?1)
+             ORDER BY number",
+        )?;
+        let mut rows = query.query([patient])?;
+        let mut found = Vec::new();
+        while let Some(row) = rows.next()? {
+            let at = cell("at", row.get(1)?, |at| at.parse().ok())?;
+            found.push(PersonCapture { number: row.get(0)?, at, state: row.get(2)? });
+        }
+        if captures::names_patient(&connection, patient)? {
+            let at = Timestamp::now();
+            found.push(PersonCapture { number: 0, at, state: "named".to_owned() });
+        }
+        Ok(found)
+    }
+
+    /// What the history says of a person and of these scans, which are theirs alone, oldest first. It names no
+    /// other patient.
+    pub fn history_of_person(
+        &self,
+        patient: &str,
+        scans: &[ScanId],
+    ) -> Result<Vec<PersonEvent>, JournalError> {
+        let scans: BTreeSet<&str> = scans.iter().map(ScanId::as_str).collect();
+        let written = Value::from(patient).to_string();
+        let connection = self.connection();
+        let mut query = connection.prepare(
+            "SELECT scan, at, event, detail, instr(detail, ?1) > 0 FROM history ORDER BY seq",
+        )?;
+        let mut rows = query.query([&written])?;
+        let mut found = Vec::new();
+        while let Some(row) = rows.next()? {
+            let (scan, is_named): (String, bool) = (row.get(0)?, row.get(4)?);
+            if !is_named && !scans.contains(scan.as_str()) {
+                continue;
+            }
+            let detail: String = row.get(3)?;
+            let mut detail: Value = cell("detail", detail, |text| serde_json::from_str(text).ok())?;
+            hide_others(&mut detail, patient);
+            let detail = detail.to_string();
+            let happened = Happened { at: row.get(1)?, event: row.get(2)?, detail };
+            found.push(PersonEvent { scan, happened });
+        }
+        Ok(found)
+    }
+
+    /// The paths under which scans were seen.
+    pub fn paths_of(&self, scan: &ScanId) -> Result<Vec<Vec<u8>>, JournalError> {
+        let connection = self.connection();
+        let mut query =
+            connection.prepare_cached("SELECT path FROM sightings WHERE sha256 = ?1 ORDER BY 1")?;
+        let rows = query.query_map([scan.as_str()], |row| row.get(0))?;
+        Ok(rows.collect::<rusqlite::Result<_>>()?)
+    }
+}
+
+/// Whether a scan is a person's.
+fn whose(connection: &Connection, scan: &ScanId, patient: &str) -> Result<WhoseScan, JournalError> {
+    let held = DeliveryState::Held.word();
+    let of = |condition: &str| -> Result<bool, JournalError> {
+        let found: Option<bool> = connection
+            .prepare_cached(&format!(
+                "SELECT 1 FROM deliveries WHERE sha256 = ?1 AND {condition}
+                        AND state NOT IN ('withdrawing', 'withdrawn')
+                        AND coalesce(code, '') NOT IN {UNWANTED} LIMIT 1"
+            ))?
+            .query_row([scan.as_str(), patient, held], |_| Ok(true))
+            .optional()?;
+        Ok(found.is_some())
+    };
+    let has = of("patient = ?2 AND state <> ?3")?;
+    let others_have = of("patient NOT IN ('', ?2) AND state <> ?3")?;
+    let is_held = of("state = ?3 AND ?2 <> ''")?;
+    let may_be_others: bool = connection
+        .prepare_cached(
+            "SELECT EXISTS (SELECT 1 FROM scans, json_each(candidates)
+                            WHERE sha256 = ?1 AND value <> ?2)
+                    OR EXISTS (SELECT 1 FROM deliveries
+                               WHERE sha256 = ?1 AND patient NOT IN ('', ?2) AND state = ?3)",
+        )?
+        .query_row([scan.as_str(), patient, held], |row| row.get(0))?;
+    let is_candidate = is_held
+        && connection
+            .prepare_cached(
+                "SELECT EXISTS (SELECT 1 FROM scans, json_each(candidates)
+                                WHERE sha256 = ?1 AND value = ?2)
+                        OR EXISTS (SELECT 1 FROM deliveries
+                                   WHERE sha256 = ?1 AND patient = ?2 AND state = ?3)",
+            )?
+            .query_row([scan.as_str(), patient, held], |row| row.get(0))?;
+    let is_open = is_held && may_be_others;
+    Ok(match (has, is_candidate) {
+        (true, _) if others_have || is_open => WhoseScan::Shared,
+        (true, _) => WhoseScan::Theirs,
+        (false, true) if others_have || may_be_others => WhoseScan::Uncertain,
+        (false, true) => WhoseScan::Theirs,
+        (false, false) => WhoseScan::TakenBack,
+    })
+}
+
+/// The keys of the history's details whose values are patients' ids.
+const IDS: [&str; 4] = ["patient", "patients", "claims", "id"];
+
+/// Puts a word in the place of every other patient's id.
+fn hide_others(value: &mut Value, patient: &str) {
+    match value {
+        Value::Object(fields) => {
+            for (key, value) in fields {
+                if IDS.contains(&key.as_str()) {
+                    hide(value, patient);
+                }
+                hide_others(value, patient);
+            }
+        }
+        Value::Array(values) => values.iter_mut().for_each(|value| hide_others(value, patient)),
+        _ => {}
+    }
+}
+
+fn hide(value: &mut Value, patient: &str) {
+    match value {
+        Value::String(id) if !id.is_empty() && id != patient => ANOTHER.clone_into(id),
+        Value::Array(values) => values.iter_mut().for_each(|value| hide(value, patient)),
+        _ => {}
+    }
+}

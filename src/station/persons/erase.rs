@@ -1,0 +1,130 @@
+//! Carries erasures on: at each start in the station's own folder, and in each store once it is in reach.
+
+use std::path::Path;
+
+use jiff::Timestamp;
+use tracing::{info, warn};
+
+use crate::flow::ScanId;
+use crate::flow::facts::{Alarm, Facts};
+use crate::flow::patient::erasure::{ErasedScan, Erasure, Next};
+use crate::station::core::Core;
+use crate::station::custody::{Custody, CustodyFault};
+use crate::station::runtime::causes::chain;
+use crate::station::stores::Stores;
+use crate::store::index::RecordIndex;
+use crate::store::{RecordStore, StoreFault};
+
+/// Alarm: an erasure waits, for a store or for the disk.
+pub(in crate::station) const PENDING: &str = "erasure-pending";
+
+/// Why a store was not cleared.
+#[derive(Debug, thiserror::Error)]
+pub(in crate::station) enum ClearFault {
+    /// The store is out of reach, or refuses.
+    #[error("the store could not be cleared")]
+    Store(#[source] StoreFault),
+    /// The erasure could not be noted.
+    #[error(transparent)]
+    Custody(#[from] CustodyFault),
+}
+
+/// Clears the station's own folder of persons whose erasure was asked for. No worker may run. What fails is
+/// tried again at the next start, and does not keep the station from starting.
+pub(in crate::station) fn clear_own(custody: &Custody, stores: &Stores, state_dir: &Path) {
+    for (whose, erasure) in custody.erasures().pending() {
+        let Next::Own { patient } = erasure.next() else { continue };
+        let patient = patient.to_owned();
+        forget_indexes(stores, state_dir, &patient);
+        match custody.clear_own(&whose, erasure, &patient, state_dir) {
+            Ok(()) => info!(event = "person-erased-here", person = whose),
+            Err(fault) => warn!(event = "erasure-failed", person = whose, error = chain(&fault)),
+        }
+    }
+}
+
+/// Notes on the board that an erasure waits, or that none does.
+pub(in crate::station) fn note(custody: &Custody, facts: &mut Facts) {
+    let pending = custody.erasures().pending();
+    let since = pending.iter().map(|(_, erasure)| erasure.at).min();
+    let Some(since) = since else {
+        facts.alarms.remove(PENDING);
+        return;
+    };
+    let message = waits_for(pending.iter().map(|(_, erasure)| erasure));
+    facts.alarms.insert(PENDING, Alarm { message, since });
+}
+
+fn waits_for<'a>(pending: impl Iterator<Item = &'a Erasure>) -> String {
+    let (mut own, mut stores) = (false, Vec::new());
+    for erasure in pending {
+        own |= erasure.cleared.is_none();
+        stores.extend(erasure.stores.iter().map(|store| format!("\"{store}\"")));
+    }
+    stores.sort();
+    stores.dedup();
+    match own {
+        true => "an erasure is not done: the station's own folder could not be cleared".to_owned(),
+        false => format!(
+            "an erasure is not done: it waits for the record store {}",
+            stores.join(" and ")
+        ),
+    }
+}
+
+/// Clears a store of persons whose erasure waits for it. Returns for how many.
+///
+/// # Errors
+/// See [`ClearFault`]; the store is then cleared at the next attempt.
+pub(in crate::station) fn clear_store(
+    custody: &Custody,
+    store: &RecordStore,
+) -> Result<usize, ClearFault> {
+    let mut cleared = 0;
+    for (whose, erasure) in custody.erasures().pending() {
+        let Next::Stores { patient, before } = erasure.next() else { continue };
+        if !erasure.stores.iter().any(|name| name == store.name()) {
+            continue;
+        }
+        store.erase(patient, before, &whole(&erasure)).map_err(ClearFault::Store)?;
+        custody.store_cleared(&whose, store.name())?;
+        info!(event = "person-erased-in-store", person = whose, store = store.name());
+        cleared += 1;
+    }
+    Ok(cleared)
+}
+
+/// The scans of an erased person that no one else has.
+fn whole(erasure: &Erasure) -> Vec<ScanId> {
+    let whole = erasure.scans.iter().filter(|scan| scan.is_whole);
+    whole.filter_map(|ErasedScan { sha256, .. }| ScanId::parse(sha256).ok()).collect()
+}
+
+/// As [`clear_store`], for a running station: notes what has become of it on the board.
+pub(in crate::station) fn clear_store_of(
+    core: &Core,
+    store: &RecordStore,
+) -> Result<(), ClearFault> {
+    let cleared = clear_store(&core.custody, store)?;
+    if cleared > 0 {
+        core.board.note(|facts| note(&core.custody, facts));
+    }
+    Ok(())
+}
+
+/// Asks for an erasure. The running station carries it on in a new generation of its workers.
+pub(in crate::station) fn ask(core: &Core, patient: &str, by: &str) -> Result<(), CustodyFault> {
+    core.custody.ask_for_erasure(patient, by)?;
+    info!(event = "erasure-asked", at = %Timestamp::now());
+    core.anew.notify_one();
+    Ok(())
+}
+
+/// Removes the indexes of a person's records.
+fn forget_indexes(stores: &Stores, state_dir: &Path, patient: &str) {
+    for store in stores.iter() {
+        if let RecordStore::Folder(store) = store {
+            RecordIndex::new(store.clone(), state_dir).forget(Some(patient));
+        }
+    }
+}

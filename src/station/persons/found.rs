@@ -1,0 +1,181 @@
+//! Puts together what a station holds of a person. Reads; changes nothing but a cache. Blocks, on shares too.
+
+use std::ffi::OsStr;
+use std::fs;
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+
+use jiff::Timestamp;
+
+use crate::config::Config;
+use crate::flow::patient::naming::RecordName;
+use crate::flow::patient::person::{
+    HandedOver, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
+};
+use crate::flow::{Identity, NameSays, ScanId};
+use crate::record::RECORD;
+use crate::station::custody::{Custody, CustodyFault, journals_naming, orders_naming};
+use crate::station::journal::Theirs;
+use crate::station::stores::Stores;
+use crate::store::brief::Brief;
+use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
+
+/// The version of what is put together.
+const SCHEMA: &str = "gaiter.person/1";
+
+/// What a station holds of a person. A store that is out of reach is named with its fault.
+///
+/// # Errors
+/// If the journal or the state folder cannot be read.
+pub(in crate::station) fn person(
+    config: &Config,
+    identity: &Identity,
+    (custody, stores): (&Custody, &Stores),
+    patient: &str,
+) -> Result<Person, CustodyFault> {
+    let (journal, state_dir) = (custody.journal(), &config.station.state_dir);
+    let theirs = journal.scans_of_person(patient)?;
+    let alone = theirs.iter().filter(|of| of.whose == WhoseScan::Theirs);
+    let alone: Vec<ScanId> = alone.map(|of| of.scan.clone()).collect();
+    let mut scans = Vec::new();
+    for Theirs { scan, whose } in &theirs {
+        // It may just have been forgotten.
+        let Some(whole) = journal.whole(scan)? else { continue };
+        scans.push(PersonScan {
+            sha256: scan.to_string(),
+            whose: *whose,
+            summary: whole.summary,
+            deliveries: journal.deliveries_of_person(scan, patient)?,
+            kept: kept(custody, state_dir, scan),
+        });
+    }
+    let mut exports = Vec::new();
+    for Theirs { scan, .. } in &theirs {
+        let paths = journal.paths_of(scan)?.into_iter();
+        exports.extend(paths.map(|path| PathBuf::from(OsStr::from_bytes(&path))));
+    }
+    exports.extend(named_exports(config, identity, patient));
+    // The same bytes may lie there under the name of another patient.
+    exports.retain(|path| path.is_file() && !names_another(identity, path, patient));
+    exports.sort();
+    exports.dedup();
+    let state = |what| move |source| CustodyFault::Io { what, source };
+    Ok(Person {
+        schema: SCHEMA.to_owned(),
+        patient: patient.to_owned(),
+        station: config.station.id.clone(),
+        at: now(),
+        scans,
+        stores: stores.iter().filter_map(|store| in_folders(store, patient)).collect(),
+        handed_over: stores.iter().filter_map(|store| given(store, patient)).flatten().collect(),
+        captures: journal.captures_of_person(patient)?,
+        orders: orders_naming(state_dir, patient).map_err(state("reading refused orders"))?,
+        exports,
+        journals: journals_naming(state_dir, patient).map_err(state("reading old journals"))?,
+        history: journal.history_of_person(patient, &alone)?,
+    })
+}
+
+fn now() -> Timestamp {
+    let now = Timestamp::now();
+    Timestamp::from_second(now.as_second()).unwrap_or(now)
+}
+
+/// The folders of the state folder that hold a scan.
+fn kept(custody: &Custody, state_dir: &Path, scan: &ScanId) -> Vec<PathBuf> {
+    let quarantined = state_dir.join("quarantine").join(scan.as_str());
+    let preview = state_dir.join("previews").join(scan.as_str());
+    let all = [custody.spool().entry(scan), quarantined, preview];
+    all.into_iter().filter(|folder| folder.is_dir()).collect()
+}
+
+/// The files in export folders whose names name a person. Folders that cannot be listed have none.
+fn named_exports<'a>(
+    config: &'a Config,
+    identity: &'a Identity,
+    patient: &'a str,
+) -> impl Iterator<Item = PathBuf> + 'a {
+    let folders = config.scanner.export_dirs.iter();
+    let entries = folders.filter_map(|folder| fs::read_dir(folder).ok()).flatten().flatten();
+    entries.map(|entry| entry.path()).filter(move |path| {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        matches!(identity.of_file_name(&name), NameSays::Patient(named) if named.id == patient)
+    })
+}
+
+/// Whether a file's name names another patient.
+fn names_another(identity: &Identity, path: &Path, patient: &str) -> bool {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    matches!(identity.of_file_name(&name), NameSays::Patient(named) if named.id != patient)
+}
+
+/// What a folder store holds; `None` for another kind.
+fn in_folders(store: &RecordStore, patient: &str) -> Option<PersonStore> {
+    let RecordStore::Folder(folder) = store else { return None };
+    let mut of = PersonStore {
+        store: store.name().to_owned(),
+        place: PathBuf::from(store.place()),
+        fault: None,
+        records: Vec::new(),
+        others: Vec::new(),
+        of_another: 0,
+    };
+    if let Err(fault) = fill(&mut of, folder, patient) {
+        of.fault = Some(in_words(&fault));
+    }
+    Some(of)
+}
+
+fn fill(of: &mut PersonStore, store: &FolderStore, patient: &str) -> Result<(), StoreFault> {
+    let found = store.of_person(patient)?;
+    (of.others, of.of_another) = (found.others, found.of_another.len());
+    for folder in found.records {
+        let brief = Brief::read(&folder.join(RECORD))?;
+        of.records.push(record(folder, brief));
+    }
+    of.records.sort_by_key(|record| record.acquired.as_ref().map(|acquired| acquired.at));
+    Ok(())
+}
+
+fn record(folder: PathBuf, brief: Option<Brief>) -> PersonRecord {
+    let named = folder.file_name().and_then(OsStr::to_str).and_then(RecordName::read);
+    let Some(brief) = brief else {
+        let revision = named.map(|name| name.revision);
+        return PersonRecord { folder, acquired: None, revision, amendments: Vec::new() };
+    };
+    let amendments = brief.amendments.into_iter().map(|of| PersonAmendment {
+        what: format!("{} {}", of.leg, of.measure),
+        by: of.by,
+        at: of.at,
+        reason: of.reason,
+    });
+    PersonRecord {
+        folder,
+        acquired: brief.acquired,
+        revision: Some(brief.revision),
+        amendments: amendments.collect(),
+    }
+}
+
+/// What practice software was given; `None` for a store of another kind, or one that cannot say.
+fn given(store: &RecordStore, patient: &str) -> Option<Vec<HandedOver>> {
+    let RecordStore::Gdt(gdt) = store else { return None };
+    let gdt: &GdtStore = gdt;
+    let given = gdt.given(patient).ok()?.into_iter();
+    let handed_over = given.map(|of| HandedOver {
+        sha256: of.sha256,
+        file: of.file,
+        at: of.at,
+        waits: of.is_there,
+        attachments: of.attachments,
+    });
+    Some(handed_over.collect())
+}
+
+/// A store's fault without its path.
+fn in_words(fault: &StoreFault) -> String {
+    match fault {
+        StoreFault::Transient { what, source, .. } => format!("{what} failed: {source}"),
+        fault => fault.to_string(),
+    }
+}

@@ -1,0 +1,78 @@
+//! The part of a `record.json` that tells whose it is and when it was made.
+
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+use jiff::Timestamp;
+use serde::Deserialize;
+
+use super::{StoreFault, tried};
+use crate::record::{Acquired, Patient};
+
+/// The longest `record.json` that is read, bytes; one with shapes has under one million.
+const RECORD_MOST: u64 = 16_000_000;
+
+/// What is read.
+#[derive(Debug, Clone, Deserialize)]
+pub struct Brief {
+    /// The revision.
+    pub revision: u32,
+    /// Its patient; `None` if none was named.
+    pub patient: Option<Patient>,
+    /// When the scan was taken.
+    pub acquired: Option<Acquired>,
+    /// The scan.
+    pub scan: BriefScan,
+    /// What people set.
+    #[serde(default)]
+    pub amendments: Vec<BriefAmendment>,
+}
+
+/// The scan of a record.
+#[derive(Debug, Clone, Deserialize)]
+pub struct BriefScan {
+    /// The hash of its bytes, 64 hexadecimal digits.
+    pub sha256: String,
+}
+
+/// A measure that a person set.
+#[derive(Debug, Clone, Deserialize)]
+pub struct BriefAmendment {
+    /// Which leg.
+    pub leg: String,
+    /// Which measure.
+    pub measure: String,
+    /// Why.
+    pub reason: String,
+    /// Who.
+    pub by: String,
+    /// When.
+    pub at: Timestamp,
+}
+
+impl Brief {
+    /// The patient's id; `None` if none was named.
+    pub fn patient_id(&self) -> Option<&str> {
+        self.patient.as_ref().map(|patient| patient.id.as_str())
+    }
+
+    /// Reads a `record.json`; `None` if there is none, or if it cannot be understood.
+    ///
+    /// # Errors
+    /// A transient fault if it cannot be read now.
+    pub fn read(path: &Path) -> Result<Option<Brief>, StoreFault> {
+        let bytes = match read_most(path, RECORD_MOST) {
+            Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(None),
+            read => tried("reading", path, read)?,
+        };
+        Ok(serde_json::from_slice(&bytes).ok())
+    }
+}
+
+/// The first bytes of a file.
+pub(super) fn read_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(most).read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
