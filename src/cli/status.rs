@@ -16,7 +16,8 @@ use super::terminal::screen::{self, wrapped};
 use super::{Exit, complain, scans, shown};
 use crate::flow::account::{Filter, Listed};
 use crate::flow::health::{ago, bytes, words};
-use crate::station::operator::control::protocol::{Answer, Request, SourceStatus, Status};
+use crate::station::operator::control::protocol::{Answer, Request};
+use crate::station::operator::control::status::{SourceStatus, Status};
 
 /// How many of the last scans are shown. A screen of 24 lines has room for them.
 const LAST_SCANS: u32 = 5;

@@ -131,6 +131,23 @@ impl Outbox {
         busy.map(|key| (&key.scan, &key.patient)).collect::<BTreeSet<_>>().len()
     }
 
+    /// Those of these stores to ask now. Something other than a delivery waits for them, as an erasure does.
+    pub fn to_ask(
+        &mut self,
+        stores: impl IntoIterator<Item = String>,
+        now: Duration,
+    ) -> Vec<String> {
+        let mut ask = Vec::new();
+        for name in stores {
+            let store = self.stores.entry(name.clone()).or_insert(Store::NEW);
+            if store.wants_asking(now) {
+                store.reach = Reach::Asked;
+                ask.push(name);
+            }
+        }
+        ask
+    }
+
     /// A store is being asked although nothing is due there, as at a start.
     pub fn asking(&mut self, store: &str) {
         self.stores.entry(store.to_owned()).or_insert(Store::NEW).reach = Reach::Asked;
@@ -305,6 +322,20 @@ mod tests {
         outbox.asked("a", false, later, 1.0);
         assert_eq!(outbox.plan(&due, later, 1), Plan::default());
         assert_eq!(outbox.next_in(later, 1), Some(backoff::pause(1, 1.0)));
+    }
+
+    #[test]
+    fn a_store_that_an_erasure_waits_for_is_asked_until_it_answers_though_nothing_is_due_there() {
+        let mut outbox = outbox(&["a"]);
+        let waits = || ["a".to_owned(), "b".to_owned()];
+        assert_eq!(outbox.to_ask(waits(), NOW), ["b"], "the other answers");
+        assert!(outbox.to_ask(waits(), NOW).is_empty(), "it is being asked");
+        outbox.asked("b", false, NOW, 0.5);
+        let wait = outbox.next_in(NOW, 4).unwrap();
+        assert!(outbox.to_ask(waits(), NOW).is_empty(), "too early");
+        assert_eq!(outbox.to_ask(waits(), NOW + wait), ["b"]);
+        outbox.asked("b", true, NOW + wait, 0.5);
+        assert!(outbox.to_ask(waits(), NOW + wait).is_empty());
     }
 
     #[test]

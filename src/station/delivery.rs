@@ -119,7 +119,8 @@ impl Bench {
         self.dues = keys.iter().cloned().zip(pending).collect();
         booth.core().to_retry_now().iter().for_each(|scan| self.outbox.retry_now(scan));
         let plan = self.outbox.plan(&keys, now, hands);
-        for store in plan.ask {
+        let erasing = booth.core().custody.erasures().awaited_stores();
+        for store in plan.ask.into_iter().chain(self.outbox.to_ask(erasing, now)) {
             self.ask(booth, store);
         }
         // A single scan gets all cores.

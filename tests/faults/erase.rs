@@ -89,7 +89,7 @@ impl Place {
             Answer::Do
         });
         if !self.disks.is_empty() {
-            power_cut(&mut self.disks);
+            power_cut(&self.disks);
         }
         let at = match at {
             Some(at) => at,

@@ -155,14 +155,26 @@ fn what_cargo_is_asked_for_exists() {
     }
 }
 
-/// What `--help` of each verb says.
+/// What `--help` of each verb says, and of the verbs below it.
 static HELP: LazyLock<BTreeMap<String, String>> = LazyLock::new(|| {
-    let said = stdout(&gaiter(&["help"]));
-    let verb = Regex::new(r"(?m)^  ([a-z][a-z-]+)  ").unwrap();
-    let verbs: Vec<String> = verb.captures_iter(&said).map(|found| found[1].to_owned()).collect();
-    assert!(verbs.len() > 20, "{said}");
-    verbs.into_iter().map(|verb| (verb.clone(), stdout(&gaiter(&[&verb, "--help"])))).collect()
+    let verbs = verbs_in(&stdout(&gaiter(&["help"])));
+    assert!(verbs.len() > 20, "{verbs:?}");
+    let mut help = BTreeMap::new();
+    for verb in verbs {
+        let said = stdout(&gaiter(&[&verb, "--help"]));
+        for below in said.split_once("Commands:").map_or(Vec::new(), |(_, list)| verbs_in(list)) {
+            help.insert(format!("{verb} {below}"), stdout(&gaiter(&[&verb, &below, "--help"])));
+        }
+        help.insert(verb, said);
+    }
+    help
 });
+
+/// The verbs of a list in a help text.
+fn verbs_in(help: &str) -> Vec<String> {
+    let verb = Regex::new(r"(?m)^  ([a-z][a-z-]+)  ").unwrap();
+    verb.captures_iter(help).map(|found| found[1].to_owned()).collect()
+}
 
 #[test]
 fn every_verb_and_option_of_the_documents_exists() {
@@ -181,7 +193,10 @@ fn every_verb_and_option_of_the_documents_exists() {
         if verb.starts_with(|c: char| !c.is_ascii_lowercase()) || verb == "help" {
             continue;
         }
-        let Some(help) = HELP.get(verb) else { command.fail("there is no such verb") };
+        let below = command.words.get(2).and_then(|word| HELP.get(&format!("{verb} {word}")));
+        let Some(help) = below.or_else(|| HELP.get(verb)) else {
+            command.fail("there is no such verb")
+        };
         for word in &command.words[2..] {
             for option in option.find_iter(word) {
                 if !help.contains(option.as_str()) {

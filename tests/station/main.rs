@@ -20,5 +20,4 @@ mod persons;
 mod phantom;
 mod sizes;
 mod trigger_pty;
-mod visits_page;
 mod watch;

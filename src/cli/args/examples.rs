@@ -152,15 +152,12 @@ const EXAMPLES: &[Examples] = &[
         "patient disclose",
         &[
             ["gaiter patient disclose", "asks for the id and writes the folder disclosure"],
-            ["gaiter patient disclose --out access-7 < id.txt", "writes another folder"],
+            ["gaiter patient disclose --out access-7", "writes another folder"],
         ],
     ),
     of(
         "patient erase",
-        &[
-            ["gaiter patient erase", "shows what would go, and asks for the id twice"],
-            ["gaiter patient erase < twice.txt", "reads the id from two lines"],
-        ],
+        &[["gaiter patient erase", "shows what would go, and asks for the id twice"]],
     ),
     of(
         "scans",

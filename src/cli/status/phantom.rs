@@ -4,7 +4,7 @@ use jiff::Timestamp;
 
 use crate::flow::health::ago;
 use crate::record::phantom::{CheckResult, LastCheck};
-use crate::station::operator::control::protocol::PhantomStatus;
+use crate::station::operator::control::status::PhantomStatus;
 
 /// Heights of the chart's bars, from −2 tolerances to +2.
 const BARS: [char; 8] = ['▁', '▂', '▃', '▄', '▅', '▆', '▇', '█'];

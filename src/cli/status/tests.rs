@@ -6,7 +6,7 @@ use super::*;
 use crate::flow::account::Seen;
 use crate::flow::confinement::{Confinement, Enforced};
 use crate::flow::health::Complaint;
-use crate::station::operator::control::protocol::{BoothStatus, StoreStatus, TriggerStatus};
+use crate::station::operator::control::status::{BoothStatus, StoreStatus, TriggerStatus};
 
 fn at(second: i64) -> Timestamp {
     Timestamp::from_second(1_800_000_000 + second).unwrap()

@@ -4,6 +4,7 @@
 //! `erasures/<hash>.json` holds the erasures of one person. The hash is of the patient's id with a secret of
 //! this station, `erasures/key`: without it, a short id could be found by trying.
 
+use std::collections::BTreeSet;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
@@ -114,6 +115,11 @@ impl Erasures {
         let known = self.known();
         let pending = known.iter().filter(|(_, erasure)| erasure.next() != Next::Nothing);
         pending.cloned().collect()
+    }
+
+    /// The stores that erasures wait for, by their names.
+    pub fn awaited_stores(&self) -> BTreeSet<String> {
+        self.known().iter().flat_map(|(_, erasure)| erasure.stores.iter().cloned()).collect()
     }
 
     /// Whether a scan is not to be taken in, for this patient or for no one by name, because it was erased.

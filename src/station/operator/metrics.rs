@@ -10,7 +10,7 @@ use prometheus_client::metrics::family::Family;
 use prometheus_client::metrics::gauge::Gauge;
 use prometheus_client::registry::Registry;
 
-use super::control::protocol::state_words;
+use super::control::status::state_words;
 use crate::flow::facts::{IntakeState, SourceState, TriggerFacts};
 use crate::flow::health::age;
 use crate::flow::trigger::PortState;

@@ -4,6 +4,8 @@
 
 mod files;
 mod held;
+mod visits;
+
 use std::fs;
 use std::os::unix::fs::PermissionsExt;
 use std::path::PathBuf;
@@ -193,46 +195,6 @@ fn who_calls_the_station_by_another_name_is_not_answered() {
         ("cross-origin-resource-policy", "same-origin"),
     ] {
         assert_eq!(page.header(name).as_deref(), Some(value));
-    }
-    assert_eq!(daemon.stop().code(), Some(0));
-}
-
-#[test]
-fn files_of_a_record_are_those_of_its_latest_revision_and_no_path_leads_elsewhere() {
-    let booth = booth("[page]\npatient_ids = \"everyone\"\n");
-    let daemon = booth.start();
-    let site = Site::of(&booth, "local");
-    let bytes = coarse_body(0);
-    booth.export("4711_a.obj", &bytes);
-    booth.wait_for_journal("SELECT count(*) FROM deliveries WHERE state = 'delivered'", 1);
-    let scan = sha256(&bytes);
-    assert_eq!(site.get(&format!("/scan/{scan}/record.json"), &[]).status, 200);
-    let folder = record_of(&booth, "4711");
-    let report = site.get(&format!("/scan/{scan}/report.html"), &[]);
-    let policy = report.header("content-security-policy").unwrap();
-    assert!(policy.starts_with("sandbox allow-scripts"), "{policy}");
-    assert!(!policy.contains("allow-same-origin"), "{policy}");
-    // Of a record that was measured again the latest revision is opened.
-    let later = format!("{}_r2", folder.display());
-    fs::create_dir(&later).unwrap();
-    let page = "<title>r2</title>";
-    fs::write(format!("{later}/report.html"), page).unwrap();
-    let sums = format!("{}  report.html\n", sha256(page.as_bytes()));
-    fs::write(format!("{later}/SHA256SUMS"), sums).unwrap();
-    let report = site.get(&format!("/scan/{scan}/report.html"), &[]);
-    assert!(report.body.contains("r2"), "{}", report.body);
-    for path in [
-        format!("/scan/{scan}/scan.obj"),
-        format!("/scan/{scan}/..%2f..%2fstation.toml"),
-        format!("/scan/{scan}/%2e%2e"),
-        format!("/scan/{}/record.json", &scan[..8]),
-        format!("/scan/{}/record.json", "0".repeat(64)),
-        format!("/scan/{}/record.json", scan.to_uppercase()),
-        "/scan/..%2f..%2fstate/page-token".to_owned(),
-        "/scan/%00/record.json".to_owned(),
-        "/page-token".to_owned(),
-    ] {
-        assert_eq!(site.get(&path, &[]).status, 404, "{path}");
     }
     assert_eq!(daemon.stop().code(), Some(0));
 }

@@ -263,6 +263,17 @@ files = {files}
         String::from_utf8_lossy(&fs::read(self.path("log")).unwrap_or_default()).into_owned()
     }
 
+    /// Whether the log names this patient. Digits within a longer number, as a time or a hash has them, are
+    /// no name.
+    pub fn log_names(&self, id: &str) -> bool {
+        let log = self.log();
+        let is_free = |neighbour: Option<char>| !neighbour.is_some_and(|c| c.is_ascii_hexdigit());
+        log.match_indices(id).any(|(at, _)| {
+            let (before, after) = (&log[..at], &log[at + id.len()..]);
+            is_free(before.chars().next_back()) && is_free(after.chars().next())
+        })
+    }
+
     /// Waits until a condition holds; fails with the log where it never does.
     #[track_caller]
     pub fn wait_for(&self, what: &str, mut holds: impl FnMut() -> bool) {

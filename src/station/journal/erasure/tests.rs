@@ -84,9 +84,14 @@ fn wait_for(journal: &Journal, id: &str) {
     let before = Captures::new(rules, Vec::new(), None);
     let next = Next::one(named(id), Duration::ZERO, None);
     let after = Captures::new(rules, vec![capture], Some(next));
-    let event = Some((Event::Named, json!({ "patient": id })));
-    let change =
-        BoothChange { before: &before, after: &after, boot: "boot", ended_as: "over", event };
+    let in_history = Some((Event::Named, json!({ "patient": id })));
+    let change = BoothChange {
+        before: &before,
+        after: &after,
+        boot: "boot",
+        ended_as: "over",
+        event: in_history,
+    };
     journal.booth_changed(&change).unwrap();
 }
 

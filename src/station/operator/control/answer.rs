@@ -8,9 +8,8 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use super::persons;
-use super::protocol::{
-    Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, PhantomStatus, Request, SourceStatus, Status,
-};
+use super::protocol::{Answer, DIGITS_LEAST, Fault, FaultKind, LIST_MOST, Request};
+use super::status::{PhantomStatus, SourceStatus, Status};
 use crate::flow::explain::{Known, of_file};
 use crate::flow::facts::IntakeState;
 use crate::flow::health::age;

@@ -7,6 +7,7 @@ mod answer;
 mod persons;
 pub mod protocol;
 mod server;
+pub mod status;
 
 pub use answer::answer;
 pub use server::worker;

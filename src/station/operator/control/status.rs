@@ -1,0 +1,229 @@
+//! The station's status, as an answer of the control socket; `gaiter status --json` prints it.
+
+use std::collections::BTreeMap;
+
+use jiff::Timestamp;
+use serde::{Deserialize, Serialize};
+
+use crate::flow::account::Seen;
+use crate::flow::confinement::Confinement;
+use crate::flow::facts::{Alarm, PhantomFacts, SourceFacts, SourceState, StoreFacts, TriggerFacts};
+use crate::flow::health::Complaint;
+use crate::record::phantom::LastCheck;
+use crate::station::booth::BoothState;
+
+/// The station's status. It names no patient, file or folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// `gaiter.status/1`
+    pub schema: String,
+    /// Whether scans become records.
+    pub ready: bool,
+    /// What prevents that.
+    pub complaints: Vec<Complaint>,
+    /// The station's name.
+    pub station: String,
+    /// Gaiter's version.
+    pub gaiter: String,
+    /// The process id.
+    pub pid: u32,
+    /// When it started.
+    pub started: Timestamp,
+    /// How long it has been running, s.
+    pub running_s: u64,
+    /// The time of this answer.
+    pub now: Timestamp,
+    /// Whether scans are taken in: `open`, `paused` or `disk_low`.
+    pub intake: String,
+    /// The scan that has waited longest for its record.
+    pub oldest: Option<Seen>,
+    /// How long it has waited, s; `None` if unknown because the clock was set back.
+    pub oldest_age_s: Option<u64>,
+    /// The scan seen last.
+    pub last: Option<Seen>,
+    /// Scans by state. `held`, `closed` and `withdrawing` scans are counted in their own state too,
+    /// except refused ones that are closed. Empty if the journal cannot be read.
+    pub scans: BTreeMap<String, u64>,
+    /// The export folders, in the order of the configuration.
+    pub sources: Vec<SourceStatus>,
+    /// The record stores by name; empty before the first delivery.
+    pub stores: BTreeMap<String, StoreStatus>,
+    /// The ports of the booth by name; only those that the configuration names.
+    pub triggers: BTreeMap<String, TriggerStatus>,
+    /// The booth: its light, and what is awaited there.
+    pub booth: BoothStatus,
+    /// Free space on the disk of the state folder, bytes.
+    pub disk_free_bytes: Option<u64>,
+    /// Size of that disk, bytes.
+    pub disk_bytes: Option<u64>,
+    /// The guards around measuring processes; `None` if they could not be tried.
+    pub confinement: Option<Confinement>,
+    /// Scans measured in this run.
+    pub measured: u64,
+    /// How long the last measurement took, s.
+    pub last_measurement_s: Option<f64>,
+    /// The checks with the phantom; `None` if none is configured.
+    #[serde(default)]
+    pub phantom: Option<PhantomStatus>,
+    /// What an operator must know, by code.
+    pub alarms: BTreeMap<String, AlarmStatus>,
+    /// What was wrong with the configuration at the last reload.
+    pub refused_reload: Option<String>,
+}
+
+/// The status of an export folder.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SourceStatus {
+    /// Its place in the configuration, from 0, as in the log.
+    pub export_dir: usize,
+    /// `not_looked`, `watched`, `out_of_reach`, `not_mounted`, `taken` or `stalled`.
+    pub state: String,
+    /// Why.
+    pub why: Option<String>,
+    /// Since when.
+    pub since: Timestamp,
+    /// The kind of file system.
+    pub file_system: Option<String>,
+    /// It has no watch and is only polled.
+    pub polled: bool,
+    /// When it was last looked through.
+    pub last_look: Option<Timestamp>,
+    /// Files not taken yet.
+    pub waiting: usize,
+    /// Of these, files that have waited longer than they should.
+    pub overdue: usize,
+    /// Files ignored.
+    pub ignored: usize,
+}
+
+/// The status of the booth; names no patient.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BoothStatus {
+    /// What its light shows: `ready`, `armed`, `receiving`, `done`, `attention` or `no_export`.
+    pub light: String,
+    /// How many exports are awaited.
+    pub awaited: usize,
+    /// A patient is named for the next press.
+    pub named: bool,
+    /// A press may have been missed: scans of named patients are held.
+    pub in_doubt: bool,
+    /// A suggested change of the configuration, from what has been seen; `None` if it is right.
+    #[serde(default)]
+    pub advice: Option<String>,
+}
+
+impl From<BoothState> for BoothStatus {
+    fn from(state: BoothState) -> BoothStatus {
+        let BoothState { signal, awaited, is_named, is_in_doubt, orders_come_late } = state;
+        let light = signal.word().to_owned();
+        let advice = orders_come_late.map(|late| late.to_string());
+        BoothStatus { light, awaited, named: is_named, in_doubt: is_in_doubt, advice }
+    }
+}
+
+/// The status of the checks with the phantom.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PhantomStatus {
+    /// Whether it should be scanned now.
+    pub due: bool,
+    /// The last checks, oldest first, a month at most.
+    pub checks: Vec<LastCheck>,
+}
+
+impl PhantomStatus {
+    /// The status now.
+    pub fn of(facts: &PhantomFacts, now: Timestamp) -> PhantomStatus {
+        PhantomStatus { due: facts.is_due(now), checks: facts.checks.clone() }
+    }
+}
+
+/// The status of a record store.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StoreStatus {
+    /// The last attempt's fault; `None` if it succeeded.
+    pub fault: Option<String>,
+    /// Since when.
+    pub since: Timestamp,
+}
+
+/// The status of a port of the booth.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct TriggerStatus {
+    /// `not_looked`, `absent`, `busy`, `denied`, `failed`, `settling`, `open`, `stuck` or `hung`.
+    pub state: String,
+    /// Why it is not listened to.
+    pub why: Option<String>,
+    /// Since when.
+    pub since: Timestamp,
+    /// Presses in this run.
+    pub presses: u64,
+    /// Ids read in this run.
+    pub ids: u64,
+    /// Bytes or keys in this run that had no meaning.
+    pub garbage: u64,
+}
+
+/// The status of an alarm.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct AlarmStatus {
+    /// Message for people.
+    pub message: String,
+    /// Since when.
+    pub since: Timestamp,
+}
+
+impl SourceStatus {
+    /// The status of the export folder at this place.
+    pub fn of(export_dir: usize, facts: &SourceFacts) -> SourceStatus {
+        let (state, why) = state_words(&facts.state);
+        SourceStatus {
+            export_dir,
+            state: state.to_owned(),
+            why: why.cloned(),
+            since: facts.since,
+            file_system: facts.file_system.clone(),
+            polled: facts.polled,
+            last_look: facts.last_look,
+            waiting: facts.waiting.len(),
+            overdue: facts.waiting.values().filter(|file| file.overdue).count(),
+            ignored: facts.ignored.len(),
+        }
+    }
+}
+
+/// The word for an export folder's state, and the reason for it.
+pub fn state_words(state: &SourceState) -> (&'static str, Option<&String>) {
+    match state {
+        SourceState::NotLooked => ("not_looked", None),
+        SourceState::Watched => ("watched", None),
+        SourceState::OutOfReach(why) => ("out_of_reach", Some(why)),
+        SourceState::NotMounted(why) => ("not_mounted", Some(why)),
+        SourceState::Taken => ("taken", None),
+        SourceState::Stalled => ("stalled", None),
+    }
+}
+
+impl From<&StoreFacts> for StoreStatus {
+    fn from(facts: &StoreFacts) -> StoreStatus {
+        StoreStatus { fault: facts.fault.clone(), since: facts.since }
+    }
+}
+
+impl From<&TriggerFacts> for TriggerStatus {
+    fn from(facts: &TriggerFacts) -> TriggerStatus {
+        TriggerStatus {
+            state: facts.state.word().to_owned(),
+            why: facts.why.clone(),
+            since: facts.since,
+            presses: facts.presses,
+            ids: facts.ids,
+            garbage: facts.garbage,
+        }
+    }
+}
+
+impl From<&Alarm> for AlarmStatus {
+    fn from(alarm: &Alarm) -> AlarmStatus {
+        AlarmStatus { message: alarm.message.clone(), since: alarm.since }
+    }
+}
