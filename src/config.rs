@@ -39,6 +39,7 @@ use crate::flow::retention::Retention;
 use crate::language::Language;
 use crate::leg::Method;
 use crate::record::ReportChoice;
+use crate::record::order::OrderChoice;
 use crate::record::report::{AgeMax, Print};
 use crate::record::sizing::SizeChoice;
 use crate::sizes::{Garment, SizeTable};
@@ -84,7 +85,9 @@ pub struct Config {
     pub age_max: AgeMax,
     /// `[sizes]`: the size tables that reports are made with, in the order of the configuration.
     pub tables: Vec<SizeTable>,
-    /// The files that garments and tables were read from, passed on to the measuring process.
+    /// `[orders]`: the files of the order that each record gets.
+    pub orders: OrderChoice,
+    /// The files that garments, tables and mappings were read from, passed on to the measuring process.
     pub beside: Vec<Beside>,
     /// `[report]`: the paper, and how much of the report is printed.
     pub print: Print,
@@ -119,6 +122,7 @@ impl Config {
                 today,
                 scanner_girth_mm: self.scanner.girth_error_mm,
             },
+            orders: self.orders.clone(),
             ..ReportChoice::default()
         }
     }

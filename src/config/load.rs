@@ -33,7 +33,7 @@ pub fn load(text: &str) -> Result<Config, Vec<ConfigFault>> {
     load_with(text, Files::Read(&[]))
 }
 
-/// Reads the text of a configuration with the garments and size tables that it names.
+/// Reads the text of a configuration with the garments, size tables and mappings that it names.
 ///
 /// # Errors
 /// Every fault of the text and of these files, in the order of its lines.
@@ -117,6 +117,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
     let age_max = visits::age_max(reader);
     let appendix = reader.flag("report.appendix", "false");
     let tables = sizes::tables(reader, files, &mut beside);
+    let orders_of_records = sizes::orders(reader, files, &mut beside);
     let visits = visits::config(reader);
     let measure = measure(reader);
     let store = reader.text("store.folder.path", Required("/srv/records"), parse::full_path);
@@ -188,6 +189,7 @@ pub(super) fn config(reader: &mut Reader, files: Files<'_>) -> Option<Config> {
         garment: garments.usual?,
         garments: garments.all,
         tables,
+        orders: orders_of_records,
         beside,
         visits,
         age_max: age_max?,

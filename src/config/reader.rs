@@ -11,6 +11,9 @@ use super::fault::What;
 use super::nearest::nearest;
 use super::place::Finding;
 
+/// What stands between the defaults of a list, as in the shipped file.
+const BETWEEN_DEFAULTS: &str = "\", \"";
+
 /// What applies if a key is not in the file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Absent {
@@ -134,7 +137,9 @@ impl<'t> Reader<'t> {
             (Seen::Value(value), _) => value,
             (Seen::Absent(_), Absent::Default("")) => return Vec::new(),
             (Seen::Absent(at), Absent::Default(text)) => {
-                return self.judge(path, at, parse(text)).into_iter().collect();
+                let entries = text.split(BETWEEN_DEFAULTS);
+                let entry = |text| self.judge(path, at.clone(), parse(text));
+                return entries.filter_map(entry).collect();
             }
             (Seen::Absent(at), Absent::Required(_)) => {
                 self.missing(key, at);

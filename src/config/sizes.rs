@@ -1,11 +1,13 @@
-//! `[sizes]`, and the garments of `[report]`: what stands in files of its own.
+//! `[sizes]`, `[orders]`, and the garments of `[report]`: what stands in files of its own.
 
 pub mod beside;
+mod orders;
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use self::beside::{Beside, Files, TextFile};
+pub(super) use self::orders::orders;
 use super::fault::What;
 use super::parse;
 use super::reader::{Absent, Found, Reader};
@@ -99,7 +101,8 @@ fn named_files(
         match files.at(&named) {
             Err(why) => reader.note(at, key, What::NamedFile(why.to_string())),
             Ok(beside) if bytes(read) + bytes(std::slice::from_ref(&beside)) > BYTES_MOST => {
-                let said = format!("garments and size tables have more than {BYTES_MOST} bytes");
+                let said =
+                    format!("garments, size tables and mappings have more than {BYTES_MOST} bytes");
                 reader.note(at, key, What::NamedFile(said));
             }
             Ok(beside) => {

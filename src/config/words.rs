@@ -14,6 +14,7 @@ use crate::leg::method::{
     UnitChoice, Up, VolumeBy, Winding,
 };
 use crate::record::FigureFormat;
+use crate::record::order::OrderFile;
 use crate::record::report::Paper;
 use crate::visits::Affected;
 use crate::visits::threshold::Limited;
@@ -200,6 +201,9 @@ pub const FILES: Words<FileKind> = &[
     ("glb", tube(FileFormat::Glb)),
     ("glb-solid", solid(FileFormat::Glb)),
 ];
+
+/// `orders.files`
+pub const ORDER_FILES: Words<OrderFile> = &[("csv", OrderFile::Csv), ("json", OrderFile::Json)];
 
 /// What a word means; `None` for an unknown word.
 pub fn meaning<T: Copy>(words: Words<T>, word: &str) -> Option<T> {

@@ -71,7 +71,7 @@ impl Brief {
 }
 
 /// The first bytes of a file.
-pub(super) fn read_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+fn read_most(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     File::open(path)?.take(most).read_to_end(&mut bytes)?;
     Ok(bytes)

@@ -5,7 +5,6 @@ pub mod brief;
 pub mod durable;
 pub mod folder;
 pub mod gdt;
-pub mod index;
 mod listing;
 pub mod polling;
 pub mod revision;

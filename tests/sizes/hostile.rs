@@ -15,7 +15,7 @@ const TABLES: [&str; 2] = [
     include_str!("../../fixtures/cases/sizes/unattributed_8_sizes.toml"),
 ];
 
-fn placed(text: &str, faults: &[Fault]) -> Result<(), TestCaseError> {
+pub fn placed(text: &str, faults: &[Fault]) -> Result<(), TestCaseError> {
     prop_assert!(!faults.is_empty());
     let lines = text.matches('\n').count() + 1;
     for fault in faults {

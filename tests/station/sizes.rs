@@ -1,4 +1,5 @@
-//! Size tables of a running station: what its reports show, and a table that becomes bad or new.
+//! Size tables and order files of a running station: what its reports show, a table that becomes bad or new, and
+//! where the files of an order go.
 
 #![allow(clippy::unwrap_used)]
 
@@ -6,7 +7,12 @@ use std::fs;
 use std::path::PathBuf;
 
 use rustix::process::{Pid, Signal, kill_process};
+use serde_json::Value;
+use support::gdt_check::contents;
+use support::verb::{code, stderr};
 use support::{Booth, coarse_body, names, sha256};
+
+use crate::gdt::{fetch, practice, visible};
 
 const EXAMPLE: &str = include_str!("../../config/sizes/invented-example.toml");
 
@@ -56,5 +62,64 @@ fn a_table_that_becomes_bad_is_refused_with_its_place_and_the_old_one_holds_unti
     let page = report(&booth, "2");
     assert!(page.contains(&hash(EXAMPLE)) && !page.contains("EXPIRED"), "the new one counts");
     assert!(booth.status()["refused_reload"].is_null());
+    assert_eq!(daemon.stop().code(), Some(0));
+}
+
+/// A practice with a second folder of records, which gets a mapping's file as an attachment.
+fn practice_with_orders() -> Booth {
+    let attach = "attach = [\"order-example-points.csv\"]\nattach_folder = \"files\"\n";
+    let booth = practice(&format!("{attach}attach_as = \"name\""));
+    let mapping = booth.path("mapping.toml");
+    fs::write(&mapping, include_str!("../../config/orders/example-points.toml")).unwrap();
+    fs::create_dir(booth.path("copy")).unwrap();
+    let (copy, mapping) = (booth.path("copy"), mapping.display().to_string());
+    booth.reconfigure(|text| {
+        format!(
+            "{text}[store.copy]\npath = \"{}\"\n[orders]\nmappings = [\"{mapping}\"]\n",
+            copy.display()
+        )
+    });
+    booth
+}
+
+#[test]
+fn the_files_of_an_order_go_to_every_store_and_a_correction_makes_them_anew() {
+    const FILES: [&str; 3] = ["order.csv", "order.json", "order-example-points.csv"];
+    let booth = practice_with_orders();
+    let daemon = booth.start();
+    let bytes = coarse_body(1);
+    booth.export("4711_a.obj", &bytes);
+    let result = fetch(&booth);
+    let attached = contents(&result, "6305").remove(0);
+    let stored = |store: &str| visible(&booth.path(store).join("4711")).pop().unwrap();
+    let delivered = "SELECT count(*) FROM deliveries WHERE state = 'delivered'";
+    booth.wait_for_journal(delivered, 3);
+    let sums = fs::read_to_string(stored("records").join("SHA256SUMS")).unwrap();
+    for name in FILES {
+        let file = fs::read(stored("records").join(name)).unwrap();
+        assert_eq!(file, fs::read(stored("copy").join(name)).unwrap(), "{name}");
+        assert!(sums.contains(&format!("{}  {name}\n", sha256(&file))), "{name}");
+        assert!(!String::from_utf8(file).unwrap().contains("4711"), "{name}");
+    }
+    let of_practice = fs::read(booth.path("results/files").join(attached)).unwrap();
+    assert_eq!(of_practice, fs::read(stored("records").join(FILES[2])).unwrap());
+
+    let what = ["--leg", "right", "--level", "C", "--girth-cm", "40.1", "--sure"];
+    let said = ["--reason", "swollen", "--by", "Anna Berg"];
+    let set = booth.gaiter(&[&["amend", &sha256(&bytes)[..8]][..], &what, &said].concat());
+    assert_eq!(code(&set), Some(0), "{}", stderr(&set));
+    fetch(&booth);
+    booth.wait_for("the revision", || names(&booth.path("copy").join("4711")).len() == 2);
+    for store in ["records", "copy"] {
+        let order: Value =
+            serde_json::from_slice(&fs::read(stored(store).join("order.json")).unwrap()).unwrap();
+        assert_eq!(order["record"]["revision"], 2);
+        let rows = order["rows"].as_array().unwrap().iter();
+        let c: Vec<f64> = rows
+            .filter(|row| row["side"] == "right" && row["point"] == "C")
+            .map(|row| row["girth"]["mm"].as_f64().unwrap())
+            .collect();
+        assert!(c.len() == 2 && (c[0] - 401.0).abs() > 1.0 && c[1] == 401.0, "{c:?}");
+    }
     assert_eq!(daemon.stop().code(), Some(0));
 }

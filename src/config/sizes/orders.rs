@@ -1,12 +1,14 @@
 //! `[orders]`: the files of an order that each record gets.
 
+use std::collections::BTreeSet;
+
 use super::beside::{Beside, Files};
 use super::{NamedFile, named_files, note};
 use crate::config::fault::What;
 use crate::config::parse;
 use crate::config::reader::{Absent, Found, Reader};
 use crate::config::words::ORDER_FILES;
-use crate::record::order::OrderChoice;
+use crate::record::order::{OrderChoice, OrderFile};
 use crate::sizes::Mapping;
 use crate::sizes::mapping;
 
@@ -16,10 +18,20 @@ pub(in crate::config) fn orders(
     files: Files<'_>,
     read: &mut Vec<Beside>,
 ) -> OrderChoice {
+    OrderChoice { files: kinds(reader), mappings: mappings(reader, files, read) }
+}
+
+fn kinds(reader: &mut Reader) -> BTreeSet<OrderFile> {
     let usual = Absent::Default("csv\", \"json");
-    let kinds = reader.list("orders.files", usual, parse::word(ORDER_FILES));
-    let kinds = kinds.into_iter().map(|Found { value, .. }| value).collect();
-    OrderChoice { files: kinds, mappings: mappings(reader, files, read) }
+    let mut kinds = BTreeSet::new();
+    for Found { value, at } in reader.list("orders.files", usual, parse::word(ORDER_FILES)) {
+        if !kinds.insert(value) {
+            let spelt = ORDER_FILES.iter().filter(|(_, known)| *known == value);
+            let spelt = spelt.map(|(word, _)| *word).collect();
+            reader.note(at, "orders.files", What::Twice(spelt));
+        }
+    }
+    kinds
 }
 
 fn mappings(reader: &mut Reader, files: Files<'_>, read: &mut Vec<Beside>) -> Vec<Mapping> {

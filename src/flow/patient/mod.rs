@@ -4,7 +4,6 @@
 pub mod check_digit;
 pub mod erasure;
 pub mod identity;
-pub mod index;
 pub mod name_check;
 pub mod naming;
 pub mod person;

@@ -11,8 +11,6 @@ use crate::flow::patient::erasure::{ErasedScan, Erasure, Next};
 use crate::station::core::Core;
 use crate::station::custody::{Custody, CustodyFault};
 use crate::station::runtime::causes::chain;
-use crate::station::stores::Stores;
-use crate::store::index::RecordIndex;
 use crate::store::{RecordStore, StoreFault};
 
 /// Alarm: an erasure waits, for a store or for the disk.
@@ -31,11 +29,10 @@ pub(in crate::station) enum ClearFault {
 
 /// Clears the station's own folder of persons whose erasure was asked for. No worker may run. What fails is
 /// tried again at the next start, and does not keep the station from starting.
-pub(in crate::station) fn clear_own(custody: &Custody, stores: &Stores, state_dir: &Path) {
+pub(in crate::station) fn clear_own(custody: &Custody, state_dir: &Path) {
     for (whose, erasure) in custody.erasures().pending() {
         let Next::Own { patient } = erasure.next() else { continue };
         let patient = patient.to_owned();
-        forget_indexes(stores, state_dir, &patient);
         match custody.clear_own(&whose, erasure, &patient, state_dir) {
             Ok(()) => info!(event = "person-erased-here", person = whose),
             Err(fault) => warn!(event = "erasure-failed", person = whose, error = chain(&fault)),
@@ -118,13 +115,4 @@ pub(in crate::station) fn ask(core: &Core, patient: &str, by: &str) -> Result<()
     info!(event = "erasure-asked", at = %Timestamp::now());
     core.anew.notify_one();
     Ok(())
-}
-
-/// Removes the indexes of a person's records.
-fn forget_indexes(stores: &Stores, state_dir: &Path, patient: &str) {
-    for store in stores.iter() {
-        if let RecordStore::Folder(store) = store {
-            RecordIndex::new(store.clone(), state_dir).forget(Some(patient));
-        }
-    }
 }

@@ -18,7 +18,8 @@ use crate::faults::matrix::{self, PATIENCE, acknowledged, empty_folders, faults}
 use crate::faults::tracer::Run;
 use crate::invariants::{self, Moment, NOBODY, PutKind};
 use crate::pty;
-use crate::station::{Booth, coarse_body, sha256};
+use crate::scans::coarse_body;
+use crate::station::{Booth, sha256};
 use crate::verb::{code, gaiter_told};
 
 /// The patients who are scanned, in their order, with their exports.

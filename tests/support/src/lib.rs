@@ -11,6 +11,7 @@ pub mod page;
 pub mod process;
 pub mod pty;
 pub mod refusal;
+pub mod scans;
 pub mod station;
 pub mod stored;
 pub mod verb;
@@ -20,6 +21,7 @@ pub mod writers;
 
 use std::path::{Path, PathBuf};
 
+pub use scans::*;
 pub use station::*;
 
 /// The folder of the project.

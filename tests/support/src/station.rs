@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs::{self, File};
-use std::io::Read;
 use std::path::PathBuf;
 use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -24,31 +23,6 @@ const PATIENCE: Duration = Duration::from_secs(120);
 
 /// The quiet time of the stations under test.
 pub const QUIET: Duration = Duration::from_millis(300);
-
-/// A scan that can be measured; each `n` gives another scan of the same body.
-pub fn body(n: usize) -> Vec<u8> {
-    numbered(n, "fixtures/scans/f_average_clean.obj.gz")
-}
-
-/// As [`body`], measured in a third of the time.
-pub fn coarse_body(n: usize) -> Vec<u8> {
-    numbered(n, "fixtures/coarse/f_average.obj.gz")
-}
-
-fn numbered(n: usize, fixture: &str) -> Vec<u8> {
-    let file = File::open(crate::root().join(fixture)).unwrap();
-    let mut bytes = Vec::new();
-    flate2::read::GzDecoder::new(file).read_to_end(&mut bytes).unwrap();
-    rescanned(bytes, n)
-}
-
-/// The same body as another scan writes it: its first coordinate has further digits.
-pub fn rescanned(mut bytes: Vec<u8>, n: usize) -> Vec<u8> {
-    let first = bytes.windows(3).position(|line| line == b"\nv ").unwrap() + 3;
-    let end = first + bytes[first..].iter().position(|byte| *byte == b' ').unwrap();
-    bytes.splice(end..end, format!("{n:09}").bytes());
-    bytes
-}
 
 /// The folders of one station, and what was put before it.
 pub struct Booth {

@@ -13,7 +13,8 @@ use std::thread::{self, sleep};
 use std::time::{Duration, Instant};
 
 use crate::invariants::{self, Moment, PutKind};
-use crate::station::{Booth, Setting, coarse_body, names};
+use crate::scans::coarse_body;
+use crate::station::{Booth, Setting, names};
 
 use crate::faults::tracer::{self, Answer, BEHIND_A_GATE, Call, Kind, Run};
 
