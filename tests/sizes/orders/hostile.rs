@@ -66,10 +66,9 @@ fn what_is_no_order_is_told_so() {
     assert!(matches!(fault(br#"{"schema": "gaiter.leg-record/2"}"#), LastFault::Format { .. }));
     assert!(matches!(fault(br#"{"schema": "gaiter.order/1"}"#), LastFault::Shape(_)));
     assert!(matches!(fault(&vec![b' '; BYTES_MAX + 1]), LastFault::TooLong { .. }));
-    let twice = changed("/rows/1/counts", json!(true)).unwrap();
-    assert!(twice.rows[1].counts);
-    let fault = changed("/rows/2/point", json!("D")).unwrap_err();
-    assert!(matches!(fault, LastFault::Twice { .. }), "{fault}");
+    // The row of the scan's girth, before the one that counts.
+    let fault = changed("/rows/1/counts", json!(true)).unwrap_err();
+    assert_eq!(fault, LastFault::Twice { side: "right", point: "C".to_owned() });
     for (path, place) in [("/order_ref", "order_ref"), ("/garment/name", "garment.name")] {
         let fault = changed(path, json!("a\u{1b}[2J\nb")).unwrap_err();
         assert_eq!(fault, LastFault::Text { place });

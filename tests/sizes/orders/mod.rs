@@ -28,13 +28,15 @@ const LEVELS: [(Level, f64, f64, f64); 4] = [
     (Level::D, 349.0, 0.5, 428.0),
 ];
 
-fn amendment(leg: &str, measure: &str, girth_mm: Option<f64>, reason: &str) -> Amendment {
+/// What a person set: girth and height, or that a level cannot be measured.
+fn amendment(leg: &str, measure: &str, set_mm: [Option<f64>; 2], reason: &str) -> Amendment {
+    let [girth_mm, height_mm] = set_mm;
     Amendment {
         leg: leg.to_owned(),
         measure: measure.to_owned(),
         is: if girth_mm.is_some() { Deed::Measured } else { Deed::NotMeasurable },
         girth_mm,
-        height_mm: None,
+        height_mm,
         length_mm: None,
         reason: reason.to_owned(),
         by: "Jörg Øster".to_owned(),
@@ -76,9 +78,9 @@ pub static SCANNED: LazyLock<Record> = LazyLock::new(|| {
 /// cannot be measured.
 pub static RECORD: LazyLock<Record> = LazyLock::new(|| {
     let amendments = [
-        amendment("right", "C", Some(380.0), "=swollen; \"hard\""),
-        amendment("left", "B1", Some(270.0), "hem of a sock, of 4711"),
-        amendment("left", "D", None, "bandage"),
+        amendment("right", "C", [Some(380.0), None], "=swollen; \"hard\""),
+        amendment("left", "B1", [Some(270.0), Some(210.0)], "hem of a sock, of 4711"),
+        amendment("left", "D", [None, None], "bandage"),
     ];
     SCANNED.amended(&amendments, true).unwrap()
 });
