@@ -17,6 +17,7 @@ use crate::record::order::{
     mapped_name, read,
 };
 use crate::record::schema::NOT_VOUCHED;
+use crate::record::sizing::SCANNER_GIRTH_MM;
 use crate::record::{Record, RecordFile, SUMS};
 use crate::sizes::{Garment, Mapping};
 
@@ -202,7 +203,7 @@ impl Configured {
                 Ok(Configured {
                     garments: Garment::shipped().to_vec(),
                     garment: Garment::default(),
-                    scanner_girth_mm: 0.0,
+                    scanner_girth_mm: SCANNER_GIRTH_MM,
                 })
             }
             Err(error) => Err(explain_config(&error)),
