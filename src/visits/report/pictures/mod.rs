@@ -69,10 +69,10 @@ pub(super) fn overlay(words: &Words, of: &Comparison, overlay: Overlay) -> Vec<B
     let map = map_of(&overlay.record, scale, &title, words.language).map(|picture| {
         let marks = svg::marks(&picture);
         let figure = Figure { name: "distances", picture, marks };
-        Block::Picture { title: title.clone(), figure, caption: caption.clone() }
+        Block::Picture { title, figure, caption: caption.clone() }
     });
     let view = View {
-        title,
+        title: words.filled("visits.picture.in_3d", &[("between", &pair)]),
         text: caption,
         record: overlay.record,
         words: vec![
