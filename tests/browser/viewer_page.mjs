@@ -15,10 +15,10 @@ export async function script() {
   return `globalThis.gaiterViewerWords = ${JSON.stringify(await words("en"))};\n${parts.join("")}`;
 }
 
-/** The words of the view in a language, from the last table of its file, with what the program adds. */
+/** The words of the view in a language, from its table of the language's file, with what the program adds. */
 export async function words(language) {
   const file = await readFile(new URL(`../../src/language/${language}.toml`, import.meta.url), "utf8");
-  const table = file.split("\n[viewer]\n")[1];
+  const table = file.split("\n[viewer]\n")[1].split("\n[")[0];
   const pairs = [...table.matchAll(/^(\w+) = "(.*)"$/gm)].map(([, key, text]) => [key, text]);
   return { ...Object.fromEntries(pairs), point: language === "de" ? "," : ".", tag: language };
 }
