@@ -109,7 +109,7 @@ fn the_files_of_an_order_go_to_every_store_and_a_correction_makes_them_anew() {
     let set = booth.gaiter(&[&["amend", &sha256(&bytes)[..8]][..], &what, &said].concat());
     assert_eq!(code(&set), Some(0), "{}", stderr(&set));
     fetch(&booth);
-    booth.wait_for("the revision", || names(&booth.path("copy").join("4711")).len() == 2);
+    booth.wait_for("the revision", || visible(&booth.path("copy").join("4711")).len() == 2);
     for store in ["records", "copy"] {
         let order: Value =
             serde_json::from_slice(&fs::read(stored(store).join("order.json")).unwrap()).unwrap();
