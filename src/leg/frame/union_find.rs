@@ -14,6 +14,7 @@ impl DisjointSets {
     }
 
     /// The member that represents the set of `member`.
+    #[inline]
     pub fn root(&mut self, mut member: u32) -> u32 {
         while self.parents[member as usize] != member {
             let grandparent = self.parents[self.parents[member as usize] as usize];
@@ -24,6 +25,7 @@ impl DisjointSets {
     }
 
     /// Merges the sets of `a` and `b`.
+    #[inline]
     pub fn join(&mut self, a: u32, b: u32) {
         let (mut large, mut small) = (self.root(a), self.root(b));
         if large == small {

@@ -64,9 +64,9 @@ pub fn saddle(
     let border = SkinBorder::above(mesh, from_mm, LINK_MIN_MM);
     let seams = border.seams.iter().copied();
     let edges = if has_long_edge(mesh, edge_max_mm) {
-        above(points, to_mm, sides(mesh, to_mm, edge_max_mm).chain(seams))
+        above(points, to_mm, sides(mesh, to_mm, edge_max_mm).chain(seams)).collect()
     } else {
-        above(points, to_mm, mesh.edges().iter().copied().chain(seams))
+        above(points, to_mm, mesh.edges().iter().copied().chain(seams)).collect()
     };
     let top = points[legs.first_joined(points, edges)? as usize];
     // A border that is no longer than the spacing of points is a missing triangle.
@@ -83,7 +83,13 @@ fn of_cloud(
     legs: Legs,
 ) -> Option<Saddle> {
     let skin = CloudSkin::between(points, [from_mm, highest_mm], reach);
-    let top = legs.first_joined(points, above(points, to_mm, skin.links().iter().copied()))?;
+    // They are counted first: a cloud has ten to a point, and a list that grows takes more than twice their
+    // memory.
+    let links = skin.links();
+    let high = || above(points, to_mm, links.iter().copied());
+    let mut edges = Vec::with_capacity(high().count());
+    edges.extend(high());
+    let top = legs.first_joined(points, edges)?;
     // How far down a border reaches is not told in a cloud.
     let border_bottom_mm = skin.is_open(top).then_some(from_mm);
     Some(Saddle { height_mm: points[top as usize].z, border_bottom_mm })
@@ -129,21 +135,16 @@ struct Edge {
     ends: [u32; 2],
 }
 
-/// The edges whose higher end is above a height. They are counted first: a cloud has ten to a point, and a
-/// list that grows takes more than twice their memory.
+/// The edges whose higher end is above a height.
 fn above(
     points: &[Point3<f64>],
     from_mm: f64,
-    edges: impl Iterator<Item = [u32; 2]> + Clone,
-) -> Vec<Edge> {
-    let edge = |[a, b]: [u32; 2]| {
+    edges: impl Iterator<Item = [u32; 2]>,
+) -> impl Iterator<Item = Edge> {
+    edges.filter_map(move |[a, b]| {
         let top_mm = points[a as usize].z.max(points[b as usize].z);
         (top_mm > from_mm).then(|| Edge { top: top_mm.to_bits(), ends: [a.min(b), a.max(b)] })
-    };
-    let found = edges.filter_map(edge);
-    let mut list = Vec::with_capacity(found.clone().count());
-    list.extend(found);
-    list
+    })
 }
 
 /// Whether any edge of a mesh is longer than `edge_max_mm`.
@@ -154,7 +155,7 @@ fn has_long_edge(mesh: &Mesh, edge_max_mm: f64) -> bool {
 }
 
 /// The sides of the triangles that reach above a height and have no side longer than `edge_max_mm`.
-fn sides(mesh: &Mesh, from_mm: f64, edge_max_mm: f64) -> impl Iterator<Item = [u32; 2]> + Clone {
+fn sides(mesh: &Mesh, from_mm: f64, edge_max_mm: f64) -> impl Iterator<Item = [u32; 2]> {
     let points = mesh.points();
     let is_high = move |triangle: &&[u32; 3]| {
         triangle.iter().any(|corner| points[*corner as usize].z > from_mm)
