@@ -2,10 +2,8 @@
 
 mod environment;
 mod names;
-mod network;
 mod readers;
 mod row;
-mod servers;
 mod tables;
 mod unit;
 
@@ -61,7 +59,6 @@ fn around(file: &Path, config: &Config) -> Vec<Row> {
     let mut rows = environment::rows(config);
     rows.extend(tables::rows(config));
     rows.extend(readers::rows(config));
-    rows.extend(servers::rows(config));
     rows.extend(unit::rows(file, config));
     rows
 }

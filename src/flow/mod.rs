@@ -26,7 +26,6 @@ pub mod patient;
 pub mod phantom;
 pub mod retention;
 pub mod scan_id;
-pub mod server;
 pub mod settle;
 pub mod trigger;
 pub mod trusted_time;

@@ -246,7 +246,7 @@ impl Custody {
     }
 
     /// Records a delivery's receipt. Bytes that are no longer needed are removed, now or by
-    /// [`Custody::tidy`]. If it was the last one, and another store has refused the record, the scan is refused.
+    /// [`Custody::tidy`].
     ///
     /// # Errors
     /// See [`CustodyFault`]; the delivery is then still to be made.
@@ -256,7 +256,7 @@ impl Custody {
             let gone = self.spool.remove(&due.scan);
             self.untidy.fetch_or(gone.is_err(), Ordering::Relaxed);
         }
-        self.refuse_untakable(&due.scan)
+        Ok(())
     }
 
     /// Removes what could not be removed when it was due, if there is anything.
@@ -331,18 +331,10 @@ impl Custody {
             return Ok(None);
         }
         let of_store = reason.stage == Stage::Store;
-        if of_store && self.journal.refused_at_store(due, &reason.code, &reason.message)? {
+        if of_store && self.journal.refused_at_store(due, &reason.code)? {
             return Ok(Some(reason));
         }
         self.refused(&due.scan, reason).map(Some)
-    }
-
-    /// Refuses a scan of which nothing is to be made but what a store will never take.
-    fn refuse_untakable(&self, scan: &ScanId) -> Result<(), CustodyFault> {
-        let Some((code, message)) = self.journal.to_be_refused(scan)? else { return Ok(()) };
-        let first_seen = self.journal.scan(scan)?.map(|row| row.first_seen);
-        let first_seen = first_seen.unwrap_or_else(Timestamp::now);
-        self.refused(scan, Reason::new(&code, message, Stage::Store, first_seen)).map(drop)
     }
 
     /// Refuses a scan for good; its bytes go to quarantine. Returns the reason that applies.

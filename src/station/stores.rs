@@ -5,14 +5,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use jiff::tz::TimeZone;
 
-use crate::config::{Config, FhirStoreConfig, GdtStoreConfig, Hl7StoreConfig};
-use crate::record::fhir::FhirRules;
-use crate::record::hl7::Hl7Rules;
+use crate::config::{Config, GdtStoreConfig};
 use crate::store::gdt::Attach;
-use crate::store::{FhirStore, FolderStore, GdtStore, Hl7Store, RecordStore, StoreFault};
-
-/// The name of gaiter's codes in messages of HL7 v2: a local coding system (table 0396, 99zzz).
-const HL7_CODES: &str = "99GTR";
+use crate::store::{FolderStore, GdtStore, RecordStore, StoreFault};
 
 /// Where records go.
 #[derive(Debug)]
@@ -36,10 +31,7 @@ impl Stores {
         let copy =
             copy.map(|copy| FolderStore::new("copy", copy.path.clone(), station, copy.access));
         let folders = [Some(first), copy].into_iter().flatten().map(RecordStore::Folder);
-        let all = folders
-            .chain(config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt)))
-            .chain(config.store.fhir.as_ref().map(|fhir| fhir_store(config, fhir)))
-            .chain(config.store.hl7.as_ref().map(|hl7| hl7_store(config, hl7)));
+        let all = folders.chain(config.store.gdt.as_ref().map(|gdt| gdt_store(config, gdt)));
         Stores { all: all.collect(), opened: Mutex::default() }
     }
 
@@ -99,35 +91,4 @@ fn gdt_store(config: &Config, gdt: &GdtStoreConfig) -> RecordStore {
     let names = gdt.file_name.clone();
     let store = GdtStore::new(gdt.path.clone(), names, rules, station, zone);
     RecordStore::Gdt(Box::new(store))
-}
-
-/// The store of a FHIR server.
-fn fhir_store(config: &Config, fhir: &FhirStoreConfig) -> RecordStore {
-    let rules = FhirRules {
-        identifiers: fhir.identifiers.clone(),
-        codes: fhir.codes.clone(),
-        language: config.language,
-        garment: config.garment.clone(),
-        attach: fhir.attach.clone(),
-    };
-    RecordStore::Fhir(Box::new(FhirStore::new(fhir.server.clone(), rules)))
-}
-
-/// The store of a receiver of HL7 v2. A station without a name for its facility has its own.
-fn hl7_store(config: &Config, hl7: &Hl7StoreConfig) -> RecordStore {
-    let [application, facility] = hl7.sender.clone();
-    let facility = if facility.is_empty() { config.station.id.clone() } else { facility };
-    let rules = Hl7Rules {
-        sender: [application, facility],
-        receiver: hl7.receiver.clone(),
-        processing: hl7.processing,
-        version: hl7.version.clone(),
-        authority: hl7.authority.clone(),
-        coding: HL7_CODES.to_owned(),
-        pdf: hl7.pdf,
-        charset: hl7.charset,
-        language: config.language,
-        garment: config.garment.clone(),
-    };
-    RecordStore::Hl7(Box::new(Hl7Store::new(hl7.way.clone(), rules, &config.station.state_dir)))
 }

@@ -3,17 +3,11 @@
 
 pub mod brief;
 pub mod durable;
-mod fault;
-pub mod fhir;
 pub mod folder;
 pub mod gdt;
-pub mod hl7;
-pub mod http;
 mod listing;
 pub mod polling;
 pub mod revision;
-pub mod secret;
-pub mod server;
 pub mod sums;
 
 use std::io;
@@ -23,12 +17,9 @@ use jiff::Timestamp;
 
 use crate::flow::ScanId;
 use crate::record::RecordFile;
-pub use fault::{Misfit, StoreFault};
-pub use fhir::FhirStore;
+use crate::record::gdt::ResultFault;
 pub use folder::FolderStore;
 pub use gdt::GdtStore;
-pub use hl7::Hl7Store;
-pub use server::ServerFault;
 
 /// A store of records, one of the kinds that gaiter knows.
 #[derive(Debug, Clone)]
@@ -37,10 +28,6 @@ pub enum RecordStore {
     Folder(FolderStore),
     /// Results for a practice's software.
     Gdt(Box<GdtStore>),
-    /// Resources on a FHIR server.
-    Fhir(Box<FhirStore>),
-    /// Messages for a receiver of HL7 v2.
-    Hl7(Box<Hl7Store>),
 }
 
 /// One record on its way to a store.
@@ -98,14 +85,99 @@ pub struct Receipt {
     pub already_there: bool,
 }
 
+/// Why a record was not stored.
+#[derive(Debug, thiserror::Error)]
+pub enum StoreFault {
+    /// The store cannot take the record now, but may later.
+    #[error("{what} failed on {path}")]
+    Transient {
+        /// What was tried.
+        what: &'static str,
+        /// On what.
+        path: PathBuf,
+        /// How it failed.
+        #[source]
+        source: io::Error,
+    },
+    /// The practice software has not fetched what was handed over before.
+    #[error(
+        "the practice software has not fetched the last result; the next one waits, because \
+         results are never overwritten"
+    )]
+    NotFetched,
+    /// The store will never take this record.
+    #[error("the store cannot take this record: {0}")]
+    Permanent(Misfit),
+}
+
+/// Why a store will never take a record.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+pub enum Misfit {
+    /// The record's last file is not `SHA256SUMS`.
+    #[error("its last file is not SHA256SUMS")]
+    NoSums,
+    /// The spooled bytes are not the scan's.
+    #[error("the spooled bytes are not those of the scan")]
+    OtherBytes,
+    /// A file name that could leave the record's folder or hide.
+    #[error("a file of the record has the invalid name {name:?}")]
+    FileName {
+        /// The name.
+        name: String,
+    },
+    /// The record's place is taken by something that is not this scan's complete record.
+    #[error("its folder exists but is not this scan's complete record: {0}")]
+    Occupied(sums::SumsFault),
+    /// The patient's folder is a link, which may lead to another patient's.
+    #[error("the patient's folder is a symbolic link")]
+    FolderIsLink,
+    /// The patient's folder cannot be told apart from another patient's.
+    #[error(
+        "the store has a folder whose name differs from this patient's only in letter case: it may \
+         be another patient's"
+    )]
+    FolderClash,
+    /// The record is unassigned, and practice software takes none of those.
+    #[error("it names no patient, which practice software requires")]
+    Unassigned,
+    /// It holds no readable `record.json`.
+    #[error("it holds no readable record.json")]
+    NoRecord,
+    /// Its `record.json` is another patient's.
+    #[error("its record.json names a different patient")]
+    OtherPatient,
+    /// It cannot be written as a GDT message.
+    #[error("it cannot be written as GDT: {0}")]
+    Gdt(ResultFault),
+    /// It was handed over to practice software, which keeps its own records.
+    #[error(
+        "it was handed over to the practice software and cannot be withdrawn: delete it in the \
+         practice software"
+    )]
+    HandedOver,
+}
+
+impl StoreFault {
+    /// The stable code of this fault, for the journal and `reason.json`.
+    pub fn code(&self) -> &'static str {
+        match self {
+            StoreFault::Transient { .. } => "store-unavailable",
+            StoreFault::NotFetched => "result-not-fetched",
+            StoreFault::Permanent(Misfit::Occupied(_)) => "store-place-occupied",
+            StoreFault::Permanent(Misfit::FolderIsLink) => "patient-folder-is-a-link",
+            StoreFault::Permanent(Misfit::FolderClash) => "patient-folder-clash",
+            StoreFault::Permanent(Misfit::HandedOver) => "result-handed-over",
+            StoreFault::Permanent(_) => "store-misfit",
+        }
+    }
+}
+
 impl RecordStore {
     /// The store's name in the journal.
     pub fn name(&self) -> &'static str {
         match self {
             RecordStore::Folder(store) => store.name(),
             RecordStore::Gdt(_) => GdtStore::NAME,
-            RecordStore::Fhir(_) => FhirStore::NAME,
-            RecordStore::Hl7(_) => Hl7Store::NAME,
         }
     }
 
@@ -113,7 +185,7 @@ impl RecordStore {
     pub fn takes_unassigned(&self) -> bool {
         match self {
             RecordStore::Folder(_) => true,
-            RecordStore::Gdt(_) | RecordStore::Fhir(_) | RecordStore::Hl7(_) => false,
+            RecordStore::Gdt(_) => false,
         }
     }
 
@@ -130,15 +202,13 @@ impl RecordStore {
                 store.mark()
             }
             RecordStore::Gdt(store) => store.begin(make_folder),
-            RecordStore::Fhir(_) => Ok(()),
-            RecordStore::Hl7(store) => store.begin(make_folder),
         }
     }
 
     /// Reports whether a record can be withdrawn; practice software keeps what it was handed.
     pub fn gives_back(&self) -> bool {
         match self {
-            RecordStore::Folder(_) | RecordStore::Fhir(_) | RecordStore::Hl7(_) => true,
+            RecordStore::Folder(_) => true,
             RecordStore::Gdt(_) => false,
         }
     }
@@ -148,8 +218,6 @@ impl RecordStore {
         match self {
             RecordStore::Folder(store) => store.place(),
             RecordStore::Gdt(store) => store.place(),
-            RecordStore::Fhir(store) => store.place(),
-            RecordStore::Hl7(store) => store.place(),
         }
     }
 
@@ -161,7 +229,6 @@ impl RecordStore {
         match self {
             RecordStore::Folder(store) => store.clear_staging(),
             RecordStore::Gdt(store) => store.open(),
-            RecordStore::Fhir(_) | RecordStore::Hl7(_) => Ok(()),
         }
     }
 
@@ -173,8 +240,6 @@ impl RecordStore {
         match self {
             RecordStore::Folder(store) => store.reach(),
             RecordStore::Gdt(store) => store.reach(),
-            RecordStore::Fhir(store) => store.reach(),
-            RecordStore::Hl7(store) => store.reach(),
         }
     }
 
@@ -186,7 +251,6 @@ impl RecordStore {
         match self {
             RecordStore::Folder(store) => store.records(),
             RecordStore::Gdt(store) => store.records(),
-            RecordStore::Fhir(_) | RecordStore::Hl7(_) => Ok(Vec::new()),
         }
     }
 
@@ -197,7 +261,7 @@ impl RecordStore {
     pub fn kept_head(&self) -> Result<Option<String>, StoreFault> {
         match self {
             RecordStore::Folder(store) => store.kept_head(),
-            RecordStore::Gdt(_) | RecordStore::Fhir(_) | RecordStore::Hl7(_) => Ok(None),
+            RecordStore::Gdt(_) => Ok(None),
         }
     }
 
@@ -209,7 +273,7 @@ impl RecordStore {
     pub fn keep_head(&self, line: &str) -> Result<(), StoreFault> {
         match self {
             RecordStore::Folder(store) => store.keep_head(line),
-            RecordStore::Gdt(_) | RecordStore::Fhir(_) | RecordStore::Hl7(_) => Ok(()),
+            RecordStore::Gdt(_) => Ok(()),
         }
     }
 
@@ -224,7 +288,7 @@ impl RecordStore {
     ) -> Result<Option<StoredScan>, StoreFault> {
         match self {
             RecordStore::Folder(store) => store.stored_scan(scan, patient),
-            RecordStore::Gdt(_) | RecordStore::Fhir(_) | RecordStore::Hl7(_) => Ok(None),
+            RecordStore::Gdt(_) => Ok(None),
         }
     }
 
@@ -244,14 +308,11 @@ impl RecordStore {
         match self {
             RecordStore::Folder(store) => store.withdraw(scan, from, keeper),
             RecordStore::Gdt(_) => Err(StoreFault::Permanent(Misfit::HandedOver)),
-            RecordStore::Fhir(store) => store.withdraw(scan, from),
-            RecordStore::Hl7(store) => store.withdraw(scan, from),
         }
     }
 
     /// Removes what the store has of a person and gives back: records of scans that came before a time, those
     /// of these scans from the unassigned ones, results that have no name yet. A repeated call does nothing.
-    /// What a server was given is the house's own; it is listed for the person who erases.
     ///
     /// # Errors
     /// See [`StoreFault`]; what was removed stays removed.
@@ -264,7 +325,6 @@ impl RecordStore {
         match self {
             RecordStore::Folder(store) => store.erase(patient, before, scans),
             RecordStore::Gdt(store) => store.erase(patient),
-            RecordStore::Fhir(_) | RecordStore::Hl7(_) => Ok(()),
         }
     }
 
@@ -276,8 +336,6 @@ impl RecordStore {
         match self {
             RecordStore::Folder(store) => store.put(delivery),
             RecordStore::Gdt(store) => store.put(delivery),
-            RecordStore::Fhir(store) => store.put(delivery),
-            RecordStore::Hl7(store) => store.put(delivery),
         }
     }
 }

@@ -51,7 +51,7 @@ const PURE: [Rule; 9] = [
     Rule {
         layer: "flow",
         layers: &["language", "scan", "sizes", "record"],
-        crates: &["http", "jiff", "regex", "serde", "thiserror"],
+        crates: &["jiff", "regex", "serde", "thiserror"],
     },
 ];
 

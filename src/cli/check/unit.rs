@@ -1,10 +1,9 @@
-//! Whether the system service may use the folders and servers that the configuration names. The station runs in a
+//! Whether the system service may use the folders that the configuration names. The station runs in a
 //! sandbox of systemd, which `gaiter check` does not, so folders that pass here may fail there.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use super::network;
 use super::row::{Row, Verdict};
 use crate::config::{AfterOrder, Config};
 
@@ -12,8 +11,8 @@ use crate::config::{AfterOrder, Config};
 const SERVICE: &str = "gaiter.service";
 
 /// The properties that decide.
-const PROPERTIES: &str = "LoadState,ExecStart,StateDirectory,ReadWritePaths,ProtectSystem,\
-    ProtectHome,PrivateTmp,PrivateNetwork,RestrictAddressFamilies,IPAddressAllow,IPAddressDeny";
+const PROPERTIES: &str =
+    "LoadState,ExecStart,StateDirectory,ReadWritePaths,ProtectSystem,ProtectHome,PrivateTmp";
 
 /// The folders of `ProtectHome`.
 const HOMES: [&str; 3] = ["/home", "/root", "/run/user"];
@@ -21,13 +20,11 @@ const HOMES: [&str; 3] = ["/home", "/root", "/run/user"];
 /// The folders of `PrivateTmp`.
 const TEMPORARY: [&str; 2] = ["/tmp", "/var/tmp"];
 
-/// A row for each folder or server that the service may not use as it has to. None if there is no such service, or
+/// A row for each folder that the service may not use as it has to. None if there is no such service, or
 /// if it runs with another configuration.
 pub(super) fn rows(file: &Path, config: &Config) -> Vec<Row> {
-    let Some(shown) = systemctl(&["show", SERVICE, "--property", PROPERTIES]) else {
-        return Vec::new();
-    };
-    let unit = Unit::of(&shown);
+    let Some(unit) = shown() else { return Vec::new() };
+    let unit = Unit::of(&unit);
     if !unit.runs_with(file) {
         return Vec::new();
     }
@@ -41,24 +38,19 @@ pub(super) fn rows(file: &Path, config: &Config) -> Vec<Row> {
         Some(&config.store.folder.path),
         config.store.copy.as_ref().map(|copy| &copy.path),
         config.store.gdt.as_ref().map(|gdt| &gdt.path),
-        config.store.hl7.as_ref().and_then(|hl7| hl7.way.folder()),
     ];
     let written = written.into_iter().flatten().map(|folder| (folder, Need::Write));
     let refused = exports.chain(orders).chain(written).filter_map(|(folder, need)| {
         let why = unit.refuses(folder, need)?;
         Some(Row::new("service", folder, Verdict::Fail, why))
     });
-    // Credentials are not among the properties that systemctl prints.
-    let files = systemctl(&["cat", SERVICE]).unwrap_or_default();
-    refused
-        .chain(network::rows(&unit, config))
-        .chain(network::credentials(&files, config))
-        .collect()
+    refused.collect()
 }
 
-/// What systemd says; `None` where there is no systemd.
-fn systemctl(arguments: &[&str]) -> Option<String> {
-    let asked = Command::new("systemctl").args(arguments).output();
+/// What systemd says about the service; `None` where there is no systemd.
+fn shown() -> Option<String> {
+    let asked =
+        Command::new("systemctl").args(["show", SERVICE, "--property", PROPERTIES]).output();
     let answer = asked.ok().filter(|answer| answer.status.success())?;
     String::from_utf8(answer.stdout).ok()
 }
@@ -71,14 +63,14 @@ enum Need {
 }
 
 /// The properties of a unit.
-pub(super) struct Unit<'a>(Vec<(&'a str, &'a str)>);
+struct Unit<'a>(Vec<(&'a str, &'a str)>);
 
 impl<'a> Unit<'a> {
-    pub fn of(shown: &'a str) -> Unit<'a> {
+    fn of(shown: &'a str) -> Unit<'a> {
         Unit(shown.lines().filter_map(|line| line.split_once('=')).collect())
     }
 
-    pub fn get(&self, property: &str) -> &'a str {
+    fn get(&self, property: &str) -> &'a str {
         self.0.iter().find(|(name, _)| *name == property).map_or("", |(_, value)| value)
     }
 

@@ -7,7 +7,7 @@ use jiff::Timestamp;
 use jiff::tz::TimeZone;
 
 use crate::flow::health::local;
-use crate::flow::patient::person::{OnServer, Person, PersonRecord, WhoseScan};
+use crate::flow::patient::person::{Person, PersonRecord, WhoseScan};
 use crate::language::Language;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:64rem;margin:2rem auto;padding:0 1rem}\
@@ -57,11 +57,6 @@ fn sections(person: &Person, language: Language) -> Vec<Section> {
         ),
         ("person.others", &["person.file"], others(person)),
         ("person.handed_over", &["person.at", "person.file", "person.scan"], handed_over(person)),
-        (
-            "person.on_servers",
-            &["person.at", "person.server", "person.reference", "person.scan"],
-            on_servers(person, language),
-        ),
         ("person.elsewhere", &["person.file"], elsewhere(person)),
         ("person.captures", &["person.at", "person.state"], captures(person)),
         (
@@ -164,28 +159,10 @@ fn handed_over(person: &Person) -> Vec<Vec<String>> {
     given.map(|of| vec![escaped(&time(of.at)), shown_path(&of.file), escaped(&of.sha256)]).collect()
 }
 
-fn on_servers(person: &Person, language: Language) -> Vec<Vec<String>> {
-    let given = person.on_servers.iter();
-    let row = |of: &OnServer| {
-        let store = language.word("page.part.store", &of.store);
-        vec![
-            of.at.map(time).map(|at| escaped(&at)).unwrap_or_default(),
-            escaped(&format!("{store}: {}", of.place)),
-            escaped(&match of.is_withdrawn {
-                true => format!("{} ({})", of.reference, language.text("person.withdrawn")),
-                false => of.reference.clone(),
-            }),
-            escaped(&of.sha256),
-        ]
-    };
-    given.map(row).collect()
-}
-
 /// Files that the disclosure has no copy of.
 fn elsewhere(person: &Person) -> Vec<Vec<String>> {
     let attachments = person.handed_over.iter().flat_map(|of| &of.attachments);
-    let unfetched = person.on_servers.iter().filter_map(|of| of.unfetched.as_ref());
-    let all = person.exports.iter().chain(&person.journals).chain(attachments).chain(unfetched);
+    let all = person.exports.iter().chain(&person.journals).chain(attachments);
     all.map(|path| vec![shown_path(path)]).collect()
 }
 

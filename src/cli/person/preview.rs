@@ -69,26 +69,6 @@ fn left(person: &Person, language: Language) -> Vec<String> {
             lines.push(language.filled("erase.attachment", &[("file", &file)]));
         }
     }
-    for of in &person.on_servers {
-        let key = match (&of.unfetched, of.is_withdrawn) {
-            (Some(_), _) => "erase.on_server_unfetched",
-            (None, true) => "erase.on_server_withdrawn",
-            (None, false) => "erase.on_server",
-        };
-        let store: &dyn Display = &language.word("page.part.store", &of.store);
-        let at = of.at.map(|at| at.to_string()).unwrap_or_default();
-        let file = of.unfetched.as_ref().map(|file| shown(file.display()).to_string());
-        let (place, file) = (shown(&of.place).to_string(), file.unwrap_or_default());
-        let reference = shown(&of.reference).to_string();
-        let words: [(&str, &dyn Display); 5] = [
-            ("store", store),
-            ("place", &place),
-            ("reference", &reference),
-            ("at", &at),
-            ("file", &file),
-        ];
-        lines.push(language.filled(key, &words));
-    }
     for path in &person.exports {
         let file = shown(path.display()).to_string();
         lines.push(language.filled("erase.export", &[("file", &file)]));

@@ -26,8 +26,6 @@ pub struct Person {
     pub stores: Vec<PersonStore>,
     /// What was given to practice software.
     pub handed_over: Vec<HandedOver>,
-    /// What servers of a hospital were given.
-    pub on_servers: Vec<OnServer>,
     /// The waits for a scan of theirs.
     pub captures: Vec<PersonCapture>,
     /// Refused orders that name them: folders in the state folder.
@@ -143,25 +141,6 @@ pub struct HandedOver {
     pub attachments: Vec<PathBuf>,
 }
 
-/// A record that a server of a hospital was given.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct OnServer {
-    /// The scan, 64 hexadecimal digits.
-    pub sha256: String,
-    /// The store.
-    pub store: String,
-    /// The server, as configured.
-    pub place: String,
-    /// By what it is found there: a report's address, or a message's control id.
-    pub reference: String,
-    /// Since when.
-    pub at: Option<Timestamp>,
-    /// It was taken back: the server may keep it, marked as wrong.
-    pub is_withdrawn: bool,
-    /// The message's file, while the receiver has not fetched it.
-    pub unfetched: Option<PathBuf>,
-}
-
 /// A wait for a scan of a person: a press, or a name without a button.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PersonCapture {
@@ -190,7 +169,6 @@ impl Person {
         self.scans.is_empty()
             && self.history.is_empty()
             && self.handed_over.is_empty()
-            && self.on_servers.is_empty()
             && self.captures.is_empty()
             && self.orders.is_empty()
             && stores.fold(0, |count, store| count + store.records.len() + store.others.len()) == 0

@@ -42,7 +42,7 @@ pub enum OrderFault {
     Lines(#[from] LineFault),
     /// It does not begin like a GDT message.
     #[error("its first line is not 8000, the kind of message")]
-    Invalid,
+    NotGdt,
     /// It is another kind of message.
     #[error("it is a message {found}, not an order (6302)")]
     OtherKind {
@@ -94,7 +94,7 @@ impl OrderFault {
             OrderFault::TooLarge { .. } => "order-too-large",
             OrderFault::Lines(LineFault::Empty) => "order-empty",
             OrderFault::Lines(_) => "order-line-malformed",
-            OrderFault::Invalid => "order-not-gdt",
+            OrderFault::NotGdt => "order-not-gdt",
             OrderFault::OtherKind { .. } => "order-other-kind",
             OrderFault::NoTotal | OrderFault::Total { .. } => "order-length-wrong",
             OrderFault::Charset | OrderFault::Text { .. } => "order-charset",
@@ -122,7 +122,7 @@ pub fn read(bytes: &[u8], charset: Charset, lenient: bool) -> Result<Order, Orde
     }
     let lines = line::read(bytes, !lenient)?;
     if lines.first().is_none_or(|line| line.field != KIND || line.content != ORDER) {
-        return Err(OrderFault::Invalid);
+        return Err(OrderFault::NotGdt);
     }
     if !lenient {
         total(&lines, bytes)?;

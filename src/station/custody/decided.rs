@@ -118,8 +118,7 @@ impl Custody {
         let known = self.state_known(&record.scan)?.unwrap_or(Known::NOTHING);
         let number = (known.number > 0).then_some(known.number);
         self.journal.found(&found, known.ruling.patients(), number)?;
-        self.give_up_served(&record.scan)?;
-        self.refuse_untakable(&record.scan)
+        self.give_up_served(&record.scan)
     }
 
     /// Enters a record that a store holds against a decision: the scan goes to the patient of the

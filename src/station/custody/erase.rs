@@ -16,9 +16,8 @@ use crate::flow::ScanId;
 use crate::flow::capture::Judged;
 use crate::flow::patient::erasure::{ErasedScan, Erasure};
 use crate::flow::patient::person::WhoseScan;
-use crate::flow::server::SERVERS;
 use crate::station::journal::{Erasing, Event};
-use crate::store::{durable, hl7};
+use crate::store::durable;
 pub(in crate::station) use naming::{journals_naming, orders_naming};
 
 /// The folder of the previews of held scans in the state folder.
@@ -34,9 +33,7 @@ impl Custody {
         let whose = self.erasures.hash(patient);
         let at = Timestamp::now();
         self.journal.note_of_person(Event::Erasing, &json!({ "person": whose, "by": by }))?;
-        // From a server nothing is removed.
-        let stores = self.stores.iter().filter(|store| !SERVERS.contains(store));
-        let stores = stores.map(|store| (*store).to_owned()).collect();
+        let stores = self.stores.iter().map(|store| (*store).to_owned()).collect();
         let earlier = self.erasures.of(&whose);
         let erasure = Erasure::asked(earlier, patient, (at, by.to_owned()), stores);
         io("noting an erasure", self.erasures.keep(&whose, &erasure))
@@ -67,9 +64,6 @@ impl Custody {
             io("erasing quarantined bytes", self.quarantine.remove(scan))?;
             io("erasing decisions", self.decisions.remove(scan))?;
         }
-        let sent = self.journal.scans_of_person(patient)?;
-        let forgotten = hl7::forget(state_dir, patient, sent.iter().map(|of| &of.scan));
-        io("erasing notes of messages", forgotten)?;
         self.leave_shared(patient)?;
         let previews = state_dir.join(PREVIEWS);
         // The next generation makes those anew that it needs.

@@ -32,7 +32,6 @@ impl Custody {
             if !self.spool.holds(&scan) {
                 self.settle_missing(&scan)?;
             }
-            self.refuse_untakable(&scan)?;
         }
         self.journal.take_back_unwanted()?;
         self.journal.resume_amending()?;

@@ -119,7 +119,7 @@ pub fn note_stalled(core: &Core, name: &str) -> bool {
 fn without_path(fault: &StoreFault) -> String {
     match fault {
         StoreFault::Transient { what, source, .. } => format!("{what} failed: {source}"),
-        StoreFault::NotFetched | StoreFault::Server(_) => fault.to_string(),
+        StoreFault::NotFetched => fault.to_string(),
         StoreFault::Permanent(misfit) => misfit.to_string(),
     }
 }

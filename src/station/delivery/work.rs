@@ -11,7 +11,6 @@ use super::store_reach;
 use crate::flow::facts::{Alarm, StoreAttempt};
 use crate::flow::lifecycle::HANDED_OVER;
 use crate::flow::outbox::Ended;
-use crate::flow::server::SERVERS;
 use crate::flow::{Facts, ScanState, light};
 use crate::record::{FIRST_REVISION, RecordFile};
 use crate::station::booth::Booth;
@@ -123,10 +122,6 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
         store_reach::note(core, &due.store, StoreAttempt::Delivery(None));
         core.custody.delivered(due, &receipt.folder)?;
         let state = core.custody.journal().scan(&due.scan)?.map(|row| row.state);
-        if state == Some(ScanState::Refused) {
-            // This was the last delivery, and another store had refused the record.
-            report_refused(booth, due)?;
-        }
         if state == Some(ScanState::Delivered) {
             let outcome = match to_do.is_empty() {
                 true => light::Outcome::Delivered,
@@ -145,19 +140,6 @@ pub fn put(booth: &Booth, due: &Due, ready: &Ready) -> Ended {
     }
 }
 
-/// Reports that a scan was refused after all but one of its stores had its record.
-fn report_refused(booth: &Booth, due: &Due) -> Result<(), JournalError> {
-    let whole = booth.core().custody.journal().whole(&due.scan)?;
-    let Some((code, message)) = whole.and_then(|of| of.summary.code.zip(of.summary.message)) else {
-        return Ok(());
-    };
-    let scan = short(&due.scan);
-    warn!(event = "scan-refused", scan, code);
-    booth.ended(&due.scan, light::Outcome::Refused { code: code.clone() });
-    booth.core().observer.tell(StationEvent::Refused { scan: Some(scan), code, message });
-    Ok(())
-}
-
 /// Takes back the record of a scan that now belongs to another patient.
 pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
     let core = booth.core();
@@ -166,16 +148,10 @@ pub fn withdraw(booth: &Booth, due: &Due) -> Ended {
         let journal = core.custody.journal();
         let store = core.stores.named(&due.store).ok_or_else(|| no_store(due))?;
         let from = due.patient.as_ref().map(|patient| patient.id.as_str());
-        let keeper = match SERVERS.contains(&store.name()) {
-            true => None,
-            false => {
-                let keeper = journal.keeper(&due.scan, &due.store)?;
-                let early = || Setback::PutOff {
-                    code: "withdrawal-early",
-                    error: "no other patient has the record yet".to_owned(),
-                };
-                keeper.filter(|keeper| keeper.as_deref() != from).ok_or_else(early)?
-            }
+        let keeper = journal.keeper(&due.scan, &due.store)?;
+        let Some(keeper) = keeper.filter(|keeper| keeper.as_deref() != from) else {
+            let error = "nobody else has the record yet".to_owned();
+            return Err(Setback::PutOff { code: "withdrawal-early", error });
         };
         let scan = short(&due.scan);
         match store.withdraw(&due.scan, from, keeper.as_deref()) {
@@ -263,9 +239,7 @@ pub(super) fn of_store(fault: StoreFault, row: &ScanRow) -> Setback {
         StoreFault::Transient { what, source, .. } => {
             Setback::StoreFailed { code, error: format!("{what} failed: {source}") }
         }
-        StoreFault::NotFetched | StoreFault::Server(_) => {
-            Setback::StoreFailed { code, error: fault.to_string() }
-        }
+        StoreFault::NotFetched => Setback::StoreFailed { code, error: fault.to_string() },
         StoreFault::Permanent(misfit) => {
             let message = misfit.to_string();
             Setback::Refused(Reason::new(code, message, Stage::Store, row.first_seen))

@@ -97,34 +97,19 @@ impl Journal {
         Ok(())
     }
 
-    /// Records that a store will never take a record, and why, if other deliveries of the scan are pending.
+    /// Records that a store will never take a record, if other deliveries of the scan are pending.
     /// Returns whether that is so. If not, nothing is changed: the scan is to be refused.
-    pub fn refused_at_store(
-        &self,
-        due: &Due,
-        code: &str,
-        message: &str,
-    ) -> Result<bool, JournalError> {
+    pub fn refused_at_store(&self, due: &Due, code: &str) -> Result<bool, JournalError> {
         self.change(|transaction| {
             if count(transaction, &due.scan, DeliveryState::Pending)? < 2 {
                 return Ok(false);
             }
             step(transaction, due, DeliveryStep::Refuse, None)?;
             set_code(transaction, due, code)?;
-            transaction.execute(
-                "UPDATE scans SET code = ?2, message = ?3 WHERE sha256 = ?1",
-                [due.scan.as_str(), code, message],
-            )?;
             let detail = json!({ "code": code, "store": due.store });
             history::append(transaction, Some(&due.scan), Event::Refused, &detail)?;
             Ok(true)
         })
-    }
-
-    /// Why a scan is to be refused, as code and message: a store will never take its record, and nothing else of
-    /// it is to be made. `None` if it is not.
-    pub fn to_be_refused(&self, scan: &ScanId) -> Result<Option<(String, String)>, JournalError> {
-        to_be_refused(&self.connection(), scan)
     }
 
     /// Records an attempt that failed for a reason that may pass. A delivery that is no longer to be
@@ -178,31 +163,10 @@ pub(super) fn finish_if_done(
     scan: &ScanId,
 ) -> Result<(), JournalError> {
     let state = state_of(transaction, scan)?;
-    if state == ScanState::Spooled
-        && count(transaction, scan, DeliveryState::Pending)? == 0
-        && to_be_refused(transaction, scan)?.is_none()
-    {
+    if state == ScanState::Spooled && count(transaction, scan, DeliveryState::Pending)? == 0 {
         set_state(transaction, scan, state.after(ScanStep::Finish)?)?;
     }
     Ok(())
-}
-
-/// See [`Journal::to_be_refused`].
-fn to_be_refused(
-    connection: &Connection,
-    scan: &ScanId,
-) -> Result<Option<(String, String)>, JournalError> {
-    let mut query = connection.prepare_cached(
-        "SELECT code, message FROM scans
-         WHERE sha256 = ?1 AND state = ?2 AND code IS NOT NULL AND message IS NOT NULL
-               AND EXISTS (SELECT 1 FROM deliveries AS refused
-                           WHERE refused.sha256 = scans.sha256 AND refused.state = ?3)
-               AND NOT EXISTS (SELECT 1 FROM deliveries AS pending
-                               WHERE pending.sha256 = scans.sha256 AND pending.state = ?4)",
-    )?;
-    let (spooled, refused) = (ScanState::Spooled.word(), DeliveryState::Refused.word());
-    let cells = [scan.as_str(), spooled, refused, DeliveryState::Pending.word()];
-    Ok(query.query_row(cells, |row| Ok((row.get(0)?, row.get(1)?))).optional()?)
 }
 
 /// SQL: the bytes of a held scan are needed: it waits for a decision, or it was given up before any record
@@ -223,8 +187,7 @@ pub(super) fn has_served(connection: &Connection, scan: &ScanId) -> Result<bool,
     Ok(query.query_row([scan.as_str()], |row| row.get(0))?)
 }
 
-/// Closes earlier refused scans of this patient and no other, because a later scan could be measured. One whose
-/// record is in a store was measured, and another store lacks it: it stays.
+/// Closes earlier refused scans of this patient and no other, because a later scan could be measured.
 pub(super) fn close_superseded(
     transaction: &Transaction<'_>,
     due: &Due,
@@ -238,8 +201,7 @@ pub(super) fn close_superseded(
                    AND EXISTS (SELECT 1 FROM deliveries AS theirs WHERE theirs.sha256 = scans.sha256
                                AND theirs.patient = ?2 AND theirs.state = 'refused')
                    AND NOT EXISTS (SELECT 1 FROM deliveries AS others
-                                   WHERE others.sha256 = scans.sha256
-                                         AND (others.patient <> ?2 OR others.state = 'delivered'))
+                                   WHERE others.sha256 = scans.sha256 AND others.patient <> ?2)
              RETURNING sha256",
         )?;
         let rows = query.query_map([due.scan.as_str(), &patient.id], |row| row.get(0))?;

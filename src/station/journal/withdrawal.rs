@@ -5,8 +5,7 @@
 //! A delivery becomes unwanted by its code, while its state says what the store may hold: `delivered`
 //! with [`UNASSIGNED`] was made; `delivered` with [`SUPERSEDED`] may be running, or may have been made
 //! by a run that ended before it could record that. Both are withdrawn as soon as the store holds a
-//! record that is wanted, so that a folder always has one of the scan; at a server at once, because others
-//! treat the wrong patient by it. Withdrawing a record that is not there does nothing.
+//! record that is wanted. Withdrawing a record that is not there does nothing.
 
 use std::path::Path;
 
@@ -18,7 +17,6 @@ use super::delivery_row::{delivery_state, detail, set_code, step};
 use super::scans::insert_delivery;
 use super::{Due, Event, Journal, JournalError, cell, history};
 use crate::flow::lifecycle::{HANDED_OVER, SUPERSEDED, UNASSIGNED};
-use crate::flow::server::SERVERS;
 use crate::flow::{DeliveryState, DeliveryStep, ScanId};
 
 /// The code of a record that was to be withdrawn but was changed by hand, so that it stays.
@@ -28,8 +26,7 @@ pub const KEPT: &str = "record-kept";
 pub(super) const UNWANTED: &str = "('unassigned', 'superseded', 'result-handed-over')";
 
 /// Marks what is to be withdrawn now from every store that has a scan: each unwanted record, and the
-/// unassigned one if a patient has the record, once the store holds another record that is wanted; each unwanted
-/// one of a server.
+/// unassigned one if a patient has the record, once the store holds another record that is wanted.
 pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), JournalError> {
     let withdrawing = DeliveryState::Delivered.after(DeliveryStep::Withdraw)?;
     transaction.execute(
@@ -38,21 +35,19 @@ pub(super) fn apply(transaction: &Transaction<'_>, scan: &ScanId) -> Result<(), 
                     changed_at = ?3
              WHERE sha256 = ?1 AND state = 'delivered'
                    AND (code IN (?4, ?5) OR patient = '' AND code IS NULL)
-                   AND (store IN (SELECT value FROM json_each(?6))
-                        OR EXISTS (SELECT 1 FROM deliveries AS keeper
-                                   WHERE keeper.sha256 = deliveries.sha256
-                                         AND keeper.store = deliveries.store
-                                         AND keeper.patient <> deliveries.patient
-                                         AND keeper.state = 'delivered'
-                                         AND coalesce(keeper.code, '') NOT IN {UNWANTED}))"
+                   AND EXISTS (SELECT 1 FROM deliveries AS keeper
+                               WHERE keeper.sha256 = deliveries.sha256
+                                     AND keeper.store = deliveries.store
+                                     AND keeper.patient <> deliveries.patient
+                                     AND keeper.state = 'delivered'
+                                     AND coalesce(keeper.code, '') NOT IN {UNWANTED})"
         ),
         params![
             scan.as_str(),
             withdrawing.word(),
             Timestamp::now().to_string(),
             UNASSIGNED,
-            SUPERSEDED,
-            json!(SERVERS).to_string()
+            SUPERSEDED
         ],
     )?;
     Ok(())

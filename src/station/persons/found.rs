@@ -10,7 +10,7 @@ use jiff::Timestamp;
 use crate::config::Config;
 use crate::flow::patient::naming::RecordName;
 use crate::flow::patient::person::{
-    HandedOver, OnServer, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
+    HandedOver, Person, PersonAmendment, PersonRecord, PersonScan, PersonStore, WhoseScan,
 };
 use crate::flow::{Identity, NameSays, ScanId};
 use crate::record::RECORD;
@@ -49,7 +49,6 @@ pub(in crate::station) fn person(
             kept: kept(custody, state_dir, scan),
         });
     }
-    let on_servers = stores.iter().flat_map(|store| on_server(store, &scans)).collect();
     let mut exports = Vec::new();
     for Theirs { scan, .. } in &theirs {
         let paths = journal.paths_of(scan)?.into_iter();
@@ -69,7 +68,6 @@ pub(in crate::station) fn person(
         scans,
         stores: stores.iter().filter_map(|store| in_folders(store, patient)).collect(),
         handed_over: stores.iter().filter_map(|store| given(store, patient)).flatten().collect(),
-        on_servers,
         captures: journal.captures_of_person(patient)?,
         orders: orders_naming(state_dir, patient).map_err(state("reading refused orders"))?,
         exports,
@@ -172,31 +170,6 @@ fn given(store: &RecordStore, patient: &str) -> Option<Vec<HandedOver>> {
         attachments: of.attachments,
     });
     Some(handed_over.collect())
-}
-
-/// What a server was given; nothing for a store of another kind. The journal knows it by its receipts.
-fn on_server(store: &RecordStore, scans: &[PersonScan]) -> Vec<OnServer> {
-    let unfetched = |reference: &str| match store {
-        RecordStore::Hl7(hl7) => hl7.unfetched(reference),
-        _ => None,
-    };
-    if matches!(store, RecordStore::Folder(_) | RecordStore::Gdt(_)) {
-        return Vec::new();
-    }
-    let deliveries = scans.iter().flat_map(|scan| scan.deliveries.iter().map(move |of| (scan, of)));
-    let given = deliveries.filter(|(_, of)| of.store == store.name()).filter_map(|(scan, of)| {
-        let reference = of.folder.clone()?;
-        Some(OnServer {
-            sha256: scan.sha256.clone(),
-            store: of.store.clone(),
-            place: store.place(),
-            unfetched: unfetched(&reference),
-            reference,
-            at: of.at,
-            is_withdrawn: of.state == "withdrawn",
-        })
-    });
-    given.collect()
 }
 
 /// A store's fault without its path.

@@ -13,12 +13,7 @@ use crate::flow::{Outbox, ScanState};
 use crate::record::{Patient, Source, SourceKind};
 use crate::station::journal::{Entry, ScanRow, Task};
 
-const STORES: [&str; 3] = ["copy", "folder", "fhir"];
-
-/// The stores that take the record of a scan of this patient: a server takes none without one.
-fn takers(id: &str) -> Vec<&'static str> {
-    STORES.into_iter().filter(|store| !id.is_empty() || !SERVERS.contains(store)).collect()
-}
+const STORES: [&str; 2] = ["copy", "folder"];
 
 /// What may happen next.
 #[derive(Debug, Clone, Copy)]
@@ -110,7 +105,7 @@ impl World {
             geometry: "",
             candidates: &[],
         };
-        journal.enter(&entry, &takers(first.unwrap_or_default())).unwrap();
+        journal.enter(&entry, &STORES).unwrap();
         World {
             dir,
             journal,
@@ -140,7 +135,7 @@ impl World {
     fn assign(&mut self, id: &str) {
         if self.journal.owners(&scan()).unwrap().is_empty() {
             self.number += 1;
-            self.journal.assigned(&scan(), &patient(id), &takers(id), self.number).unwrap();
+            self.journal.assigned(&scan(), &patient(id), &STORES, self.number).unwrap();
             self.decided = id.to_owned();
         }
     }
@@ -148,7 +143,7 @@ impl World {
     fn unassign(&mut self) {
         if self.journal.owners(&scan()).unwrap().len() == 1 {
             self.number += 1;
-            self.journal.unassigned(&scan(), &[], &takers(""), self.number).unwrap();
+            self.journal.unassigned(&scan(), &[], &STORES, self.number).unwrap();
             self.decided.clear();
         }
     }
@@ -206,13 +201,10 @@ impl World {
         }
     }
 
-    /// A record goes only where the keeper's is there, as in the folder store; from a server at once.
+    /// A record goes only where the keeper's is there, as in the folder store.
     fn withdraw(&mut self, due: &Due, stage: &Stage, ok: bool) -> Result<Stage, Ended> {
         let from = due.patient_cell();
         match stage {
-            Stage::Begun if SERVERS.contains(&due.store.as_str()) => {
-                Ok(Stage::Ready(String::new()))
-            }
             Stage::Begun => {
                 let keeper = self.journal.keeper(&due.scan, &due.store).unwrap();
                 let keeper = keeper.map(Option::unwrap_or_default);
@@ -221,8 +213,7 @@ impl World {
             Stage::Ready(_) if !ok => Err(Ended::StoreFailed),
             Stage::Ready(keeper) => {
                 let records = self.stores.get_mut(store_of(due)).unwrap();
-                let is_server = SERVERS.contains(&due.store.as_str());
-                if records.contains(from) && !records.contains(keeper) && !is_server {
+                if records.contains(from) && !records.contains(keeper) {
                     return Err(Ended::Kept);
                 }
                 records.remove(from);
@@ -267,9 +258,8 @@ fn rests_where_it_was_decided_last(
         world.happens(*happening);
     }
     world.comes_to_rest();
+    let decided = BTreeSet::from([world.decided.clone()]);
     for (store, records) in &world.stores {
-        let takes = takers(&world.decided).contains(store);
-        let decided = BTreeSet::from_iter(takes.then(|| world.decided.clone()));
         prop_assert_eq!(records, &decided, "in {}", store);
     }
     prop_assert_eq!(world.journal.tally().unwrap().withdrawing, 0);
